@@ -1,0 +1,189 @@
+//! The machine: every parameter of control and axes that the simulation reads.
+//!
+//! Each physical effect is a parameter with a neutral value at which it does nothing; a limit
+//! is neutral at infinity, a ratio at 1, a time at 0. The simulation reads these fields and
+//! nothing else, and the diagnosis will later free them one by one. Derived quantities are
+//! computed where they are needed, never stored.
+//!
+//! Source of the interpolator's fields: Ward, Sencer, Jones and Ozturk 2021, Sect. 2 and 3.
+
+mod parameters;
+mod presets;
+
+pub use parameters::{Access, PARAMETERS, Parameter, parameter};
+pub use presets::{Preset, presets};
+
+use std::collections::BTreeMap;
+
+/// The axes a limit can belong to, in the order of the coordinates of a point.
+pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
+
+/// A machine tool with its control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// Name shown to people.
+    pub name: String,
+    /// How feed pulses become motion.
+    pub interpolator: Interpolator,
+    /// What is particular to rapid moves.
+    pub rapid: Rapid,
+    /// Limits along the path.
+    pub path: PathLimits,
+    /// Each axis X, Y, Z.
+    pub axes: [Axis; 3],
+    /// Override switches.
+    pub overrides: Overrides,
+    /// Times that are not motion.
+    pub times: Times,
+    /// What an hour costs.
+    pub rates: Rates,
+}
+
+/// Filters, tolerance and block handling of the control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interpolator {
+    /// Number of first-order filters in series, 1 to 4.
+    pub filters: usize,
+    /// Their time constants.
+    pub time_constants: TimeConstants,
+    /// Contour tolerance at corners, mm.
+    pub contour_tolerance: f64,
+    /// What the tolerance is held for.
+    pub corner_mode: CornerMode,
+    /// Full stop where the path turns by more than this, rad; neutral π.
+    pub exact_stop_angle: f64,
+    /// Shortest time the control needs for a block, s; neutral 0.
+    pub block_time: f64,
+    /// Blocks the control sees ahead; neutral infinite.
+    pub look_ahead: f64,
+}
+
+/// How the time constants of the filters are known.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TimeConstants {
+    /// All equal, s.
+    Equal(f64),
+    /// All equal, from the jerk limit J (mm/s³) and the feedrate F: T1 = √(F/J), Eq. 8.
+    FromJerk(f64),
+    /// One for each filter, s.
+    Unequal(Vec<f64>),
+}
+
+/// Where the contour tolerance is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CornerMode {
+    /// At each corner as if it were alone, as published.
+    Paper,
+    /// By the filtered path, everywhere.
+    Guaranteed,
+}
+
+impl CornerMode {
+    /// All modes with the word they are written with.
+    pub const WORDS: [(&'static str, CornerMode); 2] =
+        [("paper", CornerMode::Paper), ("guaranteed", CornerMode::Guaranteed)];
+
+    /// The word it is written with.
+    pub fn word(self) -> &'static str {
+        CornerMode::WORDS.iter().find(|(_, mode)| *mode == self).expect("every mode has a word").0
+    }
+}
+
+/// Rapid moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rapid {
+    /// Feedrate along the path, mm/s.
+    pub feedrate: f64,
+    /// Full stop at both ends of a chain of rapid moves; neutral false: blended like feed moves.
+    pub exact_stop: bool,
+    /// Time constants of the filters during rapid moves; neutral none: those of feed moves.
+    pub time_constants: Option<TimeConstants>,
+}
+
+/// Limits along the path, whatever its direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathLimits {
+    /// Acceleration along the path, mm/s²; neutral infinite.
+    pub acceleration: f64,
+    /// Acceleration towards the centre of an arc, mm/s²; neutral infinite.
+    pub centripetal_acceleration: f64,
+}
+
+/// One axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// Fastest the axis moves, mm/s; neutral infinite.
+    pub velocity: f64,
+    /// Largest acceleration, mm/s²; neutral infinite.
+    pub acceleration: f64,
+    /// Largest jerk at a corner, mm/s³; neutral infinite.
+    pub jerk: f64,
+    /// Reference position in the program's coordinates, mm, where it is known.
+    pub home: Option<f64>,
+}
+
+/// Override switches, as ratios.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overrides {
+    /// Of feed moves; neutral 1.
+    pub feed: f64,
+    /// Of rapid moves; neutral 1.
+    pub rapid: f64,
+}
+
+/// Times that are not motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Times {
+    /// Tool change at M6, s.
+    pub tool_change: f64,
+    /// Any other M-word without an entry of its own, s; neutral 0.
+    pub m_code: f64,
+    /// M-words with a time of their own, s, by number.
+    pub m_codes: BTreeMap<u32, f64>,
+}
+
+impl Times {
+    /// How long M`code` takes, s.
+    pub fn of_m_code(&self, code: u32) -> f64 {
+        self.m_codes.get(&code).copied().unwrap_or(self.m_code)
+    }
+}
+
+/// What the machine costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Price of an hour of machine time, in the user's currency.
+    pub hourly: f64,
+    /// Set-up time charged once, s.
+    pub setup: f64,
+}
+
+/// Free of every optional effect; the five numbers a machine file must give are those of the
+/// first preset.
+impl Default for Machine {
+    fn default() -> Machine {
+        Machine {
+            name: "Machining centre".to_string(),
+            interpolator: Interpolator {
+                filters: 3,
+                time_constants: TimeConstants::Equal(0.0255),
+                contour_tolerance: 0.010,
+                corner_mode: CornerMode::Paper,
+                exact_stop_angle: std::f64::consts::PI,
+                block_time: 0.0,
+                look_ahead: f64::INFINITY,
+            },
+            rapid: Rapid { feedrate: 200.0, exact_stop: false, time_constants: None },
+            path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
+            axes: [Axis {
+                velocity: f64::INFINITY,
+                acceleration: f64::INFINITY,
+                jerk: f64::INFINITY,
+                home: None,
+            }; 3],
+            overrides: Overrides { feed: 1.0, rapid: 1.0 },
+            times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
+            rates: Rates { hourly: 0.0, setup: 0.0 },
+        }
+    }
+}

@@ -1,0 +1,439 @@
+//! The table of machine parameters: one row feeds the machine file, the form on the page,
+//! the manual and, later, the fit.
+//!
+//! A row's key is its place in the machine file, `[table]` and key joined by a dot. Values pass
+//! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
+
+use crate::machine::{CornerMode, Machine, TimeConstants};
+use crate::units::Unit;
+
+/// One machine parameter as people write it.
+pub struct Parameter {
+    /// Key in the machine file, for example `rapid.feed_mm_min`.
+    pub key: &'static str,
+    /// Short name for forms.
+    pub label: &'static str,
+    /// What it does, one sentence.
+    pub doc: &'static str,
+    /// Its kind, and how to reach it in a machine.
+    pub access: Access,
+}
+
+/// How a parameter is read from a machine and written to it. Numbers are in core units.
+pub enum Access {
+    /// A number within bounds.
+    Number {
+        /// Unit at the borders.
+        unit: Unit,
+        /// Least value allowed, in that unit.
+        min: f64,
+        /// Largest value allowed, in that unit.
+        max: f64,
+        /// Only whole numbers.
+        whole: bool,
+        /// Its value; none where the machine does not have it.
+        get: fn(&Machine) -> Option<f64>,
+        /// Gives it a value; none takes it back to neutral.
+        set: fn(&mut Machine, Option<f64>),
+    },
+    /// A list of numbers within bounds, as [`Access::Number`].
+    List {
+        /// Unit at the borders.
+        unit: Unit,
+        /// Least value allowed, in that unit.
+        min: f64,
+        /// Largest value allowed, in that unit.
+        max: f64,
+        /// Its values; none where the machine does not have them.
+        get: fn(&Machine) -> Option<Vec<f64>>,
+        /// Gives it values.
+        set: fn(&mut Machine, Vec<f64>),
+    },
+    /// One word of several.
+    Choice {
+        /// The words.
+        words: &'static [&'static str],
+        /// The word it has.
+        get: fn(&Machine) -> &'static str,
+        /// Gives it one of the words.
+        set: fn(&mut Machine, &str),
+    },
+    /// Yes or no.
+    Flag {
+        /// Whether it is set.
+        get: fn(&Machine) -> bool,
+        /// Sets it.
+        set: fn(&mut Machine, bool),
+    },
+    /// Any text.
+    Text {
+        /// The text.
+        get: fn(&Machine) -> &str,
+        /// Gives it a text.
+        set: fn(&mut Machine, &str),
+    },
+    /// A table of seconds by M-word, for example `M8 = 3.0`.
+    MCodes,
+}
+
+/// The row with this key.
+pub fn parameter(key: &str) -> Option<&'static Parameter> {
+    PARAMETERS.iter().find(|parameter| parameter.key == key)
+}
+
+/// An infinite limit is written by leaving the key out.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+const fn number(
+    unit: Unit,
+    (min, max): (f64, f64),
+    get: fn(&Machine) -> Option<f64>,
+    set: fn(&mut Machine, Option<f64>),
+) -> Access {
+    Access::Number { unit, min, max, whole: false, get, set }
+}
+
+const fn whole(
+    (min, max): (f64, f64),
+    get: fn(&Machine) -> Option<f64>,
+    set: fn(&mut Machine, Option<f64>),
+) -> Access {
+    Access::Number { unit: Unit::Number, min, max, whole: true, get, set }
+}
+
+/// Rows of one axis; the compiler needs a literal index and literal keys.
+macro_rules! axis {
+    ($name:literal, $index:literal) => {
+        [
+            Parameter {
+                key: concat!("axis.", $name, ".velocity_mm_min"),
+                label: concat!("Velocity limit ", $name),
+                doc: "Fastest the axis moves, in feed and rapid; empty: no limit.",
+                access: number(Unit::MillimetrePerMinute, (1.0, 1e6), |m| finite(m.axes[$index].velocity), |m, v| {
+                    m.axes[$index].velocity = v.unwrap_or(f64::INFINITY)
+                }),
+            },
+            Parameter {
+                key: concat!("axis.", $name, ".acceleration_mm_s2"),
+                label: concat!("Acceleration limit ", $name),
+                doc: "Largest acceleration of the axis, on ramps and at corners; empty: no limit.",
+                access: number(Unit::MillimetrePerSecond2, (1.0, 1e6), |m| finite(m.axes[$index].acceleration), |m, v| {
+                    m.axes[$index].acceleration = v.unwrap_or(f64::INFINITY)
+                }),
+            },
+            Parameter {
+                key: concat!("axis.", $name, ".jerk_mm_s3"),
+                label: concat!("Jerk limit ", $name),
+                doc: "Largest jerk of the axis at corners; empty: no limit.",
+                access: number(Unit::MillimetrePerSecond3, (1.0, 1e9), |m| finite(m.axes[$index].jerk), |m, v| {
+                    m.axes[$index].jerk = v.unwrap_or(f64::INFINITY)
+                }),
+            },
+            Parameter {
+                key: concat!("axis.", $name, ".home_mm"),
+                label: concat!("Reference point ", $name),
+                doc: "Where G28 and G53 zero lie in the program's coordinates; empty: unknown, such moves are not timed.",
+                access: number(Unit::Millimetre, (-1e5, 1e5), |m| m.axes[$index].home, |m, v| m.axes[$index].home = v),
+            },
+        ]
+    };
+}
+
+const TIME_CONSTANT_S: (f64, f64) = (1e-4, 2.0);
+const JERK_MM_S3: (f64, f64) = (1.0, 1e9);
+
+/// Time constants are one choice of three, so that setting one form replaces the others, and
+/// taking back a form that is not in force changes nothing.
+fn set_equal(constants: &mut TimeConstants, value: Option<f64>) {
+    if let Some(seconds) = value {
+        *constants = TimeConstants::Equal(seconds);
+    }
+}
+
+fn set_from_jerk(constants: &mut TimeConstants, value: Option<f64>) {
+    if let Some(jerk) = value {
+        *constants = TimeConstants::FromJerk(jerk);
+    }
+}
+
+fn equal(constants: &TimeConstants) -> Option<f64> {
+    match constants {
+        TimeConstants::Equal(seconds) => Some(*seconds),
+        _ => None,
+    }
+}
+
+fn jerk(constants: &TimeConstants) -> Option<f64> {
+    match constants {
+        TimeConstants::FromJerk(jerk) => Some(*jerk),
+        _ => None,
+    }
+}
+
+const GENERAL: [Parameter; 22] = [
+    Parameter {
+        key: "name",
+        label: "Name",
+        doc: "What you call the machine.",
+        access: Access::Text { get: |m| &m.name, set: |m, v| m.name = v.to_string() },
+    },
+    Parameter {
+        key: "interpolator.filters",
+        label: "Filters",
+        doc: "First-order FIR filters in series: 2 gives jerk-limited ramps, 3 smoother ones.",
+        access: whole(
+            (1.0, 4.0),
+            |m| Some(m.interpolator.filters as f64),
+            |m, v| m.interpolator.filters = v.unwrap_or(3.0) as usize,
+        ),
+    },
+    Parameter {
+        key: "interpolator.time_constant_s",
+        label: "Time constant T1",
+        doc: "Averaging time of each filter; a full ramp lasts filters × T1.",
+        access: number(
+            Unit::Second,
+            TIME_CONSTANT_S,
+            |m| equal(&m.interpolator.time_constants),
+            |m, v| set_equal(&mut m.interpolator.time_constants, v),
+        ),
+    },
+    Parameter {
+        key: "interpolator.max_jerk_mm_s3",
+        label: "Jerk limit",
+        doc: "Instead of T1: T1 = √(feedrate / jerk), per feedrate.",
+        access: number(
+            Unit::MillimetrePerSecond3,
+            JERK_MM_S3,
+            |m| jerk(&m.interpolator.time_constants),
+            |m, v| set_from_jerk(&mut m.interpolator.time_constants, v),
+        ),
+    },
+    Parameter {
+        key: "interpolator.time_constants_s",
+        label: "Time constants",
+        doc: "Instead of T1: one averaging time for each filter.",
+        access: Access::List {
+            unit: Unit::Second,
+            min: TIME_CONSTANT_S.0,
+            max: TIME_CONSTANT_S.1,
+            get: |m| match &m.interpolator.time_constants {
+                TimeConstants::Unequal(list) => Some(list.clone()),
+                _ => None,
+            },
+            set: |m, v| m.interpolator.time_constants = TimeConstants::Unequal(v),
+        },
+    },
+    Parameter {
+        key: "interpolator.contour_tolerance_mm",
+        label: "Contour tolerance",
+        doc: "How far the motion may leave the programmed path at a corner.",
+        access: number(
+            Unit::Millimetre,
+            (1e-6, 10.0),
+            |m| Some(m.interpolator.contour_tolerance),
+            |m, v| m.interpolator.contour_tolerance = v.unwrap_or(0.01),
+        ),
+    },
+    Parameter {
+        key: "interpolator.corner_mode",
+        label: "Corner mode",
+        doc: "paper: each corner as if alone, as published; guaranteed: the filtered path holds the tolerance everywhere.",
+        access: Access::Choice {
+            words: &[CornerMode::WORDS[0].0, CornerMode::WORDS[1].0],
+            get: |m| m.interpolator.corner_mode.word(),
+            set: |m, v| {
+                if let Some((_, mode)) = CornerMode::WORDS.iter().find(|(word, _)| *word == v) {
+                    m.interpolator.corner_mode = *mode;
+                }
+            },
+        },
+    },
+    Parameter {
+        key: "interpolator.exact_stop_angle_deg",
+        label: "Exact stop above",
+        doc: "Full stop where the path turns by more than this angle; 180: never.",
+        access: number(
+            Unit::Degree,
+            (0.0, 180.0),
+            |m| Some(m.interpolator.exact_stop_angle),
+            |m, v| m.interpolator.exact_stop_angle = v.unwrap_or(std::f64::consts::PI),
+        ),
+    },
+    Parameter {
+        key: "interpolator.block_time_s",
+        label: "Block processing time",
+        doc: "No block is run in less time than this; 0: no such limit.",
+        access: number(
+            Unit::Second,
+            (0.0, 1.0),
+            |m| Some(m.interpolator.block_time),
+            |m, v| m.interpolator.block_time = v.unwrap_or(0.0),
+        ),
+    },
+    Parameter {
+        key: "interpolator.look_ahead_blocks",
+        label: "Look-ahead",
+        doc: "Blocks the control sees ahead and must be able to stop within; empty: all.",
+        access: whole(
+            (1.0, 1e6),
+            |m| finite(m.interpolator.look_ahead),
+            |m, v| m.interpolator.look_ahead = v.unwrap_or(f64::INFINITY),
+        ),
+    },
+    Parameter {
+        key: "rapid.feed_mm_min",
+        label: "Rapid feedrate",
+        doc: "Feedrate of rapid moves along the path.",
+        access: number(
+            Unit::MillimetrePerMinute,
+            (1.0, 1e6),
+            |m| Some(m.rapid.feedrate),
+            |m, v| m.rapid.feedrate = v.unwrap_or(200.0),
+        ),
+    },
+    Parameter {
+        key: "rapid.exact_stop",
+        label: "Stop around rapids",
+        doc: "Full stop where feed changes to rapid and back, and between rapids.",
+        access: Access::Flag { get: |m| m.rapid.exact_stop, set: |m, v| m.rapid.exact_stop = v },
+    },
+    Parameter {
+        key: "rapid.time_constant_s",
+        label: "Time constant T1 of rapids",
+        doc: "Averaging time of each filter during rapids; empty: as for feed moves. Where it differs, feed and rapid are joined by a full stop.",
+        access: number(
+            Unit::Second,
+            TIME_CONSTANT_S,
+            |m| m.rapid.time_constants.as_ref().and_then(equal),
+            |m, v| {
+                m.rapid.time_constants = v
+                    .map(TimeConstants::Equal)
+                    .or_else(|| m.rapid.time_constants.take().filter(|t| equal(t).is_none()))
+            },
+        ),
+    },
+    Parameter {
+        key: "rapid.max_jerk_mm_s3",
+        label: "Jerk limit of rapids",
+        doc: "Instead of the rapids' own T1: T1 = √(rapid feedrate / jerk).",
+        access: number(
+            Unit::MillimetrePerSecond3,
+            JERK_MM_S3,
+            |m| m.rapid.time_constants.as_ref().and_then(jerk),
+            |m, v| {
+                m.rapid.time_constants = v
+                    .map(TimeConstants::FromJerk)
+                    .or_else(|| m.rapid.time_constants.take().filter(|t| jerk(t).is_none()))
+            },
+        ),
+    },
+    Parameter {
+        key: "path.acceleration_mm_s2",
+        label: "Path acceleration limit",
+        doc: "Largest acceleration along the path; empty: no limit.",
+        access: number(
+            Unit::MillimetrePerSecond2,
+            (1.0, 1e6),
+            |m| finite(m.path.acceleration),
+            |m, v| m.path.acceleration = v.unwrap_or(f64::INFINITY),
+        ),
+    },
+    Parameter {
+        key: "path.centripetal_acceleration_mm_s2",
+        label: "Centripetal acceleration limit",
+        doc: "Largest acceleration towards the centre of an arc; empty: no limit.",
+        access: number(
+            Unit::MillimetrePerSecond2,
+            (1.0, 1e6),
+            |m| finite(m.path.centripetal_acceleration),
+            |m, v| m.path.centripetal_acceleration = v.unwrap_or(f64::INFINITY),
+        ),
+    },
+    Parameter {
+        key: "override.feed",
+        label: "Feed override",
+        doc: "Factor on every programmed feedrate; 1: as programmed.",
+        access: number(
+            Unit::Number,
+            (0.01, 10.0),
+            |m| Some(m.overrides.feed),
+            |m, v| m.overrides.feed = v.unwrap_or(1.0),
+        ),
+    },
+    Parameter {
+        key: "override.rapid",
+        label: "Rapid override",
+        doc: "Factor on the rapid feedrate; 1: full.",
+        access: number(
+            Unit::Number,
+            (0.01, 10.0),
+            |m| Some(m.overrides.rapid),
+            |m, v| m.overrides.rapid = v.unwrap_or(1.0),
+        ),
+    },
+    Parameter {
+        key: "times.tool_change_s",
+        label: "Tool change",
+        doc: "Time of a tool change at M6, beyond stopping.",
+        access: number(
+            Unit::Second,
+            (0.0, 3600.0),
+            |m| Some(m.times.tool_change),
+            |m, v| m.times.tool_change = v.unwrap_or(4.0),
+        ),
+    },
+    Parameter {
+        key: "times.m_code_s",
+        label: "Other M-words",
+        doc: "Time of every other M-word, beyond stopping; 0: none.",
+        access: number(
+            Unit::Second,
+            (0.0, 3600.0),
+            |m| Some(m.times.m_code),
+            |m, v| m.times.m_code = v.unwrap_or(0.0),
+        ),
+    },
+    Parameter {
+        key: "times.m_codes",
+        label: "M-words with their own time",
+        doc: "Seconds by M-word, for example M3 = 4.0 for a spindle that needs 4 s to run up.",
+        access: Access::MCodes,
+    },
+    Parameter {
+        key: "rates.hourly",
+        label: "Hourly rate",
+        doc: "Price of an hour of machine time, in your currency.",
+        access: number(
+            Unit::Number,
+            (0.0, 1e6),
+            |m| Some(m.rates.hourly),
+            |m, v| m.rates.hourly = v.unwrap_or(0.0),
+        ),
+    },
+];
+
+const SETUP: Parameter = Parameter {
+    key: "rates.setup_s",
+    label: "Set-up time",
+    doc: "Time charged once for a batch.",
+    access: number(
+        Unit::Second,
+        (0.0, 1e6),
+        |m| Some(m.rates.setup),
+        |m, v| m.rates.setup = v.unwrap_or(0.0),
+    ),
+};
+
+/// All parameters in the order of forms and files.
+pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
+    GENERAL
+        .into_iter()
+        .chain([SETUP])
+        .chain(axis!("x", 0))
+        .chain(axis!("y", 1))
+        .chain(axis!("z", 2))
+        .collect()
+});

@@ -1,0 +1,1 @@
+//! Toolpath → feed plan.

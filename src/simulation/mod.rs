@@ -1,0 +1,6 @@
+//! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile.
+
+pub mod feed;
+pub mod gcode;
+pub mod profile;
+pub mod toolpath;

@@ -1,0 +1,83 @@
+//! The one place where units are converted: the core computes in mm, s and rad.
+//!
+//! | quantity     | core   | at the borders        |
+//! |--------------|--------|-----------------------|
+//! | length       | mm     | mm, inch              |
+//! | time         | s      | s, ms                 |
+//! | feedrate     | mm/s   | mm/min, inch/min      |
+//! | acceleration | mm/s²  | mm/s²                 |
+//! | jerk         | mm/s³  | mm/s³                 |
+//! | angle        | rad    | degree                |
+//!
+//! Borders are G-code words, the machine file, the command line's output and the page.
+
+/// Millimetres in an inch, exact by definition.
+pub const MM_PER_INCH: f64 = 25.4;
+
+/// Seconds in a minute.
+pub const SECONDS_PER_MINUTE: f64 = 60.0;
+
+/// A feedrate in mm/s from one in mm/min.
+pub fn mm_per_s(feedrate_mm_per_min: f64) -> f64 {
+    feedrate_mm_per_min / SECONDS_PER_MINUTE
+}
+
+/// A feedrate in mm/min from one in mm/s.
+pub fn mm_per_min(feedrate: f64) -> f64 {
+    feedrate * SECONDS_PER_MINUTE
+}
+
+/// The unit in which a machine parameter is written at the borders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// A pure number.
+    Number,
+    /// Millimetre.
+    Millimetre,
+    /// Second.
+    Second,
+    /// Millimetre per minute.
+    MillimetrePerMinute,
+    /// Millimetre per second squared.
+    MillimetrePerSecond2,
+    /// Millimetre per second cubed.
+    MillimetrePerSecond3,
+    /// Degree of angle.
+    Degree,
+    /// Cycles per second.
+    Hertz,
+}
+
+impl Unit {
+    /// The value in core units (mm, s, rad) of `value` given in this unit.
+    pub fn to_core(self, value: f64) -> f64 {
+        match self {
+            Unit::MillimetrePerMinute => mm_per_s(value),
+            Unit::Degree => value.to_radians(),
+            _ => value,
+        }
+    }
+
+    /// The value in this unit of `value` given in core units.
+    pub fn from_core(self, value: f64) -> f64 {
+        match self {
+            Unit::MillimetrePerMinute => mm_per_min(value),
+            Unit::Degree => value.to_degrees(),
+            _ => value,
+        }
+    }
+
+    /// The symbol shown to people.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::Number => "",
+            Unit::Millimetre => "mm",
+            Unit::Second => "s",
+            Unit::MillimetrePerMinute => "mm/min",
+            Unit::MillimetrePerSecond2 => "mm/s²",
+            Unit::MillimetrePerSecond3 => "mm/s³",
+            Unit::Degree => "°",
+            Unit::Hertz => "Hz",
+        }
+    }
+}
