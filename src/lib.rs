@@ -11,5 +11,7 @@
 //! numbers and knows no JavaScript.
 
 pub mod machine;
+pub mod project;
+pub mod quote;
 pub mod simulation;
 pub mod units;
