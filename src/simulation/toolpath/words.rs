@@ -132,7 +132,7 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         890 => (9, Cycle("boring with dwell")),
 
         980 | 990 => (10, Neutral),
-        540..=593 => (12, WorkOffset),
+        540 | 541 | 550 | 560 | 570 | 580 | 590..=593 => (12, WorkOffset),
         610 | 611 => (13, ExactStop(true)),
         640 => (13, ExactStop(false)),
         960 => (14, SurfaceSpeed),
