@@ -23,6 +23,7 @@ const LONGEST_DWELL: f64 = 1e6;
 
 /// The most turns of one arc.
 const MOST_TURNS: f64 = 10_000.0;
+
 impl Tracer<'_> {
     pub(super) fn special(&mut self, block: Block, special: Special, code: Code) {
         match special {

@@ -56,8 +56,8 @@ struct Request {
     special: Option<(Special, Code)>,
     exact_stop: bool,
     has_motion_word: bool,
-    /// A G word was not understood, so that nobody knows what the axis words mean.
-    is_obscure: bool,
+    /// The axis words belong to a G word that is not run.
+    has_foreign_axis_words: bool,
     has_m_word: bool,
     /// The word of each modal group so far.
     groups: [Option<Code>; 15],
@@ -148,7 +148,7 @@ impl<'a> Tracer<'a> {
             special: None,
             exact_stop: false,
             has_motion_word: false,
-            is_obscure: false,
+            has_foreign_axis_words: false,
             has_m_word: false,
             groups: [None; 15],
         };
@@ -175,7 +175,7 @@ impl<'a> Tracer<'a> {
         let tenths = tenths(word);
         let Some((group, meaning)) = tenths.and_then(meaning) else {
             self.remarks.add(place, Untraced::UnknownG { code });
-            request.is_obscure = true;
+            request.has_foreign_axis_words = true;
             return;
         };
         if group != NO_GROUP {
@@ -222,6 +222,10 @@ impl<'a> Tracer<'a> {
             Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::ControlSetting => self.remarks.add(place, Untraced::ControlSetting { code }),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
+            Meaning::TransformationAbout(name) => {
+                self.remarks.add(place, Untraced::Transformation { code, name });
+                request.has_foreign_axis_words = true;
+            }
             Meaning::Neutral => {}
         }
     }
@@ -279,7 +283,7 @@ impl<'a> Tracer<'a> {
         }
         match special {
             Some((special, code)) => self.special(block, special, code),
-            None if request.is_obscure => {}
+            None if request.has_foreign_axis_words => {}
             None => self.motion(block, request.has_motion_word),
         }
     }

@@ -321,6 +321,15 @@ fn what_is_left_out_is_said() {
 }
 
 #[test]
+fn axis_words_of_others_move_nothing() {
+    for text in
+        ["G10 L2 P1 X5", "G68 X5 Y5 R45", "G51 X5 P2", "G51.1 X5", "G31 Z-5", "G92 X5", "G52 X5", "G4 X5"]
+    {
+        assert_eq!(run(&format!("F1 G1\n{text}")).segments, [], "{text}");
+    }
+}
+
+#[test]
 fn cycles_move_to_their_holes() {
     let toolpath = run("G0 Z10\nG81 X10 Z-5 R2 F100\nX20\nM8\nG91 X5 L3\nG80\nG90 G0 X0");
     let ends: Vec<f64> = toolpath.segments.iter().map(|segment| segment.end.x).collect();
