@@ -5,7 +5,9 @@
 //! (the law is too cautious). So the plan is corrected by what it does: with the contour error e
 //! measured at each corner and arc,
 //!
-//!     c ← c (ε / e)^p
+//! ```text
+//! c ← c (ε / e)^p
+//! ```
 //!
 //! where c is the command at the corner, or along the arc, and ε the tolerance. An isolated
 //! corner has e ∝ c, a fine polyline e ∝ c² (it is an arc): with p = 0.7 what is left of the

@@ -2,7 +2,9 @@
 //!
 //! The error at a programmed point X is its distance from the filtered path nearby,
 //!
-//!     e(X) = min over t of ‖P(t) − X‖
+//! ```text
+//! e(X) = min over t of ‖P(t) − X‖
+//! ```
 //!
 //! It is measured where it is largest: at every corner, and along arcs at a quarter of the filter
 //! delay or closer. Between corners a line is nearer to the filtered path than at its ends. At an isolated
