@@ -32,6 +32,9 @@ const ROUNDS: usize = 12;
 /// Rounds in which they only fall, before what still misses is taken at a stop.
 const REDUCTIONS: usize = 40;
 
+/// Rounds in which what still misses is taken at a stop; a stop may bring its neighbour to light.
+const STOPS: usize = 50;
+
 /// An error this close below the tolerance, as a part of it, is left as it is.
 const CLOSE_ENOUGH: f64 = 0.01;
 
@@ -79,6 +82,9 @@ impl Round {
     }
 }
 
+/// An arc is held to this part of the tolerance, for what lies between the points measured on it.
+const BETWEEN_POINTS: f64 = 0.99;
+
 /// A feedrate that is asked for, and the one that other limits leave of it, mm/s.
 fn changed(asked: &mut f64, planned: f64, error: f64, ceiling: f64, round: Round) -> bool {
     let Some(factor) = round.factor(error) else { return false };
@@ -103,15 +109,25 @@ fn corrected(
     let mut corners = now.corner_feedrates.clone();
     let mut segments = now.segment_feedrates.clone();
     (0..count).filter(|&k| !is_arc(k)).for_each(|k| segments[k] = f64::INFINITY);
-    for round in (0..ROUNDS + REDUCTIONS + 1).map(Round::of) {
+    for round in (0..ROUNDS + REDUCTIONS + STOPS).map(Round::of) {
         let mut moved = vec![false; count];
         for k in 0..count {
+            let mut of_arc = None;
             if is_arc(k) {
-                let (planned, error) = (now.segment_feedrates[k], errors.arc[k] / tolerance);
+                let (planned, error) =
+                    (now.segment_feedrates[k], errors.arc[k] / (BETWEEN_POINTS * tolerance));
                 // An arc cannot be run at no feedrate at all; it ends between two stops instead.
                 let slowest = 1e-3 * planned;
                 moved[k] |= changed(&mut segments[k], planned, error, f64::INFINITY, round);
                 segments[k] = segments[k].max(slowest);
+                of_arc = Some(error).filter(|error| 1.0 < *error);
+            }
+            // What an arc misses by may come from the corners at its ends.
+            if let (Some(error), Round::Down | Round::Stop) = (of_arc, round) {
+                for corner in [k.checked_sub(1), Some(k)].into_iter().flatten() {
+                    let planned = now.corner_feedrates[corner];
+                    moved[corner] |= changed(&mut corners[corner], planned, error, planned, round);
+                }
             }
             if 0.0 < now.corner_feedrates[k] {
                 let slower = now.segment_feedrates[k].min(now.segment_feedrates[k + 1]);

@@ -6,9 +6,9 @@
 //! e(X) = min over t of ‖P(t) − X‖
 //! ```
 //!
-//! It is measured where it is largest: at every corner, and along arcs at a quarter of the filter
-//! delay or closer. Between corners a line is nearer to the filtered path than at its ends. At an
-//! isolated corner e is the tolerance that the corner law was asked to keep; where several corners
+//! It is measured where it is largest: at every corner, and along arcs at a 24th of the filter
+//! delay or closer, there also from the filtered path to the programmed one. Between corners a line
+//! is nearer to the filtered path than at its ends. At an isolated corner e is the tolerance that the corner law was asked to keep; where several corners
 //! lie under one filter delay, it is what the isolated law cannot know.
 //!
 //! The search begins half a filter delay after X was commanded and follows the gradient (Newton's
@@ -19,9 +19,11 @@ mod guaranteed;
 
 pub use guaranteed::plan_within;
 
+use std::cmp::Ordering;
+
 use crate::simulation::feed::{FeedPlan, Phase, Stretch};
 use crate::simulation::profile::{Motion, Profile};
-use crate::simulation::toolpath::{Curve, Point, Toolpath};
+use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
 /// Contour errors along a program, one entry a segment.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,8 +41,11 @@ impl ContourErrors {
     }
 }
 
-/// Most points measured on one arc.
-const POINTS_ON_ARC: f64 = 64.0;
+/// Points measured along an arc within one filter delay.
+const POINTS_PER_DELAY: f64 = 24.0;
+
+/// Most points measured on one pulse of an arc.
+const POINTS_ON_ARC: f64 = 192.0;
 
 /// Measures the contour error of a profile at all corners and arcs.
 pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -> ContourErrors {
@@ -73,13 +78,17 @@ fn measure(
                 errors.arc[number] = 0.0;
             }
             if let Curve::Arc(_) = segment.curve {
-                let points = (4.0 * pulse.duration / delay).ceil().min(POINTS_ON_ARC);
+                let points = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, POINTS_ON_ARC);
                 for i in 0..points as usize {
                     let elapsed = (i as f64 + 0.5) / points * pulse.duration;
                     let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
                     let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
-                    let error = distance_from_path(&motion, segment.point(offset), commanded + elapsed);
-                    errors.arc[number] = errors.arc[number].max(error);
+                    let forward = distance_from_path(&motion, segment.point(offset), commanded + elapsed);
+                    let filtered = motion.state(motion.moment(commanded + elapsed + 0.5 * delay)).position;
+                    let around = &toolpath.segments[stretch.segments.clone()];
+                    let back =
+                        distance_from_programmed(around, number - stretch.segments.start, offset, filtered);
+                    errors.arc[number] = errors.arc[number].max(forward).max(back);
                 }
             }
             let goes_on = index + 1 < stretch.pulses.end;
@@ -109,6 +118,32 @@ pub fn distance_from_path(motion: &Motion, point: Point, commanded: f64) -> f64 
         time = (time - away.dot(&state.velocity) / speed).clamp(commanded, commanded + delay);
     }
     nearest
+}
+
+/// Distance (mm) of a filtered point from the programmed path near the distance `offset` (mm) on
+/// the segment `number` of `segments`: from that segment and its neighbours.
+fn distance_from_programmed(segments: &[Segment], number: usize, offset: f64, point: Point) -> f64 {
+    let neighbours = number.saturating_sub(1)..segments.len().min(number + 2);
+    let distances = neighbours.map(|near| {
+        let segment = &segments[near];
+        let mut s = match near.cmp(&number) {
+            Ordering::Less => segment.length,
+            Ordering::Equal => offset,
+            Ordering::Greater => 0.0,
+        };
+        // Newton's method for the foot of the perpendicular; on a line one step is exact.
+        for _ in 0..4 {
+            let [tangent, curvature, _] = segment.derivatives(s);
+            let away = segment.point(s) - point;
+            let change = tangent.norm_squared() + away.dot(&curvature);
+            if change <= 0.0 {
+                break;
+            }
+            s = (s - away.dot(&tangent) / change).clamp(0.0, segment.length);
+        }
+        (segment.point(s) - point).norm()
+    });
+    distances.fold(f64::INFINITY, f64::min)
 }
 
 /// The stretches of a plan in order.
