@@ -11,5 +11,6 @@
 //! numbers and knows no JavaScript.
 
 pub mod machine;
+pub mod plot;
 pub mod simulation;
 pub mod units;
