@@ -14,3 +14,6 @@ pub mod machine;
 pub mod plot;
 pub mod simulation;
 pub mod units;
+
+#[cfg(target_arch = "wasm32")]
+mod web;

@@ -9,9 +9,11 @@
 
 mod parameters;
 mod presets;
+mod tolerance;
 
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
+pub use tolerance::{ToleranceError, USUAL_TOLERANCES, tolerance_from_text, tolerance_label};
 
 use std::collections::BTreeMap;
 

@@ -1,0 +1,62 @@
+//! The boundary to JavaScript: one job that simulates, one chart that draws.
+//!
+//! The worker holds a [`Job`] and answers with summaries and columns; the page holds a
+//! [`Chart`] and forwards pixels. What comes in is JSON text and numbers, what goes out are the
+//! shapes of [`project`] and columns as typed arrays with buffers of their own, so that they
+//! can be transferred. No arithmetic of units or scales is left to JavaScript.
+
+#![deny(clippy::unwrap_used)]
+
+mod chart;
+mod job;
+
+pub use chart::{Chart, CurveReading, Pointer};
+pub use job::{Columns, Job, Run, Steps};
+
+use wasm_bindgen::prelude::*;
+
+use crate::machine::{USUAL_TOLERANCES, tolerance_from_text, tolerance_label};
+use crate::plot::PALETTE;
+use crate::project;
+
+/// Makes panics readable in the console.
+#[wasm_bindgen(start)]
+pub fn start() {
+    console_error_panic_hook::set_once();
+}
+
+/// The machine form as JSON: all parameters and presets.
+#[wasm_bindgen]
+pub fn form() -> String {
+    project::form_json()
+}
+
+/// What is wrong with the values of a machine form, as JSON: a list of key and message.
+#[wasm_bindgen]
+pub fn faults(machine: &str) -> String {
+    project::machine_from_json(machine).map_or_else(|faults| project::faults_json(&faults), |_| "[]".to_string())
+}
+
+/// The tolerances to begin with, mm.
+#[wasm_bindgen(js_name = usualTolerances)]
+pub fn usual_tolerances() -> Vec<f64> {
+    USUAL_TOLERANCES.to_vec()
+}
+
+/// The tolerance (mm) a text names; throws the reason as a string where it names none.
+#[wasm_bindgen(js_name = toleranceFromText)]
+pub fn tolerance_from(text: &str) -> Result<f64, String> {
+    tolerance_from_text(text).map_err(|error| error.to_string())
+}
+
+/// How a tolerance (mm) is shown.
+#[wasm_bindgen(js_name = toleranceLabel)]
+pub fn label_of_tolerance(tolerance: f64) -> String {
+    tolerance_label(tolerance)
+}
+
+/// How many curves one chart tells apart by colour.
+#[wasm_bindgen(js_name = mostCurves)]
+pub fn most_curves() -> usize {
+    PALETTE
+}
