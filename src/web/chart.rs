@@ -113,6 +113,11 @@ impl Chart {
         self.view = self.whole();
     }
 
+    /// Shows everything of a new program, or as much as there still is of what was in sight.
+    pub fn fit(&mut self, anew: bool) {
+        self.view = if anew { self.whole() } else { self.view.moved(0.0, 0.0, self.whole()) };
+    }
+
     /// Magnifies along the distance by `factor` about a pixel column, or about the middle.
     pub fn zoom(&mut self, factor: f64, x: Option<f64>) {
         let (low, high) = self.view.distance;

@@ -1,0 +1,67 @@
+// The table of cycle times, one row a tolerance.
+
+import { toleranceLabel } from "../pkg/truefeed.js";
+import { find, make } from "../dom.js";
+import { clock, count, difference, millimetres, money, percent, seconds } from "../format.js";
+
+/** @import { Outcome, State } from "../types.js" */
+
+/** @type {[keyof import("../types.js").RunSummary["breakdown"], string][]} */
+const PARTS = [
+  ["cutting_s", "Cutting"],
+  ["rapid_s", "Rapid"],
+  ["dwell_s", "Dwell"],
+  ["tool_change_s", "Tool change"],
+  ["other_s", "Other"],
+];
+
+/** @param {HTMLElement} root */
+export function mount(root) {
+  const place = find(root, ".table");
+  return {
+    /** @param {State} state */
+    update(state) {
+      const program = state.programs.find(({ id }) => id === state.selected);
+      const outcome = program?.outcome;
+      const stale = Boolean(outcome) && outcome?.machine !== JSON.stringify(state.machine.values);
+      root.classList.toggle("stale", stale);
+      if (program && outcome) {
+        place.replaceChildren(table(outcome, state.tolerances), about(program.name, outcome, stale));
+      } else {
+        place.replaceChildren(make("p", { className: "empty" }, program ? "Not computed yet." : "Add a program to see its cycle time."));
+      }
+    },
+  };
+}
+
+/** @param {Outcome} outcome @param {number[]} tolerances */
+function table(outcome, tolerances) {
+  const priced = [...outcome.runs.values()].some(({ summary }) => summary.price);
+  const titles = ["Tolerance", "Cycle time", "", "Programmed", "Difference", "", ...PARTS.map(([, title]) => title), ...(priced ? ["Price"] : [])];
+  const head = make("tr", {}, ...titles.map((title) => make("th", { scope: "col" }, title)));
+  const programmed = outcome.summary.programmed_time_s;
+  const rows = tolerances.map((tolerance, index) => {
+    const label = make("th", { scope: "row" }, make("span", { className: `swatch curve-${index}` }), toleranceLabel(tolerance));
+    const run = outcome.runs.get(tolerance)?.summary;
+    if (!run) return make("tr", { className: "waiting" }, label, make("td", { colSpan: titles.length - 1 }, "…"));
+    const longer = run.cycle_time_s - programmed;
+    const cells = [
+      make("strong", {}, clock(run.cycle_time_s)),
+      seconds(run.cycle_time_s),
+      seconds(programmed),
+      difference(longer),
+      percent(longer / programmed),
+      ...PARTS.map(([key]) => seconds(run.breakdown[key])),
+      ...(priced ? [money(run.price ?? 0)] : []),
+    ];
+    return make("tr", {}, label, ...cells.map((cell) => make("td", {}, cell)));
+  });
+  const table = make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows));
+  return make("div", { className: "scroll" }, table);
+}
+
+/** @param {string} name @param {Outcome} outcome @param {boolean} stale */
+function about(name, { summary }, stale) {
+  const facts = `${name}: ${count(summary.segments)} moves, ${millimetres(summary.length_mm)}. Programmed: length ÷ feed, as CAM would say.`;
+  return make("p", { className: "about" }, stale ? `${facts} Computing anew for the changed machine …` : facts);
+}
