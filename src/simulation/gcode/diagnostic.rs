@@ -1,6 +1,11 @@
 //! What a stage has to say about a program, without stopping.
+//!
+//! A stage keeps its remarks as data, one enum a stage, and puts them down through [`Remarks`],
+//! which bounds the list: a million bad lines make a few hundred messages and one count.
 
 use crate::simulation::gcode::LineNumber;
+use std::fmt::Display;
+use std::mem::{Discriminant, discriminant};
 
 /// How much a diagnostic matters to the quote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,4 +29,101 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong and what was done instead, one sentence.
     pub message: String,
+}
+
+/// Where in the program a remark belongs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Line of the program.
+    pub line: LineNumber,
+    /// Columns as in [`Diagnostic::columns`].
+    pub columns: (u32, u32),
+}
+
+impl Place {
+    /// The whole of `line`.
+    pub fn line(line: LineNumber) -> Place {
+        Place { line, columns: (1, 1) }
+    }
+}
+
+/// A remark as data; its `Display` is the sentence people read.
+pub trait Remark: Display + PartialEq {
+    /// How much it matters.
+    fn severity(&self) -> Severity;
+
+    /// It holds for the whole program, so that repeating it says nothing new.
+    fn is_said_once(&self) -> bool {
+        false
+    }
+}
+
+/// How many remarks of one kind are listed before the rest are only counted.
+const LISTED: usize = 200;
+
+/// The remarks of one stage, bounded.
+#[derive(Debug)]
+pub struct Remarks<R> {
+    diagnostics: Vec<Diagnostic>,
+    /// How often each kind came up, and where in the list its first unlisted one stands.
+    kinds: Vec<(Discriminant<R>, usize, usize)>,
+    said_once: Vec<R>,
+}
+
+impl<R> Default for Remarks<R> {
+    fn default() -> Remarks<R> {
+        Remarks { diagnostics: Vec::new(), kinds: Vec::new(), said_once: Vec::new() }
+    }
+}
+
+impl<R: Remark> Remarks<R> {
+    /// Puts down `remark` at `place`.
+    pub fn add(&mut self, place: Place, remark: R) {
+        if remark.is_said_once() {
+            if !self.said_once.contains(&remark) {
+                self.list(place, &remark);
+                self.said_once.push(remark);
+            }
+            return;
+        }
+        let kind = discriminant(&remark);
+        let index = self.kinds.iter().position(|(known, ..)| *known == kind).unwrap_or_else(|| {
+            self.kinds.push((kind, 0, 0));
+            self.kinds.len() - 1
+        });
+        let (_, seen, first_unlisted) = &mut self.kinds[index];
+        *seen += 1;
+        if *seen == LISTED + 1 {
+            *first_unlisted = self.diagnostics.len();
+        }
+        if *seen <= LISTED + 1 {
+            self.list(place, &remark);
+        }
+    }
+
+    /// Nothing has been put down.
+    pub fn is_empty(&self) -> bool {
+        self.diagnostics.is_empty()
+    }
+
+    fn list(&mut self, place: Place, remark: &R) {
+        self.diagnostics.push(Diagnostic {
+            line: place.line,
+            columns: place.columns,
+            severity: remark.severity(),
+            message: remark.to_string(),
+        });
+    }
+
+    /// The list in line order, with one line for those of a kind that were too many.
+    pub fn finish(mut self) -> Vec<Diagnostic> {
+        for (_, seen, first_unlisted) in self.kinds {
+            if LISTED + 1 < seen {
+                let message = &mut self.diagnostics[first_unlisted].message;
+                *message = format!("{} more of this kind from here on, the first: {message}", seen - LISTED);
+            }
+        }
+        self.diagnostics.sort_by_key(|diagnostic| diagnostic.line);
+        self.diagnostics
+    }
 }

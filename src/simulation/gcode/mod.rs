@@ -2,11 +2,78 @@
 //!
 //! Reading never fails: every byte sequence gives a [`Program`], and what could not be
 //! understood is in its diagnostics, each with line and columns.
+//!
+//! ```text
+//! program = [ leader "%" line ] { line } [ "%" line { anything } ]
+//! line    = [ "/" [ digit ] ] [ N number ] { word | comment } [ "*" checksum ]   end of line
+//! word    = letter number
+//! number  = [ "+" | "-" ] digits [ "." [ digits ] ]  |  [ "+" | "-" ] "." digits
+//! comment = "(" … ")"  |  ";" … end of line
+//! ```
+//!
+//! A line ends with LF, CR LF or a lone CR. White space within a block means nothing, not even
+//! inside a number; lower case is upper case; there is no exponent (`X1E3` is X1 and E3).
+//! N words, program numbers (`O1234`, `:1234`) and checksums are read and dropped. A `%` line
+//! opens the program, or closes it where something to run came before and no other `%` follows.
+//! A word that is not a word is left out and the rest of its block kept; a block that holds
+//! anything else that is not understood (variables, expressions, program flow, names) is left
+//! out as a whole.
+//!
+//! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.3; `%`, `/` and `:` as on
+//! Fanuc controls.
 
 mod diagnostic;
+mod number;
+mod reader;
+mod remark;
 
-pub use diagnostic::{Diagnostic, Severity};
+pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity};
+pub use reader::{Options, read, read_with};
+
+use std::ops::Range;
 
 /// 1-based number of a line in the program text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct LineNumber(pub u32);
+
+/// A program as it was written: all words in one list, and the blocks as ranges of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Program {
+    /// The words of all blocks, in order.
+    pub words: Vec<Word>,
+    /// The blocks that hold at least one word, in order.
+    pub blocks: Vec<Block>,
+    /// The text has a `%` line or a program number, as programs for Fanuc and its relatives do.
+    pub is_tape: bool,
+    /// What could not be read, in line order.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Program {
+    /// The words of `block`.
+    pub fn words(&self, block: &Block) -> &[Word] {
+        &self.words[block.words.start as usize..block.words.end as usize]
+    }
+}
+
+/// One line of the program, as a range of its words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Where it stands.
+    pub line: LineNumber,
+    /// Its words in [`Program::words`].
+    pub words: Range<u32>,
+}
+
+/// A letter and its number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Word {
+    /// Finite, in whatever unit the program uses.
+    pub value: f64,
+    /// Columns, 1-based, first and one past the last, counted in characters.
+    pub columns: (u32, u32),
+    /// `A` to `Z`.
+    pub letter: u8,
+    /// Written with a decimal point.
+    pub has_point: bool,
+}

@@ -1,7 +1,9 @@
 //! The shape of a segment as a function of the distance s along it.
 //!
-//!     line    P(s) = P0 + s u
-//!     helix   P(s) = C + (r0 + (r1 − r0) σ)(e1 cos φσ + e2 sin φσ) + σ w,   σ = s / L
+//! ```text
+//! line    P(s) = P0 + s u
+//! helix   P(s) = C + (r0 + (r1 − r0) σ)(e1 cos φσ + e2 sin φσ) + σ w,   σ = s / L
+//! ```
 //!
 //! C centre of the start circle (mm), r0 and r1 radius at both ends (mm; equal but for the
 //! rounding of programmed numbers), φ > 0 the sweep (rad), e1 and e2 orthonormal in the plane

@@ -3,10 +3,34 @@
 //! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in
 //! one coordinate system (the machine's; work offsets are already applied). Between segments
 //! lie the stops: dwells, tool changes and other M-words.
+//!
+//! Order of execution within a block: units, plane, distance and path modes; F; T; M-words that
+//! act before the motion (M6 and all not named below, as written); dwell, shift of coordinates,
+//! reference move or motion; M-words that act after it (M0, M1, M2, M5, M9, M30, M60). That is
+//! RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc controls.
+//!
+//! Rules where controls differ or a program does not say:
+//! - The tool begins at X0 Y0 Z0, in mm, G17, G90, G91.1, G94, G64; axis words before the first
+//!   motion word move in rapid.
+//! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
+//!   number, in milliseconds. X and U of G4 are in seconds.
+//! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
+//!   the machine knows; in the others the tool stays where it is.
+//! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
+//! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation and
+//!   changes of coordinates other than G52 and G92 are not applied. Each says so.
+//!
+//! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod curve;
+mod cycle;
+mod plane;
+mod remark;
+mod trace;
+mod words;
 
 pub use curve::{Arc, Curve};
+pub use trace::{ASSUMED_FEEDRATE, trace};
 
 use crate::simulation::gcode::{Diagnostic, LineNumber};
 

@@ -1,0 +1,116 @@
+// Serves www/ on this machine only:  node scripts/serve.mjs [PORT]
+//
+// PORT (or $PORT) is used as given; without it, 8080 or the next free one. Nothing is cached, so that a reload
+// shows the last build.
+
+import { createReadStream } from 'node:fs'
+import { stat } from 'node:fs/promises'
+import { createServer } from 'node:http'
+import { extname, join, sep } from 'node:path'
+import { argv, env } from 'node:process'
+import { fileURLToPath } from 'node:url'
+
+const WWW = fileURLToPath(new URL('../www', import.meta.url))
+
+/** @type {Record<string, string>} */
+const TYPES = {
+  '.css': 'text/css; charset=utf-8',
+  '.html': 'text/html; charset=utf-8',
+  '.ico': 'image/x-icon',
+  '.js': 'text/javascript; charset=utf-8',
+  '.json': 'application/json',
+  '.mjs': 'text/javascript; charset=utf-8',
+  '.png': 'image/png',
+  '.svg': 'image/svg+xml',
+  '.wasm': 'application/wasm',
+}
+
+/**
+ * Starts the server; port 0 takes any free one.
+ * @param {number} port
+ * @returns {Promise<{ origin: string, close: () => Promise<void> }>}
+ */
+export async function serve(port) {
+  const server = createServer(answer)
+  await new Promise((resolve, reject) => {
+    server.once('error', reject).listen(port, '127.0.0.1', () => resolve(undefined))
+  })
+  const address = /** @type {import('node:net').AddressInfo} */ (server.address())
+  return {
+    origin: `http://127.0.0.1:${address.port}`,
+    close: () =>
+      new Promise((resolve) => {
+        server.close(() => resolve())
+        server.closeAllConnections?.()
+      }),
+  }
+}
+
+/**
+ * @param {import('node:http').IncomingMessage} request
+ * @param {import('node:http').ServerResponse} response
+ */
+async function answer(request, response) {
+  if (request.method !== 'GET' && request.method !== 'HEAD') return refuse(response, 405)
+  const path = fileOf(request.url ?? '/')
+  if (path === undefined) return refuse(response, 400)
+  const file = await stat(path).catch(() => undefined)
+  if (!file?.isFile()) return refuse(response, 404)
+
+  response.writeHead(200, {
+    'Content-Type': TYPES[extname(path)] ?? 'text/plain; charset=utf-8',
+    'Content-Length': file.size,
+    'Cache-Control': 'no-store',
+  })
+  if (request.method === 'HEAD') return response.end()
+  createReadStream(path)
+    .on('error', () => response.destroy())
+    .pipe(response)
+}
+
+/**
+ * File of a request, or nothing where its path is malformed or leads out of www.
+ * @param {string} url
+ */
+function fileOf(url) {
+  let path
+  try {
+    path = decodeURIComponent(url.replace(/[?#].*/s, ''))
+  } catch {
+    return undefined
+  }
+  if (path.includes('\0')) return undefined
+  const file = join(WWW, path.endsWith('/') ? `${path}index.html` : path)
+  return file.startsWith(WWW + sep) ? file : undefined
+}
+
+/**
+ * @param {import('node:http').ServerResponse} response
+ * @param {number} status
+ */
+function refuse(response, status) {
+  response.writeHead(status, { 'Content-Type': 'text/plain' }).end(`${status}\n`)
+}
+
+/** @param {number} port */
+async function serveFrom(port) {
+  for (;;) {
+    try {
+      return await serve(port)
+    } catch (error) {
+      if (/** @type {NodeJS.ErrnoException} */ (error).code !== 'EADDRINUSE') throw error
+      port += 1
+    }
+  }
+}
+
+if (argv[1] === fileURLToPath(import.meta.url)) {
+  const wanted = argv[2] ?? env.PORT
+  try {
+    const { origin } = await (wanted ? serve(Number(wanted)) : serveFrom(8080))
+    console.log(`The page is at ${origin}/  (Ctrl-C ends the server)`)
+  } catch (error) {
+    console.error(`cannot serve: ${/** @type {Error} */ (error).message}`)
+    process.exitCode = 1
+  }
+}

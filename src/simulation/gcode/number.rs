@@ -1,0 +1,116 @@
+//! Decimal numbers of G-code words.
+//!
+//! The value is the f64 nearest to what is written. With digits d (an integer) and k decimals,
+//! d / 10^k is correctly rounded where d < 2^53 and k ≤ 22, since both are exact; that is every
+//! number of a sane program, and the standard library reads the others.
+
+/// A number found in a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Number {
+    /// Its value; infinite where it is beyond f64.
+    pub(super) value: f64,
+    /// Written with a decimal point.
+    pub(super) has_point: bool,
+    /// One past its last digit or point.
+    pub(super) end: usize,
+}
+
+/// The powers of ten that are exact in f64.
+const EXACT_POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+    1e19, 1e20, 1e21, 1e22,
+];
+
+/// Space, tab and the control characters that paper tape and serial lines leave behind.
+pub(super) fn is_blank(byte: u8) -> bool {
+    byte <= b' '
+}
+
+/// Where the first byte that is not blank stands, from `at` on.
+pub(super) fn skip_blanks(text: &[u8], at: usize) -> usize {
+    text[at..].iter().position(|byte| !is_blank(*byte)).map_or(text.len(), |offset| at + offset)
+}
+
+/// The number that begins at `at`, if one with at least one digit does.
+pub(super) fn number(text: &[u8], at: usize) -> Option<Number> {
+    let start = skip_blanks(text, at);
+    let negative = text.get(start) == Some(&b'-');
+    let mut next = start + usize::from(negative || text.get(start) == Some(&b'+'));
+    let mut end = next;
+    let (mut digits, mut count, mut decimals, mut has_point) = (0_u64, 0_usize, 0_usize, false);
+    while let Some(&byte) = text.get(next) {
+        match byte {
+            b'0'..=b'9' => {
+                digits = digits.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
+                count += 1;
+                decimals += usize::from(has_point);
+            }
+            b'.' if !has_point => has_point = true,
+            byte if is_blank(byte) => {
+                next += 1;
+                continue;
+            }
+            _ => break,
+        }
+        next += 1;
+        end = next;
+    }
+    if count == 0 {
+        return None;
+    }
+    // 15 digits are less than 2^53, and the product cannot have wrapped.
+    let value = if count <= 15 {
+        let magnitude = digits as f64 / EXACT_POWERS[decimals];
+        if negative { -magnitude } else { magnitude }
+    } else {
+        let written = text[start..end].iter().filter(|byte| !is_blank(**byte)).map(|byte| *byte as char);
+        written.collect::<String>().parse().ok()?
+    };
+    Some(Number { value, has_point, end })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> Option<f64> {
+        number(text.as_bytes(), 0).map(|number| number.value)
+    }
+
+    #[test]
+    fn forms_of_controls_are_read() {
+        let cases = [
+            ("5", 5.0),
+            ("5.", 5.0),
+            (".5", 0.5),
+            ("-.5", -0.5),
+            ("+2.1", 2.1),
+            (" - 1 0 . 2 5 ", -10.25),
+            ("1E3", 1.0),
+            ("007", 7.0),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(value(text), Some(expected), "{text}");
+        }
+        for text in ["", ".", "-", "+.", "X", "--1", "#1"] {
+            assert_eq!(value(text), None, "{text}");
+        }
+    }
+
+    /// The short way must agree with the standard library bit for bit.
+    #[test]
+    fn values_are_correctly_rounded() {
+        let mut state = 0x2545_f491_4f6c_dd1d_u64;
+        for _ in 0..100_000 {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            let digits = format!("{}", state >> (state % 60));
+            let point = state as usize % (digits.len() + 1);
+            let text = format!("-{}.{}", &digits[..point], &digits[point..]);
+            assert_eq!(value(&text), Some(text.parse().expect("a decimal")), "{text}");
+        }
+        let huge = "9".repeat(400);
+        assert_eq!(value(&huge), Some(f64::INFINITY));
+    }
+}

@@ -1,0 +1,323 @@
+//! The reader: one pass over the bytes, line by line.
+
+use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
+use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::{Block, LineNumber, Place, Program, Remarks, Word};
+
+/// What the operator sets at the control before the program runs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// The block delete switch: blocks that begin with `/` are left out. Off by default.
+    pub block_delete: bool,
+}
+
+/// Reads a program with the switches of the control at rest.
+pub fn read(bytes: &[u8]) -> Program {
+    read_with(bytes, &Options::default())
+}
+
+/// Reads a program.
+pub fn read_with(bytes: &[u8], options: &Options) -> Program {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut reader = Reader::new(options);
+    let mut rest = text;
+    while let Some((line, after)) = split_line(rest) {
+        reader.line.0 = reader.line.0.saturating_add(1);
+        rest = after;
+        if line.get(skip_blanks(line, 0)) != Some(&b'%') {
+            reader.block(line);
+        } else if reader.percent_closes(rest) {
+            reader.trailer(rest);
+            break;
+        }
+    }
+    reader.finish()
+}
+
+/// The first line of `text` and what follows its end; none where nothing is left.
+fn split_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
+    if text.is_empty() {
+        return None;
+    }
+    let Some(end) = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')) else {
+        return Some((text, &[]));
+    };
+    let after = if text[end..].starts_with(b"\r\n") { end + 2 } else { end + 1 };
+    Some((&text[..end], &text[after..]))
+}
+
+/// The lines of `text`.
+fn lines(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    std::iter::from_fn(move || {
+        let (line, after) = split_line(text)?;
+        text = after;
+        Some(line)
+    })
+}
+
+struct Reader<'a> {
+    options: &'a Options,
+    line: LineNumber,
+    program: Program,
+    remarks: Remarks<Unread>,
+    /// How many blocks began with `/`, and the first of them.
+    optional: usize,
+    first_optional: LineNumber,
+    /// A `%` line was seen.
+    opened: bool,
+}
+
+/// What is known of the line being read.
+#[derive(Default)]
+struct Line {
+    /// Bytes so far that belong to a character already counted.
+    continuation: usize,
+    /// Something but an N word stands before.
+    begun: bool,
+    /// An O word stands before.
+    has_o_word: bool,
+}
+
+impl<'a> Reader<'a> {
+    fn new(options: &'a Options) -> Reader<'a> {
+        Reader {
+            options,
+            line: LineNumber(0),
+            program: Program::default(),
+            remarks: Remarks::default(),
+            optional: 0,
+            first_optional: LineNumber(0),
+            opened: false,
+        }
+    }
+
+    /// A `%` line: whether it ends the program. What was read before an opening one is leader.
+    fn percent_closes(&mut self, rest: &[u8]) -> bool {
+        self.program.is_tape = true;
+        let another_follows = || lines(rest).any(|line| line.get(skip_blanks(line, 0)) == Some(&b'%'));
+        let is_first = self.program.blocks.is_empty() && self.remarks.is_empty();
+        if self.opened || (!is_first && !another_follows()) {
+            return true;
+        }
+        self.opened = true;
+        let blocks = self.program.blocks.len();
+        self.program.blocks.clear();
+        self.program.words.clear();
+        self.optional = 0;
+        self.remarks = Remarks::default();
+        if 0 < blocks {
+            self.remarks.add(Place::line(self.line), Unread::Leader { blocks });
+        }
+        false
+    }
+
+    /// Whatever follows the closing `%` is not read, but said.
+    fn trailer(&mut self, rest: &[u8]) {
+        let is_empty = |line: &[u8]| line.iter().all(|byte| is_blank(*byte) || *byte == b'%');
+        if let Some(offset) = lines(rest).position(|line| !is_empty(line)) {
+            let line = LineNumber(self.line.0.saturating_add(offset as u32 + 1));
+            self.remarks.add(Place::line(line), Unread::Trailer);
+        }
+    }
+
+    fn finish(mut self) -> Program {
+        if 0 < self.optional {
+            let blocks = self.optional;
+            let remark = match self.options.block_delete {
+                true => Unread::OptionalSkipped { blocks },
+                false => Unread::OptionalRun { blocks },
+            };
+            self.remarks.add(Place::line(self.first_optional), remark);
+        }
+        self.program.diagnostics = self.remarks.finish();
+        self.program
+    }
+
+    /// Reads one line; a block with a fault leaves no words behind.
+    fn block(&mut self, text: &[u8]) {
+        let first = self.program.words.len();
+        if let Err((remark, columns)) = self.words(text) {
+            self.program.words.truncate(first);
+            self.remarks.add(Place { line: self.line, columns }, remark);
+        }
+        if first < self.program.words.len() {
+            let words = first as u32..self.program.words.len() as u32;
+            self.program.blocks.push(Block { line: self.line, words });
+        }
+    }
+
+    fn words(&mut self, text: &[u8]) -> Result<(), (Unread, (u32, u32))> {
+        let mut line = Line::default();
+        let mut at = 0;
+        while let Some(&byte) = text.get(at) {
+            match byte {
+                b'a'..=b'z' | b'A'..=b'Z' => at = self.word(text, at, &mut line)?,
+                byte if is_blank(byte) => at += 1,
+                b'(' => at = self.comment(text, at, &mut line),
+                b';' => break,
+                b':' if !line.begun => {
+                    let end = number(text, at + 1).map_or(at + 1, |number| number.end);
+                    self.program.is_tape = true;
+                    line.begun = true;
+                    at = end;
+                }
+                b'/' if !line.begun => {
+                    self.optional += 1;
+                    if self.optional == 1 {
+                        self.first_optional = self.line;
+                    }
+                    if self.options.block_delete {
+                        break;
+                    }
+                    line.begun = true;
+                    at += 1 + usize::from(text.get(at + 1).is_some_and(u8::is_ascii_digit));
+                }
+                b'*' if is_checksum(&text[at + 1..]) => break,
+                b'#' | b'[' | b']' | b'=' => {
+                    return Err((Unread::Expression, columns(&line, at, text.len())));
+                }
+                _ => {
+                    let end = at + character_length(&text[at..]);
+                    return Err((Unread::Text { text: excerpt(&text[at..end]) }, columns(&line, at, end)));
+                }
+            }
+        }
+        self.program.is_tape |= line.has_o_word;
+        Ok(())
+    }
+
+    /// Reads the word whose letter stands at `at`; returns where it ends.
+    fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, (Unread, (u32, u32))> {
+        let letter = text[at].to_ascii_uppercase();
+        let Some(found) = number(text, at + 1) else {
+            return self.word_without_number(text, at, line);
+        };
+        let next = skip_blanks(text, found.end);
+        let is_malformed = matches!(text.get(next), Some(b'.' | b'+' | b'-'));
+        if is_malformed || !found.value.is_finite() {
+            let belongs = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_blank(*byte);
+            let length = text[at + 1..].iter().take_while(|byte| belongs(byte)).count();
+            let end = at + 1 + text[at + 1..at + 1 + length].trim_ascii_end().len();
+            let text = excerpt(&text[at..end]);
+            let remark =
+                if is_malformed { Unread::MalformedNumber { text } } else { Unread::HugeNumber { text } };
+            self.remarks.add(Place { line: self.line, columns: columns(line, at, end) }, remark);
+            return Ok(end);
+        }
+        match letter {
+            b'N' => return Ok(found.end),
+            b'O' => line.has_o_word = true,
+            _ => self.program.words.push(Word {
+                value: found.value,
+                columns: columns(line, at, found.end),
+                letter,
+                has_point: found.has_point,
+            }),
+        }
+        line.begun = true;
+        Ok(found.end)
+    }
+
+    /// A letter that no number follows: an expression, a name, or a slip of the pen.
+    fn word_without_number(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &Line,
+    ) -> Result<usize, (Unread, (u32, u32))> {
+        let letter = text[at].to_ascii_uppercase();
+        let length = text[at..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+        let signs = |byte: &u8| matches!(byte, b'.' | b'+' | b'-') || is_blank(*byte);
+        let next = at + 1 + text[at + 1..].iter().take_while(|byte| signs(byte)).count();
+        let name = &text[at..at + length];
+        let columns_of_name = columns(line, at, at + length);
+        if line.has_o_word || (letter == b'O' && matches!(text.get(next), Some(b'<' | b'[' | b'#'))) {
+            let text = excerpt(text.trim_ascii());
+            return Err((Unread::Flow { text }, columns_of_name));
+        }
+        if 1 < length {
+            let text = excerpt(name);
+            let is_flow = ["IF", "THEN", "ELSE", "GOTO", "WHILE", "WH", "DO", "END"]
+                .iter()
+                .any(|keyword| name.eq_ignore_ascii_case(keyword.as_bytes()));
+            let remark = if is_flow { Unread::Flow { text } } else { Unread::Text { text } };
+            return Err((remark, columns_of_name));
+        }
+        if matches!(text.get(next), Some(b'#' | b'[' | b'=')) {
+            return Err((Unread::Expression, columns(line, at, text.len())));
+        }
+        let end = at + text[at..next].trim_ascii_end().len();
+        let remark = Unread::MissingNumber { letter: letter as char };
+        self.remarks.add(Place { line: self.line, columns: columns(line, at, end) }, remark);
+        Ok(end)
+    }
+
+    /// Skips the comment that opens at `at`; returns where it ends.
+    fn comment(&mut self, text: &[u8], at: usize, line: &mut Line) -> usize {
+        let end = comment_end(&text[at..]).map_or(text.len(), |length| at + length);
+        if text[end - 1] != b')' {
+            self.remarks
+                .add(Place { line: self.line, columns: columns(line, at, text.len()) }, Unread::OpenComment);
+        }
+        line.continuation += text[at..end].iter().filter(|byte| is_continuation(**byte)).count();
+        end
+    }
+}
+
+/// Length of the comment that `text` begins with. Comments do not nest on controls, yet people
+/// write `(D10 (NEW))`: the matching parenthesis closes where there is one, else the first.
+fn comment_end(text: &[u8]) -> Option<usize> {
+    let (mut depth, mut first) = (0_usize, None);
+    for (index, byte) in text.iter().enumerate() {
+        match byte {
+            b'(' => depth += 1,
+            b')' => {
+                first = first.or(Some(index + 1));
+                depth -= 1;
+                if depth == 0 {
+                    return Some(index + 1);
+                }
+            }
+            _ => {}
+        }
+    }
+    first
+}
+
+/// Digits to the end of the line, as in `*71`.
+fn is_checksum(text: &[u8]) -> bool {
+    let digits = text.trim_ascii();
+    !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
+}
+
+/// The second to fourth byte of a character in UTF-8.
+fn is_continuation(byte: u8) -> bool {
+    byte & 0xc0 == 0x80
+}
+
+/// Bytes of the character that `text` begins with.
+fn character_length(text: &[u8]) -> usize {
+    1 + text[1..].iter().take_while(|byte| is_continuation(**byte)).count()
+}
+
+/// Columns of the bytes from `start` to `end`, counted in characters as editors do.
+fn columns(line: &Line, start: usize, end: usize) -> (u32, u32) {
+    ((start - line.continuation) as u32 + 1, (end - line.continuation) as u32 + 1)
+}
+
+/// The offending text, short and printable whatever its bytes are.
+fn excerpt(text: &[u8]) -> String {
+    const LONGEST: usize = 24;
+    let mut shown: String = String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST)])
+        .chars()
+        .take(LONGEST)
+        .map(|character| if character.is_control() { ' ' } else { character })
+        .collect();
+    if LONGEST < text.len() {
+        shown.push('…');
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,136 @@
+//! The plane of arcs and its circles: from programmed words to [`Arc`].
+//!
+//! In the plane (a, b) with normal n, a right-handed frame, an arc goes from start S to end E
+//! around C, counter-clockwise seen against n (G3) or clockwise (G2). Its sweep is the angle
+//! from S − C to E − C in the sense of motion, in (0, 2π]; ends closer than a control resolves
+//! make a full circle. With a radius R in place of C, the centre lies on the perpendicular
+//! bisector of the chord d, at the distance √(R² − d²/4) from it: on the left of the motion for
+//! G3 with R > 0 (sweep ≤ π), on the other side for R < 0 (sweep ≥ π), mirrored for G2.
+
+use crate::simulation::toolpath::{Arc, Point, Vector};
+use std::f64::consts::TAU;
+use thiserror::Error;
+
+/// Ends of an arc closer than this make it a full circle, mm: below the resolution of any
+/// control, above the rounding of sums of increments.
+const SAME_POINT: f64 = 1e-6;
+
+/// The plane that arcs lie in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Plane {
+    /// G17.
+    Xy,
+    /// G18; its first axis is Z.
+    Zx,
+    /// G19.
+    Yz,
+}
+
+/// How an arc turns, seen against the normal of its plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// G2.
+    Clockwise,
+    /// G3.
+    Counterclockwise,
+}
+
+/// Why no circle goes through the programmed points.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub(super) enum NoCircle {
+    /// The centre is the start.
+    #[error("the centre of the arc is its start")]
+    NoRadius,
+    /// R with start and end in one point.
+    #[error("an arc by R needs an end apart from its start")]
+    NoChord,
+    /// R is smaller than half the distance of the ends.
+    #[error("radius {radius:.4} mm is too small for an arc between ends {chord:.4} mm apart")]
+    ShortRadius {
+        /// |R|, mm.
+        radius: f64,
+        /// Distance of start and end in the plane, mm.
+        chord: f64,
+    },
+}
+
+impl Plane {
+    /// Indices of first axis, second axis and normal.
+    pub(super) fn axes(self) -> [usize; 3] {
+        match self {
+            Plane::Xy => [0, 1, 2],
+            Plane::Zx => [2, 0, 1],
+            Plane::Yz => [1, 2, 0],
+        }
+    }
+
+    /// The vector with these components along first axis, second axis and normal.
+    fn vector(self, components: [f64; 3]) -> Vector {
+        let mut vector = Vector::zeros();
+        for (index, component) in self.axes().into_iter().zip(components) {
+            vector[index] = component;
+        }
+        vector
+    }
+
+    /// Centre of the arc with the programmed radius `radius`, mm; negative: the longer arc.
+    pub(super) fn center_of_radius(
+        self,
+        (start, end): (Point, Point),
+        turn: Turn,
+        radius: f64,
+    ) -> Result<Point, NoCircle> {
+        let [a, b, _] = self.axes();
+        let (along, across) = (end[a] - start[a], end[b] - start[b]);
+        let chord = along.hypot(across);
+        if chord < SAME_POINT {
+            return Err(NoCircle::NoChord);
+        }
+        if tolerated_difference(radius.abs()) < 0.5 * chord - radius.abs() {
+            return Err(NoCircle::ShortRadius { radius: radius.abs(), chord });
+        }
+        // (R − d/2)(R + d/2) keeps its digits where R is close to d/2.
+        let height = ((radius.abs() - 0.5 * chord) * (radius.abs() + 0.5 * chord)).max(0.0).sqrt();
+        let side = if (turn == Turn::Counterclockwise) == (0.0 < radius) { height } else { -height };
+        let (left_a, left_b) = (-across / chord, along / chord);
+        Ok(start + self.vector([0.5 * along + side * left_a, 0.5 * across + side * left_b, 0.0]))
+    }
+
+    /// The arc around `center`, with `turns` − 1 full turns more than it takes to reach the end.
+    pub(super) fn arc(
+        self,
+        (start, end): (Point, Point),
+        center: Point,
+        turn: Turn,
+        turns: u32,
+    ) -> Result<Arc, NoCircle> {
+        let [a, b, normal] = self.axes();
+        let (from_a, from_b) = (start[a] - center[a], start[b] - center[b]);
+        let (to_a, to_b) = (end[a] - center[a], end[b] - center[b]);
+        let (start_radius, end_radius) = (from_a.hypot(from_b), to_a.hypot(to_b));
+        if start_radius < SAME_POINT {
+            return Err(NoCircle::NoRadius);
+        }
+        let (cos, sin) = (from_a / start_radius, from_b / start_radius);
+        let sense = if turn == Turn::Counterclockwise { 1.0 } else { -1.0 };
+        let angle = (sense * (from_a * to_b - from_b * to_a)).atan2(from_a * to_a + from_b * to_b);
+        let is_full = (end[a] - start[a]).hypot(end[b] - start[b]) < SAME_POINT;
+        let once = if is_full || angle <= 0.0 { angle + TAU } else { angle };
+        let mut center = center;
+        center[normal] = start[normal];
+        Ok(Arc {
+            center,
+            e1: self.vector([cos, sin, 0.0]),
+            e2: self.vector([-sense * sin, sense * cos, 0.0]),
+            start_radius,
+            end_radius,
+            sweep: once + f64::from(turns.saturating_sub(1)) * TAU,
+            rise: self.vector([0.0, 0.0, end[normal] - start[normal]]),
+        })
+    }
+}
+
+/// How far radii may differ by rounding of the programmed numbers, mm.
+pub(super) fn tolerated_difference(radius: f64) -> f64 {
+    (1e-3 * radius).max(0.01)
+}

@@ -1,0 +1,155 @@
+//! What tracing has to say about a program.
+
+use crate::simulation::gcode::{Remark, Severity};
+use crate::simulation::toolpath::plane::NoCircle;
+use thiserror::Error;
+
+/// Something that was not traced as a control would run it, or that the user may want to know.
+/// Lengths are in mm.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub(super) enum Untraced {
+    #[error("{code} is not understood: left out, and the axis words of its block are not run")]
+    UnknownG { code: Code },
+    #[error("{code} is not understood: left out")]
+    UnknownM { code: Code },
+    #[error("{code} ({name}) is not modelled: from here on the path is taken as written")]
+    Transformation { code: Code, name: &'static str },
+    #[error("{code} (look-ahead or smoothing of the control) is not modelled: left out")]
+    ControlSetting { code: Code },
+    #[error("{first} and {second} exclude each other in one block: {second} is run")]
+    Conflict { first: Code, second: Code },
+    #[error("{letter} is given twice in one block: the last one counts")]
+    RepeatedWord { letter: char },
+    #[error("{letter} words are not modelled: only X, Y and Z moves are timed")]
+    UnmodelledWord { letter: char },
+    #[error("no G0 to G3 before the first axis words: taken as G0")]
+    NoMotionWord,
+    #[error("{letter} reaches beyond 10 km: block not moved")]
+    OutOfReach { letter: char },
+    #[error("I, J and K mean nothing in a straight move: left out")]
+    UnusedCenter,
+    #[error("axis words beside {code} are not run")]
+    UnusedAxisWords { code: Code },
+
+    #[error("F{value} is not a feedrate a machine can run: the former stays in force")]
+    BadFeed { value: f64 },
+    #[error("no F before this move: feed moves are taken at {assumed} mm/min until there is one")]
+    NoFeed { assumed: f64 },
+    #[error("{code} ({name}) is not understood: moves are taken at the last feed in mm/min or inch/min")]
+    FeedMode { code: Code, name: &'static str },
+    #[error("G96 (constant surface speed) is not modelled: feedrates are taken as written")]
+    SurfaceSpeed,
+    #[error("{code} (cutter compensation) is not applied: path taken as programmed")]
+    Compensation { code: Code },
+
+    #[error("arc without centre (I, J, K) or radius (R): taken as a straight line")]
+    NoCenter,
+    #[error("{0}: taken as a straight line")]
+    NoCircle(#[from] NoCircle),
+    #[error(
+        "arc has radius {start:.4} mm at its start and {end:.4} mm at its end: run as a spiral between the two"
+    )]
+    UnequalRadii { start: f64, end: f64 },
+    #[error("R and I, J, K in one block: R counts")]
+    RadiusAndCenter,
+    #[error("P{value} is no number of turns: one turn is run")]
+    BadTurns { value: f64 },
+
+    #[error("{}", dwell_text(*.milliseconds))]
+    DwellUnit { milliseconds: bool },
+    #[error("G4 without a waiting time: no dwell")]
+    NoDwellTime,
+    #[error("a waiting time of {seconds} s is not possible: no dwell")]
+    BadDwell { seconds: f64 },
+    #[error(
+        "the reference point of {axis} is unknown: moves to it (G28, G30, G53) are not timed; set axis.{key}.home_mm"
+    )]
+    UnknownHome { axis: char, key: char },
+    #[error("several work offsets (here {code}): each is taken as zero, moves between them are timed so")]
+    WorkOffsets { code: Code },
+    #[error("G10 settings are not applied")]
+    DataSetting,
+
+    #[error("{code} {name} is not timed yet: {holes} holes counted as rapid moves only")]
+    Cycle { code: Code, name: &'static str, holes: u64 },
+    #[error("{code} (subprogram) is not run yet: left out")]
+    Subprogram { code: Code },
+    #[error("{blocks} blocks from here on come after the end of the program ({code}): not run")]
+    AfterEnd { blocks: usize, code: Code },
+}
+
+/// A letter with its number, as people write it: G91.1, M30.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Code {
+    /// `G` or `M`.
+    pub(super) letter: char,
+    /// Its number.
+    pub(super) value: f64,
+}
+
+impl std::fmt::Display for Code {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{}{}", self.letter, self.value)
+    }
+}
+
+fn dwell_text(milliseconds: bool) -> &'static str {
+    if milliseconds {
+        "P of G4 without a decimal point is read as milliseconds, since the program has a % line or an O number"
+    } else {
+        "P of G4 is read as seconds"
+    }
+}
+
+impl Remark for Untraced {
+    fn severity(&self) -> Severity {
+        match self {
+            Untraced::UnknownG { .. }
+            | Untraced::UnknownM { .. }
+            | Untraced::Transformation { .. }
+            | Untraced::Conflict { .. }
+            | Untraced::RepeatedWord { .. }
+            | Untraced::OutOfReach { .. }
+            | Untraced::UnusedAxisWords { .. }
+            | Untraced::BadFeed { .. }
+            | Untraced::NoFeed { .. }
+            | Untraced::FeedMode { .. }
+            | Untraced::NoCenter
+            | Untraced::NoCircle(_)
+            | Untraced::BadTurns { .. }
+            | Untraced::NoDwellTime
+            | Untraced::BadDwell { .. }
+            | Untraced::Subprogram { .. } => Severity::Error,
+            Untraced::UnmodelledWord { .. }
+            | Untraced::UnusedCenter
+            | Untraced::SurfaceSpeed
+            | Untraced::Compensation { .. }
+            | Untraced::UnequalRadii { .. }
+            | Untraced::RadiusAndCenter
+            | Untraced::Cycle { .. } => Severity::Warning,
+            Untraced::ControlSetting { .. }
+            | Untraced::NoMotionWord
+            | Untraced::DwellUnit { .. }
+            | Untraced::UnknownHome { .. }
+            | Untraced::WorkOffsets { .. }
+            | Untraced::DataSetting
+            | Untraced::AfterEnd { .. } => Severity::Info,
+        }
+    }
+
+    fn is_said_once(&self) -> bool {
+        matches!(
+            self,
+            Untraced::Transformation { .. }
+                | Untraced::ControlSetting { .. }
+                | Untraced::UnmodelledWord { .. }
+                | Untraced::NoMotionWord
+                | Untraced::NoFeed { .. }
+                | Untraced::FeedMode { .. }
+                | Untraced::SurfaceSpeed
+                | Untraced::DwellUnit { .. }
+                | Untraced::UnknownHome { .. }
+                | Untraced::DataSetting
+        )
+    }
+}

@@ -1,0 +1,155 @@
+//! What G words mean: one row a word, with the modal group it belongs to.
+//!
+//! Source: NIST RS274/NGC, Table 4; group 9 (cycles) apart from group 1 (motion) as on Fanuc
+//! controls, so that a safe-start line may hold both G0 and G80.
+
+use crate::simulation::gcode::Word;
+use crate::simulation::toolpath::plane::{Plane, Turn};
+
+/// How axis words are run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// G0.
+    Rapid,
+    /// G1.
+    Straight,
+    /// G2 and G3.
+    Arc(Turn),
+}
+
+/// A word that decides alone what its block does with the axis words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Special {
+    /// G4.
+    Dwell,
+    /// G10.
+    DataSetting,
+    /// G28 and G30.
+    Reference,
+    /// G52.
+    LocalShift,
+    /// G53.
+    MachineCoordinates,
+    /// G92.
+    SetPosition,
+    /// G92.1, which forgets the shift.
+    ForgetShift,
+    /// G92.2, which keeps the shift for G92.3.
+    SuspendShift,
+    /// G92.3.
+    RestoreShift,
+}
+
+/// What a G word asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    Motion(Mode),
+    Plane(Plane),
+    /// Lengths are given in inch.
+    Inch(bool),
+    /// Axis words are increments.
+    Incremental(bool),
+    /// I, J and K are increments from the start of the arc.
+    IncrementalCenter(bool),
+    /// F is mm/min or inch/min, as only G94 says.
+    FeedPerMinute(Result<(), &'static str>),
+    /// G61 and G64.
+    ExactStop(bool),
+    /// G9.
+    ExactStopHere,
+    Special(Special),
+    /// A canned cycle by its name.
+    Cycle(&'static str),
+    /// G80.
+    CycleEnd,
+    WorkOffset,
+    Compensation,
+    SurfaceSpeed,
+    ControlSetting,
+    /// A change of coordinates by its name.
+    Transformation(&'static str),
+    /// It changes neither path nor time.
+    Neutral,
+}
+
+/// Modal groups are numbered as in RS274/NGC and on Fanuc; words of no group may be combined.
+pub(super) const NO_GROUP: usize = 31;
+
+/// Ten times the number of a G word, where it is one that can exist.
+pub(super) fn tenths(word: &Word) -> Option<u16> {
+    let tenths = (10.0 * word.value).round();
+    let exists = (10.0 * word.value - tenths).abs() < 1e-6 && (0.0..10_000.0).contains(&tenths);
+    exists.then_some(tenths as u16)
+}
+
+/// Modal group and meaning of a G word, given ten times its number.
+pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
+    use Meaning::*;
+    Some(match tenths {
+        0 => (1, Motion(Mode::Rapid)),
+        10 => (1, Motion(Mode::Straight)),
+        20 => (1, Motion(Mode::Arc(Turn::Clockwise))),
+        30 => (1, Motion(Mode::Arc(Turn::Counterclockwise))),
+
+        40 => (0, Special(self::Special::Dwell)),
+        100 => (0, Special(self::Special::DataSetting)),
+        280 | 300 => (0, Special(self::Special::Reference)),
+        520 => (0, Special(self::Special::LocalShift)),
+        530 => (0, Special(self::Special::MachineCoordinates)),
+        920 => (0, Special(self::Special::SetPosition)),
+        921 => (0, Special(self::Special::ForgetShift)),
+        922 => (0, Special(self::Special::SuspendShift)),
+        923 => (0, Special(self::Special::RestoreShift)),
+
+        170 => (2, Plane(self::Plane::Xy)),
+        180 => (2, Plane(self::Plane::Zx)),
+        190 => (2, Plane(self::Plane::Yz)),
+        900 => (3, Incremental(false)),
+        910 => (3, Incremental(true)),
+        901 => (4, IncrementalCenter(false)),
+        911 => (4, IncrementalCenter(true)),
+        930 => (5, FeedPerMinute(Err("inverse time feed"))),
+        940 => (5, FeedPerMinute(Ok(()))),
+        950 => (5, FeedPerMinute(Err("feed per revolution"))),
+        200 => (6, Inch(true)),
+        210 => (6, Inch(false)),
+        400 => (7, Neutral),
+        410 | 411 | 420 | 421 => (7, Compensation),
+        430 | 431 | 440 | 490 => (8, Neutral),
+
+        730 => (9, Cycle("high-speed peck drilling")),
+        740 => (9, Cycle("left-hand tapping")),
+        760 => (9, Cycle("fine boring")),
+        800 => (9, CycleEnd),
+        810 => (9, Cycle("drilling")),
+        820 => (9, Cycle("drilling with dwell")),
+        830 => (9, Cycle("peck drilling")),
+        840 => (9, Cycle("tapping")),
+        850 => (9, Cycle("boring")),
+        860 => (9, Cycle("boring with spindle stop")),
+        870 => (9, Cycle("back boring")),
+        880 => (9, Cycle("boring with manual retract")),
+        890 => (9, Cycle("boring with dwell")),
+
+        980 | 990 => (10, Neutral),
+        540..=593 => (12, WorkOffset),
+        610 | 611 => (13, ExactStop(true)),
+        640 => (13, ExactStop(false)),
+        960 => (14, SurfaceSpeed),
+        970 => (14, Neutral),
+
+        90 => (NO_GROUP, ExactStopHere),
+        80 | 51 | 1870 => (NO_GROUP, ControlSetting),
+        71 | 1070 => (NO_GROUP, Transformation("cylindrical interpolation")),
+        121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
+        160 => (NO_GROUP, Transformation("polar coordinates")),
+        434 | 435 => (NO_GROUP, Transformation("tool centre point control")),
+        510 => (NO_GROUP, Transformation("scaling")),
+        511 => (NO_GROUP, Transformation("mirror image")),
+        680 => (NO_GROUP, Transformation("rotation of coordinates")),
+        682 => (NO_GROUP, Transformation("tilted working plane")),
+        // What cancels a mode that is not in force, or that does not touch the path.
+        110 | 131 | 1130 | 150 | 220 | 230 | 250 | 260 | 500 | 501 | 670 | 690 | 691 => (NO_GROUP, Neutral),
+        _ => return None,
+    })
+}

@@ -1,0 +1,69 @@
+// Opens the page in headless Chromium, served from www/ on a free port, and keeps a record of what it does.
+
+import { chromium } from 'playwright-core'
+import { serve } from '../../scripts/serve.mjs'
+import { findChromium } from './chromium.mjs'
+
+// Without the sandbox, which root may not use; the rest keeps Chromium from asking the network for its own ends.
+const FLAGS = [
+  '--no-sandbox',
+  '--disable-gpu',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+]
+
+/**
+ * Opens `path` of the page in a fresh profile. `requests` holds every URL asked for, by the page and its workers,
+ * and `errors` every console error, uncaught exception and failed request, both in order and up to date.
+ * Call `close` in the end, else the test does not finish.
+ *
+ * @param {{ path?: string, viewport?: { width: number, height: number } }} [options]
+ */
+export async function openPage({ path = '/', viewport = { width: 1280, height: 900 } } = {}) {
+  const executablePath = findChromium()
+  if (!executablePath) throw new Error('no Chromium here; run scripts/setup test')
+
+  const server = await serve(0)
+  const browser = await chromium.launch({ executablePath, args: FLAGS }).catch(async (error) => {
+    await server.close()
+    throw error
+  })
+  const close = async () => {
+    await browser.close()
+    await server.close()
+  }
+
+  try {
+    const context = await browser.newContext({ viewport })
+    /** @type {string[]} */
+    const requests = []
+    /** @type {string[]} */
+    const errors = []
+    context.on('request', (request) => requests.push(request.url()))
+    context.on('requestfailed', (request) => errors.push(`${request.url()}: ${request.failure()?.errorText}`))
+    context.on('console', (message) => {
+      if (message.type() === 'error') errors.push(`${message.text()} (${message.location().url})`)
+    })
+    context.on('weberror', (error) => errors.push(String(error.error())))
+
+    const page = await context.newPage()
+    await page.goto(server.origin + path)
+    return { page, origin: server.origin, requests, errors, close }
+  } catch (error) {
+    await close()
+    throw error
+  }
+}
+
+/**
+ * The URLs that are not of `origin`. Data and blob URLs name bytes that the page has already, not a place.
+ *
+ * @param {string[]} requests
+ * @param {string} origin
+ */
+export function leaving(requests, origin) {
+  return requests.filter((url) => !/^(data|blob):/.test(url) && new URL(url).origin !== origin)
+}
