@@ -34,7 +34,8 @@ pub fn form() -> String {
 /// What is wrong with the values of a machine form, as JSON: a list of key and message.
 #[wasm_bindgen]
 pub fn faults(machine: &str) -> String {
-    project::machine_from_json(machine).map_or_else(|faults| project::faults_json(&faults), |_| "[]".to_string())
+    project::machine_from_json(machine)
+        .map_or_else(|faults| project::faults_json(&faults), |_| "[]".to_string())
 }
 
 /// The tolerances to begin with, mm.

@@ -69,7 +69,9 @@ mod tests {
 
     #[test]
     fn reads_micrometres_and_millimetres() {
-        for (text, tolerance) in [("15", 0.015), (" 15 µm", 0.015), ("0,5um", 0.0005), ("0.02 mm", 0.02), ("1e1", 0.01)] {
+        for (text, tolerance) in
+            [("15", 0.015), (" 15 µm", 0.015), ("0,5um", 0.0005), ("0.02 mm", 0.02), ("1e1", 0.01)]
+        {
             let read = tolerance_from_text(text).expect(text);
             assert!((read - tolerance).abs() < 1e-15, "{text}: {read}");
         }

@@ -65,6 +65,8 @@ pub struct Reading {
     pub line: Option<u32>,
     /// Programmed feedrate there, mm/s, where there is a segment.
     pub programmed: Option<f64>,
+    /// Whether that segment is a rapid move.
+    pub rapid: bool,
     /// Feedrate (mm/s) and time (s) of each curve there; none where the curve is empty.
     pub curves: Vec<Option<(f64, f64)>>,
 }
@@ -96,6 +98,7 @@ impl FeedChart {
             distance,
             line: self.programmed.line.get(segment).copied(),
             programmed: self.programmed.feedrate.get(segment).copied(),
+            rapid: self.programmed.rapid.get(segment).copied().unwrap_or(false),
             curves: self.curves.iter().map(|curve| curve.at(distance)).collect(),
         }
     }

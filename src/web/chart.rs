@@ -32,6 +32,8 @@ pub struct Pointer {
     pub line: Option<u32>,
     /// Programmed feedrate there, mm/min.
     pub programmed: Option<f64>,
+    /// Whether a rapid move is run there.
+    pub rapid: bool,
     /// What each curve says there, in the order of the curves.
     pub curves: Vec<CurveReading>,
 }
@@ -75,7 +77,8 @@ impl Chart {
     /// Colour of the curve with this index, as CSS writes it.
     pub fn color(&self, index: usize) -> String {
         let curves = self.theme().curves;
-        let (r, g, b) = (curves[index % curves.len()].0, curves[index % curves.len()].1, curves[index % curves.len()].2);
+        let (r, g, b) =
+            (curves[index % curves.len()].0, curves[index % curves.len()].1, curves[index % curves.len()].2);
         format!("rgb({r}, {g}, {b})")
     }
 
@@ -99,12 +102,19 @@ impl Chart {
     }
 
     /// Draws on a canvas of this size in CSS pixels.
-    pub fn draw(&mut self, canvas: HtmlCanvasElement, width: f64, height: f64, ratio: f64) -> Result<(), String> {
+    pub fn draw(
+        &mut self,
+        canvas: HtmlCanvasElement,
+        width: f64,
+        height: f64,
+        ratio: f64,
+    ) -> Result<(), String> {
         canvas.set_width((width * ratio).round() as u32);
         canvas.set_height((height * ratio).round() as u32);
         let backend = CanvasBackend::with_canvas_object(canvas).ok_or("this canvas cannot be drawn on")?;
         self.scale = ratio;
-        self.frame = draw(&self.chart, self.view, &self.theme(), ratio, backend).map_err(|error| error.to_string())?;
+        self.frame =
+            draw(&self.chart, self.view, &self.theme(), ratio, backend).map_err(|error| error.to_string())?;
         Ok(())
     }
 
@@ -128,7 +138,8 @@ impl Chart {
     /// Shows the rectangle between two pixels.
     #[wasm_bindgen(js_name = zoomTo)]
     pub fn zoom_to(&mut self, x0: f64, y0: f64, x1: f64, y1: f64) {
-        let corner = |x: f64, y: f64| (self.frame.distance_at(x * self.scale), self.frame.feedrate_at(y * self.scale));
+        let corner =
+            |x: f64, y: f64| (self.frame.distance_at(x * self.scale), self.frame.feedrate_at(y * self.scale));
         self.view = View::between(corner(x0, y0), corner(x1, y1), self.whole());
     }
 
@@ -178,6 +189,7 @@ impl Chart {
             distance,
             line: reading.line,
             programmed: reading.programmed.map(mm_per_min),
+            rapid: reading.rapid,
             curves: curves.collect(),
         })
     }

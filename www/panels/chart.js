@@ -1,6 +1,6 @@
 // The chart on its canvas. Rust draws and knows the scales; this forwards pixels, keys and sizes.
 
-import { Chart, toleranceLabel } from "../pkg/truefeed.js";
+import { Chart, mostCurves, toleranceLabel } from "../pkg/truefeed.js";
 import { find, make } from "../dom.js";
 import { feedrate, millimetres, clock, seconds } from "../format.js";
 
@@ -31,6 +31,8 @@ export function mount(root) {
   let filled = [];
   /** @type {Outcome | null | undefined} */
   let outcome;
+  /** @type {Program | undefined} */
+  let fitted;
   let frame = 0;
   let readAt = NaN;
 
@@ -197,7 +199,7 @@ export function mount(root) {
   /** Gives the colours of the chart to chips, table and read-out. */
   function colors() {
     chart.setDark(dark.matches);
-    for (let index = 0; index < 6; index += 1) document.documentElement.style.setProperty(`--curve-${index}`, chart.color(index));
+    for (let index = 0; index < mostCurves(); index += 1) document.documentElement.style.setProperty(`--curve-${index}`, chart.color(index));
   }
   colors();
 
@@ -205,8 +207,6 @@ export function mount(root) {
     /** @param {State} state */
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected);
-      const other = program?.outcome?.steps !== outcome?.steps;
-      const otherProgram = filled[0] !== program;
       outcome = program?.outcome;
       const runs = state.tolerances.flatMap((tolerance) => (outcome?.runs.has(tolerance) ? [tolerance] : []));
       empty.hidden = Boolean(outcome);
@@ -223,7 +223,8 @@ export function mount(root) {
         const columns = outcome.runs.get(tolerance)?.columns;
         chart.add(toleranceLabel(tolerance), columns?.distance ?? none, columns?.feedrate ?? none, columns?.time ?? none);
       }
-      if (other || otherProgram) chart.fit(otherProgram);
+      chart.fit(fitted !== program);
+      fitted = program;
       rapids.hidden = !chart.hidesRapids();
       redraw();
     },
@@ -233,7 +234,7 @@ export function mount(root) {
 const none = new Float64Array();
 
 /** What the chart says about one distance. @param {Pointer} pointer @param {Program | undefined} program */
-function words({ distance, line, programmed, curves }, program) {
+function words({ distance, line, programmed, rapid, curves }, program) {
   const rows = curves.map(({ label, feedrate: feed, time }, index) =>
     make(
       "tr",
@@ -243,7 +244,7 @@ function words({ distance, line, programmed, curves }, program) {
       make("td", {}, time < 60 ? seconds(time) : clock(time)),
     ),
   );
-  const head = make("p", {}, make("strong", {}, millimetres(distance)), programmed === undefined ? "" : ` · programmed ${feedrate(programmed)}`);
+  const head = make("p", {}, make("strong", {}, millimetres(distance)), programmed === undefined ? "" : ` · ${rapid ? "rapid" : "programmed"} ${feedrate(programmed)}`);
   const text = line === undefined ? "" : program?.lines[line - 1] ?? "";
   const code = line === undefined ? [] : [make("p", { className: "code" }, `line ${line} `, make("code", {}, text))];
   return [head, make("table", {}, ...rows), ...code];

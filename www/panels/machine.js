@@ -70,15 +70,16 @@ function field(parameter, changed) {
     control.type = kind === "flag" ? "checkbox" : "text";
     if (kind === "number" || kind === "whole") control.inputMode = "decimal";
   }
+  const bounds = min !== undefined && max !== undefined ? `${shown(min)} to ${shown(max)}${unit ? ` ${unit}` : ""}` : "";
+  control.title = bounds;
   control.setAttribute("aria-describedby", `${id}-doc ${id}-fault`);
   const fault = make("p", { className: "fault", id: `${id}-fault` });
-  const bounds = min !== undefined && max !== undefined ? ` ${shown(min)} to ${shown(max)}${unit ? ` ${unit}` : ""}.` : "";
   const element = make(
     "div",
     { className: `field ${kind}` },
     make("label", { htmlFor: id }, label),
     make("span", { className: "value" }, control, make("span", { className: "unit" }, unit ?? "")),
-    make("p", { className: "doc", id: `${id}-doc` }, doc + bounds),
+    make("p", { className: "doc", id: `${id}-doc` }, doc),
     fault,
   );
   const event = kind === "choice" || kind === "flag" ? "change" : "input";

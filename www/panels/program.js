@@ -18,7 +18,7 @@ const UNDO_MS = 10_000;
 /** @param {HTMLElement} root @param {Actions} actions */
 export function mount(root, actions) {
   const list = find(root, ".programs");
-  const input = /** @type {HTMLInputElement} */ (find(root, "#files"));
+  const input = /** @type {HTMLInputElement} */ (find(document.body, "#files"));
   const undo = find(root, ".undo");
   let timer = 0;
   let putBack = () => {};
@@ -27,10 +27,12 @@ export function mount(root, actions) {
     await add([...(input.files ?? [])], actions);
     input.value = "";
   });
-  find(root, "#sample").addEventListener("click", async () => {
-    const response = await fetch(new URL(`../${SAMPLE}`, import.meta.url));
-    actions.addPrograms([{ name: "Sample: pocket.nc", bytes: new Uint8Array(await response.arrayBuffer()) }]);
-  });
+  for (const button of document.querySelectorAll(".sample")) {
+    button.addEventListener("click", async () => {
+      const response = await fetch(new URL(`../${SAMPLE}`, import.meta.url));
+      actions.addPrograms([{ name: "Sample: pocket.nc", bytes: new Uint8Array(await response.arrayBuffer()) }]);
+    });
+  }
   find(undo, "button").addEventListener("click", () => {
     undo.hidden = true;
     putBack();

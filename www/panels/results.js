@@ -37,13 +37,16 @@ export function mount(root) {
 /** @param {Outcome} outcome @param {number[]} tolerances */
 function table(outcome, tolerances) {
   const priced = [...outcome.runs.values()].some(({ summary }) => summary.price);
-  const titles = ["Tolerance", "Cycle time", "", "Programmed", "Difference", "", ...PARTS.map(([, title]) => title), ...(priced ? ["Price"] : [])];
-  const head = make("tr", {}, ...titles.map((title) => make("th", { scope: "col" }, title)));
+  /** @type {[string, number][]} */
+  const titles = [["Tolerance", 1], ["Cycle time", 2], ["Programmed", 1], ["Difference", 2]];
+  for (const [, title] of PARTS) titles.push([title, 1]);
+  if (priced) titles.push(["Price", 1]);
+  const head = make("tr", {}, ...titles.map(([title, colSpan]) => make("th", { scope: "col", colSpan }, title)));
   const programmed = outcome.summary.programmed_time_s;
   const rows = tolerances.map((tolerance, index) => {
     const label = make("th", { scope: "row" }, make("span", { className: `swatch curve-${index}` }), toleranceLabel(tolerance));
     const run = outcome.runs.get(tolerance)?.summary;
-    if (!run) return make("tr", { className: "waiting" }, label, make("td", { colSpan: titles.length - 1 }, "…"));
+    if (!run) return make("tr", { className: "waiting" }, label, make("td", { colSpan: titles.length + 1 }, "…"));
     const longer = run.cycle_time_s - programmed;
     const cells = [
       make("strong", {}, clock(run.cycle_time_s)),
