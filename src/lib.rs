@@ -12,6 +12,8 @@
 
 pub mod machine;
 pub mod plot;
+pub mod project;
+pub mod quote;
 pub mod simulation;
 pub mod units;
 

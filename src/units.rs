@@ -17,6 +17,9 @@ pub const MM_PER_INCH: f64 = 25.4;
 /// Seconds in a minute.
 pub const SECONDS_PER_MINUTE: f64 = 60.0;
 
+/// Minutes in an hour.
+pub const MINUTES_PER_HOUR: f64 = 60.0;
+
 /// A feedrate in mm/s from one in mm/min.
 pub fn mm_per_s(feedrate_mm_per_min: f64) -> f64 {
     feedrate_mm_per_min / SECONDS_PER_MINUTE

@@ -1,1 +1,340 @@
-//! Toolpath → feed plan.
+//! Toolpath → feed plan: the pulse train that the control sends through its filters.
+//!
+//! Between two full stops lies a stretch. In it each segment becomes the pulses of [`block`], its
+//! corners taken as in [`corner`] and its feedrate limited as in [`limits`]. The plan is exact
+//! and needs no time step: a stretch lasts the sum of its pulses plus the filter delay D, because
+//! the filters have to run empty before the machine stands.
+//!
+//! What ends a stretch, each costing a full D:
+//!
+//! - the beginning and the end of the program;
+//! - a dwell, a tool change or another M-word: machine functions wait for the motion to end;
+//! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends
+//!   of every rapid where the machine has rapids stop;
+//! - a change of the filters' constants, between feed and rapid, where rapids have their own:
+//!   filters can only be exchanged while the machine stands, or distance would be lost.
+//!
+//! Otherwise rapids are blended like feed moves, with the rapid feedrate along the path: that is
+//! the neutral setting of controls in contouring mode.
+//!
+//! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest feedrate asked for in
+//! the stretch, so that the filters are constant while the machine moves; feed and rapid then
+//! differ, and are joined by a full stop.
+
+pub mod block;
+pub mod corner;
+pub mod limits;
+
+use crate::machine::{Machine, TimeConstants};
+use crate::simulation::feed::block::End;
+use crate::simulation::feed::corner::CornerLaw;
+use crate::simulation::filter::FilterChain;
+use crate::simulation::gcode::LineNumber;
+use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause, Toolpath, Vector};
+
+/// A piece of command along one segment, linear in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulse {
+    /// Index of the segment.
+    pub segment: u32,
+    /// Duration, s; positive.
+    pub duration: f64,
+    /// Distance from the start of the segment to where the pulse begins, mm.
+    pub offset: f64,
+    /// Commanded feedrate at its beginning and at its end, mm/s.
+    pub feedrate: [f64; 2],
+}
+
+/// Motion from one full stop to the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// Its segments in the toolpath.
+    pub segments: std::ops::Range<usize>,
+    /// Its pulses in the plan.
+    pub pulses: std::ops::Range<usize>,
+    /// Its filters in the plan.
+    pub filter: usize,
+}
+
+/// Time that is not motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wait {
+    /// How long, s.
+    pub duration: f64,
+    /// Why.
+    pub cause: StopCause,
+    /// Line of the program.
+    pub line: LineNumber,
+}
+
+/// What the machine does next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Phase {
+    /// It moves.
+    Motion(Stretch),
+    /// It waits.
+    Wait(Wait),
+}
+
+/// The pulse train of a whole program.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FeedPlan {
+    /// Motion and waits in order.
+    pub phases: Vec<Phase>,
+    /// All pulses in order.
+    pub pulses: Vec<Pulse>,
+    /// The filter chains in use.
+    pub filters: Vec<FilterChain>,
+}
+
+/// The deviations that the corner and arc laws are asked to keep, mm.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowance<'a> {
+    /// At the corner after each segment that has no entry in `corners`, and on all arcs.
+    pub tolerance: f64,
+    /// At the corner after each segment; empty: the tolerance everywhere.
+    pub corners: &'a [f64],
+}
+
+impl Allowance<'_> {
+    /// The same tolerance everywhere, mm.
+    pub fn uniform(tolerance: f64) -> Allowance<'static> {
+        Allowance { tolerance, corners: &[] }
+    }
+
+    fn at_corner_after(&self, segment: usize) -> f64 {
+        self.corners.get(segment).copied().unwrap_or(self.tolerance)
+    }
+}
+
+impl FeedPlan {
+    /// Cycle time, s: all pulses, the filter delay of every stretch, and the waits. Exact but for
+    /// the rounding of the last digit.
+    pub fn cycle_time(&self) -> f64 {
+        let durations = self.phases.iter().flat_map(|phase| match phase {
+            Phase::Wait(wait) => [wait.duration, 0.0],
+            Phase::Motion(stretch) => [self.command_time(stretch), self.filters[stretch.filter].delay()],
+        });
+        running_sum(durations).last().unwrap_or(0.0)
+    }
+
+    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer.
+    pub fn command_time(&self, stretch: &Stretch) -> f64 {
+        let durations = self.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
+        running_sum(durations).last().unwrap_or(0.0)
+    }
+}
+
+/// The sums of the first 1, 2, 3 … values, each as if rounded once: Neumaier's summation, so that
+/// a million blocks lose no more digits than one.
+pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+    values.scan((0.0f64, 0.0), |(sum, lost), value| {
+        let next = *sum + value;
+        *lost += if value.abs() <= sum.abs() { (*sum - next) + value } else { (value - next) + *sum };
+        *sum = next;
+        Some(next + *lost)
+    })
+}
+
+/// The feed plan of a toolpath on a machine.
+pub fn plan(toolpath: &Toolpath, machine: &Machine, allowance: Allowance) -> FeedPlan {
+    let mut plan = FeedPlan::default();
+    let segments = &toolpath.segments;
+    let mut stops = toolpath.stops.iter().peekable();
+    let mut begin = 0;
+    while begin < segments.len() {
+        while let Some(stop) = stops.next_if(|stop| stop.after <= begin) {
+            plan.phases.push(Phase::Wait(wait(stop, machine)));
+        }
+        let next_stop = stops.peek().map_or(usize::MAX, |stop| stop.after);
+        let mut end = begin + 1;
+        while end < segments.len()
+            && end != next_stop
+            && !stands_between(&segments[end - 1], &segments[end], machine)
+        {
+            end += 1;
+        }
+        add_stretch(&mut plan, begin..end, segments, machine, allowance);
+        begin = end;
+    }
+    plan.phases.extend(stops.map(|stop| Phase::Wait(wait(stop, machine))));
+    plan
+}
+
+fn wait(stop: &Stop, machine: &Machine) -> Wait {
+    let duration = match stop.cause {
+        StopCause::Dwell { seconds } => seconds,
+        StopCause::ToolChange { .. } => machine.times.tool_change,
+        StopCause::MCode { code } => machine.times.of_m_code(code),
+    };
+    Wait { duration, cause: stop.cause, line: stop.line }
+}
+
+/// Whether the machine stands between two segments without being told to by a stop.
+fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool {
+    let rapid = |segment: &Segment| segment.motion == Motion::Rapid;
+    let own_filters = machine.rapid.time_constants.is_some()
+        || matches!(machine.interpolator.time_constants, TimeConstants::FromJerk(_));
+    before.exact_stop
+        || (rapid(before) != rapid(after) && own_filters)
+        || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
+        || (machine.interpolator.exact_stop_angle < std::f64::consts::PI
+            && machine.interpolator.exact_stop_angle < turn(before, after))
+}
+
+/// The angle by which the path turns between two segments, rad.
+fn turn(before: &Segment, after: &Segment) -> f64 {
+    let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
+    // Through the half angle: acos loses digits where the turn is small.
+    2.0 * (u2 - u1).norm().atan2((u2 + u1).norm())
+}
+
+/// A corner inside a stretch, or a full stop at one of its ends.
+#[derive(Clone, Copy)]
+struct Corner {
+    /// Commanded feedrate, mm/s.
+    feedrate: f64,
+    /// Whether the motion goes on beyond it.
+    blended: bool,
+}
+
+const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false };
+
+fn add_stretch(
+    plan: &mut FeedPlan,
+    range: std::ops::Range<usize>,
+    all: &[Segment],
+    machine: &Machine,
+    allowance: Allowance,
+) {
+    let segments = &all[range.clone()];
+    let mut feedrates: Vec<f64> = segments.iter().map(|s| limits::requested_feedrate(s, machine)).collect();
+    let filter = filter_of_stretch(plan, segments, &feedrates, machine);
+    let chain = &plan.filters[filter];
+    let law = CornerLaw::new(chain);
+    let accelerations: Vec<f64> = segments.iter().map(|s| limits::acceleration(s, machine)).collect();
+    for (feedrate, segment) in feedrates.iter_mut().zip(segments) {
+        *feedrate = feedrate.min(limits::curve_feedrate(segment, machine, chain, allowance.tolerance));
+    }
+    limit_by_look_ahead(&mut feedrates, segments, &accelerations, machine, chain);
+    let mut corners = Vec::with_capacity(segments.len() + 1);
+    corners.push(FULL_STOP);
+    for (i, pair) in segments.windows(2).enumerate() {
+        let slower = feedrates[i].min(feedrates[i + 1]);
+        let change = pair[1].tangent(0.0) - pair[0].tangent(pair[0].length);
+        let allowed = allowance.at_corner_after(range.start + i);
+        let feedrate = slower * law.alpha(allowed / (slower * change.norm()));
+        corners.push(Corner {
+            feedrate: feedrate.min(axis_corner_feedrate(&change, machine, chain)),
+            blended: true,
+        });
+    }
+    corners.push(FULL_STOP);
+    limit_by_acceleration(&mut corners, segments, &accelerations);
+
+    let first_pulse = plan.pulses.len();
+    for (i, segment) in segments.iter().enumerate() {
+        let end = |corner: Corner| End {
+            feedrate: corner.feedrate,
+            hold: if corner.blended { law.hold(corner.feedrate, feedrates[i]) } else { 0.0 },
+        };
+        let parts = block::parts(
+            segment.length,
+            feedrates[i],
+            accelerations[i],
+            end(corners[i]),
+            end(corners[i + 1]),
+        );
+        let mut offset = 0.0;
+        for (duration, first, last) in parts.into_iter().filter(|part| 0.0 < part.0) {
+            let pulse =
+                Pulse { segment: (range.start + i) as u32, duration, offset, feedrate: [first, last] };
+            plan.pulses.push(pulse);
+            offset += duration * 0.5 * (first + last);
+        }
+    }
+    plan.phases.push(Phase::Motion(Stretch {
+        segments: range,
+        pulses: first_pulse..plan.pulses.len(),
+        filter,
+    }));
+}
+
+/// The filters of a stretch, by index; they are made where the plan does not have them yet.
+fn filter_of_stretch(
+    plan: &mut FeedPlan,
+    segments: &[Segment],
+    feedrates: &[f64],
+    machine: &Machine,
+) -> usize {
+    let setting = match (segments[0].motion, &machine.rapid.time_constants) {
+        (Motion::Rapid, Some(own)) => own,
+        _ => &machine.interpolator.time_constants,
+    };
+    let order = machine.interpolator.filters;
+    let constants = match setting {
+        TimeConstants::Equal(constant) => vec![*constant; order],
+        TimeConstants::FromJerk(jerk) => {
+            let largest = feedrates.iter().copied().fold(0.0, f64::max);
+            vec![(largest / jerk).sqrt(); order]
+        }
+        TimeConstants::Unequal(constants) => constants.clone(),
+    };
+    let known = plan.filters.iter().rposition(|filter| filter.time_constants() == constants);
+    known.unwrap_or_else(|| {
+        plan.filters.push(FilterChain::new(&constants));
+        plan.filters.len() - 1
+    })
+}
+
+/// The fastest corner command at which the turn alone keeps each axis within its acceleration and
+/// jerk: an axis whose velocity steps by c |Δu| before the filters accelerates by c |Δu| max h
+/// after them. One filter has no finite jerk, and no limit on it can be kept.
+fn axis_corner_feedrate(change: &Vector, machine: &Machine, filter: &FilterChain) -> f64 {
+    let neutral =
+        machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY && axis.jerk == f64::INFINITY);
+    if neutral {
+        return f64::INFINITY;
+    }
+    let limits = machine.axes.iter().enumerate().map(|(k, axis)| {
+        let step = change[k].abs();
+        let acceleration = axis.acceleration / (step * filter.peak_impulse());
+        let slope = filter.peak_impulse_slope();
+        let jerk = if slope.is_finite() { axis.jerk / (step * slope) } else { f64::INFINITY };
+        acceleration.min(jerk)
+    });
+    limits.fold(f64::INFINITY, f64::min)
+}
+
+/// Lowers feedrates from which the motion could not stop within the blocks the control sees.
+fn limit_by_look_ahead(
+    feedrates: &mut [f64],
+    segments: &[Segment],
+    accelerations: &[f64],
+    machine: &Machine,
+    filter: &FilterChain,
+) {
+    if machine.interpolator.look_ahead == f64::INFINITY {
+        return;
+    }
+    let blocks = machine.interpolator.look_ahead as usize;
+    let mut travelled = vec![0.0];
+    travelled.extend(running_sum(segments.iter().map(|segment| segment.length)));
+    for i in 0..segments.len().saturating_sub(blocks) {
+        let visible = travelled[i + blocks] - travelled[i];
+        let stopping = limits::stopping_feedrate(visible, filter.half_delay(), accelerations[i]);
+        feedrates[i] = feedrates[i].min(stopping);
+    }
+}
+
+/// Lowers corners that could not be reached from, or left for, their neighbours within the
+/// acceleration limit: |c1² − c2²| ≤ 2 A L for every segment.
+fn limit_by_acceleration(corners: &mut [Corner], segments: &[Segment], accelerations: &[f64]) {
+    let reach = |from: f64, i: usize| (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt();
+    for i in 0..segments.len() {
+        corners[i + 1].feedrate = corners[i + 1].feedrate.min(reach(corners[i].feedrate, i));
+    }
+    for i in (0..segments.len()).rev() {
+        corners[i].feedrate = corners[i].feedrate.min(reach(corners[i + 1].feedrate, i));
+    }
+}

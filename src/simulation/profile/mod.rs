@@ -1,16 +1,191 @@
-//! Feed plan → profile.
+//! Feed plan → profile: the motion that leaves the filters, at any time or distance.
+//!
+//! The profile is not a table: it is the plan, asked through [`state`] at any moment, exactly.
+//! Tables for charts and files are made by [`samples`], dense where the feedrate bends.
+//!
+//! Distance is measured along the programmed path, as the integral of the filtered feed command.
+//! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
+//! feedrate is that of the tool, ‖Ṗ‖, which dips at corners.
 
-/// A profile as columns of equal length, straight lines between the rows.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Samples {
-    /// Time since the start, s.
-    pub time: Vec<f64>,
-    /// Distance along the programmed path, mm.
-    pub distance: Vec<f64>,
-    /// Feedrate of the tool, mm/s.
-    pub feedrate: Vec<f64>,
-    /// Position of the tool, mm, one column an axis.
-    pub position: [Vec<f64>; 3],
-    /// Line of the program being run.
-    pub line: Vec<u32>,
+mod samples;
+mod state;
+
+pub use samples::{Resolution, Samples};
+pub use state::{Dynamics, Moment, State};
+
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch, running_sum};
+use crate::simulation::filter::FilterChain;
+use crate::simulation::toolpath::{Point, Segment, Toolpath};
+
+/// The filtered motion of a whole program.
+pub struct Profile<'a> {
+    toolpath: &'a Toolpath,
+    plan: &'a FeedPlan,
+    /// Distance before each segment, and at the end, mm.
+    distances: Vec<f64>,
+    /// When each phase begins, and the end, s.
+    phase_starts: Vec<f64>,
+    /// When each pulse begins, since the beginning of its stretch, s.
+    pulse_starts: Vec<f64>,
+}
+
+/// One stretch of motion between two full stops.
+#[derive(Clone, Copy)]
+pub struct Motion<'a> {
+    segments: &'a [Segment],
+    pulses: &'a [Pulse],
+    filter: &'a FilterChain,
+    distances: &'a [f64],
+    pulse_starts: &'a [f64],
+    first_pulse: usize,
+    /// One past the last pulse.
+    end_pulse: usize,
+}
+
+impl<'a> Profile<'a> {
+    /// The profile of a plan for a toolpath.
+    pub fn new(toolpath: &'a Toolpath, plan: &'a FeedPlan) -> Profile<'a> {
+        let from_zero =
+            |sums: &mut dyn Iterator<Item = f64>| [0.0].into_iter().chain(sums).collect::<Vec<f64>>();
+        let distances = from_zero(&mut running_sum(toolpath.segments.iter().map(|segment| segment.length)));
+        let mut pulse_starts = Vec::with_capacity(plan.pulses.len());
+        for stretch in stretches(plan) {
+            let durations = plan.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
+            pulse_starts.push(0.0);
+            pulse_starts.extend(running_sum(durations));
+            pulse_starts.pop();
+        }
+        let mut profile = Profile { toolpath, plan, distances, phase_starts: Vec::new(), pulse_starts };
+        let durations: Vec<f64> = plan.phases.iter().map(|phase| profile.phase_duration(phase)).collect();
+        profile.phase_starts = from_zero(&mut running_sum(durations.into_iter()));
+        profile
+    }
+
+    /// Cycle time, s.
+    pub fn cycle_time(&self) -> f64 {
+        self.phase_starts.last().copied().unwrap_or(0.0)
+    }
+
+    /// Length of the programmed path, mm.
+    pub fn length(&self) -> f64 {
+        self.distances.last().copied().unwrap_or(0.0)
+    }
+
+    /// The motion at a time since the start (s); before it and after the end the machine stands.
+    pub fn at_time(&self, time: f64) -> State {
+        let Some(index) = self.phase_at(time) else {
+            return self.standing(0);
+        };
+        match &self.plan.phases[index] {
+            Phase::Wait(_) => self.standing(self.segments_before(index)),
+            Phase::Motion(stretch) => {
+                let motion = self.motion(stretch);
+                motion.state(motion.moment(time - self.phase_starts[index]))
+            }
+        }
+    }
+
+    /// Acceleration and jerk at a time since the start (s); none while the machine stands.
+    pub fn dynamics_at_time(&self, time: f64) -> Option<Dynamics> {
+        let index = self.phase_at(time)?;
+        let Phase::Motion(stretch) = &self.plan.phases[index] else { return None };
+        let motion = self.motion(stretch);
+        Some(motion.dynamics(motion.moment(time - self.phase_starts[index])))
+    }
+
+    /// When the tool has run `distance` (mm) of the programmed path, s: the last moment at which
+    /// it has not run more.
+    pub fn time_at_distance(&self, distance: f64) -> f64 {
+        let (mut low, mut high) = (0.0, self.cycle_time());
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if middle <= low || high <= middle {
+                break;
+            }
+            if self.at_time(middle).distance <= distance { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// The motion of a stretch.
+    pub fn motion(&self, stretch: &Stretch) -> Motion<'_> {
+        Motion {
+            segments: &self.toolpath.segments,
+            pulses: &self.plan.pulses,
+            filter: &self.plan.filters[stretch.filter],
+            distances: &self.distances,
+            pulse_starts: &self.pulse_starts,
+            first_pulse: stretch.pulses.start,
+            end_pulse: stretch.pulses.end,
+        }
+    }
+
+    /// Length of the programmed path before a segment, mm.
+    pub fn distance_before(&self, segment: usize) -> f64 {
+        self.distances[segment]
+    }
+
+    fn phase_duration(&self, phase: &Phase) -> f64 {
+        match phase {
+            Phase::Wait(wait) => wait.duration,
+            Phase::Motion(stretch) => self.motion(stretch).duration(),
+        }
+    }
+
+    fn phase_at(&self, time: f64) -> Option<usize> {
+        let begun = self.phase_starts.partition_point(|&start| start <= time);
+        (begun.min(self.plan.phases.len())).checked_sub(1)
+    }
+
+    /// How many segments lie before a phase.
+    fn segments_before(&self, phase: usize) -> usize {
+        let stretch = self.plan.phases[..phase].iter().rev().find_map(|phase| match phase {
+            Phase::Motion(stretch) => Some(stretch.segments.end),
+            Phase::Wait(_) => None,
+        });
+        stretch.unwrap_or(0)
+    }
+
+    /// The machine standing after so many segments.
+    fn standing(&self, segments: usize) -> State {
+        let all = &self.toolpath.segments;
+        let position = match segments.checked_sub(1) {
+            Some(last) => all[last].end,
+            None => all.first().map_or(Point::origin(), |first| first.start),
+        };
+        State { distance: self.distances[segments], position, velocity: Default::default() }
+    }
+}
+
+/// The stretches of a plan in order.
+fn stretches(plan: &FeedPlan) -> impl Iterator<Item = &Stretch> {
+    plan.phases.iter().filter_map(|phase| match phase {
+        Phase::Motion(stretch) => Some(stretch),
+        Phase::Wait(_) => None,
+    })
+}
+
+impl Motion<'_> {
+    /// How long the command lasts, s.
+    pub fn command_time(&self) -> f64 {
+        let last = self.end_pulse - 1;
+        self.pulse_starts[last] + self.pulses[last].duration
+    }
+
+    /// How long the motion lasts, s: the command and the filter delay.
+    pub fn duration(&self) -> f64 {
+        self.command_time() + self.filter.delay()
+    }
+
+    /// The filters the motion runs through.
+    pub fn filter(&self) -> &FilterChain {
+        self.filter
+    }
+
+    /// The moment so long (s) after the beginning of the stretch.
+    pub fn moment(&self, time: f64) -> Moment {
+        let starts = &self.pulse_starts[self.first_pulse..self.end_pulse];
+        let pulse = self.first_pulse + starts.partition_point(|&start| start <= time).max(1) - 1;
+        Moment { pulse, elapsed: (time - self.pulse_starts[pulse]).max(0.0) }
+    }
 }

@@ -70,7 +70,32 @@ impl Arc {
     }
 }
 
+impl Arc {
+    /// Second and third derivative of the position by σ, mm; the widening of a rounded arc is
+    /// left out, as it is in the curvature.
+    fn higher_derivatives(&self, sigma: f64) -> [Vector; 2] {
+        let (sin, cos) = (self.sweep * sigma).sin_cos();
+        let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
+        [
+            -radius * self.sweep.powi(2) * (cos * self.e1 + sin * self.e2),
+            radius * self.sweep.powi(3) * (sin * self.e1 - cos * self.e2),
+        ]
+    }
+}
+
 impl Segment {
+    /// First, second and third derivative of the position by the distance at `s`: without unit,
+    /// 1/mm and 1/mm².
+    pub fn derivatives(&self, s: f64) -> [Vector; 3] {
+        match &self.curve {
+            Curve::Line => [self.tangent(s), Vector::zeros(), Vector::zeros()],
+            Curve::Arc(arc) => {
+                let [second, third] = arc.higher_derivatives(s / self.length);
+                [self.tangent(s), second / self.length.powi(2), third / self.length.powi(3)]
+            }
+        }
+    }
+
     /// Position at distance `s` from the start, mm.
     pub fn point(&self, s: f64) -> Point {
         match &self.curve {

@@ -1,0 +1,159 @@
+//! The machine as a form: the parameter table as JSON for the page, and the filled form back.
+//!
+//! A filled form is a flat object, `{"interpolator.filters": 3, "rapid.feed_mm_min": null, …}`;
+//! a field left empty is null or absent.
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::machine::{Access, Machine, PARAMETERS, presets};
+use crate::project::{Fault, Written, contradiction, set, written};
+
+#[derive(Serialize)]
+struct Form {
+    fields: Vec<Field>,
+    presets: Vec<Preset>,
+}
+
+/// One parameter as a form field.
+#[derive(Serialize)]
+struct Field {
+    key: &'static str,
+    label: &'static str,
+    doc: &'static str,
+    /// `number`, `list`, `choice`, `flag`, `text` or `m_codes`.
+    kind: &'static str,
+    unit: Option<&'static str>,
+    min: Option<f64>,
+    max: Option<f64>,
+    whole: bool,
+    words: &'static [&'static str],
+}
+
+#[derive(Serialize)]
+struct Preset {
+    name: String,
+    source: &'static str,
+    values: Map<String, Value>,
+}
+
+/// The parameter table and the presets as JSON text.
+pub fn form() -> String {
+    let fields = PARAMETERS.iter().map(|row| {
+        let empty = Field {
+            key: row.key,
+            label: row.label,
+            doc: row.doc,
+            kind: "",
+            unit: None,
+            min: None,
+            max: None,
+            whole: false,
+            words: &[],
+        };
+        match &row.access {
+            Access::Number { unit, min, max, whole, .. } => Field {
+                kind: "number",
+                unit: Some(unit.symbol()),
+                min: Some(*min),
+                max: Some(*max),
+                whole: *whole,
+                ..empty
+            },
+            Access::List { unit, min, max, .. } => {
+                Field { kind: "list", unit: Some(unit.symbol()), min: Some(*min), max: Some(*max), ..empty }
+            }
+            Access::Choice { words, .. } => Field { kind: "choice", words, ..empty },
+            Access::Flag { .. } => Field { kind: "flag", ..empty },
+            Access::Text { .. } => Field { kind: "text", ..empty },
+            Access::MCodes => Field { kind: "m_codes", ..empty },
+        }
+    });
+    let presets = presets().into_iter().map(|preset| Preset {
+        name: preset.machine.name.clone(),
+        source: preset.source,
+        values: values(&preset.machine),
+    });
+    let form = Form { fields: fields.collect(), presets: presets.collect() };
+    serde_json::to_string(&form).expect("text and finite numbers have a JSON form")
+}
+
+/// A machine as a filled form.
+fn values(machine: &Machine) -> Map<String, Value> {
+    let values = PARAMETERS.iter().map(|row| {
+        let value = match written(machine, row) {
+            None | Some(Written::Empty) => Value::Null,
+            Some(Written::Number(value)) => Value::from(value),
+            Some(Written::Text(text)) => Value::from(text),
+            Some(Written::Flag(flag)) => Value::from(flag),
+            Some(Written::List(values)) => Value::from(values),
+            Some(Written::MCodes(codes)) => {
+                Value::from_iter(codes.into_iter().map(|(code, seconds)| (code, Value::from(seconds))))
+            }
+        };
+        (row.key.to_string(), value)
+    });
+    values.collect()
+}
+
+/// The machine of a filled form, or everything wrong with it.
+pub fn machine_from_form(json: &str) -> Result<Machine, Vec<Fault>> {
+    let values: Map<String, Value> = serde_json::from_str(json).map_err(|error| {
+        vec![Fault { place: Some((error.line(), error.column())), key: None, message: error.to_string() }]
+    })?;
+    let mut machine = Machine::default();
+    let mut faults = Vec::new();
+    // Empty fields first: taking back one form of the time constants must not undo another.
+    let (empty, filled): (Vec<_>, Vec<_>) = values.iter().partition(|(_, value)| value.is_null());
+    for (key, value) in empty.into_iter().chain(filled) {
+        let outcome = match value_as_written(value) {
+            Some(written) => set(&mut machine, key, written),
+            None => Err(Fault::at_key(key, "this is not a value for a parameter".to_string())),
+        };
+        faults.extend(outcome.err());
+    }
+    faults.extend(contradiction(&machine));
+    if faults.is_empty() { Ok(machine) } else { Err(faults) }
+}
+
+fn value_as_written(value: &Value) -> Option<Written> {
+    match value {
+        Value::Null => Some(Written::Empty),
+        Value::Bool(flag) => Some(Written::Flag(*flag)),
+        Value::Number(number) => number.as_f64().map(Written::Number),
+        Value::String(text) => Some(Written::Text(text.clone())),
+        Value::Array(values) => values.iter().map(Value::as_f64).collect::<Option<_>>().map(Written::List),
+        Value::Object(codes) => {
+            let codes = codes.iter().map(|(code, seconds)| Some((code.clone(), seconds.as_f64()?)));
+            codes.collect::<Option<_>>().map(Written::MCodes)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_come_back_from_their_own_form() {
+        for preset in presets() {
+            let json = serde_json::to_string(&values(&preset.machine)).expect("finite");
+            assert_eq!(machine_from_form(&json), Ok(preset.machine));
+        }
+    }
+
+    #[test]
+    fn all_faults_are_told_at_once_with_their_keys() {
+        let faults = machine_from_form(
+            r#"{"interpolator.filters": 9, "rapid.feed_mm_min": null, "axis.x.speed": 1, "name": 3, "override.feed": null}"#,
+        )
+        .expect_err("wrong");
+        let mut keys: Vec<_> =
+            faults.iter().map(|fault| fault.key.clone().expect("each has a key")).collect();
+        keys.sort();
+        assert_eq!(
+            keys,
+            ["axis.x.speed", "interpolator.filters", "name", "override.feed", "rapid.feed_mm_min"]
+        );
+    }
+}

@@ -1,0 +1,257 @@
+//! The machine file: TOML, units in the key names, an unknown key is an error.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::machine::{Machine, PARAMETERS};
+use crate::project::{Fault, Written, contradiction, known_parameter, set, written};
+
+/// The form of the filters' constants: exactly one of these keys must be there.
+const TIME_CONSTANTS: [&str; 3] =
+    ["interpolator.time_constant_s", "interpolator.max_jerk_mm_s3", "interpolator.time_constants_s"];
+
+/// Keys without which a machine file says too little.
+const REQUIRED: [&str; 4] =
+    ["interpolator.filters", "interpolator.contour_tolerance_mm", "rapid.feed_mm_min", "times.tool_change_s"];
+
+/// A machine from the text of a machine file, or the first thing wrong with it.
+pub fn machine_from_toml(text: &str) -> Result<Machine, Fault> {
+    let at = |span: Range<usize>| Some(place(text, span.start));
+    let table = DeTable::parse(text).map_err(|error| Fault {
+        place: error.span().and_then(at),
+        key: None,
+        message: error.message().replace('\n', " "),
+    })?;
+    let mut entries = Vec::new();
+    collect(table.get_ref(), "", &mut entries).map_err(|(span, key, message)| Fault {
+        place: at(span),
+        key: Some(key),
+        message,
+    })?;
+    let mut machine = Machine::default();
+    for (key, span, value) in &entries {
+        set(&mut machine, key, value.clone()).map_err(|fault| Fault { place: at(span.clone()), ..fault })?;
+    }
+    let given = |key: &&&str| entries.iter().any(|(known, ..)| known == **key);
+    let missing = |key: &str| Fault {
+        place: None,
+        key: Some(key.to_string()),
+        message: "this key is missing".to_string(),
+    };
+    if let Some(key) = REQUIRED.iter().find(|key| !given(key)) {
+        return Err(missing(key));
+    }
+    let forms: Vec<&&str> = TIME_CONSTANTS.iter().filter(given).collect();
+    match forms[..] {
+        [] => Err(missing(TIME_CONSTANTS[0])),
+        [_] => contradiction(&machine).map_or(Ok(machine), Err),
+        [first, second, ..] => Err(Fault {
+            place: None,
+            key: Some(second.to_string()),
+            message: format!("give either this or {first}"),
+        }),
+    }
+}
+
+/// The machine file of a machine: what every file must say, and what is not neutral.
+pub fn toml_from_machine(machine: &Machine) -> String {
+    let neutral = Machine::default();
+    let mut text = String::new();
+    let mut table = "";
+    for row in PARAMETERS.iter() {
+        let Some(value) = written(machine, row) else { continue };
+        let needed = row.key == "name" || REQUIRED.contains(&row.key) || TIME_CONSTANTS.contains(&row.key);
+        if !needed && written(&neutral, row).as_ref() == Some(&value) {
+            continue;
+        }
+        let (own_table, key) = row.key.rsplit_once('.').unwrap_or(("", row.key));
+        if own_table != table {
+            text += &format!("\n[{own_table}]\n");
+            table = own_table;
+        }
+        text += &format!("{key} = {}\n", toml_value(&value));
+    }
+    text
+}
+
+fn toml_value(value: &Written) -> String {
+    let number = |value: &f64| toml::Value::Float(*value).to_string();
+    match value {
+        Written::Number(value) if value.fract() == 0.0 && value.abs() < 1e15 => format!("{value:.0}"),
+        Written::Number(value) => number(value),
+        Written::Text(text) => toml::Value::String(text.clone()).to_string(),
+        Written::Flag(value) => value.to_string(),
+        Written::List(values) => format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", ")),
+        Written::MCodes(codes) => {
+            let entries = codes.iter().map(|(code, seconds)| format!("{code} = {}", number(seconds)));
+            format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+        }
+        Written::Empty => unreachable!("an empty value is never read from a machine"),
+    }
+}
+
+/// Line and column, 1-based, of a byte of the text.
+fn place(text: &str, byte: usize) -> (usize, usize) {
+    let before = &text[..text.floor_char_boundary(byte)];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+}
+
+type Entry = (String, Range<usize>, Written);
+
+/// All keys of a table with dotted names; tables that are values stay whole.
+fn collect(
+    table: &DeTable,
+    prefix: &str,
+    entries: &mut Vec<Entry>,
+) -> Result<(), (Range<usize>, String, String)> {
+    for (name, value) in table {
+        let key = if prefix.is_empty() {
+            name.get_ref().to_string()
+        } else {
+            format!("{prefix}.{}", name.get_ref())
+        };
+        let is_prefix =
+            PARAMETERS.iter().any(|row| row.key.strip_prefix(&key).is_some_and(|rest| rest.starts_with('.')));
+        match value.get_ref() {
+            DeValue::Table(inner) if is_prefix => collect(inner, &key, entries)?,
+            _ => {
+                known_parameter(&key).map_err(|fault| (name.span(), key.clone(), fault.message))?;
+                let written = value_as_written(value)
+                    .map_err(|message| (value.span(), key.clone(), message.to_string()))?;
+                entries.push((key, value.span(), written));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn value_as_written(value: &Spanned<DeValue>) -> Result<Written, &'static str> {
+    match value.get_ref() {
+        DeValue::String(text) => Ok(Written::Text(text.to_string())),
+        DeValue::Boolean(flag) => Ok(Written::Flag(*flag)),
+        DeValue::Integer(_) | DeValue::Float(_) => number(value).map(Written::Number),
+        DeValue::Array(values) => values.iter().map(number).collect::<Result<_, _>>().map(Written::List),
+        DeValue::Table(table) => {
+            let codes =
+                table.iter().map(|(code, seconds)| Ok((code.get_ref().to_string(), number(seconds)?)));
+            codes.collect::<Result<_, _>>().map(Written::MCodes)
+        }
+        DeValue::Datetime(_) => Err("a date is not expected here"),
+    }
+}
+
+fn number(value: &Spanned<DeValue>) -> Result<f64, &'static str> {
+    let number = match value.get_ref() {
+        DeValue::Integer(integer) => integer.as_str().parse().ok(),
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        _ => None,
+    };
+    number.ok_or("expected a decimal number")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::TimeConstants;
+
+    const SMALL: &str = r#"
+name = "DMG Mori eVo 40, TNC640"
+[interpolator]
+filters = 3
+time_constant_s = 0.0255
+contour_tolerance_mm = 0.010
+corner_mode = "paper"
+[rapid]
+feed_mm_min = 12000
+[times]
+tool_change_s = 4.0
+"#;
+
+    fn fault(text: &str) -> String {
+        machine_from_toml(text).expect_err("the text is wrong").to_string()
+    }
+
+    #[test]
+    fn the_contracts_example_is_read() {
+        let machine = machine_from_toml(SMALL).expect("right");
+        assert_eq!(machine.rapid.feedrate, 200.0);
+        assert_eq!(machine.interpolator.time_constants, TimeConstants::Equal(0.0255));
+        assert_eq!(machine, Machine { name: "DMG Mori eVo 40, TNC640".to_string(), ..Machine::default() });
+    }
+
+    #[test]
+    fn a_machine_survives_being_written_and_read() {
+        let mut machine = machine_from_toml(SMALL).expect("right");
+        assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine.clone()));
+        machine.interpolator.filters = 2;
+        machine.interpolator.time_constants = TimeConstants::Unequal(vec![0.03, 0.0123456789]);
+        machine.axes[1].acceleration = 1234.5;
+        machine.axes[2].home = Some(-17.25);
+        machine.rapid.exact_stop = true;
+        machine.rapid.time_constants = Some(TimeConstants::Equal(0.05));
+        machine.interpolator.exact_stop_angle = 35f64.to_radians();
+        machine.times.m_codes = [(3, 4.0), (8, 2.5)].into();
+        machine.name = "a \"quoted\" name\nin two lines".to_string();
+        assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine));
+    }
+
+    #[test]
+    fn faults_say_where_and_what() {
+        assert_eq!(
+            fault(&SMALL.replace("filters = 3", "filter = 3")),
+            "line 4, column 1: interpolator.filter: unknown key; the nearest known one is interpolator.filters"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("filters = 3", "filters = 5")),
+            "line 4, column 11: interpolator.filters: 5 is outside 1 to 4"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("filters = 3", "filters = 2.5")),
+            "line 4, column 11: interpolator.filters: expected a whole number from 1 to 4"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("0.0255", "\"fast\"")),
+            "line 5, column 19: interpolator.time_constant_s: expected a number in s"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("0.0255", "nan")),
+            "line 5, column 19: interpolator.time_constant_s: NaN is outside 0.0001 to 2 s"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("feed_mm_min = 12000", "")),
+            "rapid.feed_mm_min: this key is missing"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("[rapid]", "max_jerk_mm_s3 = 50000\n[rapid]")),
+            "interpolator.max_jerk_mm_s3: give either this or interpolator.time_constant_s"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("time_constant_s = 0.0255", "time_constants_s = [0.02, 0.01]")),
+            "interpolator.time_constants_s: 2 time constants for 3 filters; give one for each"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("\"paper\"", "\"fast\"")),
+            "line 7, column 15: interpolator.corner_mode: expected one of: paper, guaranteed"
+        );
+        assert!(fault("name = ").starts_with("line 1, column 8: "));
+        assert!(
+            fault(&SMALL.replace("tool_change_s = 4.0", "tool_change_s = 4.0\nm_codes = { X3 = 1.0 }"))
+                .contains("X3 is not an M-word")
+        );
+    }
+
+    #[test]
+    fn numbers_come_back_as_they_were_written() {
+        for mm_per_min in [12000.0, 11999.99, 1.0, 763.0, 30_000.5] {
+            let machine =
+                machine_from_toml(&SMALL.replace("12000", &format!("{mm_per_min}"))).expect("right");
+            assert!(
+                toml_from_machine(&machine).contains(&format!("feed_mm_min = {mm_per_min}\n")),
+                "{mm_per_min}"
+            );
+        }
+    }
+}

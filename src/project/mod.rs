@@ -1,0 +1,165 @@
+//! Everything that crosses a border as text: machine files, the page's form, results.
+//!
+//! This is the only keeper of file and message formats, and so of serde. Names carry their units
+//! here (`cycle_time_s`), and values are converted on the way through the parameter table
+//! ([`PARAMETERS`](crate::machine::PARAMETERS)), so that the core sees mm, s and rad.
+
+mod form;
+mod machine_file;
+mod results;
+
+pub use form::{form, machine_from_form};
+pub use machine_file::{machine_from_toml, toml_from_machine};
+pub use results::{Prediction, profile_csv, severity_word};
+
+use crate::machine::{Access, Machine, PARAMETERS, Parameter, parameter};
+
+/// Something wrong with a machine as written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}{}{message}", line_and_column(.place), .key.as_ref().map(|key| format!("{key}: ")).unwrap_or_default())]
+pub struct Fault {
+    /// Line and column in the text, 1-based, where there is a text.
+    pub place: Option<(usize, usize)>,
+    /// Key it concerns.
+    pub key: Option<String>,
+    /// What is wrong and what would do instead.
+    pub message: String,
+}
+
+fn line_and_column(place: &Option<(usize, usize)>) -> String {
+    place.map(|(line, column)| format!("line {line}, column {column}: ")).unwrap_or_default()
+}
+
+impl Fault {
+    fn at_key(key: &str, message: String) -> Fault {
+        Fault { place: None, key: Some(key.to_string()), message }
+    }
+}
+
+/// A value as written, in the unit of its key.
+#[derive(Clone, Debug, PartialEq)]
+enum Written {
+    Number(f64),
+    Text(String),
+    Flag(bool),
+    List(Vec<f64>),
+    MCodes(Vec<(String, f64)>),
+    /// The field was left empty.
+    Empty,
+}
+
+/// The row of the table for a key, or a fault that names the nearest known key.
+fn known_parameter(key: &str) -> Result<&'static Parameter, Fault> {
+    parameter(key).ok_or_else(|| {
+        let distance = |known: &&Parameter| strsim::damerau_levenshtein(known.key, key);
+        let nearest = PARAMETERS.iter().min_by_key(distance).expect("the table is not empty");
+        Fault::at_key(key, format!("unknown key; the nearest known one is {}", nearest.key))
+    })
+}
+
+/// Gives a parameter of the machine the value written for it.
+fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> {
+    let row = known_parameter(key)?;
+    let expected = |what: String| Err(Fault::at_key(key, format!("expected {what}")));
+    let within = |value: f64, min: f64, max: f64, symbol: &str| -> Result<(), Fault> {
+        if value.is_finite() && min <= value && value <= max {
+            return Ok(());
+        }
+        let unit = if symbol.is_empty() { String::new() } else { format!(" {symbol}") };
+        Err(Fault::at_key(key, format!("{value} is outside {min} to {max}{unit}")))
+    };
+    match (&row.access, written) {
+        (Access::Number { unit, min, max, whole, set, .. }, Written::Number(value)) => {
+            within(value, *min, *max, unit.symbol())?;
+            if *whole && value.fract() != 0.0 {
+                return expected(format!("a whole number from {min} to {max}"));
+            }
+            set(machine, Some(unit.to_core(value)));
+        }
+        (Access::Number { get, set, .. }, Written::Empty) => {
+            // Only what is neutral when absent may be left empty.
+            let mut neutral = Machine::default();
+            set(&mut neutral, None);
+            if get(&neutral).is_some() && get(&Machine::default()).is_some() {
+                return expected("a number".to_string());
+            }
+            set(machine, None);
+        }
+        (Access::Number { unit, .. }, _) => return expected(format!("a number in {}", unit.symbol())),
+        (Access::List { unit, min, max, set, .. }, Written::List(values)) => {
+            if values.is_empty() || 4 < values.len() {
+                return expected("one to four numbers".to_string());
+            }
+            for &value in &values {
+                within(value, *min, *max, unit.symbol())?;
+            }
+            set(machine, values.into_iter().map(|value| unit.to_core(value)).collect());
+        }
+        (Access::List { .. }, Written::Empty) => {}
+        (Access::List { unit, .. }, _) => return expected(format!("a list of numbers in {}", unit.symbol())),
+        (Access::Choice { words, set, .. }, Written::Text(word)) if words.contains(&word.as_str()) => {
+            set(machine, &word);
+        }
+        (Access::Choice { words, .. }, _) => return expected(format!("one of: {}", words.join(", "))),
+        (Access::Flag { set, .. }, Written::Flag(value)) => set(machine, value),
+        (Access::Flag { .. }, _) => return expected("true or false".to_string()),
+        (Access::Text { set, .. }, Written::Text(text)) => set(machine, &text),
+        (Access::Text { .. }, _) => return expected("text".to_string()),
+        (Access::MCodes, Written::MCodes(codes)) => {
+            machine.times.m_codes.clear();
+            for (code, seconds) in codes {
+                let number = code.strip_prefix(['M', 'm']).and_then(|digits| digits.parse().ok());
+                let Some(number) = number else {
+                    return Err(Fault::at_key(key, format!("{code} is not an M-word such as M3")));
+                };
+                within(seconds, 0.0, 3600.0, "s")?;
+                machine.times.m_codes.insert(number, seconds);
+            }
+        }
+        (Access::MCodes, Written::Empty) => machine.times.m_codes.clear(),
+        (Access::MCodes, _) => return expected("a table of seconds by M-word, such as M3 = 4.0".to_string()),
+    }
+    Ok(())
+}
+
+/// The value of a parameter as it would be written; none where the machine does not have it.
+fn written(machine: &Machine, row: &Parameter) -> Option<Written> {
+    match &row.access {
+        Access::Number { unit, get, .. } => {
+            get(machine).map(|value| Written::Number(tidy(unit.from_core(value))))
+        }
+        Access::List { unit, get, .. } => get(machine)
+            .map(|values| Written::List(values.into_iter().map(|value| unit.from_core(value)).collect())),
+        Access::Choice { get, .. } => Some(Written::Text(get(machine).to_string())),
+        Access::Flag { get, .. } => Some(Written::Flag(get(machine))),
+        Access::Text { get, .. } => Some(Written::Text(get(machine).to_string())),
+        Access::MCodes if machine.times.m_codes.is_empty() => None,
+        Access::MCodes => {
+            let codes = machine.times.m_codes.iter().map(|(code, seconds)| (format!("M{code}"), *seconds));
+            Some(Written::MCodes(codes.collect()))
+        }
+    }
+}
+
+/// A number that differs from a short decimal by rounding alone, as that decimal: 12000 mm/min
+/// must not come back from mm/s as 11999.999999999998.
+fn tidy(value: f64) -> f64 {
+    let short: f64 = format!("{value:.12e}").parse().expect("a number as printed is a number");
+    if (short - value).abs() <= 4.0 * f64::EPSILON * value.abs() { short } else { value }
+}
+
+/// What no single key shows: settings that contradict each other.
+fn contradiction(machine: &Machine) -> Option<Fault> {
+    let constants = &machine.interpolator.time_constants;
+    match constants {
+        crate::machine::TimeConstants::Unequal(list) if list.len() != machine.interpolator.filters => {
+            let message = format!(
+                "{} time constants for {} filters; give one for each",
+                list.len(),
+                machine.interpolator.filters
+            );
+            Some(Fault::at_key("interpolator.time_constants_s", message))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,113 @@
+//! Results as text: the JSON of `predict` and the profile as CSV, as the contract fixes them.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::quote::Quote;
+use crate::simulation::gcode::{Diagnostic, Severity};
+use crate::simulation::profile::Samples;
+use crate::units::mm_per_min;
+
+/// What `predict --json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct Prediction {
+    program: String,
+    programmed_time_s: f64,
+    runs: Vec<Run>,
+    diagnostics: Vec<Remark>,
+}
+
+/// One tolerance.
+#[derive(Clone, Debug, Serialize)]
+struct Run {
+    tolerance_mm: f64,
+    cycle_time_s: f64,
+    breakdown: Breakdown,
+    max_contour_error_mm: f64,
+    price: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Breakdown {
+    cutting_s: f64,
+    rapid_s: f64,
+    dwell_s: f64,
+    tool_change_s: f64,
+    other_s: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Remark {
+    line: u32,
+    severity: &'static str,
+    message: String,
+}
+
+/// The word for a severity.
+pub fn severity_word(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Info => "info",
+    }
+}
+
+impl Prediction {
+    /// The prediction for a program: its name, what CAM would say (s), one quote a tolerance, and
+    /// what there is to say about the program.
+    pub fn new(
+        program: &str,
+        programmed_time: f64,
+        quotes: &[Quote],
+        diagnostics: &[Diagnostic],
+    ) -> Prediction {
+        let runs = quotes.iter().map(|quote| Run {
+            tolerance_mm: quote.tolerance,
+            cycle_time_s: quote.cycle_time,
+            breakdown: Breakdown {
+                cutting_s: quote.breakdown.cutting,
+                rapid_s: quote.breakdown.rapid,
+                dwell_s: quote.breakdown.dwell,
+                tool_change_s: quote.breakdown.tool_change,
+                other_s: quote.breakdown.other,
+            },
+            max_contour_error_mm: quote.max_contour_error,
+            price: quote.price,
+        });
+        let remarks = diagnostics.iter().map(|diagnostic| Remark {
+            line: diagnostic.line.0,
+            severity: severity_word(diagnostic.severity),
+            message: diagnostic.message.clone(),
+        });
+        Prediction {
+            program: program.to_string(),
+            programmed_time_s: programmed_time,
+            runs: runs.collect(),
+            diagnostics: remarks.collect(),
+        }
+    }
+
+    /// As JSON text.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("text and finite numbers have a JSON form")
+    }
+}
+
+/// A profile as CSV, one row a sample.
+pub fn profile_csv(samples: &Samples) -> String {
+    let mut csv = String::from("time_s,distance_mm,feed_mm_min,x_mm,y_mm,z_mm,line\n");
+    for row in 0..samples.time.len() {
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| samples.position[axis][row]);
+        writeln!(
+            csv,
+            "{:.9},{:.9},{:.6},{x:.7},{y:.7},{z:.7},{}",
+            samples.time[row],
+            samples.distance[row],
+            mm_per_min(samples.feedrate[row]),
+            samples.line[row]
+        )
+        .expect("writing to a string cannot fail");
+    }
+    csv
+}

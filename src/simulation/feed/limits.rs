@@ -1,0 +1,99 @@
+//! The feedrate at which each segment is commanded, before any corner.
+//!
+//! It is the smallest of
+//!
+//! - the programmed (or rapid) feedrate times its override;
+//! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it;
+//! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ the filtered path runs inside by
+//!   v² ΣTi² κ / 24, to first order, and that much is within the tolerance ε. The first order is
+//!   an upper bound of the true r (1 − Π sinc(ωTi/2));
+//! - √(a / κ): no more than the centripetal acceleration limit, and on an axis no more than its
+//!   acceleration limit;
+//! - L / t_block: no block in less than the block processing time;
+//! - look-ahead: from v the motion stops within v h + v²/(2A), which must lie within the N blocks
+//!   seen, so v = 2 s / (h + √(h² + 2 s / A)) for blocks of s mm in all.
+//!
+//! Symbols: u unit tangent, κ curvature (1/mm), Ti filter constants (s), h half the filter delay
+//! (s), A acceleration limit along the path (mm/s²). Source: Ward et al. 2021 with its errata;
+//! the limits are those that controls document.
+
+use crate::machine::Machine;
+use crate::simulation::filter::FilterChain;
+use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
+
+/// The feedrate asked for, mm/s: programmed or rapid, with override and axis velocity limits.
+pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
+    let feedrate = match segment.motion {
+        Motion::Rapid => machine.rapid.feedrate * machine.overrides.rapid,
+        Motion::Feed { feedrate } => feedrate * machine.overrides.feed,
+    };
+    if machine.axes.iter().all(|axis| axis.velocity == f64::INFINITY) {
+        return feedrate;
+    }
+    let share = largest_share(segment);
+    let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.velocity / share[k]);
+    limits.fold(feedrate, f64::min)
+}
+
+/// The largest feedrate that curvature and block time allow, mm/s. `tolerance` is in mm.
+pub fn curve_feedrate(segment: &Segment, machine: &Machine, filter: &FilterChain, tolerance: f64) -> f64 {
+    let block_time = segment.length / machine.interpolator.block_time;
+    let Curve::Arc(arc) = &segment.curve else {
+        return block_time;
+    };
+    let curvature = curvature(arc, segment.length);
+    let acceleration = machine.path.centripetal_acceleration.min(axis_centripetal(arc, machine));
+    let contour = (24.0 * tolerance / (filter.sum_of_squares() * curvature)).sqrt();
+    block_time.min(contour).min((acceleration / curvature).sqrt())
+}
+
+/// The acceleration limit along a segment, mm/s².
+pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
+    if machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY) {
+        return machine.path.acceleration;
+    }
+    let share = largest_share(segment);
+    let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.acceleration / share[k]);
+    limits.fold(machine.path.acceleration, f64::min)
+}
+
+/// The feedrate from which the motion stops within `visible` mm, mm/s.
+pub fn stopping_feedrate(visible: f64, half_delay: f64, acceleration: f64) -> f64 {
+    2.0 * visible / (half_delay + (half_delay * half_delay + 2.0 * visible / acceleration).sqrt())
+}
+
+/// Curvature of a helix, 1/mm.
+fn curvature(arc: &Arc, length: f64) -> f64 {
+    arc.mean_radius() * (arc.sweep / length).powi(2)
+}
+
+/// Largest centripetal acceleration that no axis limit forbids, mm/s².
+fn axis_centripetal(arc: &Arc, machine: &Machine) -> f64 {
+    let limits = machine.axes.iter().enumerate().map(|(k, axis)| {
+        // The normal is −(cos θ e1 + sin θ e2).
+        axis.acceleration / largest_on_arc(arc.e1[k], arc.e2[k], arc.sweep)
+    });
+    limits.fold(f64::INFINITY, f64::min)
+}
+
+/// Largest |u_k| along the segment for each axis k.
+fn largest_share(segment: &Segment) -> Vector {
+    match &segment.curve {
+        Curve::Line => segment.tangent(0.0).abs(),
+        Curve::Arc(arc) => {
+            let turning = arc.mean_radius() * arc.sweep / segment.length;
+            Vector::from_fn(|k, _| {
+                let rise = arc.rise[k] / segment.length;
+                turning * largest_on_arc(arc.e2[k], -arc.e1[k], arc.sweep) + rise.abs()
+            })
+        }
+    }
+}
+
+/// The largest |a cos θ + b sin θ| for θ from 0 to `sweep`.
+fn largest_on_arc(a: f64, b: f64, sweep: f64) -> f64 {
+    let value = |angle: f64| (a * angle.cos() + b * angle.sin()).abs();
+    let turning = b.atan2(a).rem_euclid(std::f64::consts::PI);
+    let inside = if turning <= sweep { a.hypot(b) } else { 0.0 };
+    inside.max(value(0.0)).max(value(sweep))
+}

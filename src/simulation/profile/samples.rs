@@ -1,0 +1,205 @@
+//! A profile as a table, dense where the feedrate bends.
+//!
+//! Rows are laid at an eighth of the filter delay while anything changes, and nowhere else; then
+//! each gap is halved until straight lines between the rows, over time and over distance, stay
+//! within the resolution asked for. A filtered feedrate has no feature shorter than that first
+//! spacing resolves, so nothing is missed, and the cost is linear in the number of pulses.
+
+use crate::simulation::feed::Phase;
+use crate::simulation::profile::{Motion, Profile, State};
+use crate::simulation::toolpath::{self, Curve};
+
+/// A profile as columns of equal length, straight lines between the rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    /// Time since the start, s.
+    pub time: Vec<f64>,
+    /// Distance along the programmed path, mm.
+    pub distance: Vec<f64>,
+    /// Feedrate of the tool, mm/s.
+    pub feedrate: Vec<f64>,
+    /// Position of the tool, mm, one column an axis.
+    pub position: [Vec<f64>; 3],
+    /// Line of the program being run.
+    pub line: Vec<u32>,
+}
+
+/// How closely straight lines between the rows follow the profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolution {
+    /// Of the feedrate, as a part of the commanded one.
+    pub feedrate: f64,
+    /// Of the position, mm.
+    pub position: f64,
+}
+
+impl Resolution {
+    /// For files: half of the 0.1 % promised, and a micrometre.
+    pub const FINE: Resolution = Resolution { feedrate: 5e-4, position: 1e-3 };
+    /// For charts of feedrate over distance: less than a pixel, position as it comes.
+    pub const CHART: Resolution = Resolution { feedrate: 2e-3, position: f64::INFINITY };
+}
+
+/// Gaps are not halved more often than this.
+const DEEPEST: u32 = 10;
+
+/// Largest angle turned on an arc between two rows, rad, so that no turn is skipped.
+const WIDEST_ANGLE: f64 = 1.0;
+
+impl Profile<'_> {
+    /// The profile as a table.
+    pub fn samples(&self, resolution: Resolution) -> Samples {
+        let mut samples = Samples::default();
+        for (index, phase) in self.plan.phases.iter().enumerate() {
+            let start = self.phase_starts[index];
+            match phase {
+                Phase::Wait(wait) if wait.duration == 0.0 => {}
+                Phase::Wait(wait) => {
+                    let state = self.standing(self.segments_before(index));
+                    samples.push(start, &state, wait.line.0);
+                    samples.push(self.phase_starts[index + 1], &state, wait.line.0);
+                }
+                Phase::Motion(stretch) => {
+                    let segments = stretch.segments.clone();
+                    let commands =
+                        self.plan.pulses[stretch.pulses.clone()].iter().flat_map(|pulse| pulse.feedrate);
+                    let mut sampler = Sampler {
+                        motion: self.motion(stretch),
+                        resolution,
+                        start,
+                        fastest: commands.fold(0.0, f64::max),
+                        segment: segments.start,
+                        last_segment: segments.end - 1,
+                        samples: &mut samples,
+                    };
+                    sampler.run();
+                }
+            }
+        }
+        samples
+    }
+}
+
+impl Samples {
+    fn push(&mut self, time: f64, state: &State, line: u32) {
+        self.time.push(time);
+        self.distance.push(state.distance);
+        self.feedrate.push(state.velocity.norm());
+        for (column, value) in self.position.iter_mut().zip(state.position.iter()) {
+            column.push(*value);
+        }
+        self.line.push(line);
+    }
+}
+
+/// A row to be: local time (s) and state.
+#[derive(Clone, Copy)]
+struct Row {
+    time: f64,
+    state: State,
+}
+
+struct Sampler<'a> {
+    motion: Motion<'a>,
+    resolution: Resolution,
+    /// When the stretch begins, s.
+    start: f64,
+    /// Largest command in the stretch, mm/s.
+    fastest: f64,
+    /// Segment of the last row.
+    segment: usize,
+    last_segment: usize,
+    samples: &'a mut Samples,
+}
+
+impl Sampler<'_> {
+    fn run(&mut self) {
+        let duration = self.motion.duration();
+        let mut last = self.row(0.0);
+        self.push(last);
+        while last.time < duration {
+            let next = self.row(self.next_time(last.time).min(duration));
+            self.fill(last, next, 0);
+            last = next;
+        }
+    }
+
+    fn row(&self, time: f64) -> Row {
+        Row { time, state: self.motion.state(self.motion.moment(time)) }
+    }
+
+    /// Where the next row of the first spacing goes: on by an eighth of the filter delay, or to
+    /// the end of the time in which nothing changes.
+    fn next_time(&self, time: f64) -> f64 {
+        let delay = self.motion.filter.delay();
+        let step = time + delay / 8.0;
+        let moment = self.motion.moment(time);
+        let pulse = &self.motion.pulses[moment.pulse];
+        if moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
+            return step;
+        }
+        let segment = &self.motion.segments[pulse.segment as usize];
+        let widest = match &segment.curve {
+            Curve::Line => f64::INFINITY,
+            Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
+        };
+        let end = self.motion.pulse_starts[moment.pulse] + pulse.duration;
+        step.max(end.min(time + widest))
+    }
+
+    /// Adds the rows after `a` up to `b`.
+    fn fill(&mut self, a: Row, b: Row, depth: u32) {
+        let middle = self.row(0.5 * (a.time + b.time));
+        let bends = depth < DEEPEST
+            && (self.bends(a, middle, b)
+                || [0.25, 0.75]
+                    .iter()
+                    .any(|part| self.bends(a, self.row(a.time + part * (b.time - a.time)), b)));
+        if bends {
+            self.fill(a, middle, depth + 1);
+            self.fill(middle, b, depth + 1);
+        } else {
+            self.push(b);
+        }
+    }
+
+    /// Whether the straight line from `a` to `b` misses `between`.
+    fn bends(&self, a: Row, between: Row, b: Row) -> bool {
+        let part_of = |begin: f64, value: f64, end: f64| {
+            if begin < end { (value - begin) / (end - begin) } else { 0.5 }
+        };
+        let over_time = part_of(a.time, between.time, b.time);
+        let over_distance = part_of(a.state.distance, between.state.distance, b.state.distance);
+        let (v0, v, v1) = (a.state.velocity.norm(), between.state.velocity.norm(), b.state.velocity.norm());
+        let miss = |part: f64| (v0 + part * (v1 - v0) - v).abs();
+        let allowed = self.resolution.feedrate * self.commanded(a).min(self.commanded(b));
+        if allowed < miss(over_time) || allowed < miss(over_distance) {
+            return true;
+        }
+        let straight = a.state.position + over_time * (b.state.position - a.state.position);
+        self.resolution.position < (straight - between.state.position).norm()
+    }
+
+    fn push(&mut self, row: Row) {
+        self.segment = self.segment_at(row.state.distance);
+        let line = self.motion.segments[self.segment].line.0;
+        self.samples.push(self.start + row.time, &row.state, line);
+    }
+
+    /// The feedrate that the resolution refers to where a row lies, mm/s.
+    fn commanded(&self, row: Row) -> f64 {
+        match self.motion.segments[self.segment_at(row.state.distance)].motion {
+            toolpath::Motion::Feed { feedrate } => feedrate,
+            toolpath::Motion::Rapid => self.fastest,
+        }
+    }
+
+    /// The segment in which a distance lies that is not before the last row's.
+    fn segment_at(&self, distance: f64) -> usize {
+        let mut segment = self.segment;
+        while segment < self.last_segment && self.motion.distances[segment + 1] <= distance {
+            segment += 1;
+        }
+        segment
+    }
+}
