@@ -2,7 +2,7 @@
 //!
 //! The worker holds a [`Job`] and answers with summaries and columns; the page holds a
 //! [`Chart`] and forwards pixels. What comes in is JSON text and numbers, what goes out are the
-//! shapes of [`project`] and columns as typed arrays with buffers of their own, so that they
+//! shapes of [`project`] as JSON text and columns as typed arrays with buffers of their own, so that they
 //! can be transferred. No arithmetic of units or scales is left to JavaScript.
 
 #![deny(clippy::unwrap_used)]
@@ -10,14 +10,11 @@
 mod chart;
 mod job;
 
-pub use chart::{Chart, CurveReading, Pointer};
-pub use job::{Columns, Job, Run, Steps};
-
 use wasm_bindgen::prelude::*;
 
 use crate::machine::{USUAL_TOLERANCES, tolerance_from_text, tolerance_label};
 use crate::plot::PALETTE;
-use crate::project;
+use crate::project::{self, faults_to_json, machine_from_form};
 
 /// Makes panics readable in the console.
 #[wasm_bindgen(start)]
@@ -28,14 +25,13 @@ pub fn start() {
 /// The machine form as JSON: all parameters and presets.
 #[wasm_bindgen]
 pub fn form() -> String {
-    project::form_json()
+    project::form()
 }
 
 /// What is wrong with the values of a machine form, as JSON: a list of key and message.
 #[wasm_bindgen]
 pub fn faults(machine: &str) -> String {
-    project::machine_from_json(machine)
-        .map_or_else(|faults| project::faults_json(&faults), |_| "[]".to_string())
+    faults_to_json(&machine_from_form(machine).err().unwrap_or_default())
 }
 
 /// The tolerances to begin with, mm.

@@ -10,8 +10,6 @@
 /**
  * @typedef {object} ProgramSummary
  * @property {number} programmed_time_s
- * @property {number} length_mm
- * @property {number} segments
  * @property {Diagnostic[]} diagnostics
  */
 
@@ -20,7 +18,8 @@
  * @property {number} tolerance_mm
  * @property {number} cycle_time_s
  * @property {{cutting_s: number, rapid_s: number, dwell_s: number, tool_change_s: number, other_s: number}} breakdown
- * @property {number | null} [price]
+ * @property {number} max_contour_error_mm
+ * @property {number} price  0 where there is no hourly rate
  */
 
 /** @typedef {{end: Float64Array, feedrate: Float64Array, rapid: Uint8Array, line: Uint32Array}} Steps */
@@ -46,24 +45,25 @@
  * @property {string | null} failure  why the last run of it ended
  */
 
-/** @typedef {number | string | boolean | number[] | Record<string, number>} Value */
+/** A value of the form; null where the field is empty. @typedef {number | string | boolean | number[] | Record<string, number> | null} Value */
 /** @typedef {Record<string, Value>} Values */
-/** @typedef {{key: string, message: string}} Fault */
+/** @typedef {{key: string | null, message: string}} Fault */
 
 /**
  * @typedef {object} Parameter
  * @property {string} key
  * @property {string} label
  * @property {string} doc
- * @property {"number" | "whole" | "list" | "choice" | "flag" | "text" | "m_codes"} kind
- * @property {string} [unit]
- * @property {number} [min]
- * @property {number} [max]
- * @property {string[]} [words]
+ * @property {"number" | "list" | "choice" | "flag" | "text" | "m_codes"} kind
+ * @property {string | null} unit
+ * @property {number | null} min
+ * @property {number | null} max
+ * @property {boolean} whole
+ * @property {string[]} words
  */
 
 /** @typedef {{name: string, source: string, values: Values}} Preset */
-/** @typedef {{parameters: Parameter[], presets: Preset[]}} Form */
+/** @typedef {{fields: Parameter[], presets: Preset[]}} Form */
 
 /** @typedef {{program: number, stage: string, part: number}} Progress */
 

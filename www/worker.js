@@ -16,7 +16,7 @@ self.onmessage = async ({ data: { module, program, machine, tolerances, labels }
       stage(`Simulating ${labels[index]}`, index + 1, of);
       const run = job.simulate(tolerance);
       const columns = plain(run.columns, ["distance", "feedrate", "time"]);
-      post({ type: "run", tolerance, summary: JSON.parse(run.summary), columns }, Object.values(columns));
+      post({ type: "run", tolerance, summary: JSON.parse(run.summary).runs[0], columns }, Object.values(columns));
       run.free();
     }
     job.free();

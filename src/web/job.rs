@@ -4,12 +4,13 @@ use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
 use crate::plot::Programmed;
-use crate::project;
-use crate::quote;
-use crate::simulation::feed;
-use crate::simulation::gcode;
-use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::{self, Toolpath};
+use crate::project::{Prediction, faults_to_json, machine_from_form};
+use crate::quote::{programmed_time, quote};
+use crate::simulation::contour::contour_errors;
+use crate::simulation::feed::{Allowance, plan};
+use crate::simulation::gcode::read;
+use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::toolpath::{Toolpath, trace};
 
 /// A program traced on a machine, ready to be simulated.
 #[wasm_bindgen]
@@ -20,17 +21,17 @@ pub struct Job {
 
 #[wasm_bindgen]
 impl Job {
-    /// Reads a program for a machine given as JSON; throws the machine's faults as JSON text.
+    /// Reads a program for a machine given as a filled form; throws the form's faults as JSON.
     #[wasm_bindgen(constructor)]
     pub fn new(program: &[u8], machine: &str) -> Result<Job, String> {
-        let machine = project::machine_from_json(machine).map_err(|faults| project::faults_json(&faults))?;
-        let toolpath = toolpath::trace(&gcode::read(program), &machine);
+        let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
+        let toolpath = trace(&read(program), &machine);
         Ok(Job { machine, toolpath })
     }
 
-    /// What is known before any simulation, as JSON.
+    /// What is known before any simulation: a prediction without runs, as JSON.
     pub fn summary(&self) -> String {
-        project::program_json(&self.toolpath, &self.machine)
+        Prediction::new("", self.programmed_time(), &[], &self.toolpath.diagnostics).to_json()
     }
 
     /// The programmed feedrate over distance.
@@ -41,19 +42,28 @@ impl Job {
 
     /// Simulates the program for a contour tolerance (mm).
     pub fn simulate(&self, tolerance: f64) -> Run {
-        let plan = feed::plan(&self.toolpath, &self.machine, tolerance);
+        let plan = plan(&self.toolpath, &self.machine, Allowance::uniform(tolerance));
         let profile = Profile::new(&self.toolpath, &plan);
-        let samples = profile.samples();
-        let summary = project::run_json(&quote::quote(&self.toolpath, &profile, &self.machine, tolerance));
-        let columns = Columns { distance: samples.distance, feedrate: samples.feedrate, time: samples.time };
-        Run { summary, columns }
+        let errors = contour_errors(&self.toolpath, &plan, &profile);
+        let quote = quote(&self.toolpath, &self.machine, &plan, tolerance, &errors);
+        let samples = profile.samples(Resolution::CHART);
+        Run {
+            summary: Prediction::new("", self.programmed_time(), &[quote], &[]).to_json(),
+            columns: Columns { distance: samples.distance, feedrate: samples.feedrate, time: samples.time },
+        }
+    }
+}
+
+impl Job {
+    fn programmed_time(&self) -> f64 {
+        programmed_time(&self.toolpath, &self.machine)
     }
 }
 
 /// The result of one simulation.
 #[wasm_bindgen(getter_with_clone)]
 pub struct Run {
-    /// Times and price as JSON.
+    /// Times and price: a prediction with one run, as JSON.
     pub summary: String,
     /// The profile.
     pub columns: Columns,

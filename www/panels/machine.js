@@ -19,7 +19,7 @@ export function mount(root, form, actions) {
   const preset = /** @type {HTMLSelectElement} */ (find(root, "#preset"));
   const reset = /** @type {HTMLButtonElement} */ (find(root, ".reset"));
   const more = /** @type {HTMLDetailsElement} */ (find(root, "details"));
-  const parameters = form.parameters.filter(({ key }) => !ELSEWHERE.includes(key));
+  const parameters = form.fields.filter(({ key }) => !ELSEWHERE.includes(key));
   const fields = parameters.map((parameter) => field(parameter, changed));
   /** @type {Values} */
   let values = {};
@@ -33,12 +33,9 @@ export function mount(root, form, actions) {
   find(root, ".basic").append(...BASIC.flatMap(present));
   find(root, ".more").append(...parameters.filter(({ key }) => !BASIC.includes(key)).flatMap(({ key }) => present(key)));
 
-  /** @param {string} key @param {Value | undefined} value */
+  /** @param {string} key @param {Value} value */
   function changed(key, value) {
-    const next = { ...values };
-    if (value === undefined) delete next[key];
-    else next[key] = value;
-    actions.setMachine(Number(preset.value), next);
+    actions.setMachine(Number(preset.value), { ...values, [key]: value });
   }
 
   return {
@@ -51,26 +48,26 @@ export function mount(root, form, actions) {
       reset.disabled = same(values, original);
       for (const { parameter, element, show } of fields) {
         const fault = machine.faults.find(({ key }) => key === parameter.key)?.message ?? "";
-        show(values[parameter.key], fault);
+        show(values[parameter.key] ?? null, fault);
         element.classList.toggle("changed", !same(values[parameter.key], original[parameter.key]));
         if (fault && more.contains(element)) more.open = true;
       }
-      const elsewhere = machine.faults.filter(({ key }) => !byKey.has(key)).map(({ message }) => message);
+      const elsewhere = machine.faults.filter(({ key }) => key === null || !byKey.has(key)).map(({ message }) => message);
       find(root, ".faults").textContent = elsewhere.join(" ");
     },
   };
 }
 
-/** One field of the form. @param {Parameter} parameter @param {(key: string, value: Value | undefined) => void} changed */
+/** One field of the form. @param {Parameter} parameter @param {(key: string, value: Value) => void} changed */
 function field(parameter, changed) {
   const { key, label, doc, kind, unit, min, max, words } = parameter;
   const id = `field-${key.replaceAll(".", "-")}`;
-  const control = kind === "choice" ? make("select", { id }, ...(words ?? []).map((word) => make("option", { value: word }, word))) : make("input", { id });
+  const control = kind === "choice" ? make("select", { id }, ...words.map((word) => make("option", { value: word }, word))) : make("input", { id });
   if (control instanceof HTMLInputElement) {
     control.type = kind === "flag" ? "checkbox" : "text";
-    if (kind === "number" || kind === "whole") control.inputMode = "decimal";
+    if (kind === "number") control.inputMode = "decimal";
   }
-  const bounds = min !== undefined && max !== undefined ? `${shown(min)} to ${shown(max)}${unit ? ` ${unit}` : ""}` : "";
+  const bounds = min !== null && max !== null ? `${shown(min)} to ${shown(max)}${unit ? ` ${unit}` : ""}` : "";
   control.title = bounds;
   control.setAttribute("aria-describedby", `${id}-doc ${id}-fault`);
   const fault = make("p", { className: "fault", id: `${id}-fault` });
@@ -88,7 +85,7 @@ function field(parameter, changed) {
   return {
     parameter,
     element,
-    /** Shows a value, unless it is what the user is typing. @param {Value | undefined} value @param {string} message */
+    /** Shows a value, unless it is what the user is typing. @param {Value} value @param {string} message */
     show(value, message) {
       fault.textContent = message;
       control.toggleAttribute("aria-invalid", message !== "");
@@ -99,12 +96,13 @@ function field(parameter, changed) {
   };
 }
 
-/** The value in a control; undefined where it is empty. @param {Parameter["kind"]} kind @param {HTMLInputElement | HTMLSelectElement} control @returns {Value | undefined} */
+/** The value in a control; null where it is empty. @param {Parameter["kind"]} kind @param {HTMLInputElement | HTMLSelectElement} control @returns {Value} */
 function typed(kind, control) {
   const written = control.value.trim();
   if (kind === "flag") return /** @type {HTMLInputElement} */ (control).checked;
-  if (written === "") return undefined;
-  if (kind === "number" || kind === "whole") return numberOr(written);
+  if (kind === "text" || kind === "choice") return written;
+  if (written === "") return null;
+  if (kind === "number") return numberOr(written);
   if (kind === "list") return /** @type {number[]} */ (written.split(/[;\s]+|,\s+/).map(numberOr));
   if (kind === "m_codes") {
     const pairs = written.split(/[;,]/).map((pair) => pair.split("=").map((part) => part.trim()));
@@ -119,9 +117,9 @@ function numberOr(written) {
   return written !== "" && Number.isFinite(number) ? number : written;
 }
 
-/** @param {Value | undefined} value */
+/** @param {Value} value */
 function text(value) {
-  if (value === undefined || value === null) return "";
+  if (value === null) return "";
   if (Array.isArray(value)) return value.join("; ");
   if (typeof value === "object") return Object.entries(value).map(([code, time]) => `${code} = ${time}`).join("; ");
   return typeof value === "number" ? shown(value) : String(value);

@@ -64,7 +64,7 @@ function table(outcome, tolerances) {
 }
 
 /** @param {string} name @param {Outcome} outcome @param {boolean} stale */
-function about(name, { summary }, stale) {
-  const facts = `${name}: ${count(summary.segments)} moves, ${millimetres(summary.length_mm)}. Programmed: length ÷ feed, as CAM would say.`;
+function about(name, { steps }, stale) {
+  const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say.`;
   return make("p", { className: "about" }, stale ? `${facts} Computing anew for the changed machine …` : facts);
 }
