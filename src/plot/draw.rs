@@ -16,13 +16,15 @@ use crate::units::mm_per_min;
 pub struct Theme {
     /// Behind everything.
     pub background: RGBColor,
-    /// Text and axes.
+    /// Text.
     pub text: RGBColor,
     /// Grid lines.
     pub grid: RGBColor,
     /// Stretches of rapid motion.
     pub rapid: RGBColor,
-    /// The programmed feedrate.
+    /// Axes and their ticks.
+    pub axis: RGBColor,
+    /// The programmed feedrate: broad and pale, so that it shows on both sides of a curve on it.
     pub programmed: RGBColor,
     /// Curves in their order.
     pub curves: [RGBColor; PALETTE],
@@ -39,7 +41,8 @@ impl Theme {
         text: RGBColor(64, 72, 82),
         grid: RGBColor(229, 232, 236),
         rapid: RGBColor(243, 244, 246),
-        programmed: RGBColor(120, 128, 138),
+        axis: RGBColor(120, 128, 138),
+        programmed: RGBColor(196, 202, 210),
         curves: [
             RGBColor(0, 114, 178),
             RGBColor(213, 94, 0),
@@ -56,7 +59,8 @@ impl Theme {
         text: RGBColor(190, 198, 207),
         grid: RGBColor(45, 51, 59),
         rapid: RGBColor(31, 36, 43),
-        programmed: RGBColor(135, 145, 156),
+        axis: RGBColor(135, 145, 156),
+        programmed: RGBColor(84, 94, 105),
         curves: [
             RGBColor(86, 180, 233),
             RGBColor(230, 159, 0),
@@ -71,6 +75,8 @@ impl Theme {
 type Drawn<B> = Result<Frame, DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 const FONT: &str = "system-ui, sans-serif";
+/// Width of the programmed steps.
+const PROGRAMMED_WIDTH: f64 = 5.0;
 const FONT_SIZE: f64 = 12.0;
 /// Width of a character against the font's size, on the wide side.
 const CHARACTER: f64 = 0.62;
@@ -119,7 +125,7 @@ pub fn draw<B: DrawingBackend>(
         .y_desc("Feedrate (mm/min)")
         .label_style(font.clone())
         .axis_desc_style(font)
-        .axis_style(theme.programmed.stroke_width(points(1.0)))
+        .axis_style(theme.axis.stroke_width(points(1.0)))
         .bold_line_style(theme.grid.stroke_width(points(1.0)))
         .light_line_style(TRANSPARENT)
         .set_all_tick_mark_size(points(4.0))
@@ -131,7 +137,7 @@ pub fn draw<B: DrawingBackend>(
             |part: Vec<(f64, f64)>| part.into_iter().map(|(d, f)| (d, mm_per_min(f))).collect::<Vec<_>>();
         context.draw_series(parts.map(|part| PathElement::new(in_minutes(part), style))).map(|_| ())
     };
-    line(&programmed_steps(chart, view, columns), theme.programmed.stroke_width(points(1.25)))?;
+    line(&programmed_steps(chart, view, columns), theme.programmed.stroke_width(points(PROGRAMMED_WIDTH)))?;
     for (curve, color) in chart.curves.iter().zip(theme.curves.iter().cycle()) {
         let kept = decimated(&curve.distance, &curve.feedrate, view.distance, columns);
         line(&kept, color.stroke_width(points(1.75)))?;
@@ -157,12 +163,15 @@ fn draw_legend<B: DrawingBackend>(
     let left = points(16.0);
     let right = root.dim_in_pixel().0 as i32 - points(12.0);
     let (mut x, mut y) = (left, points(14.0));
-    for (label, color) in [("programmed", &theme.programmed)].into_iter().chain(curves) {
+    let curves = curves.map(|(label, color)| (label, color, 2.5));
+    for (label, color, thickness) in
+        [("programmed", &theme.programmed, PROGRAMMED_WIDTH)].into_iter().chain(curves)
+    {
         let width = swatch + gap + root.estimate_text_size(label, &style)?.0 as i32;
         if left < x && right < x + width {
             (x, y) = (left, y + row);
         }
-        let line = PathElement::new([(x, y), (x + swatch, y)], color.stroke_width(points(2.5) as u32));
+        let line = PathElement::new([(x, y), (x + swatch, y)], color.stroke_width(points(thickness) as u32));
         root.draw(&line)?;
         root.draw(&Text::new(label, (x + swatch + gap, y), style.clone()))?;
         x += width + points(18.0);

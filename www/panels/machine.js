@@ -43,6 +43,7 @@ export function mount(root, form, actions) {
     update({ machine }) {
       values = machine.values;
       preset.value = String(machine.preset);
+      preset.title = form.presets[machine.preset].name;
       find(root, ".source").textContent = form.presets[machine.preset].source;
       const original = form.presets[machine.preset].values;
       reset.disabled = same(values, original);

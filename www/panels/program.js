@@ -49,33 +49,43 @@ export function mount(root, actions) {
     find(undo, "button").focus();
   }
 
+  /** What is in the list, by program; kept, so that nobody clicks on what is being replaced. @type {Map<number, Entry>} */
+  const entries = new Map();
+
+  /** @typedef {{item: HTMLElement, choose: HTMLElement, about: HTMLElement}} Entry */
+  /** @param {Program} program @returns {Entry} */
+  function entry(program) {
+    const about = make("span", { className: "about" });
+    const choose = make("button", { type: "button", className: "choose" }, make("span", { className: "file" }, program.name), about);
+    choose.addEventListener("click", () => actions.select(program.id));
+    const removal = make("button", { type: "button", className: "remove", title: "Remove" }, "×");
+    removal.setAttribute("aria-label", `Remove ${program.name}`);
+    removal.addEventListener("click", () => remove(program));
+    return { item: make("li", {}, choose, removal), choose, about };
+  }
+
   return {
     /** @param {State} state */
     update(state) {
-      const focused = document.activeElement?.id;
-      list.replaceChildren(
-        ...state.programs.map((program) => {
-          const chosen = make(
-            "button",
-            { type: "button", className: "choose", id: `program-${program.id}` },
-            make("span", { className: "file" }, program.name),
-            make("span", { className: "about" }, about(program, state)),
-          );
-          if (program.id === state.selected) chosen.setAttribute("aria-current", "true");
-          chosen.addEventListener("click", () => actions.select(program.id));
-          const removed = make("button", { type: "button", className: "remove", title: "Remove" }, "×");
-          removed.setAttribute("aria-label", `Remove ${program.name}`);
-          removed.addEventListener("click", () => remove(program));
-          return make("li", {}, chosen, removed);
-        }),
-      );
-      if (focused?.startsWith("program-")) document.getElementById(focused)?.focus();
+      for (const [id, { item }] of entries) {
+        if (state.programs.some((program) => program.id === id)) continue;
+        item.remove();
+        entries.delete(id);
+      }
+      for (const [index, program] of state.programs.entries()) {
+        const { item, choose, about } = entries.get(program.id) ?? entry(program);
+        entries.set(program.id, { item, choose, about });
+        if (list.children[index] !== item) list.insertBefore(item, list.children[index] ?? null);
+        about.textContent = standing(program, state);
+        if (program.id === state.selected) choose.setAttribute("aria-current", "true");
+        else choose.removeAttribute("aria-current");
+      }
     },
   };
 }
 
 /** One line on how a program stands. @param {Program} program @param {State} state */
-function about(program, state) {
+function standing(program, state) {
   if (state.progress?.program === program.id) return "computing …";
   if (program.failure) return "failed";
   const times = state.tolerances.flatMap((tolerance) => program.outcome?.runs.get(tolerance)?.summary.cycle_time_s ?? []);

@@ -40,6 +40,7 @@ function table(outcome, tolerances) {
   /** @type {[string, number][]} */
   const titles = [["Tolerance", 1], ["Cycle time", 2], ["Programmed", 1], ["Difference", 2]];
   for (const [, title] of PARTS) titles.push([title, 1]);
+  titles.push(["Path error", 1]);
   if (priced) titles.push(["Price", 1]);
   const head = make("tr", {}, ...titles.map(([title, colSpan]) => make("th", { scope: "col", colSpan }, title)));
   const programmed = outcome.summary.programmed_time_s;
@@ -55,6 +56,7 @@ function table(outcome, tolerances) {
       difference(longer),
       percent(longer / programmed),
       ...PARTS.map(([key]) => seconds(run.breakdown[key])),
+      toleranceLabel(run.max_contour_error_mm),
       ...(priced ? [money(run.price ?? 0)] : []),
     ];
     return make("tr", {}, label, ...cells.map((cell) => make("td", {}, cell)));
@@ -65,6 +67,6 @@ function table(outcome, tolerances) {
 
 /** @param {string} name @param {Outcome} outcome @param {boolean} stale */
 function about(name, { steps }, stale) {
-  const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say.`;
+  const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Path error: largest distance from the programmed path.`;
   return make("p", { className: "about" }, stale ? `${facts} Computing anew for the changed machine …` : facts);
 }
