@@ -1,3 +1,184 @@
-//! The command line: files in, files and text out, over the same core as the page.
+//! The command line: files in, text out, over the same core as the page.
+//!
+//! Exit status 0: done. 2: the request cannot be carried out; one line on standard error says
+//! what is wrong and where. Nothing is written before everything is known to be right.
 
-fn main() {}
+use std::ffi::OsString;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use lexopt::prelude::*;
+use truefeed::project::{Prediction, machine_from_toml, profile_csv, severity_word};
+use truefeed::quote::{Quote, programmed_time, quote};
+use truefeed::simulation::contour::contour_errors;
+use truefeed::simulation::feed::{Allowance, plan};
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::toolpath::{Toolpath, trace};
+
+const USAGE: &str = "\
+truefeed predict PROGRAM --machine M.toml [--tolerance MM]... [--json] [--profile OUT.csv]
+
+What the machine will do with a G-code program: cycle time for each contour tolerance.
+PROGRAM is a G-code file, or - for standard input. Without --tolerance the machine's holds.
+--json prints the result as JSON; --profile writes time, distance, feedrate, position and line
+for the first tolerance.";
+
+/// What is wrong with a request, in one line.
+type Refusal = String;
+
+fn main() -> ExitCode {
+    match run(std::env::args_os()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(refusal) => {
+            eprintln!("truefeed: {refusal}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Refusal> {
+    let mut parser = lexopt::Parser::from_iter(arguments);
+    match parser.next().map_err(|error| error.to_string())? {
+        Some(Value(command)) if command == "predict" => predict(&mut parser),
+        Some(Value(command)) => {
+            Err(format!("unknown command {}; the commands are: predict", command.to_string_lossy()))
+        }
+        Some(Long("help") | Short('h')) => print(USAGE),
+        Some(Long("version") | Short('V')) => print(concat!("truefeed ", env!("CARGO_PKG_VERSION"))),
+        Some(other) => Err(other.unexpected().to_string()),
+        None => Err("what to do? Try: truefeed predict PROGRAM --machine M.toml".to_string()),
+    }
+}
+
+/// The request of `predict`.
+#[derive(Default)]
+struct Request {
+    program: Option<PathBuf>,
+    machine: Option<PathBuf>,
+    tolerances: Vec<f64>,
+    json: bool,
+    profile: Option<PathBuf>,
+}
+
+fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
+    let Some(request) = request(parser)? else { return print(USAGE) };
+    let program = request.program.ok_or("which program? Give a G-code file, or - for standard input")?;
+    let machine_path = request.machine.ok_or("which machine? Give --machine M.toml")?;
+    let machine_text = String::from_utf8(bytes_of(&machine_path)?).map_err(|error| {
+        format!("{}: not UTF-8 text at byte {}", machine_path.display(), error.utf8_error().valid_up_to())
+    })?;
+    let machine =
+        machine_from_toml(&machine_text).map_err(|fault| format!("{}: {fault}", machine_path.display()))?;
+    let toolpath = trace(&read(&bytes_of(&program)?), &machine);
+
+    let tolerances = match request.tolerances {
+        none if none.is_empty() => vec![machine.interpolator.contour_tolerance],
+        given => given,
+    };
+    let mut quotes = Vec::with_capacity(tolerances.len());
+    for (index, &tolerance) in tolerances.iter().enumerate() {
+        let plan = plan(&toolpath, &machine, Allowance::uniform(tolerance));
+        let profile = Profile::new(&toolpath, &plan);
+        let errors = contour_errors(&toolpath, &plan, &profile);
+        quotes.push(quote(&toolpath, &machine, &plan, tolerance, &errors));
+        if let (0, Some(path)) = (index, &request.profile) {
+            write_whole(path, &profile_csv(&profile.samples(Resolution::FINE)))?;
+        }
+    }
+    let programmed = programmed_time(&toolpath, &machine);
+    let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy();
+    if request.json {
+        print(&Prediction::new(&name, programmed, &quotes, &toolpath.diagnostics).to_json())
+    } else {
+        print(&table(&name, programmed, &quotes, &toolpath))
+    }
+}
+
+/// Reads the rest of the command line; none where help was asked for.
+fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
+    let mut request = Request::default();
+    let once = |slot: &mut Option<PathBuf>, value: OsString, what: &str| match slot.replace(value.into()) {
+        None => Ok(()),
+        Some(_) => Err(format!("{what} is given twice")),
+    };
+    while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
+        let value = |parser: &mut lexopt::Parser| parser.value().map_err(|error| error.to_string());
+        match argument {
+            Long("machine") => once(&mut request.machine, value(parser)?, "--machine")?,
+            Long("profile") => once(&mut request.profile, value(parser)?, "--profile")?,
+            Long("json") => request.json = true,
+            Long("tolerance") => {
+                let text = value(parser)?.to_string_lossy().into_owned();
+                let tolerance: f64 = text.parse().unwrap_or(f64::NAN);
+                if !(1e-6..=10.0).contains(&tolerance) {
+                    return Err(format!(
+                        "--tolerance {text}: expected millimetres from 0.000001 to 10, such as 0.01"
+                    ));
+                }
+                request.tolerances.push(tolerance);
+            }
+            Long("help") | Short('h') => return Ok(None),
+            Value(program) => once(&mut request.program, program, "PROGRAM")?,
+            other => return Err(other.unexpected().to_string()),
+        }
+    }
+    Ok(Some(request))
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, Refusal> {
+    let mut bytes = Vec::new();
+    let outcome = if path == Path::new("-") {
+        std::io::stdin().read_to_end(&mut bytes).map(drop)
+    } else {
+        std::fs::read(path).map(|read| bytes = read)
+    };
+    outcome.map(|()| bytes).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Writes beside the target first, so that there is never half a file.
+fn write_whole(path: &Path, text: &str) -> Result<(), Refusal> {
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".part");
+    std::fs::write(&beside, text)
+        .and_then(|()| std::fs::rename(&beside, path))
+        .inspect_err(|_| drop(std::fs::remove_file(&beside)))
+        .map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Prints a text; a reader that went away is not our error.
+fn print(text: &str) -> Result<(), Refusal> {
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.to_string()),
+        _ => Ok(()),
+    }
+}
+
+/// The result for people.
+fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> String {
+    let mut text =
+        format!("{name}: {} blocks of motion, programmed time {programmed:.2} s\n", toolpath.segments.len());
+    text += "tolerance mm   cycle time s   difference   cutting s    rapid s    dwell s   changes s    other s   error mm";
+    for quote in quotes {
+        let difference = 100.0 * (quote.cycle_time / programmed - 1.0);
+        let b = &quote.breakdown;
+        text += &format!(
+            "\n{:12} {:14.3} {:11} {:11.2} {:10.2} {:10.2} {:11.2} {:10.2} {:10.4}",
+            quote.tolerance,
+            quote.cycle_time,
+            if difference.is_finite() { format!("{difference:+.1} %") } else { "-".to_string() },
+            b.cutting,
+            b.rapid,
+            b.dwell,
+            b.tool_change,
+            b.other,
+            quote.max_contour_error
+        );
+    }
+    for diagnostic in &toolpath.diagnostics {
+        let severity = severity_word(diagnostic.severity);
+        text += &format!("\n{severity}: line {}: {}", diagnostic.line.0, diagnostic.message);
+    }
+    text
+}

@@ -58,6 +58,12 @@ pub trait Remark: Display + PartialEq {
     }
 }
 
+/// A count with its noun: 1 block, 2 blocks.
+pub fn counted(count: usize, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
 /// How many remarks of one kind are listed before the rest are only counted.
 const LISTED: usize = 200;
 

@@ -27,7 +27,7 @@ mod number;
 mod reader;
 mod remark;
 
-pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity};
+pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
 pub use reader::{Options, read, read_with};
 
 use std::ops::Range;

@@ -55,6 +55,30 @@ fn lines(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
     })
 }
 
+/// The words that begin or end jumps, loops and subroutines, on Fanuc controls and LinuxCNC.
+const FLOW: [&str; 20] = [
+    "IF",
+    "THEN",
+    "ELSE",
+    "ELSEIF",
+    "ENDIF",
+    "GOTO",
+    "WHILE",
+    "WH",
+    "ENDWHILE",
+    "DO",
+    "END",
+    "REPEAT",
+    "ENDREPEAT",
+    "BREAK",
+    "CONTINUE",
+    "SUB",
+    "ENDSUB",
+    "CALL",
+    "RETURN",
+    "ENDDO",
+];
+
 struct Reader<'a> {
     options: &'a Options,
     line: LineNumber,
@@ -76,6 +100,8 @@ struct Line {
     begun: bool,
     /// An O word stands before.
     has_o_word: bool,
+    /// A comment before had parentheses within that did not match.
+    is_unbalanced: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -174,11 +200,11 @@ impl<'a> Reader<'a> {
                 }
                 b'*' if is_checksum(&text[at + 1..]) => break,
                 b'#' | b'[' | b']' | b'=' => {
-                    return Err((Unread::Expression, columns(&line, at, text.len())));
+                    return Err((Unread::Expression, columns(&line, at, code_end(text, at))));
                 }
                 _ => {
-                    let end = at + character_length(&text[at..]);
-                    return Err((Unread::Text { text: excerpt(&text[at..end]) }, columns(&line, at, end)));
+                    let text = excerpt(&text[at..at + character_length(&text[at..])]);
+                    return Err((Unread::Text { text }, columns(&line, at, at + 1)));
                 }
             }
         }
@@ -193,16 +219,11 @@ impl<'a> Reader<'a> {
             return self.word_without_number(text, at, line);
         };
         let next = skip_blanks(text, found.end);
-        let is_malformed = matches!(text.get(next), Some(b'.' | b'+' | b'-'));
-        if is_malformed || !found.value.is_finite() {
-            let belongs = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_blank(*byte);
-            let length = text[at + 1..].iter().take_while(|byte| belongs(byte)).count();
-            let end = at + 1 + text[at + 1..at + 1 + length].trim_ascii_end().len();
-            let text = excerpt(&text[at..end]);
-            let remark =
-                if is_malformed { Unread::MalformedNumber { text } } else { Unread::HugeNumber { text } };
-            self.remarks.add(Place { line: self.line, columns: columns(line, at, end) }, remark);
-            return Ok(end);
+        if matches!(text.get(next), Some(b'.' | b'+' | b'-')) {
+            return Ok(self.leave_out(text, at, line, |text| Unread::MalformedNumber { text }));
+        }
+        if !found.value.is_finite() {
+            return Ok(self.leave_out(text, at, line, |text| Unread::HugeNumber { text }));
         }
         match letter {
             b'N' => return Ok(found.end),
@@ -229,22 +250,21 @@ impl<'a> Reader<'a> {
         let length = text[at..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
         let signs = |byte: &u8| matches!(byte, b'.' | b'+' | b'-') || is_blank(*byte);
         let next = at + 1 + text[at + 1..].iter().take_while(|byte| signs(byte)).count();
-        let name = &text[at..at + length];
-        let columns_of_name = columns(line, at, at + length);
-        if line.has_o_word || (letter == b'O' && matches!(text.get(next), Some(b'<' | b'[' | b'#'))) {
-            let text = excerpt(text.trim_ascii());
-            return Err((Unread::Flow { text }, columns_of_name));
+        if letter == b'O' && matches!(text.get(next), Some(b'<' | b'[' | b'#')) {
+            let end = code_end(text, at);
+            return Err((Unread::Flow { text: excerpt(&text[at..end]) }, columns(line, at, end)));
         }
         if 1 < length {
+            let (name, columns) = (&text[at..at + length], columns(line, at, at + length));
             let text = excerpt(name);
-            let is_flow = ["IF", "THEN", "ELSE", "GOTO", "WHILE", "WH", "DO", "END"]
-                .iter()
-                .any(|keyword| name.eq_ignore_ascii_case(keyword.as_bytes()));
-            let remark = if is_flow { Unread::Flow { text } } else { Unread::Text { text } };
-            return Err((remark, columns_of_name));
+            let is_flow = FLOW.iter().any(|keyword| name.eq_ignore_ascii_case(keyword.as_bytes()));
+            return Err((if is_flow { Unread::Flow { text } } else { Unread::Text { text } }, columns));
         }
         if matches!(text.get(next), Some(b'#' | b'[' | b'=')) {
-            return Err((Unread::Expression, columns(line, at, text.len())));
+            return Err((Unread::Expression, columns(line, at, code_end(text, at))));
+        }
+        if text.get(next).is_some_and(u8::is_ascii_digit) {
+            return Ok(self.leave_out(text, at, line, |text| Unread::MalformedNumber { text }));
         }
         let end = at + text[at..next].trim_ascii_end().len();
         let remark = Unread::MissingNumber { letter: letter as char };
@@ -252,36 +272,73 @@ impl<'a> Reader<'a> {
         Ok(end)
     }
 
+    /// Leaves out the letter at `at` with all that looks like its number; returns where it ends.
+    fn leave_out(&mut self, text: &[u8], at: usize, line: &Line, remark: fn(String) -> Unread) -> usize {
+        let belongs = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_blank(*byte);
+        let length = text[at + 1..].iter().take_while(|byte| belongs(byte)).count();
+        let end = at + 1 + text[at + 1..at + 1 + length].trim_ascii_end().len();
+        let place = Place { line: self.line, columns: columns(line, at, end) };
+        self.remarks.add(place, remark(excerpt(&text[at..end])));
+        end
+    }
+
     /// Skips the comment that opens at `at`; returns where it ends.
     fn comment(&mut self, text: &[u8], at: usize, line: &mut Line) -> usize {
-        let end = comment_end(&text[at..]).map_or(text.len(), |length| at + length);
-        if text[end - 1] != b')' {
-            self.remarks
-                .add(Place { line: self.line, columns: columns(line, at, text.len()) }, Unread::OpenComment);
-        }
+        let end = match comment_end(&text[at..], line.is_unbalanced) {
+            CommentEnd::Matching(length) => at + length,
+            CommentEnd::First(length) => {
+                line.is_unbalanced = true;
+                at + length
+            }
+            CommentEnd::Missing => text.len(),
+        };
+        let (first, _) = columns(line, at, at);
         line.continuation += text[at..end].iter().filter(|byte| is_continuation(**byte)).count();
+        if text[end - 1] != b')' {
+            let (past, _) = columns(line, end, end);
+            self.remarks.add(Place { line: self.line, columns: (first, past) }, Unread::OpenComment);
+        }
         end
     }
 }
 
-/// Length of the comment that `text` begins with. Comments do not nest on controls, yet people
-/// write `(D10 (NEW))`: the matching parenthesis closes where there is one, else the first.
-fn comment_end(text: &[u8]) -> Option<usize> {
-    let (mut depth, mut first) = (0_usize, None);
+/// Where a comment closes, as its length.
+enum CommentEnd {
+    Matching(usize),
+    First(usize),
+    Missing,
+}
+
+/// The end of the comment that `text` begins with. Comments do not nest on controls, yet people
+/// write `(D10 (NEW))`: the matching parenthesis closes where there is one, else the first. Once
+/// a line is known to be unbalanced the first one does, so that no line is searched twice over.
+fn comment_end(text: &[u8], is_unbalanced: bool) -> CommentEnd {
+    let (mut depth, mut first) = (0_usize, CommentEnd::Missing);
     for (index, byte) in text.iter().enumerate() {
         match byte {
             b'(' => depth += 1,
             b')' => {
-                first = first.or(Some(index + 1));
                 depth -= 1;
                 if depth == 0 {
-                    return Some(index + 1);
+                    return CommentEnd::Matching(index + 1);
+                }
+                if is_unbalanced {
+                    return CommentEnd::First(index + 1);
+                }
+                if matches!(first, CommentEnd::Missing) {
+                    first = CommentEnd::First(index + 1);
                 }
             }
             _ => {}
         }
     }
     first
+}
+
+/// Where the code that goes on at `at` ends: at a comment or the end of the line.
+fn code_end(text: &[u8], at: usize) -> usize {
+    let length = text[at..].iter().take_while(|byte| !matches!(byte, b'(' | b';')).count();
+    at + text[at..at + length].trim_ascii_end().len()
 }
 
 /// Digits to the end of the line, as in `*71`.

@@ -1,6 +1,6 @@
 //! What reading has to say about a program.
 
-use crate::simulation::gcode::{Remark, Severity};
+use crate::simulation::gcode::{Remark, Severity, counted};
 use thiserror::Error;
 
 /// Something in the text that was not read as a block of words.
@@ -43,7 +43,7 @@ pub(super) enum Unread {
     #[error("comment is not closed: the rest of the line is taken as comment")]
     OpenComment,
     /// Lines before the opening `%`.
-    #[error("{blocks} blocks before this % are taken as leader: not run")]
+    #[error("what stands before this % is taken as leader ({}): not run", counted(*.blocks, "block"))]
     Leader {
         /// How many of them could have been run.
         blocks: usize,
@@ -52,13 +52,13 @@ pub(super) enum Unread {
     #[error("the program ends at the % above: from here on nothing is read")]
     Trailer,
     /// Lines that begin with `/`, run.
-    #[error("{blocks} blocks begin with / from here on: run, as with the block delete switch off")]
+    #[error("{} with / from here on: run, as with the block delete switch off", counted(*.blocks, "block"))]
     OptionalRun {
         /// How many.
         blocks: usize,
     },
     /// Lines that begin with `/`, not run.
-    #[error("{blocks} blocks begin with / from here on: not run, as with the block delete switch on")]
+    #[error("{} with / from here on: not run, as with the block delete switch on", counted(*.blocks, "block"))]
     OptionalSkipped {
         /// How many.
         blocks: usize,

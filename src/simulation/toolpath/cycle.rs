@@ -6,11 +6,15 @@
 //! many holes were so left out.
 
 use crate::simulation::gcode::Place;
+use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::remark::{Code, Untraced};
-use crate::simulation::toolpath::trace::{Block, Tracer};
+use crate::simulation::toolpath::trace::Tracer;
 
 /// The most often one block repeats its hole.
 const MOST_REPEATS: f64 = 10_000.0;
+
+/// The most repeated holes of a program, so that a short text cannot ask for endless work.
+const MOST_REPEATS_OF_PROGRAM: usize = 1_000_000;
 
 /// A cycle in force.
 pub(super) struct Cycle {
@@ -19,7 +23,7 @@ pub(super) struct Cycle {
     /// Where its word stands.
     pub(super) place: Place,
     /// How many holes it has made.
-    pub(super) holes: u64,
+    pub(super) holes: usize,
 }
 
 impl Tracer<'_> {
@@ -34,8 +38,14 @@ impl Tracer<'_> {
 
     /// Runs a block under a cycle.
     pub(super) fn hole(&mut self, block: Block) {
-        let repeats = self.given.get(b'L').or(self.given.get(b'K')).unwrap_or(1.0);
-        let repeats = if (0.0..=MOST_REPEATS).contains(&repeats) { repeats as u64 } else { 1 };
+        let value = self.given.get(b'L').or(self.given.get(b'K')).unwrap_or(1.0);
+        let left = MOST_REPEATS_OF_PROGRAM - self.repeats;
+        let is_possible = (0.0..=MOST_REPEATS).contains(&value) && value as usize <= left + 1;
+        let repeats = if is_possible { value as usize } else { 1 };
+        if !is_possible {
+            self.remarks.add(block.place(), Untraced::BadRepeats { value });
+        }
+        self.repeats += repeats.saturating_sub(1);
         let normal = self.modal.plane.axes()[2];
         for _ in 0..repeats {
             let Some(mut target) = self.target(block) else { return };

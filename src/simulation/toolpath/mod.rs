@@ -22,15 +22,18 @@
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
+mod block;
 mod curve;
 mod cycle;
+mod motion;
 mod plane;
 mod remark;
 mod trace;
 mod words;
 
 pub use curve::{Arc, Curve};
-pub use trace::{ASSUMED_FEEDRATE, trace};
+pub use motion::ASSUMED_FEEDRATE;
+pub use trace::trace;
 
 use crate::simulation::gcode::{Diagnostic, LineNumber};
 

@@ -1,6 +1,6 @@
 //! What tracing has to say about a program.
 
-use crate::simulation::gcode::{Remark, Severity};
+use crate::simulation::gcode::{Remark, Severity, counted};
 use crate::simulation::toolpath::plane::NoCircle;
 use thiserror::Error;
 
@@ -33,7 +33,7 @@ pub(super) enum Untraced {
 
     #[error("F{value} is not a feedrate a machine can run: the former stays in force")]
     BadFeed { value: f64 },
-    #[error("no F before this move: feed moves are taken at {assumed} mm/min until there is one")]
+    #[error("no F before this move: feed moves are taken at {assumed:.0} mm/min until there is one")]
     NoFeed { assumed: f64 },
     #[error("{code} ({name}) is not understood: moves are taken at the last feed in mm/min or inch/min")]
     FeedMode { code: Code, name: &'static str },
@@ -65,16 +65,20 @@ pub(super) enum Untraced {
         "the reference point of {axis} is unknown: moves to it (G28, G30, G53) are not timed; set axis.{key}.home_mm"
     )]
     UnknownHome { axis: char, key: char },
-    #[error("several work offsets (here {code}): each is taken as zero, moves between them are timed so")]
+    #[error(
+        "{code} is a second work offset: all are taken as zero, so that moves between them are timed too short or too long"
+    )]
     WorkOffsets { code: Code },
     #[error("G10 settings are not applied")]
     DataSetting,
 
-    #[error("{code} {name} is not timed yet: {holes} holes counted as rapid moves only")]
-    Cycle { code: Code, name: &'static str, holes: u64 },
+    #[error("{code} {name} is not timed yet: {} counted as rapid moves only", counted(*.holes, "hole"))]
+    Cycle { code: Code, name: &'static str, holes: usize },
+    #[error("a hole cannot be repeated {value} times: it is made once")]
+    BadRepeats { value: f64 },
     #[error("{code} (subprogram) is not run yet: left out")]
     Subprogram { code: Code },
-    #[error("{blocks} blocks from here on come after the end of the program ({code}): not run")]
+    #[error("{} from here on, after the end of the program ({code}): not run", counted(*.blocks, "block"))]
     AfterEnd { blocks: usize, code: Code },
 }
 
@@ -117,6 +121,7 @@ impl Remark for Untraced {
             | Untraced::NoCenter
             | Untraced::NoCircle(_)
             | Untraced::BadTurns { .. }
+            | Untraced::BadRepeats { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
             | Untraced::Subprogram { .. } => Severity::Error,

@@ -68,6 +68,8 @@ pub(super) enum Meaning {
     ControlSetting,
     /// A change of coordinates by its name.
     Transformation(&'static str),
+    /// A change of coordinates by its name, which the axis words of its block belong to.
+    TransformationAbout(&'static str),
     /// It changes neither path nor time.
     Neutral,
 }
@@ -132,7 +134,7 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         890 => (9, Cycle("boring with dwell")),
 
         980 | 990 => (10, Neutral),
-        540..=593 => (12, WorkOffset),
+        540 | 541 | 550 | 560 | 570 | 580 | 590..=593 => (12, WorkOffset),
         610 | 611 => (13, ExactStop(true)),
         640 => (13, ExactStop(false)),
         960 => (14, SurfaceSpeed),
@@ -144,10 +146,10 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
         160 => (NO_GROUP, Transformation("polar coordinates")),
         434 | 435 => (NO_GROUP, Transformation("tool centre point control")),
-        510 => (NO_GROUP, Transformation("scaling")),
-        511 => (NO_GROUP, Transformation("mirror image")),
-        680 => (NO_GROUP, Transformation("rotation of coordinates")),
-        682 => (NO_GROUP, Transformation("tilted working plane")),
+        510 => (NO_GROUP, TransformationAbout("scaling")),
+        511 => (NO_GROUP, TransformationAbout("mirror image")),
+        680 => (NO_GROUP, TransformationAbout("rotation of coordinates")),
+        682 => (NO_GROUP, TransformationAbout("tilted working plane")),
         // What cancels a mode that is not in force, or that does not touch the path.
         110 | 131 | 1130 | 150 | 220 | 230 | 250 | 260 | 500 | 501 | 670 | 690 | 691 => (NO_GROUP, Neutral),
         _ => return None,

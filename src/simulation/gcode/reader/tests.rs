@@ -1,1 +1,128 @@
+//! Laws of reading.
 
+use super::*;
+use crate::simulation::gcode::Severity;
+
+/// Words of each block with its line, as text.
+fn shown(program: &Program) -> Vec<(u32, String)> {
+    let show = |block: &Block| {
+        let words = program.words(block).iter().map(|word| format!("{}{}", word.letter as char, word.value));
+        (block.line.0, words.collect::<Vec<_>>().join(" "))
+    };
+    program.blocks.iter().map(show).collect()
+}
+
+#[track_caller]
+fn check(text: &str, expected: &[(u32, &str)]) {
+    let found = shown(&read(text.as_bytes()));
+    let expected: Vec<_> = expected.iter().map(|(line, words)| (*line, words.to_string())).collect();
+    assert_eq!(found, expected, "{text:?}");
+}
+
+#[test]
+fn white_space_and_case_mean_nothing() {
+    let plain = shown(&read(b"G1X-10.5Y.25F600"));
+    for text in ["g1 x-10.5 y.25 f600", " G 1\tX - 1 0 . 5Y .25   F6 00 ", "G1(a)X-10.5(b)Y.25F600;c"] {
+        assert_eq!(shown(&read(text.as_bytes())), plain, "{text}");
+    }
+}
+
+#[test]
+fn lines_count_as_in_an_editor() {
+    let expected: &[(u32, &str)] = &[(1, "G0"), (3, "G1"), (4, "G2")];
+    check("G0\n\nG1\nG2", expected);
+    check("G0\r\n\r\nG1\r\nG2\r\n", expected);
+    check("G0\r\rG1\rG2\r", expected);
+    check("G0\r\n\nG1\rG2", expected);
+}
+
+#[test]
+fn numbers_names_and_checksums_are_dropped() {
+    check("O0001 (NAME)\nN10 G0 X1 *71\n:1234\nO5 G1", &[(2, "G0 X1"), (4, "G1")]);
+    check("X1E3", &[(1, "X1 E3")]);
+    assert!(read(b":12\nG0").is_tape && read(b"o5\nG0").is_tape && read(b"%\nG0\n%").is_tape);
+    assert!(!read(b"N10 G0 X1").is_tape);
+}
+
+#[test]
+fn comments_hide_words() {
+    check("G0 (X1 (X2) X3) Y1", &[(1, "G0 Y1")]);
+    check("G0 ((X1) Y1", &[(1, "G0 Y1")]);
+    check("G0 (() X1 (a) Y1", &[(1, "G0 X1 Y1")]);
+    check("G0 (X1\nY1 ;X2", &[(1, "G0"), (2, "Y1")]);
+    check("(;) G0 ;(X1", &[(1, "G0")]);
+    assert_eq!(read(b"G0 (X1").diagnostics.len(), 1);
+}
+
+#[test]
+fn percent_lines_frame_the_program() {
+    let framed = [(2, "G0")];
+    check("%\nG0\n%\nG1", &framed);
+    check("%\nG0\n%\n%\nG1\n%", &framed);
+    check("%\nG0", &framed);
+    check("(x)\n%\nG0", &[(3, "G0")]);
+    check("G9\n%\nG0\n%", &[(3, "G0")]);
+    check("G0\nG1\n%\n", &[(1, "G0"), (2, "G1")]);
+    check("#1=2\nG1\n%\n", &[(2, "G1")]);
+    assert!(read(b"%\nG0\n%\n \n%\n").diagnostics.is_empty());
+    let trailer = read(b"%\nG0\n%\n\nG1").diagnostics;
+    assert_eq!((trailer.len(), trailer[0].line, trailer[0].severity), (1, LineNumber(5), Severity::Info));
+}
+
+#[test]
+fn block_delete_follows_the_switch() {
+    let text = b"G0\n/G1\n/2 G2\nN5/G3\nN6 /4 X1";
+    assert_eq!(read(text).blocks.len(), 5);
+    let switched = read_with(text, &Options { block_delete: true });
+    assert_eq!(shown(&switched), [(1, "G0".to_string())]);
+    for program in [read(text), switched] {
+        assert_eq!(program.diagnostics.len(), 1);
+        assert!(program.diagnostics[0].message.starts_with("4 blocks"));
+    }
+}
+
+/// Every block that holds what is not understood says so once, and leaves no word behind.
+#[test]
+fn what_is_not_understood_is_said() {
+    let cases: &[(&str, &str, (u32, u32))] = &[
+        ("#1=2", "", (1, 5)),
+        ("G1 X[1+2] Y3", "", (4, 13)),
+        ("G1 X-#5", "", (4, 8)),
+        ("IF [1 EQ 1] GOTO 5", "", (1, 3)),
+        ("o<drill> call (x)", "", (1, 14)),
+        ("o100 while [1]", "", (6, 11)),
+        ("G0 SUPA Z0", "", (4, 8)),
+        ("G1 X1 , C2", "", (7, 8)),
+        ("(\u{e4}\u{f6}) G0 \u{fc}", "", (9, 10)),
+        ("G1 M. X2", "G1 X2", (4, 6)),
+        ("G1 X1..2 Y3", "G1 Y3", (4, 9)),
+        ("G1 X--2 Y3", "G1 Y3", (4, 8)),
+        ("O5 DRILLING", "", (4, 12)),
+        ("G1 X- Y3", "G1 Y3", (4, 6)),
+    ];
+    for (text, words, columns) in cases {
+        let program = read(text.as_bytes());
+        let found = shown(&program).pop().map(|(_, words)| words).unwrap_or_default();
+        assert_eq!(found, *words, "{text}");
+        assert_eq!(program.diagnostics.len(), 1, "{text}: {:?}", program.diagnostics);
+        assert_eq!(program.diagnostics[0].columns, *columns, "{text}");
+        assert_eq!(program.diagnostics[0].severity, Severity::Error, "{text}");
+    }
+    assert!(read(b"X\xff\xfe\xff").diagnostics.len() == 2, "invalid bytes are shown, not trusted");
+}
+
+/// A line of half-open comments must not be searched again for each of them.
+#[test]
+fn long_lines_are_read_in_linear_time() {
+    let program = read("(()X1".repeat(400_000).as_bytes());
+    assert_eq!((program.blocks.len(), program.words.len()), (1, 400_000));
+}
+
+#[test]
+fn a_million_faults_make_a_short_list() {
+    let program = read("#1=2\nX1.2.3\n".repeat(50_000).as_bytes());
+    assert_eq!(program.diagnostics.len(), 402);
+    let counted =
+        program.diagnostics.iter().filter(|diagnostic| diagnostic.message.starts_with("49800 more"));
+    assert_eq!(counted.count(), 2);
+}

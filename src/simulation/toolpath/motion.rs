@@ -1,0 +1,275 @@
+//! What a block does with its axis words: dwells, shifts of coordinates and moves.
+
+use crate::machine::AXES;
+use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
+use crate::simulation::toolpath::plane::{Turn, tolerated_difference};
+use crate::simulation::toolpath::remark::{Code, Untraced};
+use crate::simulation::toolpath::trace::Tracer;
+use crate::simulation::toolpath::words::{Mode, Special};
+use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Vector};
+use crate::units::mm_per_min;
+
+/// Feedrate of feed moves before the first F, mm/s: 1000 mm/min.
+pub const ASSUMED_FEEDRATE: f64 = 1000.0 / 60.0;
+
+/// Coordinates and radii beyond this are slips of the pen, mm.
+const REACH: f64 = 1e7;
+
+/// Moves shorter than this are rounding, mm.
+const SHORTEST: f64 = 1e-9;
+
+/// The longest dwell that is taken at its word, s: some 11 days.
+const LONGEST_DWELL: f64 = 1e6;
+
+/// The most turns of one arc.
+const MOST_TURNS: f64 = 10_000.0;
+
+impl Tracer<'_> {
+    pub(super) fn special(&mut self, block: Block, special: Special, code: Code) {
+        match special {
+            Special::Dwell => self.dwell(block, code),
+            Special::DataSetting => self.remarks.add(block.place(), Untraced::DataSetting),
+            Special::Reference => self.reference(block),
+            Special::MachineCoordinates => self.machine_coordinates(block),
+            Special::SetPosition => {
+                for (axis, letter) in AXES.into_iter().enumerate() {
+                    if let Some(value) = self.given.get(letter as u8) {
+                        let shift = self.position[axis] - value * self.modal.unit - self.local_shift[axis];
+                        if self.is_within_reach(block, letter, shift) {
+                            self.shift[axis] = shift;
+                        }
+                    }
+                }
+            }
+            Special::LocalShift => {
+                for (axis, letter) in AXES.into_iter().enumerate() {
+                    if let Some(value) = self.given.get(letter as u8) {
+                        let shift = value * self.modal.unit;
+                        if self.is_within_reach(block, letter, shift) {
+                            self.local_shift[axis] = shift;
+                        }
+                    }
+                }
+            }
+            Special::ForgetShift => {
+                self.shift = Vector::zeros();
+                self.suspended_shift = Vector::zeros();
+            }
+            Special::SuspendShift => self.suspended_shift = std::mem::take(&mut self.shift),
+            Special::RestoreShift => self.shift = self.suspended_shift,
+        }
+    }
+
+    fn dwell(&mut self, block: Block, code: Code) {
+        let given_as = |letter: u8| block.words.iter().rfind(|word| word.letter == letter);
+        let Some(word) = given_as(b'P').or(given_as(b'X')).or(given_as(b'U')) else {
+            self.remarks.add(block.place(), Untraced::NoDwellTime);
+            return;
+        };
+        let milliseconds = word.letter == b'P' && !word.has_point && self.is_tape;
+        if word.letter == b'P' {
+            self.remarks.add(block.place_of(word), Untraced::DwellUnit { milliseconds });
+        }
+        let seconds = if milliseconds { word.value / 1000.0 } else { word.value };
+        if (0.0..=LONGEST_DWELL).contains(&seconds) {
+            self.stop(block, StopCause::Dwell { seconds });
+        } else {
+            self.remarks.add(block.place_of(word), Untraced::BadDwell { seconds });
+        }
+        let others = if word.letter == b'X' { bits(b"YZ") } else { AXIS_WORDS };
+        if self.given.has(others) {
+            self.remarks.add(block.place(), Untraced::UnusedAxisWords { code });
+        }
+    }
+
+    /// G28 and G30: over the programmed point to the reference point, in the axes that are
+    /// given, or in all where none is. One reference point serves both.
+    fn reference(&mut self, block: Block) {
+        let Some(over) = self.target(block) else { return };
+        self.rapid_to(block, over);
+        let goes = |letter: char| !self.given.has(AXIS_WORDS) || self.given.get(letter as u8).is_some();
+        let axes = AXES.map(goes);
+        let mut home = self.position;
+        for (axis, _) in axes.into_iter().enumerate().filter(|(_, goes)| *goes) {
+            home[axis] = self.home(block, axis).unwrap_or(home[axis]);
+        }
+        self.rapid_to(block, home);
+    }
+
+    /// G53: absolute machine coordinates, at the feedrate under G1 and in rapid otherwise.
+    fn machine_coordinates(&mut self, block: Block) {
+        let mut target = self.position;
+        for (axis, letter) in AXES.into_iter().enumerate() {
+            let Some(value) = self.given.get(letter as u8) else { continue };
+            let Some(home) = self.home(block, axis) else { continue };
+            target[axis] = home + value * self.modal.unit;
+            if !self.is_within_reach(block, letter, target[axis]) {
+                return;
+            }
+        }
+        match self.modal.mode {
+            Some(Mode::Straight) => self.feed_to(block, target),
+            _ => self.rapid_to(block, target),
+        }
+    }
+
+    /// Reference point of an axis, mm, or a remark that it is not known.
+    fn home(&mut self, block: Block, axis: usize) -> Option<f64> {
+        let home = self.machine.axes[axis].home;
+        if home.is_none() {
+            let (axis, key) = (AXES[axis], AXES[axis].to_ascii_lowercase());
+            self.remarks.add(block.place(), Untraced::UnknownHome { axis, key });
+        }
+        home
+    }
+
+    /// The move of a block, where it has one.
+    pub(super) fn motion(&mut self, block: Block, has_motion_word: bool) {
+        let has_axis_words = self.given.has(AXIS_WORDS);
+        if self.cycle.is_some() {
+            if has_axis_words {
+                self.hole(block);
+            }
+            return;
+        }
+        let is_arc = matches!(self.modal.mode, Some(Mode::Arc(_)));
+        let is_circle =
+            is_arc && (self.given.has(CENTER_WORDS) || (has_motion_word && self.given.has(bits(b"R"))));
+        if !has_axis_words && !is_circle {
+            return;
+        }
+        let Some(target) = self.target(block) else { return };
+        if !is_arc && self.given.has(CENTER_WORDS) {
+            self.remarks.add(block.place(), Untraced::UnusedCenter);
+        }
+        match self.modal.mode {
+            None => {
+                self.remarks.add(block.place(), Untraced::NoMotionWord);
+                self.modal.mode = Some(Mode::Rapid);
+                self.rapid_to(block, target);
+            }
+            Some(Mode::Rapid) => self.rapid_to(block, target),
+            Some(Mode::Straight) => self.feed_to(block, target),
+            Some(Mode::Arc(turn)) => self.arc_to(block, target, turn),
+        }
+    }
+
+    /// Where the axis words point, mm; none where that is out of reach.
+    pub(super) fn target(&mut self, block: Block) -> Option<Point> {
+        let mut target = self.position;
+        for (axis, letter) in AXES.into_iter().enumerate() {
+            let Some(value) = self.given.get(letter as u8) else { continue };
+            let value = value * self.modal.unit;
+            target[axis] = match self.modal.is_incremental {
+                true => self.position[axis] + value,
+                false => value + self.shift[axis] + self.local_shift[axis],
+            };
+            if !self.is_within_reach(block, letter, target[axis]) {
+                return None;
+            }
+        }
+        Some(target)
+    }
+
+    fn is_within_reach(&mut self, block: Block, letter: char, coordinate: f64) -> bool {
+        let is_within = coordinate.abs() <= REACH;
+        if !is_within {
+            self.remarks.add(block.place_of_letter(letter as u8), Untraced::OutOfReach { letter });
+        }
+        is_within
+    }
+
+    fn arc_to(&mut self, block: Block, end: Point, turn: Turn) {
+        for letter in *b"IJKR" {
+            let value = self.given.get(letter).unwrap_or_default() * self.modal.unit;
+            if !self.is_within_reach(block, letter as char, value) {
+                return;
+            }
+        }
+        let (ends, turns) = ((self.position, end), self.turns(block));
+        let center = self.center(block, ends, turn);
+        match center.and_then(|center| Ok(self.modal.plane.arc(ends, center, turn, turns)?)) {
+            Ok(arc) => {
+                let (start, end_radius) = (arc.start_radius, arc.end_radius);
+                if tolerated_difference(start) < (start - end_radius).abs() {
+                    self.remarks.add(block.place(), Untraced::UnequalRadii { start, end: end_radius });
+                }
+                let length = arc.length();
+                let feedrate = self.feedrate(block);
+                self.push(block, end, Curve::Arc(Box::new(arc)), length, Motion::Feed { feedrate });
+            }
+            Err(no_circle) => {
+                self.remarks.add(block.place(), no_circle);
+                self.feed_to(block, end);
+            }
+        }
+    }
+
+    /// The centre by R, or by two of I, J and K; one that is left out is that of the start.
+    fn center(&mut self, block: Block, ends: (Point, Point), turn: Turn) -> Result<Point, Untraced> {
+        let [a, b, _] = self.modal.plane.axes();
+        let axes = [(a, self.given.get(b"IJK"[a])), (b, self.given.get(b"IJK"[b]))];
+        let has_center = axes.iter().any(|(_, value)| value.is_some());
+        if let Some(radius) = self.given.get(b'R') {
+            if has_center {
+                self.remarks.add(block.place(), Untraced::RadiusAndCenter);
+            }
+            return Ok(self.modal.plane.center_of_radius(ends, turn, radius * self.modal.unit)?);
+        }
+        if !has_center {
+            return Err(Untraced::NoCenter);
+        }
+        let mut center = ends.0;
+        for (axis, value) in axes {
+            let Some(value) = value.map(|value| value * self.modal.unit) else { continue };
+            center[axis] = match self.modal.has_incremental_center {
+                true => ends.0[axis] + value,
+                false => value + self.shift[axis] + self.local_shift[axis],
+            };
+        }
+        Ok(center)
+    }
+
+    /// P of an arc.
+    fn turns(&mut self, block: Block) -> u32 {
+        match self.given.get(b'P') {
+            Some(value) if (1.0..=MOST_TURNS).contains(&value) && value.fract() == 0.0 => value as u32,
+            Some(value) => {
+                self.remarks.add(block.place_of_letter(b'P'), Untraced::BadTurns { value });
+                1
+            }
+            None => 1,
+        }
+    }
+
+    pub(super) fn rapid_to(&mut self, block: Block, end: Point) {
+        let length = (end - self.position).norm();
+        self.push(block, end, Curve::Line, length, Motion::Rapid);
+    }
+
+    fn feed_to(&mut self, block: Block, end: Point) {
+        let length = (end - self.position).norm();
+        if SHORTEST <= length {
+            let feedrate = self.feedrate(block);
+            self.push(block, end, Curve::Line, length, Motion::Feed { feedrate });
+        }
+    }
+
+    /// The feedrate in force, mm/s.
+    fn feedrate(&mut self, block: Block) -> f64 {
+        self.modal.feedrate.unwrap_or_else(|| {
+            let assumed = mm_per_min(ASSUMED_FEEDRATE);
+            self.remarks.add(block.place(), Untraced::NoFeed { assumed });
+            ASSUMED_FEEDRATE
+        })
+    }
+
+    fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
+        if length < SHORTEST {
+            return;
+        }
+        let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
+        self.toolpath.segments.push(Segment { start, end, curve, length, motion, exact_stop, line });
+        self.position = end;
+    }
+}

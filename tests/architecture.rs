@@ -1,0 +1,112 @@
+//! The shape of the crate: data flows one way, every border has one keeper, every module says
+//! what it models.
+
+use std::path::Path;
+
+/// Stages in the order data flows. A stage uses only those before it.
+const FLOW: &[&str] = &[
+    "units",
+    "machine",
+    "simulation/gcode",
+    "simulation/toolpath",
+    "simulation/filter",
+    "simulation/feed",
+    "simulation/profile",
+    "simulation/contour",
+    "quote",
+    "identification/step",
+    "plot",
+    "project",
+    "web",
+];
+
+/// Files that only list modules.
+const CONTENTS: &[&str] = &["lib", "simulation/mod", "identification/mod"];
+
+/// All sources but the command line, which like a test stands outside: path below `src` without
+/// its extension, and text.
+fn sources() -> Vec<(String, String)> {
+    fn collect(folder: &Path, root: &Path, into: &mut Vec<(String, String)>) {
+        for entry in std::fs::read_dir(folder).expect("src can be listed") {
+            let path = entry.expect("src can be listed").path();
+            if path.is_dir() {
+                collect(&path, root, into);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let name = path.strip_prefix(root).expect("below src").with_extension("");
+                let name = name.to_str().expect("names are ASCII").replace('\\', "/");
+                into.push((name, std::fs::read_to_string(&path).expect("sources are UTF-8")));
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut sources = Vec::new();
+    collect(&root, &root, &mut sources);
+    sources.retain(|(path, _)| path != "main");
+    assert!(10 < sources.len(), "the sources were found");
+    sources
+}
+
+/// Code without comments.
+fn code(text: &str) -> String {
+    text.lines().filter(|line| !line.trim_start().starts_with("//")).map(|line| format!("{line}\n")).collect()
+}
+
+/// Position in `FLOW` of the stage that holds `path`.
+fn stage(path: &str) -> usize {
+    let holds = |stage: &&str| path == *stage || path.starts_with(&format!("{stage}/"));
+    FLOW.iter().position(holds).unwrap_or_else(|| panic!("`{path}` is in no stage of FLOW"))
+}
+
+#[test]
+fn data_flows_one_way() {
+    for (path, text) in sources().into_iter().filter(|(path, _)| !CONTENTS.contains(&path.as_str())) {
+        let own = stage(&path);
+        let code = code(&text);
+        assert!(!code.contains("crate::{"), "{path}: one `use crate::stage::…` per stage");
+        assert!(!code.contains("super::super"), "{path}: write `crate::…`, which this test can see");
+        for used in code.split("crate::").skip(1) {
+            let end = used.find(|c: char| !c.is_alphanumeric() && c != '_' && c != ':').unwrap_or(used.len());
+            let used = used[..end].replace("::", "/");
+            assert!(stage(&used) <= own, "{path}: must not use `{used}`");
+        }
+    }
+}
+
+#[test]
+fn every_module_says_what_it_models() {
+    for (path, text) in sources() {
+        if path.ends_with("tests") {
+            continue;
+        }
+        let head: Vec<&str> = text.lines().take_while(|line| line.starts_with("//!")).collect();
+        assert!(!head.is_empty(), "{path}: begins with `//!`");
+        let lines = text.lines().count();
+        assert!(lines <= 600, "{path}: {lines} lines; split it by meaning");
+    }
+}
+
+#[test]
+fn every_border_has_one_keeper() {
+    let keepers: &[(&str, &[&str])] = &[
+        ("serde", &["project", "web"]),
+        ("toml", &["project"]),
+        ("wasm_bindgen", &["web"]),
+        ("js_sys", &["web"]),
+        ("web_sys", &["web"]),
+        ("plotters", &["plot", "web"]),
+        ("std::fs", &[]),
+        ("std::io", &[]),
+        ("std::time", &[]),
+        ("std::env", &[]),
+        ("println!", &[]),
+    ];
+    for (path, text) in sources() {
+        let code = code(&text);
+        let code = code.split("#[cfg(test)]").next().expect("split gives a first part");
+        for (word, allowed) in keepers {
+            let kept =
+                allowed.iter().any(|keeper| path == *keeper || path.starts_with(&format!("{keeper}/")));
+            assert!(kept || !code.contains(word), "{path}: `{word}` is kept by {allowed:?}");
+        }
+    }
+}
