@@ -12,9 +12,9 @@ mod job;
 
 use wasm_bindgen::prelude::*;
 
-use crate::machine::{USUAL_TOLERANCES, tolerance_from_text, tolerance_label};
+use crate::machine::{USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
 use crate::plot::PALETTE;
-use crate::project::{self, faults_to_json, machine_from_form};
+use crate::project::{self, faults_to_json, machine_from_form, toml_from_machine};
 
 /// Makes panics readable in the console.
 #[wasm_bindgen(start)]
@@ -34,6 +34,12 @@ pub fn faults(machine: &str) -> String {
     faults_to_json(&machine_from_form(machine).err().unwrap_or_default())
 }
 
+/// The machine of a filled form as a machine file; none where the form has faults.
+#[wasm_bindgen(js_name = machineFile)]
+pub fn machine_file(machine: &str) -> Option<String> {
+    machine_from_form(machine).ok().map(|machine| toml_from_machine(&machine))
+}
+
 /// The tolerances to begin with, mm.
 #[wasm_bindgen(js_name = usualTolerances)]
 pub fn usual_tolerances() -> Vec<f64> {
@@ -50,6 +56,12 @@ pub fn tolerance_from(text: &str) -> Result<f64, String> {
 #[wasm_bindgen(js_name = toleranceLabel)]
 pub fn label_of_tolerance(tolerance: f64) -> String {
     tolerance_label(tolerance)
+}
+
+/// How a distance from the path (mm) is shown.
+#[wasm_bindgen(js_name = deviationLabel)]
+pub fn label_of_deviation(deviation: f64) -> String {
+    deviation_label(deviation)
 }
 
 /// How many curves one chart tells apart by colour.

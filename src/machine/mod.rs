@@ -13,7 +13,9 @@ mod tolerance;
 
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
-pub use tolerance::{ToleranceError, USUAL_TOLERANCES, tolerance_from_text, tolerance_label};
+pub use tolerance::{
+    ToleranceError, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label,
+};
 
 use std::collections::BTreeMap;
 

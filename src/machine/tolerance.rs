@@ -55,6 +55,11 @@ pub fn tolerance_label(tolerance: f64) -> String {
     format!("{} µm", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
+/// How a measured distance from the path (mm) is shown, for example `21.4 µm`.
+pub fn deviation_label(deviation: f64) -> String {
+    format!("{:.1} µm", deviation / MM_PER_MICROMETRE)
+}
+
 /// Least and largest tolerance, mm.
 fn bounds() -> (f64, f64) {
     match parameter(KEY).map(|row| &row.access) {
@@ -87,6 +92,11 @@ mod tests {
         }
         let message = tolerance_from_text("20000").expect_err("20 mm is too much").to_string();
         assert!(message.contains("10000 µm"), "{message}");
+    }
+
+    #[test]
+    fn deviations_have_one_decimal() {
+        assert_eq!(deviation_label(0.0214351), "21.4 µm");
     }
 
     #[test]

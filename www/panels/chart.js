@@ -95,7 +95,7 @@ export function mount(root) {
   });
   plot.addEventListener("pointerdown", (event) => outcome && event.button === 0 && drag(event));
   plot.addEventListener("pointermove", (event) => event.buttons === 0 && outcome && read(pixel(event).x));
-  plot.addEventListener("pointerleave", hide);
+  plot.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && hide());
   plot.addEventListener("blur", hide);
   new ResizeObserver(redraw).observe(plot);
   dark.addEventListener("change", () => {
@@ -141,6 +141,7 @@ export function mount(root) {
       plot.removeEventListener("pointerup", end);
       plot.removeEventListener("pointercancel", end);
       box.hidden = true;
+      if (start.pointerType === "touch" && Math.abs(last.x - from.x) < CLICK_PX) return read(from.x);
       const [width, height] = [Math.abs(last.x - from.x), Math.abs(last.y - from.y)];
       if (moves || event.type === "pointercancel" || width < CLICK_PX) return;
       // A flat box is meant as a stretch of the path.

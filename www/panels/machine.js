@@ -1,6 +1,7 @@
 // The machine form, built from the parameter table of the module. It keeps texts and passes values on; what they
 // mean and whether they are allowed is for Rust to say.
 
+import { machineFile } from "../pkg/truefeed.js";
 import { find, make } from "../dom.js";
 
 /** @import { Form, Parameter, State, Value, Values } from "../types.js" */
@@ -18,6 +19,7 @@ const ELSEWHERE = ["interpolator.contour_tolerance_mm"];
 export function mount(root, form, actions) {
   const preset = /** @type {HTMLSelectElement} */ (find(root, "#preset"));
   const reset = /** @type {HTMLButtonElement} */ (find(root, ".reset"));
+  const save = /** @type {HTMLButtonElement} */ (find(root, ".save"));
   const more = /** @type {HTMLDetailsElement} */ (find(root, "details"));
   const parameters = form.fields.filter(({ key }) => !ELSEWHERE.includes(key));
   const fields = parameters.map((parameter) => field(parameter, changed));
@@ -27,6 +29,12 @@ export function mount(root, form, actions) {
   preset.append(...form.presets.map(({ name }, index) => make("option", { value: String(index) }, name)));
   preset.addEventListener("change", () => actions.choosePreset(Number(preset.value)));
   reset.addEventListener("click", () => actions.choosePreset(Number(preset.value)));
+  save.addEventListener("click", () => {
+    const file = new Blob([machineFile(JSON.stringify(values)) ?? ""], { type: "application/toml" });
+    const link = make("a", { href: URL.createObjectURL(file), download: "machine.toml" });
+    link.click();
+    URL.revokeObjectURL(link.href);
+  });
   find(root, "form").addEventListener("submit", (event) => event.preventDefault());
   const byKey = new Map(fields.map((entry) => [entry.parameter.key, entry.element]));
   const present = (/** @type {string} */ key) => byKey.get(key) ?? [];
@@ -46,6 +54,7 @@ export function mount(root, form, actions) {
       preset.title = form.presets[machine.preset].name;
       find(root, ".source").textContent = form.presets[machine.preset].source;
       const original = form.presets[machine.preset].values;
+      save.disabled = machine.faults.length > 0;
       reset.disabled = same(values, original);
       for (const { parameter, element, show } of fields) {
         const fault = machine.faults.find(({ key }) => key === parameter.key)?.message ?? "";

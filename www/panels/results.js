@@ -1,6 +1,6 @@
 // The table of cycle times, one row a tolerance.
 
-import { toleranceLabel } from "../pkg/truefeed.js";
+import { deviationLabel, toleranceLabel } from "../pkg/truefeed.js";
 import { find, make } from "../dom.js";
 import { clock, count, difference, millimetres, money, percent, seconds } from "../format.js";
 
@@ -50,13 +50,13 @@ function table(outcome, tolerances) {
     if (!run) return make("tr", { className: "waiting" }, label, make("td", { colSpan: titles.length + 1 }, "…"));
     const longer = run.cycle_time_s - programmed;
     const cells = [
-      make("strong", {}, clock(run.cycle_time_s)),
+      make("data", { value: String(run.cycle_time_s) }, clock(run.cycle_time_s)),
       seconds(run.cycle_time_s),
       seconds(programmed),
       difference(longer),
       percent(longer / programmed),
       ...PARTS.map(([key]) => seconds(run.breakdown[key])),
-      toleranceLabel(run.max_contour_error_mm),
+      deviationLabel(run.max_contour_error_mm),
       ...(priced ? [money(run.price ?? 0)] : []),
     ];
     return make("tr", {}, label, ...cells.map((cell) => make("td", {}, cell)));
@@ -67,6 +67,6 @@ function table(outcome, tolerances) {
 
 /** @param {string} name @param {Outcome} outcome @param {boolean} stale */
 function about(name, { steps }, stale) {
-  const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Path error: largest distance from the programmed path.`;
+  const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Path error: largest distance from the path; corners close together can exceed the tolerance.`;
   return make("p", { className: "about" }, stale ? `${facts} Computing anew for the changed machine …` : facts);
 }
