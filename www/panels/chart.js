@@ -11,6 +11,8 @@ const WHEEL = 1.0015;
 const ZOOM = 1.6;
 const STEP = 0.2;
 const CLICK_PX = 4;
+/** plotters draws on whole pixels; twice as many as the page's make slanting lines smooth on any screen. */
+const LEAST_RATIO = 2;
 
 /** @param {HTMLElement} root */
 export function mount(root) {
@@ -42,7 +44,7 @@ export function mount(root) {
       const { clientWidth: width, clientHeight: height } = plot;
       if (!outcome || width === 0) return;
       chart.setDark(dark.matches);
-      chart.draw(canvas, width, height, window.devicePixelRatio);
+      chart.draw(canvas, width, height, Math.max(window.devicePixelRatio, LEAST_RATIO));
       plot.dataset.span = chart.span().join(" ");
       if (Number.isFinite(readAt)) show(chart.reading(readAt));
     });

@@ -1,7 +1,7 @@
 // The list of programs: adding by file, drop or sample, choosing one, removing with undo.
 
 import { find, make } from "../dom.js";
-import { clock, size } from "../format.js";
+import { clock, count, size } from "../format.js";
 
 /** @import { Program, State } from "../types.js" */
 
@@ -91,7 +91,9 @@ function standing(program, state) {
   const times = state.tolerances.flatMap((tolerance) => program.outcome?.runs.get(tolerance)?.summary.cycle_time_s ?? []);
   if (times.length === 0) return `${size(program.bytes.length)}, waiting`;
   const [longest, shortest] = [clock(Math.max(...times)), clock(Math.min(...times))];
-  return longest === shortest ? longest : `${shortest} – ${longest}`;
+  const errors = program.outcome?.summary.diagnostics.filter(({ severity }) => severity === "error").length ?? 0;
+  const time = longest === shortest ? longest : `${shortest} – ${longest}`;
+  return errors > 0 ? `${time} · ${count(errors)} ${errors === 1 ? "error" : "errors"}` : time;
 }
 
 /** @param {File[]} files @param {Actions} actions */

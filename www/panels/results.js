@@ -66,7 +66,10 @@ function table(outcome, tolerances) {
 }
 
 /** @param {string} name @param {Outcome} outcome @param {boolean} stale */
-function about(name, { steps }, stale) {
+function about(name, { steps, summary }, stale) {
+  const errors = summary.diagnostics.filter(({ severity }) => severity === "error").length;
   const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Path error: largest distance from the path; corners close together can exceed the tolerance.`;
-  return make("p", { className: "about" }, stale ? `${facts} Computing anew for the changed machine …` : facts);
+  const text = stale ? `${facts} Computing anew for the changed machine …` : facts;
+  const link = make("a", { href: "#diagnostics" }, `${count(errors)} ${errors === 1 ? "line" : "lines"} could not be run as written. `);
+  return make("p", { className: "about" }, ...(errors > 0 ? [link] : []), text);
 }
