@@ -11,8 +11,7 @@ use std::process::ExitCode;
 use lexopt::prelude::*;
 use truefeed::project::{Prediction, machine_from_toml, profile_csv, severity_word};
 use truefeed::quote::{Quote, programmed_time, quote};
-use truefeed::simulation::contour::contour_errors;
-use truefeed::simulation::feed::{Allowance, plan};
+use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::{Toolpath, trace};
@@ -79,12 +78,11 @@ fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     };
     let mut quotes = Vec::with_capacity(tolerances.len());
     for (index, &tolerance) in tolerances.iter().enumerate() {
-        let plan = plan(&toolpath, &machine, Allowance::uniform(tolerance));
-        let profile = Profile::new(&toolpath, &plan);
-        let errors = contour_errors(&toolpath, &plan, &profile);
+        let (plan, errors) = plan_within(&toolpath, &machine, tolerance);
         quotes.push(quote(&toolpath, &machine, &plan, tolerance, &errors));
         if let (0, Some(path)) = (index, &request.profile) {
-            write_whole(path, &profile_csv(&profile.samples(Resolution::FINE)))?;
+            let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+            write_whole(path, &profile_csv(&samples))?;
         }
     }
     let programmed = programmed_time(&toolpath, &machine);

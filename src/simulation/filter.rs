@@ -4,23 +4,29 @@
 //! series answer an impulse with a bell h(t) of area 1, a piecewise polynomial of degree n − 1
 //! between its knots (all sums of a subset of the constants):
 //!
-//!     h = box(T1) * box(T2) * … * box(Tn),   box(T)(t) = 1/T on 0 ≤ t < T
+//! ```text
+//! h = box(T1) * box(T2) * … * box(Tn),   box(T)(t) = 1/T on 0 ≤ t < T
 //!
-//!       h(t)        _.-'''-._
-//!                 .'         '.
-//!             __-'             '-__
-//!            0        D/2          D  = T1 + … + Tn, the filter delay
+//!   h(t)        _.-'''-._
+//!             .'         '.
+//!         __-'             '-__
+//!        0        D/2          D  = T1 + … + Tn, the filter delay
+//! ```
 //!
 //! What the interpolator needs are its integrals, each 0 before t = 0:
 //!
-//!     V = ∫h   answer of the velocity to a step of velocity       after D: 1
-//!     S = ∫V   displacement under that step, s                     after D: t − D/2
-//!     Q = ∫S   the same for a ramp of velocity, s²                 after D: (t − D/2)²/2 + σ²/2
+//! ```text
+//! V = ∫h   answer of the velocity to a step of velocity       after D: 1
+//! S = ∫V   displacement under that step, s                     after D: t − D/2
+//! Q = ∫S   the same for a ramp of velocity, s²                 after D: (t − D/2)²/2 + σ²/2
+//! ```
 //!
 //! with σ² = Σ Ti²/12, the variance of the bell. For n equal constants T this is Eq. 5 and 31 of
 //! Ward et al. 2021 (with the misprints mended):
 //!
-//!     V(t) = Σ_{k=0..n} (−1)^k C(n,k) (t − kT)₊ⁿ / (n! Tⁿ)
+//! ```text
+//! V(t) = Σ_{k=0..n} (−1)^k C(n,k) (t − kT)₊ⁿ / (n! Tⁿ)
+//! ```
 //!
 //! The polynomials are built by convolving box after box in coordinates local to each knot, which
 //! loses no digits where constants differ by orders of magnitude, as the sum above would.

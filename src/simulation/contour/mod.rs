@@ -2,7 +2,9 @@
 //!
 //! The error at a programmed point X is its distance from the filtered path nearby,
 //!
-//!     e(X) = min over t of ‖P(t) − X‖
+//! ```text
+//! e(X) = min over t of ‖P(t) − X‖
+//! ```
 //!
 //! It is measured where it is largest: at every corner, and along arcs at a quarter of the filter
 //! delay or closer. Between corners a line is nearer to the filtered path than at its ends. At an isolated
@@ -12,6 +14,10 @@
 //! The search begins half a filter delay after X was commanded and follows the gradient (Newton's
 //! method without the curvature term); it stays within the delay, so it cannot stray to another
 //! pass over the same place.
+
+mod guaranteed;
+
+pub use guaranteed::plan_within;
 
 use crate::simulation::feed::{FeedPlan, Phase};
 use crate::simulation::profile::{Motion, Profile};
@@ -26,6 +32,8 @@ pub struct ContourErrors {
     pub error: Vec<f64>,
     /// Index of the segment that ends at the corner, or of the arc.
     pub segment: Vec<u32>,
+    /// Whether the point lies along an arc; otherwise it is a corner.
+    pub on_arc: Vec<bool>,
 }
 
 impl ContourErrors {
@@ -48,10 +56,11 @@ pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -
         for index in stretch.pulses.clone() {
             let pulse = &plan.pulses[index];
             let segment = &toolpath.segments[pulse.segment as usize];
-            let mut measure = |point: Point, time: f64, offset: f64| {
+            let mut measure = |point: Point, time: f64, offset: f64, on_arc: bool| {
                 errors.distance.push(profile.distance_before(pulse.segment as usize) + offset);
                 errors.error.push(distance_from_path(&motion, point, time));
                 errors.segment.push(pulse.segment);
+                errors.on_arc.push(on_arc);
             };
             if let Curve::Arc(_) = segment.curve {
                 let points = (4.0 * pulse.duration / motion.filter().delay()).ceil().min(POINTS_ON_ARC);
@@ -59,13 +68,13 @@ pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -
                     let elapsed = (i as f64 + 0.5) / points * pulse.duration;
                     let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
                     let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
-                    measure(segment.point(offset), commanded + elapsed, offset);
+                    measure(segment.point(offset), commanded + elapsed, offset, true);
                 }
             }
             commanded += pulse.duration;
             let ends = plan.pulses.get(index + 1).is_some_and(|next| next.segment != pulse.segment);
             if ends && index + 1 < stretch.pulses.end {
-                measure(segment.end, commanded, segment.length);
+                measure(segment.end, commanded, segment.length, false);
             }
         }
     }

@@ -3,11 +3,13 @@
 //! A block of length L commanded at F holds the corner commands c1 and c2 for the times h1 and h2
 //! that the corners ask for, and F between them; with an acceleration limit A, ramps join them:
 //!
-//!      F            _____________
-//!                  /             \
-//!      c1  -------/               \
-//!                                  \-----  c2
-//!          |<-h1->|               |<-h2->|
+//! ```text
+//!  F            _____________
+//!              /             \
+//!  c1  -------/               \
+//!                              \-----  c2
+//!      |<-h1->|               |<-h2->|
+//! ```
 //!
 //! The area is L, exactly (Eq. 17). Where there is no room for that:
 //!

@@ -3,16 +3,20 @@
 //! Two straight legs with unit directions u1, u2 are commanded at F; around the corner the
 //! command drops to c = αF for Tb = h (1 − α) on each side (Eq. 14; h = D/2, half the delay):
 //!
-//!      F  -----+                 +-----
-//!              |                 |
-//!      c = αF  +--------+--------+
-//!              |<- Tb ->|<- Tb ->|
-//!                     corner
+//! ```text
+//!  F  -----+                 +-----
+//!          |                 |
+//!  c = αF  +--------+--------+
+//!          |<- Tb ->|<- Tb ->|
+//!                 corner
+//! ```
 //!
 //! The filtered path is nearest to the corner h after its command, when a step sent at the corner
 //! has displaced S(h) and one sent Tb later S(h − Tb) = S(αh). Its distance from the corner is
 //!
-//!     ε = F ‖u2 − u1‖ G(α),      G(α) = α S(h) + (1 − α) S(αh),  s
+//! ```text
+//! ε = F ‖u2 − u1‖ G(α),      G(α) = α S(h) + (1 − α) S(αh),  s
+//! ```
 //!
 //! G rises from 0 to S(h), so the largest α within tolerance is G⁻¹(ε / (F ‖u2 − u1‖)), and 1
 //! where that is beyond S(h). For n = 2 and 3 equal constants T, G/T is the polynomial g of the

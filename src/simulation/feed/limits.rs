@@ -35,16 +35,19 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     limits.fold(feedrate, f64::min)
 }
 
-/// The largest feedrate that curvature and block time allow, mm/s. `tolerance` is in mm.
-pub fn curve_feedrate(segment: &Segment, machine: &Machine, filter: &FilterChain, tolerance: f64) -> f64 {
+/// The largest feedrate at which the filtered path stays within `tolerance` (mm) of an arc that
+/// goes on and on, mm/s; infinite along a line.
+pub fn arc_feedrate(segment: &Segment, filter: &FilterChain, tolerance: f64) -> f64 {
+    let Curve::Arc(arc) = &segment.curve else { return f64::INFINITY };
+    (24.0 * tolerance / (filter.sum_of_squares() * curvature(arc, segment.length))).sqrt()
+}
+
+/// The largest feedrate that block processing time and centripetal acceleration allow, mm/s.
+pub fn curve_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let block_time = segment.length / machine.interpolator.block_time;
-    let Curve::Arc(arc) = &segment.curve else {
-        return block_time;
-    };
-    let curvature = curvature(arc, segment.length);
+    let Curve::Arc(arc) = &segment.curve else { return block_time };
     let acceleration = machine.path.centripetal_acceleration.min(axis_centripetal(arc, machine));
-    let contour = (24.0 * tolerance / (filter.sum_of_squares() * curvature)).sqrt();
-    block_time.min(contour).min((acceleration / curvature).sqrt())
+    block_time.min((acceleration / curvature(arc, segment.length)).sqrt())
 }
 
 /// The acceleration limit along a segment, mm/s².

@@ -85,26 +85,24 @@ pub struct FeedPlan {
     pub pulses: Vec<Pulse>,
     /// The filter chains in use.
     pub filters: Vec<FilterChain>,
+    /// Command at the corner after each segment, mm/s; 0 at a full stop.
+    pub corner_feedrates: Vec<f64>,
+    /// Command along each segment between its corners, mm/s.
+    pub segment_feedrates: Vec<f64>,
 }
 
-/// The deviations that the corner and arc laws are asked to keep, mm.
+/// By what the corners and arcs are commanded.
 #[derive(Clone, Copy, Debug)]
-pub struct Allowance<'a> {
-    /// At the corner after each segment that has no entry in `corners`, and on all arcs.
-    pub tolerance: f64,
-    /// At the corner after each segment; empty: the tolerance everywhere.
-    pub corners: &'a [f64],
-}
-
-impl Allowance<'_> {
-    /// The same tolerance everywhere, mm.
-    pub fn uniform(tolerance: f64) -> Allowance<'static> {
-        Allowance { tolerance, corners: &[] }
-    }
-
-    fn at_corner_after(&self, segment: usize) -> f64 {
-        self.corners.get(segment).copied().unwrap_or(self.tolerance)
-    }
+pub enum Rule<'a> {
+    /// By the laws of [`corner`] and [`limits`] for this contour tolerance, mm.
+    Isolated(f64),
+    /// By feedrates found elsewhere, mm/s, one entry a segment; every other limit still holds.
+    Given {
+        /// At the corner after each segment.
+        corners: &'a [f64],
+        /// Along each segment, in place of the law for arcs.
+        segments: &'a [f64],
+    },
 }
 
 impl FeedPlan {
@@ -137,7 +135,7 @@ pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f6
 }
 
 /// The feed plan of a toolpath on a machine.
-pub fn plan(toolpath: &Toolpath, machine: &Machine, allowance: Allowance) -> FeedPlan {
+pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut plan = FeedPlan::default();
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
@@ -154,7 +152,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, allowance: Allowance) -> Fee
         {
             end += 1;
         }
-        add_stretch(&mut plan, begin..end, segments, machine, allowance);
+        add_stretch(&mut plan, begin..end, segments, machine, rule);
         begin = end;
     }
     plan.phases.extend(stops.map(|stop| Phase::Wait(wait(stop, machine))));
@@ -205,7 +203,7 @@ fn add_stretch(
     range: std::ops::Range<usize>,
     all: &[Segment],
     machine: &Machine,
-    allowance: Allowance,
+    rule: Rule,
 ) {
     let segments = &all[range.clone()];
     let mut feedrates: Vec<f64> = segments.iter().map(|s| limits::requested_feedrate(s, machine)).collect();
@@ -213,8 +211,12 @@ fn add_stretch(
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
     let accelerations: Vec<f64> = segments.iter().map(|s| limits::acceleration(s, machine)).collect();
-    for (feedrate, segment) in feedrates.iter_mut().zip(segments) {
-        *feedrate = feedrate.min(limits::curve_feedrate(segment, machine, chain, allowance.tolerance));
+    for (i, feedrate) in feedrates.iter_mut().enumerate() {
+        let by_rule = match rule {
+            Rule::Isolated(tolerance) => limits::arc_feedrate(&segments[i], chain, tolerance),
+            Rule::Given { segments, .. } => segments[range.start + i],
+        };
+        *feedrate = feedrate.min(by_rule).min(limits::curve_feedrate(&segments[i], machine));
     }
     limit_by_look_ahead(&mut feedrates, segments, &accelerations, machine, chain);
     let mut corners = Vec::with_capacity(segments.len() + 1);
@@ -222,16 +224,17 @@ fn add_stretch(
     for (i, pair) in segments.windows(2).enumerate() {
         let slower = feedrates[i].min(feedrates[i + 1]);
         let change = pair[1].tangent(0.0) - pair[0].tangent(pair[0].length);
-        let allowed = allowance.at_corner_after(range.start + i);
-        let feedrate = slower * law.alpha(allowed / (slower * change.norm()));
-        corners.push(Corner {
-            feedrate: feedrate.min(axis_corner_feedrate(&change, machine, chain)),
-            blended: true,
-        });
+        let by_rule = match rule {
+            Rule::Isolated(tolerance) => slower * law.alpha(tolerance / (slower * change.norm())),
+            Rule::Given { corners, .. } => corners[range.start + i].min(slower),
+        };
+        let feedrate = by_rule.min(axis_corner_feedrate(&change, machine, chain));
+        corners.push(Corner { feedrate, blended: true });
     }
     corners.push(FULL_STOP);
     limit_by_acceleration(&mut corners, segments, &accelerations);
 
+    plan.corner_feedrates.extend(corners[1..].iter().map(|corner| corner.feedrate));
     let first_pulse = plan.pulses.len();
     for (i, segment) in segments.iter().enumerate() {
         let end = |corner: Corner| End {
@@ -253,6 +256,7 @@ fn add_stretch(
             offset += duration * 0.5 * (first + last);
         }
     }
+    plan.segment_feedrates.extend(feedrates);
     plan.phases.push(Phase::Motion(Stretch {
         segments: range,
         pulses: first_pulse..plan.pulses.len(),

@@ -3,9 +3,11 @@
 //! What was commanded at the age a (seconds ago) has arrived by the share V(a). With the command
 //! velocity v(a) over the window of one filter delay D,
 //!
-//!     position      P = P(D) + ∫ v V da        P(D): commanded position, D ago
-//!     velocity      Ṗ =        ∫ v h da
-//!     acceleration  P̈ = [v h] + ∫ v̇ h da       and so on for the jerk
+//! ```text
+//! position      P = P(D) + ∫ v V da        P(D): commanded position, D ago
+//! velocity      Ṗ =        ∫ v h da
+//! acceleration  P̈ = [v h] + ∫ v̇ h da       and so on for the jerk
+//! ```
 //!
 //! where [·] is the difference between the ends of each pulse. Along a line v is linear in time
 //! and the integrals are differences of S, Q, V and h at the ends of each pulse. Along an arc v
