@@ -8,9 +8,9 @@
  * @returns {T}
  */
 export function find(root, selector) {
-  const found = root.querySelector(selector);
-  if (!found) throw new Error(`the page has no ${selector}`);
-  return /** @type {T} */ (found);
+  const found = root.querySelector(selector)
+  if (!found) throw new Error(`the page has no ${selector}`)
+  return /** @type {T} */ (found)
 }
 
 /**
@@ -22,7 +22,7 @@ export function find(root, selector) {
  * @returns {HTMLElementTagNameMap[K]}
  */
 export function make(name, properties, ...children) {
-  const element = Object.assign(document.createElement(name), properties);
-  element.append(...children);
-  return element;
+  const element = Object.assign(document.createElement(name), properties)
+  element.append(...children)
+  return element
 }

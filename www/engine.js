@@ -21,54 +21,54 @@
 export class Ended extends Error {
   /** @param {"cancelled" | "failed"} kind @param {string} message */
   constructor(kind, message) {
-    super(message);
-    this.kind = kind;
+    super(message)
+    this.kind = kind
   }
 }
 
 export class Engine {
   /** @type {Worker | null} */
-  #worker = null;
+  #worker = null
   /** @type {((reason: Ended) => void) | null} */
-  #reject = null;
+  #reject = null
 
   /** @param {WebAssembly.Module} module */
   constructor(module) {
-    this.module = module;
+    this.module = module
   }
 
   /** Simulates a program; the listener hears of each part. @param {Request} request @param {Listener} listener */
   async simulate(request, listener) {
-    this.cancel();
-    this.#worker ??= new Worker(new URL("worker.js", import.meta.url), { type: "module" });
-    const worker = this.#worker;
+    this.cancel()
+    this.#worker ??= new Worker(new URL('worker.js', import.meta.url), { type: 'module' })
+    const worker = this.#worker
     await new Promise((resolve, reject) => {
-      this.#reject = reject;
-      worker.onerror = (event) => this.#end("failed", event.message ?? "the worker could not be started");
+      this.#reject = reject
+      worker.onerror = (event) => this.#end('failed', event.message ?? 'the worker could not be started')
       worker.onmessage = ({ data }) => {
-        if (data.type === "stage") listener.stage(data.text, data.part);
-        else if (data.type === "program") listener.program(data.summary, data.steps);
-        else if (data.type === "run") listener.run(data.tolerance, { summary: data.summary, columns: data.columns });
-        else if (data.type === "failure") this.#end("failed", data.message);
+        if (data.type === 'stage') listener.stage(data.text, data.part)
+        else if (data.type === 'program') listener.program(data.summary, data.steps)
+        else if (data.type === 'run') listener.run(data.tolerance, { summary: data.summary, columns: data.columns })
+        else if (data.type === 'failure') this.#end('failed', data.message)
         else {
-          this.#reject = null;
-          resolve(undefined);
+          this.#reject = null
+          resolve(undefined)
         }
-      };
-      worker.postMessage({ module: this.module, ...request });
-    });
+      }
+      worker.postMessage({ module: this.module, ...request })
+    })
   }
 
   /** Ends what is running, if anything is. */
   cancel() {
-    if (this.#reject) this.#end("cancelled", "cancelled");
+    if (this.#reject) this.#end('cancelled', 'cancelled')
   }
 
   /** @param {"cancelled" | "failed"} kind @param {string} message */
   #end(kind, message) {
-    this.#worker?.terminate();
-    this.#worker = null;
-    this.#reject?.(new Ended(kind, message));
-    this.#reject = null;
+    this.#worker?.terminate()
+    this.#worker = null
+    this.#reject?.(new Ended(kind, message))
+    this.#reject = null
   }
 }

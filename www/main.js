@@ -1,27 +1,27 @@
 // Starts the page: owns the one state object, queues simulations and tells the panels what changed.
 
-import init, { faults, form as formOfModule, mostCurves, toleranceLabel, usualTolerances } from "./pkg/truefeed.js";
-import { Ended, Engine } from "./engine.js";
-import * as chartPanel from "./panels/chart.js";
-import * as diagnosticsPanel from "./panels/diagnostics.js";
-import * as machinePanel from "./panels/machine.js";
-import * as programPanel from "./panels/program.js";
-import * as progressPanel from "./panels/progress.js";
-import * as resultsPanel from "./panels/results.js";
-import * as tolerancesPanel from "./panels/tolerances.js";
-import { loadSettings, saveSettings } from "./settings.js";
+import init, { faults, form as formOfModule, mostCurves, toleranceLabel, usualTolerances } from './pkg/truefeed.js'
+import { Ended, Engine } from './engine.js'
+import * as chartPanel from './panels/chart.js'
+import * as diagnosticsPanel from './panels/diagnostics.js'
+import * as machinePanel from './panels/machine.js'
+import * as programPanel from './panels/program.js'
+import * as progressPanel from './panels/progress.js'
+import * as resultsPanel from './panels/results.js'
+import * as tolerancesPanel from './panels/tolerances.js'
+import { loadSettings, saveSettings } from './settings.js'
 
 /** @import { Form, Program, State, Values } from "./types.js" */
 
-const DEBOUNCE_MS = 300;
+const DEBOUNCE_MS = 300
 
-const module = await WebAssembly.compileStreaming(fetch(new URL("pkg/truefeed_bg.wasm", import.meta.url)));
-await init({ module_or_path: module });
-const engine = new Engine(module);
+const module = await WebAssembly.compileStreaming(fetch(new URL('pkg/truefeed_bg.wasm', import.meta.url)))
+await init({ module_or_path: module })
+const engine = new Engine(module)
 
 /** @type {Form} */
-const form = JSON.parse(formOfModule());
-const settings = loadSettings();
+const form = JSON.parse(formOfModule())
+const settings = loadSettings()
 
 /** @type {State} */
 const state = {
@@ -31,153 +31,167 @@ const state = {
   machine: { preset: 0, values: {}, faults: [] },
   progress: null,
   paused: false,
-};
-const preset = form.presets.findIndex(({ name }) => name === settings.preset);
-state.machine.preset = Math.max(preset, 0);
-state.machine.values = { ...(settings.values ?? form.presets[state.machine.preset].values) };
-state.machine.faults = JSON.parse(faults(machineJson()));
+}
+const preset = form.presets.findIndex(({ name }) => name === settings.preset)
+state.machine.preset = Math.max(preset, 0)
+state.machine.values = { ...(settings.values ?? form.presets[state.machine.preset].values) }
+state.machine.faults = JSON.parse(faults(machineJson()))
 
-let nextId = 1;
-let timer = 0;
+let nextId = 1
+let timer = 0
 
 /** What panels may ask for. */
 export const actions = {
   /** @param {{name: string, bytes: Uint8Array}[]} files */
   addPrograms(files) {
     for (const { name, bytes } of files) {
-      const lines = new TextDecoder().decode(bytes).split(/\r\n|\n|\r/);
-      state.programs.push({ id: nextId++, name, bytes, lines, outcome: null, failure: null });
+      state.programs.push({ id: nextId++, name, bytes, lines: linesOf(bytes), outcome: null, failure: null })
     }
-    state.selected = state.programs[state.programs.length - files.length]?.id ?? state.selected;
-    changed();
+    state.selected = state.programs[state.programs.length - files.length]?.id ?? state.selected
+    changed()
   },
   /** @param {number} id */
   select(id) {
-    state.selected = id;
-    update();
+    state.selected = id
+    update()
   },
   /** Takes a program out; the function returned puts it back. @param {number} id */
   removeProgram(id) {
-    const index = state.programs.findIndex((program) => program.id === id);
-    const [program] = state.programs.splice(index, 1);
-    const wasSelected = state.selected === id;
-    if (wasSelected) state.selected = (state.programs[index] ?? state.programs[index - 1])?.id ?? null;
-    if (state.progress?.program === id) engine.cancel();
-    changed();
+    const index = state.programs.findIndex((program) => program.id === id)
+    const [program] = state.programs.splice(index, 1)
+    const wasSelected = state.selected === id
+    if (wasSelected) state.selected = (state.programs[index] ?? state.programs[index - 1])?.id ?? null
+    if (state.progress?.program === id) engine.cancel()
+    changed()
     return () => {
-      state.programs.splice(index, 0, program);
-      if (wasSelected) state.selected = id;
-      changed();
-    };
+      state.programs.splice(index, 0, program)
+      if (wasSelected) state.selected = id
+      changed()
+    }
   },
   /** @param {number} index */
   choosePreset(index) {
-    actions.setMachine(index, { ...form.presets[index].values });
+    actions.setMachine(index, { ...form.presets[index].values })
   },
   /** @param {number} preset @param {Values} values */
   setMachine(preset, values) {
-    state.machine = { preset, values, faults: [] };
-    state.machine.faults = JSON.parse(faults(machineJson()));
-    engine.cancel();
-    changed();
+    state.machine = { preset, values, faults: [] }
+    state.machine.faults = JSON.parse(faults(machineJson()))
+    engine.cancel()
+    changed()
   },
   /** @param {number[]} tolerances  mm */
   setTolerances(tolerances) {
-    state.tolerances = [...tolerances].sort((a, b) => a - b);
-    changed();
+    state.tolerances = [...tolerances].sort((a, b) => a - b)
+    changed()
   },
   cancel() {
-    state.paused = true;
-    engine.cancel();
-    update();
+    state.paused = true
+    engine.cancel()
+    update()
   },
   resume() {
-    state.paused = false;
-    changed();
+    state.paused = false
+    changed()
   },
-};
+}
+
+/** The lines of a program, told apart when they are first asked for. @param {Uint8Array} bytes */
+function linesOf(bytes) {
+  /** @type {string[] | undefined} */
+  let lines
+  return () => (lines ??= new TextDecoder().decode(bytes).split(/\r\n|\n|\r/))
+}
 
 function machineJson() {
-  return JSON.stringify(state.machine.values);
+  return JSON.stringify(state.machine.values)
 }
 
 /** Something that results depend on has changed: shows it at once, and computes when it has settled. */
 function changed() {
-  state.paused = false;
-  saveSettings({ tolerances: state.tolerances, preset: form.presets[state.machine.preset].name, values: state.machine.values });
-  update();
-  clearTimeout(timer);
-  timer = window.setTimeout(work, DEBOUNCE_MS);
+  state.paused = false
+  saveSettings({
+    tolerances: state.tolerances,
+    preset: form.presets[state.machine.preset].name,
+    values: state.machine.values,
+  })
+  update()
+  clearTimeout(timer)
+  timer = window.setTimeout(work, DEBOUNCE_MS)
 }
 
 /** The tolerances a program still lacks on the machine as it is now. @param {Program} program @returns {number[]} */
 export function missing(program) {
-  const current = program.outcome?.machine === machineJson();
-  return state.tolerances.filter((tolerance) => !(current && program.outcome?.runs.has(tolerance)));
+  const current = program.outcome?.machine === machineJson()
+  return state.tolerances.filter((tolerance) => !(current && program.outcome?.runs.has(tolerance)))
 }
 
 /** Simulates what is missing, the selected program first, until nothing is. */
 async function work() {
-  if (state.progress) return;
+  if (state.progress) return
   for (;;) {
-    const selectedFirst = [...state.programs].sort((a, b) => Number(b.id === state.selected) - Number(a.id === state.selected));
-    const program = selectedFirst.find((candidate) => missing(candidate).length > 0 && candidate.failure !== machineJson());
-    if (!program || state.paused || state.machine.faults.length > 0) break;
-    await simulate(program);
+    const selectedFirst = [...state.programs].sort(
+      (a, b) => Number(b.id === state.selected) - Number(a.id === state.selected),
+    )
+    const program = selectedFirst.find(
+      (candidate) => missing(candidate).length > 0 && candidate.failure !== machineJson(),
+    )
+    if (!program || state.paused || state.machine.faults.length > 0) break
+    await simulate(program)
   }
-  state.progress = null;
-  update();
+  state.progress = null
+  update()
 }
 
 /** @param {Program} program */
 async function simulate(program) {
-  const machine = machineJson();
-  const tolerances = missing(program);
-  const before = program.outcome?.machine === machine ? program.outcome.runs : new Map();
-  state.progress = { program: program.id, stage: "Starting", part: 0 };
+  const machine = machineJson()
+  const tolerances = missing(program)
+  const before = program.outcome?.machine === machine ? program.outcome.runs : new Map()
+  state.progress = { program: program.id, stage: 'Starting', part: 0 }
   const listener = {
     stage(/** @type {string} */ text, /** @type {number} */ part) {
-      state.progress = { program: program.id, stage: text, part };
-      progress.update(state);
+      state.progress = { program: program.id, stage: text, part }
+      progress.update(state)
     },
     program(/** @type {any} */ summary, /** @type {any} */ steps) {
-      program.outcome = { machine, summary, steps, runs: new Map(before) };
+      program.outcome = { machine, summary, steps, runs: new Map(before) }
     },
     run(/** @type {number} */ tolerance, /** @type {any} */ run) {
-      program.outcome?.runs.set(tolerance, run);
-      update();
+      program.outcome?.runs.set(tolerance, run)
+      update()
     },
-  };
+  }
   try {
-    update();
-    const labels = tolerances.map((tolerance) => toleranceLabel(tolerance));
-    await engine.simulate({ program: program.bytes, machine, tolerances, labels }, listener);
-    program.failure = null;
+    update()
+    const labels = tolerances.map((tolerance) => toleranceLabel(tolerance))
+    await engine.simulate({ program: program.bytes, machine, tolerances, labels }, listener)
+    program.failure = null
   } catch (error) {
-    if (error instanceof Ended && error.kind === "cancelled") return;
-    program.failure = machine;
-    failure.textContent = `${program.name} could not be simulated. This is a fault of Truefeed: ${error instanceof Error ? error.message : error}`;
-    failure.hidden = false;
+    if (error instanceof Ended && error.kind === 'cancelled') return
+    program.failure = machine
+    failure.textContent = `${program.name} could not be simulated. This is a fault of Truefeed: ${error instanceof Error ? error.message : error}`
+    failure.hidden = false
   }
 }
 
-const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
-const failure = element("failure");
-const progress = progressPanel.mount(element("progress"), actions);
+const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id))
+const failure = element('failure')
+const progress = progressPanel.mount(element('progress'), actions)
 const panels = [
   progress,
-  programPanel.mount(element("program"), actions),
-  machinePanel.mount(element("machine"), form, actions),
-  tolerancesPanel.mount(element("tolerances"), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
-  resultsPanel.mount(element("results")),
-  chartPanel.mount(element("chart")),
-  diagnosticsPanel.mount(element("diagnostics")),
-];
+  programPanel.mount(element('program'), actions),
+  machinePanel.mount(element('machine'), form, actions),
+  tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
+  resultsPanel.mount(element('results')),
+  chartPanel.mount(element('chart')),
+  diagnosticsPanel.mount(element('diagnostics')),
+]
 
 function update() {
-  document.body.classList.toggle("has-programs", state.programs.length > 0);
-  for (const panel of panels) panel.update(state);
+  document.body.classList.toggle('has-programs', state.programs.length > 0)
+  for (const panel of panels) panel.update(state)
 }
 
-update();
-document.documentElement.dataset.ready = "true";
+update()
+document.documentElement.dataset.ready = 'true'

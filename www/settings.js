@@ -2,25 +2,25 @@
 
 /** @import { Values } from "./types.js" */
 
-const KEY = "truefeed.settings.1";
+const KEY = 'truefeed.settings.1'
 
 /** @typedef {{tolerances?: number[], preset?: string, values?: Values}} Settings */
 
 /** @returns {Settings} */
 export function loadSettings() {
   try {
-    const settings = JSON.parse(localStorage.getItem(KEY) ?? "{}");
-    const numbers = Array.isArray(settings.tolerances) && settings.tolerances.every(Number.isFinite);
-    return { ...settings, tolerances: numbers && settings.tolerances.length > 0 ? settings.tolerances : undefined };
+    const settings = JSON.parse(localStorage.getItem(KEY) ?? '{}')
+    const numbers = Array.isArray(settings.tolerances) && settings.tolerances.every(Number.isFinite)
+    return { ...settings, tolerances: numbers && settings.tolerances.length > 0 ? settings.tolerances : undefined }
   } catch {
-    return {};
+    return {}
   }
 }
 
 /** @param {Settings} settings */
 export function saveSettings(settings) {
   try {
-    localStorage.setItem(KEY, JSON.stringify(settings));
+    localStorage.setItem(KEY, JSON.stringify(settings))
   } catch {
     // A browser that keeps nothing still computes.
   }

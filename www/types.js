@@ -40,7 +40,7 @@
  * @property {number} id
  * @property {string} name
  * @property {Uint8Array} bytes
- * @property {string[]} lines
+ * @property {() => string[]} lines
  * @property {Outcome | null} outcome
  * @property {string | null} failure  why the last run of it ended
  */
@@ -77,4 +77,4 @@
  * @property {boolean} paused  the user cancelled; nothing runs until something changes
  */
 
-export {};
+export {}

@@ -12,16 +12,22 @@ use crate::plot::View;
 pub fn decimated(x: &[f64], y: &[f64], (low, high): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
     let first = x.partition_point(|&v| v < low).saturating_sub(1);
     let last = (x.partition_point(|&v| v <= high) + 1).min(x.len());
-    let column = |index: usize| ((x[index] - low) / (high - low) * columns as f64).floor();
+    let width = (high - low) / columns as f64;
 
     let mut kept = Vec::new();
     let mut start = first;
     while start < last {
-        let here = column(start);
-        let end = (start + 1..last).find(|&index| column(index) != here).unwrap_or(last);
-        let by_value = |a: &usize, b: &usize| y[*a].total_cmp(&y[*b]);
-        let lowest = (start..end).min_by(by_value).unwrap_or(start);
-        let highest = (start..end).max_by(by_value).unwrap_or(start);
+        let border = low + width * (((x[start] - low) / width).floor() + 1.0);
+        let end = start + 1 + x[start + 1..last].partition_point(|&v| v < border);
+        let (mut lowest, mut highest) = (start, start);
+        for index in start..end {
+            if y[index] < y[lowest] {
+                lowest = index;
+            }
+            if y[highest] < y[index] {
+                highest = index;
+            }
+        }
         let mut four = [start, lowest, highest, end - 1];
         four.sort_unstable();
         for (place, index) in four.into_iter().enumerate() {

@@ -194,14 +194,23 @@ fn rapid_stretches(chart: &FeedChart, view: View, columns: usize) -> Vec<(f64, f
     stretches
 }
 
-/// The programmed feedrate in sight as a polyline with two points a segment, decimated.
+/// The programmed feedrate in sight as a polyline with a point at either side of each change, decimated.
 fn programmed_steps(chart: &FeedChart, view: View, columns: usize) -> Vec<(f64, f64)> {
     let steps = &chart.programmed;
-    let ends = steps.within(view.distance).flat_map(|index| {
-        let feedrate = steps.feedrate[index];
-        [(steps.start(index), feedrate), (steps.end[index], feedrate)]
-    });
-    let (distance, feedrate): (Vec<f64>, Vec<f64>) = ends.unzip();
+    let seen = steps.within(view.distance);
+    let (mut distance, mut feedrate) = (Vec::new(), Vec::new());
+    for index in seen.clone() {
+        let here = steps.feedrate[index];
+        for (at, is_change) in [
+            (steps.start(index), index == seen.start || steps.feedrate[index - 1] != here),
+            (steps.end[index], index + 1 == seen.end || steps.feedrate[index + 1] != here),
+        ] {
+            if is_change {
+                distance.push(at);
+                feedrate.push(here);
+            }
+        }
+    }
     decimated(&distance, &feedrate, view.distance, columns)
 }
 

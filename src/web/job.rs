@@ -6,8 +6,7 @@ use crate::machine::Machine;
 use crate::plot::Programmed;
 use crate::project::{Prediction, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
-use crate::simulation::contour::contour_errors;
-use crate::simulation::feed::{Allowance, plan};
+use crate::simulation::contour::plan_within;
 use crate::simulation::gcode::read;
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::{Toolpath, trace};
@@ -42,11 +41,9 @@ impl Job {
 
     /// Simulates the program for a contour tolerance (mm).
     pub fn simulate(&self, tolerance: f64) -> Run {
-        let plan = plan(&self.toolpath, &self.machine, Allowance::uniform(tolerance));
-        let profile = Profile::new(&self.toolpath, &plan);
-        let errors = contour_errors(&self.toolpath, &plan, &profile);
+        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerance, &errors);
-        let samples = profile.samples(Resolution::CHART);
+        let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
         Run {
             summary: Prediction::new("", self.programmed_time(), &[quote], &[]).to_json(),
             columns: Columns { distance: samples.distance, feedrate: samples.feedrate, time: samples.time },

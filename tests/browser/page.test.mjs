@@ -46,12 +46,16 @@ function pageTest(name, body, { viewport, skip = false } = {}) {
 
 /** Waits until every row of the table is of the machine and program in sight. */
 async function computed(page) {
-  await page.waitForFunction(() => {
-    const rows = [...document.querySelectorAll('#results tbody tr')]
-    const stale = document.querySelector('.stale') || !document.querySelector('#progress')?.hidden
-    const chips = document.querySelectorAll('.chip').length
-    return !stale && rows.length === chips && rows.every((row) => row.querySelector('data'))
-  }, null, { timeout: 120_000 })
+  await page.waitForFunction(
+    () => {
+      const rows = [...document.querySelectorAll('#results tbody tr')]
+      const stale = document.querySelector('.stale') || !document.querySelector('#progress')?.hidden
+      const chips = document.querySelectorAll('.chip').length
+      return !stale && rows.length === chips && rows.every((row) => row.querySelector('data'))
+    },
+    null,
+    { timeout: 120_000 },
+  )
 }
 
 const cycleTimes = (page) => page.$$eval('#results tbody data', (all) => all.map((data) => Number(data.value)))
@@ -78,7 +82,10 @@ async function assertAsPredicted(page, program) {
   assert.equal(times.length, runs.length)
   runs.forEach(({ cycle_time_s: expected }, index) => {
     assert.ok(expected > 0)
-    assert.ok(Math.abs(times[index] / expected - 1) <= 1e-9, `${times[index]} on the page, ${expected} on the command line`)
+    assert.ok(
+      Math.abs(times[index] / expected - 1) <= 1e-9,
+      `${times[index]} on the page, ${expected} on the command line`,
+    )
   })
 }
 
@@ -112,7 +119,8 @@ function pixelsOfCurves(page) {
   })
 }
 
-const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))
+const frame = (page) =>
+  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))
 const span = async (page) => {
   await frame(page)
   return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)
@@ -127,39 +135,54 @@ function longProgram(blocks) {
 }
 
 for (const viewport of [{ width: 1280, height: 900 }, PHONE]) {
-  pageTest(`the sample gives the command line's times and a curve of each colour at ${viewport.width} px`, async ({ page }) => {
-    await shot(page, `empty-${viewport.width}`)
-    await page.click('#welcome .sample')
-    await computed(page)
-    await assertAsPredicted(page, SAMPLE)
-    await frame(page)
-    const pixels = await pixelsOfCurves(page)
-    assert.equal(pixels.length, TOLERANCES_MM.length)
-    // The legend alone has about 50 pixels of a colour.
-    assert.ok(pixels.every((count) => count > 80), `pixels of each curve: ${pixels}`)
-    const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
-    assert.ok(!wider, 'the page scrolls sideways')
-    await shot(page, `sample-${viewport.width}`)
-  }, { viewport })
+  pageTest(
+    `the sample gives the command line's times and a curve of each colour at ${viewport.width} px`,
+    async ({ page }) => {
+      await shot(page, `empty-${viewport.width}`)
+      await page.click('#welcome .sample')
+      await computed(page)
+      await assertAsPredicted(page, SAMPLE)
+      await frame(page)
+      const pixels = await pixelsOfCurves(page)
+      assert.equal(pixels.length, TOLERANCES_MM.length)
+      // The legend alone has about 50 pixels of a colour.
+      assert.ok(
+        pixels.every((count) => count > 80),
+        `pixels of each curve: ${pixels}`,
+      )
+      const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
+      assert.ok(!wider, 'the page scrolls sideways')
+      await shot(page, `sample-${viewport.width}`)
+    },
+    { viewport },
+  )
 }
 
 for (const program of REAL) {
   const skip = existsSync(program) ? false : `${program} is not there`
-  pageTest(`${basename(program)} through the file input`, async ({ page }) => {
-    await page.setInputFiles('#files', program)
-    await computed(page)
-    await assertAsPredicted(page, program)
-    await frame(page)
-    assert.ok((await pixelsOfCurves(page)).every((count) => count > 80))
-    await shot(page, `${basename(program)}-1280`)
-  }, { skip })
+  pageTest(
+    `${basename(program)} through the file input`,
+    async ({ page }) => {
+      await page.setInputFiles('#files', program)
+      await computed(page)
+      await assertAsPredicted(page, program)
+      await frame(page)
+      assert.ok((await pixelsOfCurves(page)).every((count) => count > 80))
+      await shot(page, `${basename(program)}-1280`)
+    },
+    { skip },
+  )
 
-  pageTest(`${basename(program)} dropped on the page`, async ({ page }) => {
-    await drop(page, 'header', [program])
-    await computed(page)
-    await assertAsPredicted(page, program)
-    await shot(page, `${basename(program)}-390`)
-  }, { skip, viewport: PHONE })
+  pageTest(
+    `${basename(program)} dropped on the page`,
+    async ({ page }) => {
+      await drop(page, 'header', [program])
+      await computed(page)
+      await assertAsPredicted(page, program)
+      await shot(page, `${basename(program)}-390`)
+    },
+    { skip, viewport: PHONE },
+  )
 }
 
 pageTest('a bad program is answered line by line, and the rest is quoted', async ({ page }) => {
@@ -167,10 +190,16 @@ pageTest('a bad program is answered line by line, and the rest is quoted', async
   await page.setInputFiles('#files', { name: 'bad.nc', mimeType: 'text/plain', buffer: Buffer.from(text) })
   await computed(page)
   const remarks = await page.$$eval('#diagnostics tbody tr', (rows) =>
-    rows.map((row) => ({ line: Number(row.querySelector('.line').textContent), code: row.querySelector('code').textContent })),
+    rows.map((row) => ({
+      line: Number(row.querySelector('.line').textContent),
+      code: row.querySelector('code').textContent,
+    })),
   )
   for (const line of [3, 4, 5]) {
-    assert.ok(remarks.some((remark) => remark.line === line && remark.code === text.split('\n')[line - 1]), `nothing about line ${line}`)
+    assert.ok(
+      remarks.some((remark) => remark.line === line && remark.code === text.split('\n')[line - 1]),
+      `nothing about line ${line}`,
+    )
   }
   assert.match(await page.textContent('#diagnostics .counts'), /\d+ error/)
   assert.ok((await cycleTimes(page)).every((time) => time > 0))
@@ -207,7 +236,8 @@ pageTest('cancelling ends the work and keeps what there was; the next run works'
 })
 
 pageTest('tolerances are added, refused and removed as chips', async ({ page }) => {
-  const labels = () => page.$$eval('.chip', (chips) => chips.map((chip) => chip.firstElementChild.nextSibling.textContent))
+  const labels = () =>
+    page.$$eval('.chip', (chips) => chips.map((chip) => chip.firstElementChild.nextSibling.textContent))
   const add = async (text) => {
     await page.fill('#tolerances input', text)
     await page.press('#tolerances input', 'Enter')
@@ -277,7 +307,11 @@ pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) 
 })
 
 pageTest('several programs are computed one after another; a removal is undone', async ({ page }) => {
-  const simple = (name, length) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(`G21 G90\nG1 X${length} F600\n`) })
+  const simple = (name, length) => ({
+    name,
+    mimeType: 'text/plain',
+    buffer: Buffer.from(`G21 G90\nG1 X${length} F600\n`),
+  })
   await page.setInputFiles('#files', [simple('a.nc', 10), simple('b.nc', 100), simple('c.nc', 1000)])
   await page.waitForFunction(() => {
     const about = [...document.querySelectorAll('.choose .about')]
