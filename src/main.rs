@@ -12,6 +12,7 @@ use lexopt::prelude::*;
 use truefeed::project::{Prediction, machine_from_toml, profile_csv, severity_word};
 use truefeed::quote::{Quote, programmed_time, quote};
 use truefeed::simulation::contour::plan_within;
+use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::{Toolpath, trace};
@@ -81,8 +82,8 @@ fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
         let (plan, errors) = plan_within(&toolpath, &machine, tolerance);
         quotes.push(quote(&toolpath, &machine, &plan, tolerance, &errors));
         if let (0, Some(path)) = (index, &request.profile) {
-            let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
-            write_whole(path, &profile_csv(&samples))?;
+            let commanded = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+            write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;
         }
     }
     let programmed = programmed_time(&toolpath, &machine);

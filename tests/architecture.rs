@@ -12,6 +12,7 @@ const FLOW: &[&str] = &[
     "simulation/filter",
     "simulation/feed",
     "simulation/profile",
+    "simulation/drive",
     "simulation/contour",
     "quote",
     "identification/step",

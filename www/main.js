@@ -11,11 +11,24 @@ import * as resultsPanel from './panels/results.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { loadSettings, saveSettings } from './settings.js'
 
-/** @import { Form, Program, State, Values } from "./types.js" */
+/** @import { Form, Outcome, Program, State, Values } from "./types.js" */
 
 const DEBOUNCE_MS = 300
 
-const module = await WebAssembly.compileStreaming(fetch(new URL('pkg/truefeed_bg.wasm', import.meta.url)))
+const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id))
+const failure = element('failure')
+
+/** Says what should never happen, rather than leaving a page that does nothing. @param {string} message */
+function fail(message) {
+  failure.textContent = `${message} This is a fault of Truefeed, not of your program.`
+  failure.hidden = false
+}
+window.addEventListener('error', ({ message }) => fail(`Something went wrong: ${message}.`))
+window.addEventListener('unhandledrejection', ({ reason }) => fail(`Something went wrong: ${reason}.`))
+
+const module = await WebAssembly.compile(
+  await (await fetch(new URL('pkg/truefeed_bg.wasm', import.meta.url))).arrayBuffer(),
+)
 await init({ module_or_path: module })
 const engine = new Engine(module)
 
@@ -110,6 +123,7 @@ function machineJson() {
 /** Something that results depend on has changed: shows it at once, and computes when it has settled. */
 function changed() {
   state.paused = false
+  failure.hidden = true
   saveSettings({
     tolerances: state.tolerances,
     preset: form.presets[state.machine.preset].name,
@@ -137,17 +151,19 @@ async function work() {
       (candidate) => missing(candidate).length > 0 && candidate.failure !== machineJson(),
     )
     if (!program || state.paused || state.machine.faults.length > 0) break
-    await simulate(program)
+    if (!(await simulate(program))) break
   }
   state.progress = null
   update()
 }
 
-/** @param {Program} program */
+/** Simulates what one program lacks; false where that was cancelled. @param {Program} program */
 async function simulate(program) {
   const machine = machineJson()
   const tolerances = missing(program)
-  const before = program.outcome?.machine === machine ? program.outcome.runs : new Map()
+  const isForOther = program.outcome !== null && program.outcome.machine !== machine
+  /** @type {Outcome | null} */
+  let outcome = null
   state.progress = { program: program.id, stage: 'Starting', part: 0 }
   const listener = {
     stage(/** @type {string} */ text, /** @type {number} */ part) {
@@ -155,10 +171,12 @@ async function simulate(program) {
       progress.update(state)
     },
     program(/** @type {any} */ summary, /** @type {any} */ steps) {
-      program.outcome = { machine, summary, steps, runs: new Map(before) }
+      outcome = { machine, summary, steps, runs: new Map(isForOther ? [] : program.outcome?.runs) }
+      // What was computed for another machine stays in sight until all is there.
+      if (!isForOther) program.outcome = outcome
     },
     run(/** @type {number} */ tolerance, /** @type {any} */ run) {
-      program.outcome?.runs.set(tolerance, run)
+      outcome?.runs.set(tolerance, run)
       update()
     },
   }
@@ -166,17 +184,16 @@ async function simulate(program) {
     update()
     const labels = tolerances.map((tolerance) => toleranceLabel(tolerance))
     await engine.simulate({ program: program.bytes, machine, tolerances, labels }, listener)
+    program.outcome = outcome
     program.failure = null
   } catch (error) {
-    if (error instanceof Ended && error.kind === 'cancelled') return
+    if (error instanceof Ended && error.kind === 'cancelled') return false
     program.failure = machine
-    failure.textContent = `${program.name} could not be simulated. This is a fault of Truefeed: ${error instanceof Error ? error.message : error}`
-    failure.hidden = false
+    fail(`${program.name} could not be simulated: ${error instanceof Error ? error.message : error}.`)
   }
+  return true
 }
 
-const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id))
-const failure = element('failure')
 const progress = progressPanel.mount(element('progress'), actions)
 const panels = [
   progress,

@@ -124,6 +124,21 @@ pub struct Axis {
     pub jerk: f64,
     /// Reference position in the program's coordinates, mm, where it is known.
     pub home: Option<f64>,
+    /// Time constant of the position loop, s: how far the axis trails; neutral 0.
+    pub servo_lag: f64,
+    /// Play between drive and table, mm; neutral 0.
+    pub backlash: f64,
+    /// First structural mode; neutral none.
+    pub mode: Option<Mode>,
+}
+
+/// A lightly damped oscillation between drive and tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// Undamped frequency, Hz.
+    pub frequency: f64,
+    /// Damping ratio, 0 to 1.
+    pub damping: f64,
 }
 
 /// Override switches, as ratios.
@@ -179,15 +194,25 @@ impl Default for Machine {
             },
             rapid: Rapid { feedrate: 200.0, exact_stop: false, time_constants: None },
             path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
-            axes: [Axis {
-                velocity: f64::INFINITY,
-                acceleration: f64::INFINITY,
-                jerk: f64::INFINITY,
-                home: None,
-            }; 3],
+            axes: [Axis::default(); 3],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
             times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
             rates: Rates { hourly: 0.0, setup: 0.0 },
+        }
+    }
+}
+
+/// An axis without limits that follows its command exactly.
+impl Default for Axis {
+    fn default() -> Axis {
+        Axis {
+            velocity: f64::INFINITY,
+            acceleration: f64::INFINITY,
+            jerk: f64::INFINITY,
+            home: None,
+            servo_lag: 0.0,
+            backlash: 0.0,
+            mode: None,
         }
     }
 }

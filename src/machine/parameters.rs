@@ -4,7 +4,7 @@
 //! A row's key is its place in the machine file, `[table]` and key joined by a dot. Values pass
 //! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
 
-use crate::machine::{CornerMode, Machine, TimeConstants};
+use crate::machine::{CornerMode, Machine, Mode, TimeConstants};
 use crate::units::Unit;
 
 /// One machine parameter as people write it.
@@ -132,6 +132,41 @@ macro_rules! axis {
                 }),
             },
             Parameter {
+                key: concat!("axis.", $name, ".servo_lag_s"),
+                label: concat!("Servo lag ", $name),
+                doc: "Time by which the axis trails its command, 1/Kv; 0: not at all. Does not change the cycle time.",
+                access: number(Unit::Second, (0.0, 1.0), |m| Some(m.axes[$index].servo_lag), |m, v| {
+                    m.axes[$index].servo_lag = v.unwrap_or(0.0)
+                }),
+            },
+            Parameter {
+                key: concat!("axis.", $name, ".backlash_mm"),
+                label: concat!("Backlash ", $name),
+                doc: "Play that the axis crosses at each reversal before the table follows; 0: none.",
+                access: number(Unit::Millimetre, (0.0, 5.0), |m| Some(m.axes[$index].backlash), |m, v| {
+                    m.axes[$index].backlash = v.unwrap_or(0.0)
+                }),
+            },
+            Parameter {
+                key: concat!("axis.", $name, ".vibration_hz"),
+                label: concat!("Vibration frequency ", $name),
+                doc: "First structural mode of the axis, undamped frequency; empty: rigid.",
+                access: number(Unit::Hertz, (0.5, 1000.0), |m| m.axes[$index].mode.map(|mode| mode.frequency), |m, v| {
+                    let damping = m.axes[$index].mode.map_or(DAMPING, |mode| mode.damping);
+                    m.axes[$index].mode = v.map(|frequency| Mode { frequency, damping })
+                }),
+            },
+            Parameter {
+                key: concat!("axis.", $name, ".vibration_damping"),
+                label: concat!("Vibration damping ", $name),
+                doc: "Damping ratio of the structural mode; empty: 0.03.",
+                access: number(Unit::Number, (0.001, 0.9), |m| m.axes[$index].mode.map(|mode| mode.damping), |m, v| {
+                    if let Some(mode) = &mut m.axes[$index].mode {
+                        mode.damping = v.unwrap_or(DAMPING)
+                    }
+                }),
+            },
+            Parameter {
                 key: concat!("axis.", $name, ".home_mm"),
                 label: concat!("Reference point ", $name),
                 doc: "Where G28 and G53 zero lie in the program's coordinates; empty: unknown, such moves are not timed.",
@@ -140,6 +175,9 @@ macro_rules! axis {
         ]
     };
 }
+
+/// Damping ratio of a structural mode for which none is given: typical of machine tools.
+const DAMPING: f64 = 0.03;
 
 const TIME_CONSTANT_S: (f64, f64) = (1e-4, 2.0);
 const JERK_MM_S3: (f64, f64) = (1.0, 1e9);

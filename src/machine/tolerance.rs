@@ -1,6 +1,8 @@
 //! A contour tolerance as people choose and read it: in µm unless they say mm.
 //!
-//!     tolerance = number, [ "um" | "µm" | "μm" | "mm" ]      decimal point or comma
+//! ```text
+//! tolerance = number, [ "um" | "µm" | "μm" | "mm" ]      decimal point or comma
+//! ```
 
 use crate::machine::{Access, parameter};
 

@@ -3,8 +3,10 @@
 //! A view is a rectangle of data, distance in mm by feedrate in mm/s. A frame ties it to the
 //! pixels of the plotting area; both axes are linear:
 //!
-//!     distance = d0 + (x − left) (d1 − d0) / (right − left)
-//!     feedrate = f0 + (bottom − y) (f1 − f0) / (bottom − top)
+//! ```text
+//! distance = d0 + (x − left) (d1 − d0) / (right − left)
+//! feedrate = f0 + (bottom − y) (f1 − f0) / (bottom − top)
+//! ```
 
 /// A rectangle of data; each side from low to high, never empty.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use crate::machine::{Access, Machine, PARAMETERS, parameter, presets};
 use crate::project::machine_file::TIME_CONSTANTS;
-use crate::project::{Fault, Written, contradiction, set, written};
+use crate::project::{Fault, Written, contradiction, position, set, written};
 
 #[derive(Serialize)]
 struct Form {
@@ -108,8 +108,9 @@ pub fn machine_from_form(json: &str) -> Result<Machine, Vec<Fault>> {
     let mut machine = Machine::default();
     let mut faults = Vec::new();
     // Empty fields first: taking back one form of the time constants must not undo another.
-    let (empty, filled): (Vec<_>, Vec<_>) = values.iter().partition(|(_, value)| value.is_null());
-    for (key, value) in empty.into_iter().chain(filled) {
+    let mut fields: Vec<(&String, &Value)> = values.iter().collect();
+    fields.sort_by_key(|(key, value)| (!value.is_null(), position(key)));
+    for (key, value) in fields {
         let outcome = match value_as_written(value) {
             Some(written) => set(&mut machine, key, written),
             None => Err(Fault::at_key(key, "this is not a value for a parameter".to_string())),

@@ -6,7 +6,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::machine::{Machine, PARAMETERS};
-use crate::project::{Fault, Written, contradiction, known_parameter, set, written};
+use crate::project::{Fault, Written, contradiction, known_parameter, position, set, written};
 
 /// The form of the filters' constants: exactly one of these keys must be there.
 pub(crate) const TIME_CONSTANTS: [&str; 3] =
@@ -30,6 +30,7 @@ pub fn machine_from_toml(text: &str) -> Result<Machine, Fault> {
         key: Some(key),
         message,
     })?;
+    entries.sort_by_key(|(key, ..)| position(key));
     let mut machine = Machine::default();
     for (key, span, value) in &entries {
         set(&mut machine, key, value.clone()).map_err(|fault| Fault { place: at(span.clone()), ..fault })?;
@@ -155,7 +156,7 @@ fn number(value: &Spanned<DeValue>) -> Result<f64, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::TimeConstants;
+    use crate::machine::{Mode, TimeConstants};
 
     const SMALL: &str = r#"
 name = "DMG Mori eVo 40, TNC640"
@@ -190,6 +191,7 @@ tool_change_s = 4.0
         machine.interpolator.time_constants = TimeConstants::Unequal(vec![0.03, 0.0123456789]);
         machine.axes[1].acceleration = 1234.5;
         machine.axes[2].home = Some(-17.25);
+        machine.axes[2].mode = Some(Mode { frequency: 11.0, damping: 0.05 });
         machine.rapid.exact_stop = true;
         machine.rapid.time_constants = Some(TimeConstants::Equal(0.05));
         machine.interpolator.exact_stop_angle = 35f64.to_radians();

@@ -57,6 +57,12 @@ fn known_parameter(key: &str) -> Result<&'static Parameter, Fault> {
     })
 }
 
+/// Where a key stands in the table. Values are set in this order, because some need another one
+/// to be there: a damping ratio its mode.
+fn position(key: &str) -> usize {
+    PARAMETERS.iter().position(|row| row.key == key).unwrap_or(PARAMETERS.len())
+}
+
 /// Gives a parameter of the machine the value written for it.
 fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> {
     let row = known_parameter(key)?;

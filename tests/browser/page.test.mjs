@@ -222,6 +222,7 @@ pageTest('cancelling ends the work and keeps what there was; the next run works'
   await page.click('#progress button')
   await page.waitForFunction(() => document.querySelector('#progress p').textContent.startsWith('Cancelled'))
   assert.equal(await page.$$eval('.choose', (all) => all.length), 2)
+  assert.equal(page.workers().length, 0, 'the worker goes on')
 
   await page.click('.choose >> nth=0')
   assert.deepEqual(await cycleTimes(page), before)
@@ -233,6 +234,23 @@ pageTest('cancelling ends the work and keeps what there was; the next run works'
   const times = await cycleTimes(page)
   assert.deepEqual([times[0], times[1], times[3]], before)
   assert.ok(before[2] < times[2] && times[2] < before[1])
+})
+
+pageTest('results stay in sight, marked as out of date, while others are computed', async ({ page }) => {
+  await page.setInputFiles('#files', longProgram(100_000))
+  await computed(page)
+  const before = await cycleTimes(page)
+  await page.fill('#field-interpolator-time_constant_s', '0.04')
+  await page.waitForSelector('#progress progress:visible')
+  assert.ok(await page.isVisible('#results.stale'))
+  assert.deepEqual(await cycleTimes(page), before)
+  await page.click('#progress button')
+  await page.waitForFunction(() => document.querySelector('#progress p').textContent.startsWith('Cancelled'))
+  assert.ok(await page.isVisible('#results.stale'))
+  assert.deepEqual(await cycleTimes(page), before)
+  await page.click('#progress button')
+  await computed(page)
+  assert.ok((await cycleTimes(page)).every((time, index) => time > before[index]))
 })
 
 pageTest('tolerances are added, refused and removed as chips', async ({ page }) => {

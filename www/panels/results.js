@@ -26,7 +26,10 @@ export function mount(root) {
       const stale = Boolean(outcome) && outcome?.machine !== JSON.stringify(state.machine.values)
       root.classList.toggle('stale', stale)
       if (program && outcome) {
-        place.replaceChildren(table(outcome, state.tolerances), about(program.name, outcome, stale))
+        place.replaceChildren(
+          table(outcome, state.tolerances),
+          about(program.name, outcome, stale ? outOfDate(state) : ''),
+        )
       } else {
         place.replaceChildren(make('p', { className: 'empty' }, state.progress ? 'Computing …' : 'Not computed yet.'))
       }
@@ -75,15 +78,20 @@ function table(outcome, tolerances) {
   return make('div', { className: 'scroll' }, table)
 }
 
-/** @param {string} name @param {Outcome} outcome @param {boolean} stale */
-function about(name, { steps, summary }, stale) {
+/** Why the results in sight are not those of the machine in the form. @param {State} state */
+function outOfDate({ machine, paused }) {
+  if (machine.faults.length > 0) return ' These are the results of the machine before: the form has a fault.'
+  return paused ? ' These are the results of the machine before.' : ' Computing anew for the changed machine …'
+}
+
+/** @param {string} name @param {Outcome} outcome @param {string} note */
+function about(name, { steps, summary }, note) {
   const errors = summary.diagnostics.filter(({ severity }) => severity === 'error').length
   const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Path error: largest distance from the path; corners close together can exceed the tolerance.`
-  const text = stale ? `${facts} Computing anew for the changed machine …` : facts
   const link = make(
     'a',
     { href: '#diagnostics' },
     `${count(errors)} ${errors === 1 ? 'line' : 'lines'} could not be run as written. `,
   )
-  return make('p', { className: 'about' }, ...(errors > 0 ? [link] : []), text)
+  return make('p', { className: 'about' }, ...(errors > 0 ? [link] : []), facts + note)
 }

@@ -20,6 +20,8 @@ pub struct Samples {
     pub feedrate: Vec<f64>,
     /// Position of the tool, mm, one column an axis.
     pub position: [Vec<f64>; 3],
+    /// Velocity of the tool, mm/s, one column an axis.
+    pub velocity: [Vec<f64>; 3],
     /// Line of the program being run.
     pub line: Vec<u32>,
 }
@@ -86,6 +88,9 @@ impl Samples {
         self.distance.push(state.distance);
         self.feedrate.push(state.velocity.norm());
         for (column, value) in self.position.iter_mut().zip(state.position.iter()) {
+            column.push(*value);
+        }
+        for (column, value) in self.velocity.iter_mut().zip(state.velocity.iter()) {
             column.push(*value);
         }
         self.line.push(line);
