@@ -6,7 +6,7 @@
 //! Stretches of rapid motion are shaded, because the first view fits the cutting feedrates and
 //! rapids may leave it at the top.
 //!
-//! What is drawn is decimated to the pixel columns of the picture ([`decimate`]), so that a
+//! What is drawn is decimated to the pixel columns of the picture (`decimate`), so that a
 //! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its
 //! [`Frame`], which turns pixels into data and back.
 

@@ -41,7 +41,7 @@ export function mount(root) {
   function redraw() {
     frame ||= requestAnimationFrame(() => {
       frame = 0
-      const { clientWidth: width, clientHeight: height } = plot
+      const { clientWidth: width, clientHeight: height } = canvas
       if (!outcome || width === 0) return
       chart.setDark(dark.matches)
       chart.draw(canvas, width, height, Math.max(window.devicePixelRatio, LEAST_RATIO))

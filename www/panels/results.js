@@ -41,15 +41,9 @@ export function mount(root) {
 function table(outcome, tolerances) {
   const priced = [...outcome.runs.values()].some(({ summary }) => summary.price)
   /** @type {[string, number][]} */
-  const titles = [
-    ['Tolerance', 1],
-    ['Cycle time', 2],
-    ['Programmed', 1],
-    ['Difference', 2],
-  ]
+  const titles = [['Tolerance', 1], ['Cycle time', 2], ...priceTitles(priced), ['Programmed', 1], ['Difference', 2]]
   for (const [, title] of PARTS) titles.push([title, 1])
   titles.push(['Path error', 1])
-  if (priced) titles.push(['Price', 1])
   const head = make('tr', {}, ...titles.map(([title, colSpan]) => make('th', { scope: 'col', colSpan }, title)))
   const programmed = outcome.summary.programmed_time_s
   const rows = tolerances.map((tolerance, index) => {
@@ -65,18 +59,21 @@ function table(outcome, tolerances) {
     const cells = [
       make('data', { value: String(run.cycle_time_s) }, clock(run.cycle_time_s)),
       seconds(run.cycle_time_s),
+      ...(priced ? [make('b', { className: 'price' }, money(run.price))] : []),
       seconds(programmed),
       difference(longer),
       percent(longer / programmed),
       ...PARTS.map(([key]) => seconds(run.breakdown[key])),
       deviationLabel(run.max_contour_error_mm),
-      ...(priced ? [money(run.price ?? 0)] : []),
     ]
     return make('tr', {}, label, ...cells.map((cell) => make('td', {}, cell)))
   })
   const table = make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows))
   return make('div', { className: 'scroll' }, table)
 }
+
+/** @param {boolean} priced @returns {[string, number][]} */
+const priceTitles = (priced) => (priced ? [['Price', 1]] : [])
 
 /** Why the results in sight are not those of the machine in the form. @param {State} state */
 function outOfDate({ machine, paused }) {
