@@ -7,9 +7,9 @@
 //! ```
 //!
 //! It is measured where it is largest: at every corner, and along arcs at a quarter of the filter
-//! delay or closer. Between corners a line is nearer to the filtered path than at its ends. At an isolated
-//! corner e is the tolerance that the corner law was asked to keep; where several corners lie
-//! under one filter delay, it is what the isolated law cannot know.
+//! delay or closer. Between corners a line is nearer to the filtered path than at its ends. At an
+//! isolated corner e is the tolerance that the corner law was asked to keep; where several corners
+//! lie under one filter delay, it is what the isolated law cannot know.
 //!
 //! The search begins half a filter delay after X was commanded and follows the gradient (Newton's
 //! method without the curvature term); it stays within the delay, so it cannot stray to another
@@ -19,27 +19,23 @@ mod guaranteed;
 
 pub use guaranteed::plan_within;
 
-use crate::simulation::feed::{FeedPlan, Phase};
+use crate::simulation::feed::{FeedPlan, Phase, Stretch};
 use crate::simulation::profile::{Motion, Profile};
 use crate::simulation::toolpath::{Curve, Point, Toolpath};
 
-/// Contour errors along a program, as columns of equal length.
+/// Contour errors along a program, one entry a segment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContourErrors {
-    /// Distance of the programmed point along the path, mm.
-    pub distance: Vec<f64>,
-    /// Distance of the filtered path from it, mm.
-    pub error: Vec<f64>,
-    /// Index of the segment that ends at the corner, or of the arc.
-    pub segment: Vec<u32>,
-    /// Whether the point lies along an arc; otherwise it is a corner.
-    pub on_arc: Vec<bool>,
+    /// At the corner that ends the segment, mm; 0 at a full stop.
+    pub corner: Vec<f64>,
+    /// Largest along the segment where it is an arc, mm; 0 along a line.
+    pub arc: Vec<f64>,
 }
 
 impl ContourErrors {
     /// The largest error, mm; 0 for a program without corners and arcs.
     pub fn largest(&self) -> f64 {
-        self.error.iter().copied().fold(0.0, f64::max)
+        self.corner.iter().chain(&self.arc).copied().fold(0.0, f64::max)
     }
 }
 
@@ -48,37 +44,50 @@ const POINTS_ON_ARC: f64 = 64.0;
 
 /// Measures the contour error of a profile at all corners and arcs.
 pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -> ContourErrors {
-    let mut errors = ContourErrors::default();
-    for phase in &plan.phases {
-        let Phase::Motion(stretch) = phase else { continue };
+    let count = toolpath.segments.len();
+    let mut errors = ContourErrors { corner: vec![0.0; count], arc: vec![0.0; count] };
+    measure(toolpath, plan, profile, &mut errors, |_| true);
+    errors
+}
+
+/// Measures again the errors of the segments that `wanted` names.
+fn measure(
+    toolpath: &Toolpath,
+    plan: &FeedPlan,
+    profile: &Profile,
+    errors: &mut ContourErrors,
+    wanted: impl Fn(usize) -> bool,
+) {
+    for stretch in stretches(plan) {
         let motion = profile.motion(stretch);
-        let mut commanded = 0.0;
+        let delay = motion.filter().delay();
         for index in stretch.pulses.clone() {
             let pulse = &plan.pulses[index];
-            let segment = &toolpath.segments[pulse.segment as usize];
-            let mut measure = |point: Point, time: f64, offset: f64, on_arc: bool| {
-                errors.distance.push(profile.distance_before(pulse.segment as usize) + offset);
-                errors.error.push(distance_from_path(&motion, point, time));
-                errors.segment.push(pulse.segment);
-                errors.on_arc.push(on_arc);
-            };
+            let number = pulse.segment as usize;
+            if !wanted(number) {
+                continue;
+            }
+            let segment = &toolpath.segments[number];
+            let commanded = motion.pulse_start(index);
+            if pulse.offset == 0.0 {
+                errors.arc[number] = 0.0;
+            }
             if let Curve::Arc(_) = segment.curve {
-                let points = (4.0 * pulse.duration / motion.filter().delay()).ceil().min(POINTS_ON_ARC);
+                let points = (4.0 * pulse.duration / delay).ceil().min(POINTS_ON_ARC);
                 for i in 0..points as usize {
                     let elapsed = (i as f64 + 0.5) / points * pulse.duration;
                     let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
                     let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
-                    measure(segment.point(offset), commanded + elapsed, offset, true);
+                    let error = distance_from_path(&motion, segment.point(offset), commanded + elapsed);
+                    errors.arc[number] = errors.arc[number].max(error);
                 }
             }
-            commanded += pulse.duration;
-            let ends = plan.pulses.get(index + 1).is_some_and(|next| next.segment != pulse.segment);
-            if ends && index + 1 < stretch.pulses.end {
-                measure(segment.end, commanded, segment.length, false);
+            let goes_on = index + 1 < stretch.pulses.end;
+            if goes_on && plan.pulses[index + 1].segment != pulse.segment {
+                errors.corner[number] = distance_from_path(&motion, segment.end, commanded + pulse.duration);
             }
         }
     }
-    errors
 }
 
 /// Distance (mm) of the filtered path from a point that was commanded at `commanded` (s since the
@@ -100,4 +109,12 @@ pub fn distance_from_path(motion: &Motion, point: Point, commanded: f64) -> f64 
         time = (time - away.dot(&state.velocity) / speed).clamp(commanded, commanded + delay);
     }
     nearest
+}
+
+/// The stretches of a plan in order.
+fn stretches(plan: &FeedPlan) -> impl Iterator<Item = &Stretch> {
+    plan.phases.iter().filter_map(|phase| match phase {
+        Phase::Motion(stretch) => Some(stretch),
+        Phase::Wait(_) => None,
+    })
 }

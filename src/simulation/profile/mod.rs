@@ -177,6 +177,11 @@ impl Motion<'_> {
         self.command_time() + self.filter.delay()
     }
 
+    /// When a pulse of the plan begins, s since the beginning of the stretch.
+    pub fn pulse_start(&self, pulse: usize) -> f64 {
+        self.pulse_starts[pulse]
+    }
+
     /// The filters the motion runs through.
     pub fn filter(&self) -> &FilterChain {
         self.filter
