@@ -11,7 +11,11 @@
 //! numbers and knows no JavaScript.
 
 pub mod machine;
+pub mod plot;
 pub mod project;
 pub mod quote;
 pub mod simulation;
 pub mod units;
+
+#[cfg(target_arch = "wasm32")]
+mod web;

@@ -90,7 +90,7 @@ fn every_module_says_what_it_models() {
 fn every_border_has_one_keeper() {
     let keepers: &[(&str, &[&str])] = &[
         ("serde", &["project", "web"]),
-        ("toml", &["project"]),
+        ("toml::", &["project"]),
         ("wasm_bindgen", &["web"]),
         ("js_sys", &["web"]),
         ("web_sys", &["web"]),

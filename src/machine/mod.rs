@@ -9,9 +9,13 @@
 
 mod parameters;
 mod presets;
+mod tolerance;
 
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
+pub use tolerance::{
+    ToleranceError, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label,
+};
 
 use std::collections::BTreeMap;
 

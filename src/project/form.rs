@@ -6,7 +6,8 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::machine::{Access, Machine, PARAMETERS, presets};
+use crate::machine::{Access, Machine, PARAMETERS, parameter, presets};
+use crate::project::machine_file::TIME_CONSTANTS;
 use crate::project::{Fault, Written, contradiction, position, set, written};
 
 #[derive(Serialize)]
@@ -96,6 +97,9 @@ fn values(machine: &Machine) -> Map<String, Value> {
     values.collect()
 }
 
+/// Parameters of which a machine has one at most, the one it has where none is filled first.
+const ALTERNATIVES: [&[&str]; 2] = [&TIME_CONSTANTS, &["rapid.time_constant_s", "rapid.max_jerk_mm_s3"]];
+
 /// The machine of a filled form, or everything wrong with it.
 pub fn machine_from_form(json: &str) -> Result<Machine, Vec<Fault>> {
     let values: Map<String, Value> = serde_json::from_str(json).map_err(|error| {
@@ -113,8 +117,31 @@ pub fn machine_from_form(json: &str) -> Result<Machine, Vec<Fault>> {
         };
         faults.extend(outcome.err());
     }
+    let is_filled = |key: &&&str| values.get(**key).is_some_and(|value| !value.is_null());
+    for keys in ALTERNATIVES {
+        let filled: Vec<_> = keys.iter().filter(is_filled).collect();
+        if let [first, second, ..] = filled[..] {
+            let label = parameter(first).map_or(*first, |row| row.label);
+            faults.push(Fault::at_key(second, format!("give either this or {label}; leave the other empty")));
+        }
+    }
+    if !TIME_CONSTANTS.iter().any(|key| is_filled(&key)) {
+        faults.push(Fault::at_key(TIME_CONSTANTS[0], "expected a number".to_string()));
+    }
     faults.extend(contradiction(&machine));
     if faults.is_empty() { Ok(machine) } else { Err(faults) }
+}
+
+/// Faults as JSON text, a list of key and message.
+pub fn faults_to_json(faults: &[Fault]) -> String {
+    #[derive(Serialize)]
+    struct FieldFault<'a> {
+        key: Option<&'a str>,
+        message: &'a str,
+    }
+    let of_fields =
+        faults.iter().map(|Fault { key, message, .. }| FieldFault { key: key.as_deref(), message });
+    serde_json::to_string(&of_fields.collect::<Vec<_>>()).expect("text has a JSON form")
 }
 
 fn value_as_written(value: &Value) -> Option<Written> {
@@ -146,7 +173,7 @@ mod tests {
     #[test]
     fn all_faults_are_told_at_once_with_their_keys() {
         let faults = machine_from_form(
-            r#"{"interpolator.filters": 9, "rapid.feed_mm_min": null, "axis.x.speed": 1, "name": 3, "override.feed": null}"#,
+            r#"{"interpolator.time_constant_s": 0.03, "interpolator.filters": 9, "rapid.feed_mm_min": null, "axis.x.speed": 1, "name": 3, "override.feed": null}"#,
         )
         .expect_err("wrong");
         let mut keys: Vec<_> =
@@ -156,5 +183,24 @@ mod tests {
             keys,
             ["axis.x.speed", "interpolator.filters", "name", "override.feed", "rapid.feed_mm_min"]
         );
+    }
+
+    #[test]
+    fn one_form_of_the_time_constants_is_needed_and_enough() {
+        let with = |constants: &str| {
+            let json = format!(r#"{{"interpolator.filters": 3, {constants} "rapid.feed_mm_min": 9000}}"#);
+            machine_from_form(&json).map_err(|faults| faults[0].key.clone().expect("it has a key"))
+        };
+        let (t1, jerk) =
+            (r#""interpolator.time_constant_s": 0.03,"#, r#""interpolator.max_jerk_mm_s3": 4e4,"#);
+        assert!(with(t1).is_ok() && with(jerk).is_ok());
+        assert_eq!(with(&format!("{t1}{jerk}")), Err("interpolator.max_jerk_mm_s3".to_string()));
+        assert_eq!(with(""), Err("interpolator.time_constant_s".to_string()));
+    }
+
+    #[test]
+    fn faults_keep_key_and_message() {
+        let faults = [Fault::at_key("name", "say \"x\"".to_string())];
+        assert_eq!(faults_to_json(&faults), r#"[{"key":"name","message":"say \"x\""}]"#);
     }
 }

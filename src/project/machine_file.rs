@@ -9,7 +9,7 @@ use crate::machine::{Machine, PARAMETERS};
 use crate::project::{Fault, Written, contradiction, known_parameter, position, set, written};
 
 /// The form of the filters' constants: exactly one of these keys must be there.
-const TIME_CONSTANTS: [&str; 3] =
+pub(crate) const TIME_CONSTANTS: [&str; 3] =
     ["interpolator.time_constant_s", "interpolator.max_jerk_mm_s3", "interpolator.time_constants_s"];
 
 /// Keys without which a machine file says too little.

@@ -1,0 +1,111 @@
+//! A contour tolerance as people choose and read it: in µm unless they say mm.
+//!
+//! ```text
+//! tolerance = number, [ "um" | "µm" | "μm" | "mm" ]      decimal point or comma
+//! ```
+
+use crate::machine::{Access, parameter};
+
+const MM_PER_MICROMETRE: f64 = 1e-3;
+
+/// Where the machine file and the page keep the tolerance.
+const KEY: &str = "interpolator.contour_tolerance_mm";
+
+/// The tolerances a quote is made for unless others are chosen, mm.
+pub const USUAL_TOLERANCES: [f64; 3] = [0.010, 0.020, 0.050];
+
+/// Why a text is no tolerance.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ToleranceError {
+    /// There is no number, or an unknown unit.
+    #[error("“{0}” is not a tolerance. Type a number of micrometres, for example 15, or 0.015 mm.")]
+    NotANumber(String),
+    /// It is outside the bounds that hold for machines.
+    #[error("{} is out of range: a tolerance lies between {} and {}.", tolerance_label(*.value), tolerance_label(*.min), tolerance_label(*.max))]
+    OutOfRange {
+        /// What was asked for, mm.
+        value: f64,
+        /// Least tolerance, mm.
+        min: f64,
+        /// Largest tolerance, mm.
+        max: f64,
+    },
+}
+
+/// The tolerance (mm) that a text names.
+pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
+    let trimmed = text.trim();
+    let number = trimmed.trim_end_matches(|c: char| c.is_alphabetic() || c.is_whitespace());
+    let not_a_number = || ToleranceError::NotANumber(trimmed.to_string());
+    let factor = match trimmed[number.len()..].trim() {
+        "" | "um" | "µm" | "μm" => MM_PER_MICROMETRE,
+        "mm" => 1.0,
+        _ => return Err(not_a_number()),
+    };
+    let typed: f64 = number.replace(',', ".").parse().map_err(|_| not_a_number())?;
+    let value = typed * factor;
+    let (min, max) = bounds();
+    if value.is_nan() || value < min || max < value {
+        return Err(ToleranceError::OutOfRange { value, min, max });
+    }
+    Ok(value)
+}
+
+/// How a tolerance (mm) is shown, for example `10 µm`.
+pub fn tolerance_label(tolerance: f64) -> String {
+    let digits = format!("{:.3}", tolerance / MM_PER_MICROMETRE);
+    format!("{} µm", digits.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// How a measured distance from the path (mm) is shown, for example `21.4 µm`.
+pub fn deviation_label(deviation: f64) -> String {
+    format!("{:.1} µm", deviation / MM_PER_MICROMETRE)
+}
+
+/// Least and largest tolerance, mm.
+fn bounds() -> (f64, f64) {
+    match parameter(KEY).map(|row| &row.access) {
+        Some(Access::Number { unit, min, max, .. }) => (unit.to_core(*min), unit.to_core(*max)),
+        _ => (0.0, f64::INFINITY),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_micrometres_and_millimetres() {
+        for (text, tolerance) in
+            [("15", 0.015), (" 15 µm", 0.015), ("0,5um", 0.0005), ("0.02 mm", 0.02), ("1e1", 0.01)]
+        {
+            let read = tolerance_from_text(text).expect(text);
+            assert!((read - tolerance).abs() < 1e-15, "{text}: {read}");
+        }
+    }
+
+    #[test]
+    fn refuses_what_is_none_and_says_the_bounds() {
+        for text in ["", "x", "10 in", "1 2", "NaN"] {
+            assert!(matches!(tolerance_from_text(text), Err(ToleranceError::NotANumber(_))), "{text}");
+        }
+        for text in ["0", "-3", "1e9", "inf 3"] {
+            assert!(tolerance_from_text(text).is_err(), "{text}");
+        }
+        let message = tolerance_from_text("20000").expect_err("20 mm is too much").to_string();
+        assert!(message.contains("10000 µm"), "{message}");
+    }
+
+    #[test]
+    fn deviations_have_one_decimal() {
+        assert_eq!(deviation_label(0.0214351), "21.4 µm");
+    }
+
+    #[test]
+    fn what_is_shown_reads_back() {
+        for tolerance in USUAL_TOLERANCES {
+            let read = tolerance_from_text(&tolerance_label(tolerance)).expect("a label is a tolerance");
+            assert!((read - tolerance).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The chart of feedrate over distance: data in, picture out, on any plotters backend.
+//!
+//! One chart shows the programmed feedrate of every segment as steps and, over it, one curve
+//! for each simulated tolerance. The abscissa is the distance along the programmed path, mm,
+//! which all curves share although they differ in time; the ordinate is the feedrate, mm/min.
+//! Stretches of rapid motion are shaded, because the first view fits the cutting feedrates and
+//! rapids may leave it at the top.
+//!
+//! What is drawn is decimated to the pixel columns of the picture (`decimate`), so that a
+//! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its
+//! [`Frame`], which turns pixels into data and back.
+
+mod decimate;
+mod draw;
+mod view;
+
+pub use draw::{PALETTE, Theme, draw};
+pub use view::{Frame, View};
+
+use crate::machine::Machine;
+use crate::simulation::profile::Samples;
+use crate::simulation::toolpath::{Motion, Toolpath};
+
+/// Everything one chart shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FeedChart {
+    /// What the program asks for.
+    pub programmed: Programmed,
+    /// What the machine does, one curve for each tolerance.
+    pub curves: Vec<Curve>,
+}
+
+/// The programmed feedrate as steps over distance, one step a segment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Programmed {
+    /// Where each segment ends, distance along the path, mm; ascending.
+    pub end: Vec<f64>,
+    /// Programmed feedrate of each segment, or the machine's rapid feedrate, mm/s.
+    pub feedrate: Vec<f64>,
+    /// Whether each segment is a rapid move.
+    pub rapid: Vec<bool>,
+    /// Line of the program each segment comes from.
+    pub line: Vec<u32>,
+}
+
+/// One simulated profile over distance, straight lines between the rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Name in the legend.
+    pub label: String,
+    /// Distance along the programmed path, mm; ascending, with equal values where the tool waits.
+    pub distance: Vec<f64>,
+    /// Feedrate, mm/s.
+    pub feedrate: Vec<f64>,
+    /// Time since the start, s.
+    pub time: Vec<f64>,
+}
+
+/// What a chart says about one distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Distance along the programmed path, mm.
+    pub distance: f64,
+    /// Line of the program that is run there, where there is one.
+    pub line: Option<u32>,
+    /// Programmed feedrate there, mm/s, where there is a segment.
+    pub programmed: Option<f64>,
+    /// Whether that segment is a rapid move.
+    pub rapid: bool,
+    /// Feedrate (mm/s) and time (s) of each curve there; none where the curve is empty.
+    pub curves: Vec<Option<(f64, f64)>>,
+}
+
+impl FeedChart {
+    /// Length of the path, mm.
+    pub fn length(&self) -> f64 {
+        let ends = self.curves.iter().map(|curve| &curve.distance).chain([&self.programmed.end]);
+        ends.filter_map(|column| column.last()).fold(0.0, |length, &end| length.max(end))
+    }
+
+    /// The first view: the whole path, with the feedrates of cutting, or of rapids as well.
+    pub fn full_view(&self, with_rapids: bool) -> View {
+        let highest = |rapids: bool| {
+            let steps = self.programmed.feedrate.iter().zip(&self.programmed.rapid);
+            steps
+                .filter(|&(_, &rapid)| rapids || !rapid)
+                .fold(0.0, |top: f64, (&feedrate, _)| top.max(feedrate))
+        };
+        let cutting = highest(false);
+        let top = if with_rapids || cutting == 0.0 { highest(true) } else { cutting };
+        View::up_to(self.length(), top)
+    }
+
+    /// Everything known about the distance `distance` (mm).
+    pub fn reading(&self, distance: f64) -> Reading {
+        let segment = self.programmed.end.partition_point(|&end| end < distance);
+        Reading {
+            distance,
+            line: self.programmed.line.get(segment).copied(),
+            programmed: self.programmed.feedrate.get(segment).copied(),
+            rapid: self.programmed.rapid.get(segment).copied().unwrap_or(false),
+            curves: self.curves.iter().map(|curve| curve.at(distance)).collect(),
+        }
+    }
+}
+
+impl Programmed {
+    /// The steps of a toolpath on a machine.
+    pub fn of(toolpath: &Toolpath, machine: &Machine) -> Programmed {
+        let mut steps = Programmed::default();
+        let mut end = 0.0;
+        for segment in &toolpath.segments {
+            end += segment.length;
+            let (feedrate, rapid) = match segment.motion {
+                Motion::Rapid => (machine.rapid.feedrate, true),
+                Motion::Feed { feedrate } => (feedrate, false),
+            };
+            steps.end.push(end);
+            steps.feedrate.push(feedrate);
+            steps.rapid.push(rapid);
+            steps.line.push(segment.line.0);
+        }
+        steps
+    }
+}
+
+impl Programmed {
+    /// Where a segment begins, mm.
+    fn start(&self, index: usize) -> f64 {
+        index.checked_sub(1).map_or(0.0, |before| self.end[before])
+    }
+
+    /// The segments of which some part lies between two distances (mm).
+    fn within(&self, (low, high): (f64, f64)) -> std::ops::Range<usize> {
+        let first = self.end.partition_point(|&end| end <= low);
+        let last = self.end.partition_point(|&end| end < high);
+        first..(last + 1).min(self.end.len())
+    }
+}
+
+impl Curve {
+    /// The curve of a profile.
+    pub fn new(label: String, samples: Samples) -> Curve {
+        let Samples { time, distance, feedrate, .. } = samples;
+        Curve { label, distance, feedrate, time }
+    }
+
+    /// Feedrate (mm/s) and time (s) at a distance (mm); the earliest where the tool waits there.
+    fn at(&self, distance: f64) -> Option<(f64, f64)> {
+        let last = self.distance.len().checked_sub(1)?;
+        let after = self.distance.partition_point(|&d| d < distance).min(last);
+        let before = after.saturating_sub(1);
+        let span = self.distance[after] - self.distance[before];
+        let part = if span > 0.0 { ((distance - self.distance[before]) / span).clamp(0.0, 1.0) } else { 1.0 };
+        let between = |column: &[f64]| column[before] + part * (column[after] - column[before]);
+        Some((between(&self.feedrate), between(&self.time)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp() -> FeedChart {
+        let curve = Curve {
+            label: "10 µm".to_string(),
+            distance: vec![0.0, 10.0, 10.0, 20.0],
+            feedrate: vec![0.0, 5.0, 5.0, 0.0],
+            time: vec![0.0, 4.0, 6.0, 10.0],
+        };
+        let programmed = Programmed {
+            end: vec![5.0, 20.0],
+            feedrate: vec![100.0, 10.0],
+            rapid: vec![true, false],
+            line: vec![3, 4],
+        };
+        FeedChart { programmed, curves: vec![curve] }
+    }
+
+    #[test]
+    fn reads_between_samples_and_at_waits() {
+        let chart = ramp();
+        assert_eq!(chart.reading(5.0).curves[0], Some((2.5, 2.0)));
+        assert_eq!(chart.reading(10.0).curves[0], Some((5.0, 4.0)));
+        assert_eq!(chart.reading(20.0).curves[0], Some((0.0, 10.0)));
+        assert_eq!(chart.reading(99.0).curves[0], Some((0.0, 10.0)));
+        assert_eq!(Curve::default().at(1.0), None);
+    }
+
+    #[test]
+    fn a_boundary_belongs_to_the_segment_that_ends_there() {
+        let chart = ramp();
+        assert_eq!(chart.reading(5.0).line, Some(3));
+        assert_eq!(chart.reading(5.1).line, Some(4));
+        assert_eq!(chart.reading(21.0).line, None);
+    }
+
+    #[test]
+    fn the_first_view_fits_cutting_unless_rapids_are_wanted() {
+        let chart = ramp();
+        let (cutting, all) = (chart.full_view(false), chart.full_view(true));
+        assert_eq!(cutting.distance, (0.0, 20.0));
+        assert!(10.0 < cutting.feedrate.1 && cutting.feedrate.1 < 100.0);
+        assert!(100.0 < all.feedrate.1);
+    }
+}

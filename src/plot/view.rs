@@ -1,0 +1,135 @@
+//! Which part of the data is in sight, and where it lies on the picture.
+//!
+//! A view is a rectangle of data, distance in mm by feedrate in mm/s. A frame ties it to the
+//! pixels of the plotting area; both axes are linear:
+//!
+//! ```text
+//! distance = d0 + (x − left) (d1 − d0) / (right − left)
+//! feedrate = f0 + (bottom − y) (f1 − f0) / (bottom − top)
+//! ```
+
+/// A rectangle of data; each side from low to high, never empty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Distance along the path, mm.
+    pub distance: (f64, f64),
+    /// Feedrate, mm/s.
+    pub feedrate: (f64, f64),
+}
+
+/// Head-room above the highest feedrate, as a ratio.
+const HEADROOM: f64 = 1.06;
+
+/// A view is never magnified further than this, as a part of the whole.
+const SMALLEST_PART: f64 = 1e-6;
+
+impl View {
+    /// From zero to a length (mm) and to a feedrate (mm/s) with some room above it.
+    pub fn up_to(length: f64, feedrate: f64) -> View {
+        let or_one = |value: f64| if value > 0.0 && value.is_finite() { value } else { 1.0 };
+        View { distance: (0.0, or_one(length)), feedrate: (0.0, HEADROOM * or_one(feedrate)) }
+    }
+
+    /// Magnified by `factor` along the distance about the distance `center` (mm), within `whole`.
+    pub fn zoomed(self, factor: f64, center: f64, whole: View) -> View {
+        let (low, high) = self.distance;
+        let distance = (center + (low - center) / factor, center + (high - center) / factor);
+        View { distance: within(distance, whole.distance), ..self }
+    }
+
+    /// Moved by `distance` (mm) and `feedrate` (mm/s), within `whole`.
+    pub fn moved(self, distance: f64, feedrate: f64, whole: View) -> View {
+        View {
+            distance: within((self.distance.0 + distance, self.distance.1 + distance), whole.distance),
+            feedrate: within((self.feedrate.0 + feedrate, self.feedrate.1 + feedrate), whole.feedrate),
+        }
+    }
+
+    /// The rectangle between two corners, within `whole`.
+    pub fn between(a: (f64, f64), b: (f64, f64), whole: View) -> View {
+        View {
+            distance: within((a.0.min(b.0), a.0.max(b.0)), whole.distance),
+            feedrate: within((a.1.min(b.1), a.1.max(b.1)), whole.feedrate),
+        }
+    }
+}
+
+/// A span shifted, and cut only where it is too long, so that it lies in the whole and is not too small.
+fn within((low, high): (f64, f64), whole: (f64, f64)) -> (f64, f64) {
+    let size = whole.1 - whole.0;
+    let length = (high - low).clamp(SMALLEST_PART * size, size);
+    let start = (0.5 * (low + high - length)).clamp(whole.0, whole.1 - length);
+    (start, start + length)
+}
+
+/// Where a view lies on a picture, in pixels from its top left corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// What is in sight.
+    pub view: View,
+    /// Left and right border of the plotting area, pixels.
+    pub x: (f64, f64),
+    /// Top and bottom border of the plotting area, pixels.
+    pub y: (f64, f64),
+}
+
+impl Frame {
+    /// Distance (mm) at a pixel.
+    pub fn distance_at(&self, x: f64) -> f64 {
+        let (low, high) = self.view.distance;
+        low + (x - self.x.0) * (high - low) / (self.x.1 - self.x.0)
+    }
+
+    /// Feedrate (mm/s) at a pixel.
+    pub fn feedrate_at(&self, y: f64) -> f64 {
+        let (low, high) = self.view.feedrate;
+        low + (self.y.1 - y) * (high - low) / (self.y.1 - self.y.0)
+    }
+
+    /// Pixel of a distance (mm).
+    pub fn x_of(&self, distance: f64) -> f64 {
+        let (low, high) = self.view.distance;
+        self.x.0 + (distance - low) * (self.x.1 - self.x.0) / (high - low)
+    }
+
+    /// Pixel of a feedrate (mm/s).
+    pub fn y_of(&self, feedrate: f64) -> f64 {
+        let (low, high) = self.view.feedrate;
+        self.y.1 - (feedrate - low) * (self.y.1 - self.y.0) / (high - low)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WHOLE: View = View { distance: (0.0, 100.0), feedrate: (0.0, 50.0) };
+
+    #[test]
+    fn zooming_keeps_the_centre_in_place() {
+        let view = WHOLE.zoomed(2.0, 30.0, WHOLE);
+        assert_eq!(view.distance, (15.0, 65.0));
+        let frame = |view| Frame { view, x: (50.0, 850.0), y: (10.0, 400.0) };
+        assert!((frame(view).x_of(30.0) - frame(WHOLE).x_of(30.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn no_view_leaves_the_whole_or_vanishes() {
+        let mut view = WHOLE.zoomed(1e12, 99.999, WHOLE);
+        assert!(view.distance.0 < view.distance.1 && view.distance.1 <= 100.0);
+        view = view.moved(1e9, -1e9, WHOLE);
+        assert!(view.distance.1 <= 100.0 && view.feedrate == WHOLE.feedrate);
+        assert_eq!(view.zoomed(1e-12, 3.0, WHOLE).distance, WHOLE.distance);
+        let point = View::between((5.0, 5.0), (5.0, 5.0), WHOLE);
+        assert!(point.distance.0 < point.distance.1 && point.feedrate.0 < point.feedrate.1);
+    }
+
+    #[test]
+    fn pixels_and_data_are_inverse() {
+        let frame = Frame { view: WHOLE.zoomed(3.0, 40.0, WHOLE), x: (61.0, 911.0), y: (28.0, 377.0) };
+        for pixel in [61.0, 200.5, 911.0] {
+            assert!((frame.x_of(frame.distance_at(pixel)) - pixel).abs() < 1e-9);
+            assert!((frame.y_of(frame.feedrate_at(pixel)) - pixel).abs() < 1e-9);
+        }
+    }
+}

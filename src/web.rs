@@ -1,0 +1,71 @@
+//! The boundary to JavaScript: one job that simulates, one chart that draws.
+//!
+//! The worker holds a [`Job`] and answers with summaries and columns; the page holds a
+//! [`Chart`] and forwards pixels. What comes in is JSON text and numbers, what goes out are the
+//! shapes of [`project`] as JSON text and columns as typed arrays with buffers of their own, so that they
+//! can be transferred. No arithmetic of units or scales is left to JavaScript.
+
+#![deny(clippy::unwrap_used)]
+
+mod chart;
+mod job;
+
+use wasm_bindgen::prelude::*;
+
+use crate::machine::{USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
+use crate::plot::PALETTE;
+use crate::project::{self, faults_to_json, machine_from_form, toml_from_machine};
+
+/// Makes panics readable in the console.
+#[wasm_bindgen(start)]
+pub fn start() {
+    console_error_panic_hook::set_once();
+}
+
+/// The machine form as JSON: all parameters and presets.
+#[wasm_bindgen]
+pub fn form() -> String {
+    project::form()
+}
+
+/// What is wrong with the values of a machine form, as JSON: a list of key and message.
+#[wasm_bindgen]
+pub fn faults(machine: &str) -> String {
+    faults_to_json(&machine_from_form(machine).err().unwrap_or_default())
+}
+
+/// The machine of a filled form as a machine file; none where the form has faults.
+#[wasm_bindgen(js_name = machineFile)]
+pub fn machine_file(machine: &str) -> Option<String> {
+    machine_from_form(machine).ok().map(|machine| toml_from_machine(&machine))
+}
+
+/// The tolerances to begin with, mm.
+#[wasm_bindgen(js_name = usualTolerances)]
+pub fn usual_tolerances() -> Vec<f64> {
+    USUAL_TOLERANCES.to_vec()
+}
+
+/// The tolerance (mm) a text names; throws the reason as a string where it names none.
+#[wasm_bindgen(js_name = toleranceFromText)]
+pub fn tolerance_from(text: &str) -> Result<f64, String> {
+    tolerance_from_text(text).map_err(|error| error.to_string())
+}
+
+/// How a tolerance (mm) is shown.
+#[wasm_bindgen(js_name = toleranceLabel)]
+pub fn label_of_tolerance(tolerance: f64) -> String {
+    tolerance_label(tolerance)
+}
+
+/// How a distance from the path (mm) is shown.
+#[wasm_bindgen(js_name = deviationLabel)]
+pub fn label_of_deviation(deviation: f64) -> String {
+    deviation_label(deviation)
+}
+
+/// How many curves one chart tells apart by colour.
+#[wasm_bindgen(js_name = mostCurves)]
+pub fn most_curves() -> usize {
+    PALETTE
+}

@@ -1,0 +1,206 @@
+//! The chart on its canvas: it keeps the curves, the view and the frame of the last drawing.
+//!
+//! All pixels that come in and go out are those of the page (CSS pixels, from the canvas' top
+//! left corner); the device's pixel ratio is applied here.
+
+use plotters_canvas::CanvasBackend;
+use wasm_bindgen::prelude::*;
+use web_sys::HtmlCanvasElement;
+
+use crate::plot::{Curve, FeedChart, Frame, Programmed, Theme, View, draw};
+use crate::units::mm_per_min;
+
+/// A chart of feedrate over distance.
+#[wasm_bindgen]
+pub struct Chart {
+    chart: FeedChart,
+    with_rapids: bool,
+    dark: bool,
+    view: View,
+    frame: Frame,
+    scale: f64,
+}
+
+/// Where the pointer is in the data.
+#[wasm_bindgen(getter_with_clone)]
+pub struct Pointer {
+    /// Pixel column of the distance.
+    pub x: f64,
+    /// Distance along the path, mm.
+    pub distance: f64,
+    /// Line of the program run there.
+    pub line: Option<u32>,
+    /// Programmed feedrate there, mm/min.
+    pub programmed: Option<f64>,
+    /// Whether a rapid move is run there.
+    pub rapid: bool,
+    /// What each curve says there, in the order of the curves.
+    pub curves: Vec<CurveReading>,
+}
+
+/// One curve at one distance.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone)]
+pub struct CurveReading {
+    /// Name of the curve.
+    pub label: String,
+    /// Feedrate, mm/min.
+    pub feedrate: f64,
+    /// Pixel row of the feedrate, kept inside the plotting area.
+    pub y: f64,
+    /// Time since the start, s.
+    pub time: f64,
+}
+
+#[wasm_bindgen]
+impl Chart {
+    /// An empty chart.
+    #[wasm_bindgen(constructor)]
+    #[allow(clippy::new_without_default)] // JavaScript knows no default
+    pub fn new() -> Chart {
+        let view = View::up_to(1.0, 1.0);
+        let frame = Frame { view, x: (0.0, 1.0), y: (0.0, 1.0) };
+        Chart { chart: FeedChart::default(), with_rapids: false, dark: false, view, frame, scale: 1.0 }
+    }
+
+    /// Begins anew with the programmed feedrate of a job; the columns are those of `Steps`.
+    pub fn program(&mut self, end: Vec<f64>, feedrate: Vec<f64>, rapid: &[u8], line: Vec<u32>) {
+        let rapid = rapid.iter().map(|&flag| flag != 0).collect();
+        self.chart = FeedChart { programmed: Programmed { end, feedrate, rapid, line }, curves: Vec::new() };
+    }
+
+    /// Adds a curve; the columns are those of `Columns`.
+    pub fn add(&mut self, label: String, distance: Vec<f64>, feedrate: Vec<f64>, time: Vec<f64>) {
+        self.chart.curves.push(Curve { label, distance, feedrate, time });
+    }
+
+    /// Colour of the curve with this index, as CSS writes it.
+    pub fn color(&self, index: usize) -> String {
+        let curves = self.theme().curves;
+        let (r, g, b) =
+            (curves[index % curves.len()].0, curves[index % curves.len()].1, curves[index % curves.len()].2);
+        format!("rgb({r}, {g}, {b})")
+    }
+
+    /// Light on dark or dark on light.
+    #[wasm_bindgen(js_name = setDark)]
+    pub fn set_dark(&mut self, dark: bool) {
+        self.dark = dark;
+    }
+
+    /// Fits the ordinate to all feedrates or to those of cutting, and shows everything.
+    #[wasm_bindgen(js_name = setRapids)]
+    pub fn set_rapids(&mut self, shown: bool) {
+        self.with_rapids = shown;
+        self.reset();
+    }
+
+    /// Whether rapids leave the first view at the top.
+    #[wasm_bindgen(js_name = hidesRapids)]
+    pub fn hides_rapids(&self) -> bool {
+        self.chart.full_view(false) != self.chart.full_view(true)
+    }
+
+    /// Draws on a canvas of this size in CSS pixels.
+    pub fn draw(
+        &mut self,
+        canvas: HtmlCanvasElement,
+        width: f64,
+        height: f64,
+        ratio: f64,
+    ) -> Result<(), String> {
+        canvas.set_width((width * ratio).round() as u32);
+        canvas.set_height((height * ratio).round() as u32);
+        let backend = CanvasBackend::with_canvas_object(canvas).ok_or("this canvas cannot be drawn on")?;
+        self.scale = ratio;
+        self.frame =
+            draw(&self.chart, self.view, &self.theme(), ratio, backend).map_err(|error| error.to_string())?;
+        Ok(())
+    }
+
+    /// Shows everything.
+    pub fn reset(&mut self) {
+        self.view = self.whole();
+    }
+
+    /// Shows everything of a new program, or as much as there still is of what was in sight.
+    pub fn fit(&mut self, anew: bool) {
+        self.view = if anew { self.whole() } else { self.view.moved(0.0, 0.0, self.whole()) };
+    }
+
+    /// Magnifies along the distance by `factor` about a pixel column, or about the middle.
+    pub fn zoom(&mut self, factor: f64, x: Option<f64>) {
+        let (low, high) = self.view.distance;
+        let center = x.map_or(0.5 * (low + high), |x| self.frame.distance_at(x * self.scale));
+        self.view = self.view.zoomed(factor, center, self.whole());
+    }
+
+    /// Shows the rectangle between two pixels.
+    #[wasm_bindgen(js_name = zoomTo)]
+    pub fn zoom_to(&mut self, x0: f64, y0: f64, x1: f64, y1: f64) {
+        let corner =
+            |x: f64, y: f64| (self.frame.distance_at(x * self.scale), self.frame.feedrate_at(y * self.scale));
+        self.view = View::between(corner(x0, y0), corner(x1, y1), self.whole());
+    }
+
+    /// Moves the picture by pixels.
+    pub fn pan(&mut self, dx: f64, dy: f64) {
+        let distance = self.frame.distance_at(0.0) - self.frame.distance_at(dx * self.scale);
+        let feedrate = self.frame.feedrate_at(0.0) - self.frame.feedrate_at(dy * self.scale);
+        self.view = self.view.moved(distance, feedrate, self.whole());
+    }
+
+    /// Moves the picture by a part of its width and height; positive to larger values.
+    pub fn step(&mut self, right: f64, up: f64) {
+        let size = |(low, high): (f64, f64)| high - low;
+        let (distance, feedrate) = (right * size(self.view.distance), up * size(self.view.feedrate));
+        self.view = self.view.moved(distance, feedrate, self.whole());
+    }
+
+    /// Borders of the plotting area in pixels: left, top, right, bottom.
+    pub fn area(&self) -> Vec<f64> {
+        let Frame { x, y, .. } = self.frame;
+        [x.0, y.0, x.1, y.1].map(|pixel| pixel / self.scale).to_vec()
+    }
+
+    /// The distances in sight, mm: first and last.
+    pub fn span(&self) -> Vec<f64> {
+        vec![self.view.distance.0, self.view.distance.1]
+    }
+
+    /// Everything about a pixel column; none outside the path.
+    pub fn at(&self, x: f64) -> Option<Pointer> {
+        self.reading(self.frame.distance_at(x * self.scale))
+    }
+
+    /// Everything about a distance (mm); none outside the path.
+    pub fn reading(&self, distance: f64) -> Option<Pointer> {
+        if distance < 0.0 || self.chart.length() < distance {
+            return None;
+        }
+        let reading = self.chart.reading(distance);
+        let curves = self.chart.curves.iter().zip(reading.curves).filter_map(|(curve, at)| {
+            let (feedrate, time) = at?;
+            let y = self.frame.y_of(feedrate).clamp(self.frame.y.0, self.frame.y.1) / self.scale;
+            Some(CurveReading { label: curve.label.clone(), feedrate: mm_per_min(feedrate), y, time })
+        });
+        Some(Pointer {
+            x: self.frame.x_of(distance) / self.scale,
+            distance,
+            line: reading.line,
+            programmed: reading.programmed.map(mm_per_min),
+            rapid: reading.rapid,
+            curves: curves.collect(),
+        })
+    }
+}
+
+impl Chart {
+    fn whole(&self) -> View {
+        self.chart.full_view(self.with_rapids)
+    }
+
+    fn theme(&self) -> Theme {
+        if self.dark { Theme::DARK } else { Theme::LIGHT }
+    }
+}

@@ -1,0 +1,92 @@
+//! A program on a machine, simulated for one tolerance after the other.
+
+use wasm_bindgen::prelude::*;
+
+use crate::machine::Machine;
+use crate::plot::Programmed;
+use crate::project::{Prediction, faults_to_json, machine_from_form};
+use crate::quote::{programmed_time, quote};
+use crate::simulation::contour::plan_within;
+use crate::simulation::gcode::read;
+use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::toolpath::{Toolpath, trace};
+
+/// A program traced on a machine, ready to be simulated.
+#[wasm_bindgen]
+pub struct Job {
+    machine: Machine,
+    toolpath: Toolpath,
+}
+
+#[wasm_bindgen]
+impl Job {
+    /// Reads a program for a machine given as a filled form; throws the form's faults as JSON.
+    #[wasm_bindgen(constructor)]
+    pub fn new(program: &[u8], machine: &str) -> Result<Job, String> {
+        let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
+        let toolpath = trace(&read(program), &machine);
+        Ok(Job { machine, toolpath })
+    }
+
+    /// What is known before any simulation: a prediction without runs, as JSON.
+    pub fn summary(&self) -> String {
+        Prediction::new("", self.programmed_time(), &[], &self.toolpath.diagnostics).to_json()
+    }
+
+    /// The programmed feedrate over distance.
+    pub fn steps(&self) -> Steps {
+        let Programmed { end, feedrate, rapid, line } = Programmed::of(&self.toolpath, &self.machine);
+        Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
+    }
+
+    /// Simulates the program for a contour tolerance (mm).
+    pub fn simulate(&self, tolerance: f64) -> Run {
+        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance);
+        let quote = quote(&self.toolpath, &self.machine, &plan, tolerance, &errors);
+        let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
+        Run {
+            summary: Prediction::new("", self.programmed_time(), &[quote], &[]).to_json(),
+            columns: Columns { distance: samples.distance, feedrate: samples.feedrate, time: samples.time },
+        }
+    }
+}
+
+impl Job {
+    fn programmed_time(&self) -> f64 {
+        programmed_time(&self.toolpath, &self.machine)
+    }
+}
+
+/// The result of one simulation.
+#[wasm_bindgen(getter_with_clone)]
+pub struct Run {
+    /// Times and price: a prediction with one run, as JSON.
+    pub summary: String,
+    /// The profile.
+    pub columns: Columns,
+}
+
+/// A profile over distance as columns of equal length.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone)]
+pub struct Columns {
+    /// Distance along the path, mm.
+    pub distance: Vec<f64>,
+    /// Feedrate, mm/s.
+    pub feedrate: Vec<f64>,
+    /// Time since the start, s.
+    pub time: Vec<f64>,
+}
+
+/// The programmed feedrate, one row a segment.
+#[wasm_bindgen(getter_with_clone)]
+pub struct Steps {
+    /// Where the segment ends along the path, mm.
+    pub end: Vec<f64>,
+    /// Programmed feedrate, mm/s.
+    pub feedrate: Vec<f64>,
+    /// 1 for rapid moves, 0 for others.
+    pub rapid: Vec<u8>,
+    /// Line of the program.
+    pub line: Vec<u32>,
+}

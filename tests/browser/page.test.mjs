@@ -1,0 +1,410 @@
+// The page does its job in a real browser: programs in, the command line's cycle times out, curves on the canvas.
+
+import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs'
+import { tmpdir } from 'node:os'
+import { basename, join } from 'node:path'
+import { after, test } from 'node:test'
+import { fileURLToPath } from 'node:url'
+import { leaving, openPage } from './harness.mjs'
+
+const ROOT = fileURLToPath(new URL('../../', import.meta.url))
+const OUTPUT = join(ROOT, 'tests/browser/output')
+const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
+const REAL = [
+  join(ROOT, '../shared/gcode/fanuc_haas/easy_gcode_plo__PARALLEL.NC'),
+  join(ROOT, '../shared/recordings/nist-hurco/programs/box-op3.nc'),
+]
+const TOLERANCES_MM = [0.01, 0.02, 0.05]
+const PHONE = { width: 390, height: 844 }
+
+const scratch = mkdtempSync(join(tmpdir(), 'truefeed-page-'))
+after(() => rmSync(scratch, { recursive: true }))
+mkdirSync(OUTPUT, { recursive: true })
+
+/**
+ * A test on a page of its own, which must make no console error and send no request elsewhere.
+ *
+ * @param {string} name
+ * @param {(opened: Awaited<ReturnType<typeof openPage>>) => Promise<void>} body
+ * @param {{ viewport?: { width: number, height: number }, skip?: string | false }} [options]
+ */
+function pageTest(name, body, { viewport, skip = false } = {}) {
+  test(name, { skip, timeout: 180_000 }, async () => {
+    const opened = await openPage({ viewport })
+    try {
+      await opened.page.waitForSelector('html[data-ready]')
+      await body(opened)
+      assert.deepEqual(opened.errors, [])
+      assert.deepEqual(leaving(opened.requests, opened.origin), [])
+    } finally {
+      await opened.close()
+    }
+  })
+}
+
+/** Waits until every row of the table is of the machine and program in sight. */
+async function computed(page) {
+  await page.waitForFunction(
+    () => {
+      const rows = [...document.querySelectorAll('#results tbody tr')]
+      const stale = document.querySelector('.stale') || !document.querySelector('#progress')?.hidden
+      const chips = document.querySelectorAll('.chip').length
+      return !stale && rows.length === chips && rows.every((row) => row.querySelector('data'))
+    },
+    null,
+    { timeout: 120_000 },
+  )
+}
+
+const cycleTimes = (page) => page.$$eval('#results tbody data', (all) => all.map((data) => Number(data.value)))
+
+/** What the command line says about the same program, with the machine file that the page saves. */
+async function predicted(page, program) {
+  const binaries = ['release', 'debug'].map((profile) => join(ROOT, 'target', profile, 'truefeed')).filter(existsSync)
+  binaries.sort((a, b) => statSync(b).mtimeMs - statSync(a).mtimeMs)
+  if (binaries.length === 0) {
+    execFileSync('cargo', ['build', '--quiet', '--locked'], { cwd: ROOT, stdio: 'inherit' })
+    binaries.push(join(ROOT, 'target/debug/truefeed'))
+  }
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#machine .save')])
+  const machine = join(scratch, 'machine.toml')
+  await download.saveAs(machine)
+  const tolerances = TOLERANCES_MM.flatMap((tolerance) => ['--tolerance', String(tolerance)])
+  const args = ['predict', program, '--machine', machine, ...tolerances, '--json']
+  return JSON.parse(execFileSync(binaries[0], args, { encoding: 'utf8', maxBuffer: 1 << 28 }))
+}
+
+async function assertAsPredicted(page, program) {
+  const { runs } = await predicted(page, program)
+  const times = await cycleTimes(page)
+  assert.equal(times.length, runs.length)
+  runs.forEach(({ cycle_time_s: expected }, index) => {
+    assert.ok(expected > 0)
+    assert.ok(
+      Math.abs(times[index] / expected - 1) <= 1e-9,
+      `${times[index]} on the page, ${expected} on the command line`,
+    )
+  })
+}
+
+/** Drops files on an element, as a file manager would. */
+async function drop(page, selector, files) {
+  const sent = files.map((file) => ({ name: basename(file), bytes: [...readFileSync(file)] }))
+  const transfer = await page.evaluateHandle((all) => {
+    const data = new DataTransfer()
+    for (const { name, bytes } of all) data.items.add(new File([new Uint8Array(bytes)], name))
+    return data
+  }, sent)
+  await page.dispatchEvent(selector, 'dragenter', { dataTransfer: transfer })
+  assert.ok(await page.isVisible('.cover'), 'the page does not say that it takes the file')
+  await page.dispatchEvent(selector, 'drop', { dataTransfer: transfer })
+  assert.ok(await page.isHidden('.cover'))
+}
+
+/** Pixels of the canvas in each curve's colour, which is what the chips show as well. */
+function pixelsOfCurves(page) {
+  return page.evaluate(() => {
+    const canvas = document.querySelector('.plot canvas')
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height)
+    return [...document.querySelectorAll('.chip .swatch')].map((swatch) => {
+      const wanted = getComputedStyle(swatch).backgroundColor.match(/\d+/g).map(Number)
+      let count = 0
+      for (let i = 0; i < data.length; i += 4) {
+        if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
+      }
+      return count
+    })
+  })
+}
+
+const frame = (page) =>
+  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))
+const span = async (page) => {
+  await frame(page)
+  return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)
+}
+const shot = (page, name) => page.screenshot({ path: join(OUTPUT, `${name}.png`) })
+
+/** A program of many short blocks, which takes long enough to be cancelled. */
+function longProgram(blocks) {
+  const lines = ['G21 G90 G94', 'G0 X0 Y0 Z0', 'F3000']
+  for (let i = 1; i <= blocks; i += 1) lines.push(`G1 X${(i * 0.1).toFixed(3)} Y${(Math.sin(i) * 0.2).toFixed(3)}`)
+  return { name: 'long.nc', mimeType: 'text/plain', buffer: Buffer.from(lines.join('\n')) }
+}
+
+for (const viewport of [{ width: 1280, height: 900 }, PHONE]) {
+  pageTest(
+    `the sample gives the command line's times and a curve of each colour at ${viewport.width} px`,
+    async ({ page }) => {
+      await shot(page, `empty-${viewport.width}`)
+      await page.click('#welcome .sample')
+      await computed(page)
+      await assertAsPredicted(page, SAMPLE)
+      await frame(page)
+      const pixels = await pixelsOfCurves(page)
+      assert.equal(pixels.length, TOLERANCES_MM.length)
+      // The legend alone has about 50 pixels of a colour.
+      assert.ok(
+        pixels.every((count) => count > 80),
+        `pixels of each curve: ${pixels}`,
+      )
+      const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
+      assert.ok(!wider, 'the page scrolls sideways')
+      await shot(page, `sample-${viewport.width}`)
+    },
+    { viewport },
+  )
+}
+
+for (const program of REAL) {
+  const skip = existsSync(program) ? false : `${program} is not there`
+  pageTest(
+    `${basename(program)} through the file input`,
+    async ({ page }) => {
+      await page.setInputFiles('#files', program)
+      await computed(page)
+      await assertAsPredicted(page, program)
+      await frame(page)
+      assert.ok((await pixelsOfCurves(page)).every((count) => count > 80))
+      await shot(page, `${basename(program)}-1280`)
+    },
+    { skip },
+  )
+
+  pageTest(
+    `${basename(program)} dropped on the page`,
+    async ({ page }) => {
+      await drop(page, 'header', [program])
+      await computed(page)
+      await assertAsPredicted(page, program)
+      await shot(page, `${basename(program)}-390`)
+    },
+    { skip, viewport: PHONE },
+  )
+}
+
+pageTest('a bad program is answered line by line, and the rest is quoted', async ({ page }) => {
+  const text = 'G21 G90\nG1 X10 F600\nG1 X\nG2 X20\nG1 X30 &?!\nG1 X40\n'
+  await page.setInputFiles('#files', { name: 'bad.nc', mimeType: 'text/plain', buffer: Buffer.from(text) })
+  await computed(page)
+  const remarks = await page.$$eval('#diagnostics tbody tr', (rows) =>
+    rows.map((row) => ({
+      line: Number(row.querySelector('.line').textContent),
+      code: row.querySelector('code').textContent,
+    })),
+  )
+  for (const line of [3, 4, 5]) {
+    assert.ok(
+      remarks.some((remark) => remark.line === line && remark.code === text.split('\n')[line - 1]),
+      `nothing about line ${line}`,
+    )
+  }
+  assert.match(await page.textContent('#diagnostics .counts'), /\d+ error/)
+  assert.ok((await cycleTimes(page)).every((time) => time > 0))
+  await shot(page, 'bad')
+
+  const noise = Buffer.from(Array.from({ length: 5000 }, (_, i) => (i * 7919) % 256))
+  await page.setInputFiles('#files', { name: 'noise.bin', mimeType: 'application/octet-stream', buffer: noise })
+  await page.waitForFunction(() => document.querySelectorAll('.choose').length === 2)
+  await computed(page)
+  assert.ok((await page.$$('#diagnostics tbody tr')).length > 0)
+})
+
+pageTest('cancelling ends the work and keeps what there was; the next run works', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  const before = await cycleTimes(page)
+  await page.setInputFiles('#files', longProgram(400_000))
+  await page.waitForSelector('#progress progress:visible')
+  assert.match(await page.textContent('#progress p'), /long\.nc: /)
+  await page.click('#progress button')
+  await page.waitForFunction(() => document.querySelector('#progress p').textContent.startsWith('Cancelled'))
+  assert.equal(await page.$$eval('.choose', (all) => all.length), 2)
+  for (let tries = 0; tries < 50 && page.workers().length > 0; tries += 1) await page.waitForTimeout(100)
+  assert.equal(page.workers().length, 0, 'the worker goes on')
+
+  await page.click('.choose >> nth=0')
+  assert.deepEqual(await cycleTimes(page), before)
+  await page.click('.remove >> nth=1')
+  await page.fill('#tolerances input', '35')
+  await page.press('#tolerances input', 'Enter')
+  await page.waitForFunction(() => document.querySelectorAll('#results data').length === 4)
+  await computed(page)
+  const times = await cycleTimes(page)
+  assert.deepEqual([times[0], times[1], times[3]], before)
+  assert.ok(before[2] < times[2] && times[2] < before[1])
+})
+
+pageTest('results stay in sight, marked as out of date, while others are computed', async ({ page }) => {
+  await page.setInputFiles('#files', longProgram(100_000))
+  await computed(page)
+  const before = await cycleTimes(page)
+  await page.fill('#field-interpolator-time_constant_s', '0.04')
+  await page.waitForSelector('#progress progress:visible')
+  assert.ok(await page.isVisible('#results.stale'))
+  assert.deepEqual(await cycleTimes(page), before)
+  await page.click('#progress button')
+  await page.waitForFunction(() => document.querySelector('#progress p').textContent.startsWith('Cancelled'))
+  assert.ok(await page.isVisible('#results.stale'))
+  assert.deepEqual(await cycleTimes(page), before)
+  await page.click('#progress button')
+  await computed(page)
+  assert.ok((await cycleTimes(page)).every((time, index) => time > before[index]))
+})
+
+pageTest('tolerances are added, refused and removed as chips', async ({ page }) => {
+  const labels = () =>
+    page.$$eval('.chip', (chips) => chips.map((chip) => chip.firstElementChild.nextSibling.textContent))
+  const add = async (text) => {
+    await page.fill('#tolerances input', text)
+    await page.press('#tolerances input', 'Enter')
+    return page.textContent('#tolerances .fault')
+  }
+  await page.click('#welcome .sample')
+  await computed(page)
+  assert.equal(await add('15'), '')
+  assert.deepEqual(await labels(), ['10 µm', '15 µm', '20 µm', '50 µm'])
+  assert.match(await add('0.02 mm'), /there already/)
+  assert.match(await add('ten'), /not a tolerance/)
+  assert.match(await add('99999'), /out of range/)
+  await page.focus('.chip:nth-child(2) button')
+  await page.keyboard.press('Delete')
+  await page.click('.chip:first-child button')
+  assert.deepEqual(await labels(), ['20 µm', '50 µm'])
+  await computed(page)
+  assert.equal((await cycleTimes(page)).length, 2)
+  await page.click('#tolerances .reset')
+  assert.deepEqual(await labels(), ['10 µm', '20 µm', '50 µm'])
+})
+
+pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  const whole = await span(page)
+  assert.equal(whole[0], 0)
+  const box = await page.locator('.plot').boundingBox()
+  const at = (part) => [box.x + part * box.width, box.y + box.height / 2]
+  const size = ([low, high]) => high - low
+
+  await page.mouse.move(...at(0.6))
+  assert.match(await page.textContent('.reading'), /mm\/min.*line \d+ N\d+ /s)
+  const picture = await page.$eval('.plot canvas', (canvas) => canvas.toDataURL())
+  await page.mouse.wheel(0, -600)
+  const wheeled = await span(page)
+  assert.ok(size(wheeled) < 0.6 * size(whole))
+  assert.notEqual(await page.$eval('.plot canvas', (canvas) => canvas.toDataURL()), picture)
+
+  await page.mouse.move(...at(0.4))
+  await page.mouse.down()
+  await page.mouse.move(at(0.7)[0], at(0.7)[1] + 80, { steps: 5 })
+  await page.mouse.up()
+  const boxed = await span(page)
+  assert.ok(size(boxed) < 0.5 * size(wheeled))
+  await shot(page, 'zoomed')
+
+  await page.keyboard.down('Shift')
+  await page.mouse.move(...at(0.4))
+  await page.mouse.down()
+  await page.mouse.move(...at(0.6), { steps: 5 })
+  await page.mouse.up()
+  await page.keyboard.up('Shift')
+  const moved = await span(page)
+  assert.ok(moved[0] < boxed[0])
+  assert.ok(Math.abs(size(moved) - size(boxed)) < 1e-6 * size(whole))
+
+  await page.focus('.plot')
+  await page.keyboard.press('ArrowRight')
+  assert.ok((await span(page))[0] > moved[0])
+  await page.keyboard.press('-')
+  assert.ok(size(await span(page)) > size(moved))
+  await page.keyboard.press('Shift+ArrowRight')
+  assert.ok(await page.isVisible('.reading'))
+  await page.keyboard.press('Home')
+  assert.deepEqual(await span(page), whole)
+})
+
+pageTest(
+  'a tap on the chart reads it on a phone, and the picture keeps its shape',
+  async ({ page }) => {
+    await page.click('#welcome .sample')
+    await computed(page)
+    await frame(page)
+    const shape = () => page.$eval('.plot canvas', ({ width, height }) => [width, height])
+    const before = await shape()
+    await page.locator('.plot').scrollIntoViewIfNeeded()
+    const touch = { pointerType: 'touch', pointerId: 1, button: 0, isPrimary: true, bubbles: true }
+    await page.$eval(
+      '.plot',
+      (plot, options) => {
+        const { left, top } = plot.getBoundingClientRect()
+        plot.setPointerCapture = () => {}
+        for (const type of ['pointerdown', 'pointerup']) {
+          plot.dispatchEvent(new PointerEvent(type, { ...options, clientX: left + 150, clientY: top + 150 }))
+        }
+      },
+      touch,
+    )
+    await frame(page)
+    await frame(page)
+    assert.match(await page.textContent('.reading'), /mm\/min.*line \d+ N\d+ /s)
+    assert.deepEqual(await shape(), before)
+    await page.locator('.reading').scrollIntoViewIfNeeded()
+    await shot(page, 'reading-390')
+  },
+  { viewport: PHONE },
+)
+
+pageTest('several programs are computed one after another; a removal is undone', async ({ page }) => {
+  const simple = (name, length) => ({
+    name,
+    mimeType: 'text/plain',
+    buffer: Buffer.from(`G21 G90\nG1 X${length} F600\n`),
+  })
+  await page.setInputFiles('#files', [simple('a.nc', 10), simple('b.nc', 100), simple('c.nc', 1000)])
+  await page.waitForFunction(() => {
+    const about = [...document.querySelectorAll('.choose .about')]
+    return about.length === 3 && about.every(({ textContent }) => /^\d+:\d\d:\d\d/.test(textContent))
+  })
+  const names = () => page.$$eval('.choose .file', (all) => all.map(({ textContent }) => textContent))
+  const first = await cycleTimes(page)
+  await page.click('.choose >> nth=2')
+  const third = await cycleTimes(page)
+  assert.ok(first[0] > 1 && first[0] < 2 && third[0] > 100)
+  await page.click('.remove >> nth=2')
+  assert.deepEqual(await names(), ['a.nc', 'b.nc'])
+  await page.click('.undo button')
+  assert.deepEqual(await names(), ['a.nc', 'b.nc', 'c.nc'])
+  assert.deepEqual(await cycleTimes(page), third)
+})
+
+pageTest('the machine form refuses at the field, recomputes, prices, is kept and reset', async ({ page }) => {
+  const field = (key) => `#field-${key.replaceAll('.', '-')}`
+  await page.click('#welcome .sample')
+  await computed(page)
+  const before = await cycleTimes(page)
+  const filters = field('interpolator.filters')
+  await page.fill(filters, '9')
+  assert.match(await page.textContent(`${filters}-fault`), /1 to 4/)
+  await page.fill(filters, 'many')
+  assert.notEqual(await page.textContent(`${filters}-fault`), '')
+  assert.ok(await page.isVisible('#results.stale'))
+  await page.fill(filters, '3')
+
+  await page.fill(field('interpolator.time_constant_s'), '0.05')
+  await computed(page)
+  assert.ok((await cycleTimes(page))[0] > before[0])
+  await page.fill(field('rates.hourly'), '72')
+  await page.waitForFunction(() => document.querySelector('#results thead').textContent.includes('Price'))
+  await computed(page)
+  const price = Number(await page.textContent('#results tbody tr:first-child .price'))
+  assert.ok(Math.abs(price - ((await cycleTimes(page))[0] * 72) / 3600) <= 0.005)
+
+  await page.reload()
+  await page.waitForSelector('html[data-ready]')
+  assert.equal(await page.inputValue(field('rates.hourly')), '72')
+  await page.click('#machine .reset')
+  assert.equal(await page.inputValue(field('rates.hourly')), '0')
+  assert.equal(await page.inputValue(field('interpolator.time_constant_s')), '0.0255')
+})

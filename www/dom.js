@@ -1,0 +1,28 @@
+// Finding and making elements.
+
+/**
+ * The element a panel cannot do without.
+ * @template {HTMLElement} [T=HTMLElement]
+ * @param {HTMLElement} root
+ * @param {string} selector
+ * @returns {T}
+ */
+export function find(root, selector) {
+  const found = root.querySelector(selector)
+  if (!found) throw new Error(`the page has no ${selector}`)
+  return /** @type {T} */ (found)
+}
+
+/**
+ * A new element with properties and children.
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} name
+ * @param {Partial<HTMLElementTagNameMap[K]>} properties
+ * @param {...(Node | string)} children
+ * @returns {HTMLElementTagNameMap[K]}
+ */
+export function make(name, properties, ...children) {
+  const element = Object.assign(document.createElement(name), properties)
+  element.append(...children)
+  return element
+}

@@ -1,0 +1,44 @@
+// Numbers and durations as people read them.
+
+const decimals = (/** @type {number} */ count) =>
+  new Intl.NumberFormat('en', { minimumFractionDigits: count, maximumFractionDigits: count })
+
+const none = decimals(0)
+const one = decimals(1)
+const two = decimals(2)
+const sizes = new Intl.NumberFormat('en', { style: 'unit', unit: 'kilobyte', maximumSignificantDigits: 3 })
+
+/** A duration as h:mm:ss. @param {number} seconds */
+export function clock(seconds) {
+  const whole = Math.round(seconds)
+  const two = (/** @type {number} */ value) => String(value).padStart(2, '0')
+  return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}`
+}
+
+/** One decimal, where that matters. @param {number} value */
+const short = (value) => (Math.abs(value) < 1000 ? one : none).format(value)
+
+/** Seconds. @param {number} value */
+export const seconds = (value) => `${short(value)} s`
+
+/** A signed difference in seconds. @param {number} value */
+export const difference = (value) => `${value < 0 ? '−' : '+'}${short(Math.abs(value))} s`
+
+/** A signed ratio as a percentage. @param {number} ratio */
+export const percent = (ratio) =>
+  Number.isFinite(ratio) ? `${ratio < 0 ? '−' : '+'}${short(Math.abs(ratio) * 100)} %` : '–'
+
+/** An amount of money, in whatever currency the rate is. @param {number} value */
+export const money = (value) => two.format(value)
+
+/** A feedrate in mm/min. @param {number} value */
+export const feedrate = (value) => `${none.format(value)} mm/min`
+
+/** A length in mm. @param {number} value */
+export const millimetres = (value) => `${two.format(value)} mm`
+
+/** A count. @param {number} value */
+export const count = (value) => none.format(value)
+
+/** The size of a file. @param {number} bytes */
+export const size = (bytes) => sizes.format(Math.max(bytes, 1) / 1000)

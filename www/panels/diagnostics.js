@@ -1,0 +1,58 @@
+// Everything the program's readers had to say, with the line it is about.
+
+import { find, make } from '../dom.js'
+import { count } from '../format.js'
+
+/** @import { Diagnostic, Program, State } from "../types.js" */
+
+const SHOWN = 100
+/** @type {Record<Diagnostic["severity"], [string, string]>} */
+const NAMES = { error: ['error', 'errors'], warning: ['warning', 'warnings'], info: ['note', 'notes'] }
+
+/** @param {HTMLElement} root */
+export function mount(root) {
+  const list = find(root, '.list')
+  const counts = find(root, '.counts')
+  /** @type {Diagnostic[] | null} */
+  let shown = null
+
+  /** @param {Program} program @param {Diagnostic[]} diagnostics @param {number} most */
+  function fill(program, diagnostics, most) {
+    const rows = diagnostics
+      .slice(0, most)
+      .map(({ line, severity, message }) =>
+        make(
+          'tr',
+          { className: severity },
+          make('td', { className: 'line' }, String(line)),
+          make('td', { className: 'severity' }, NAMES[severity][0]),
+          make('td', {}, message, make('code', {}, program.lines()[line - 1] ?? '')),
+        ),
+      )
+    const titles = ['Line', 'Kind', 'What'].map((title) => make('th', { scope: 'col' }, title))
+    list.replaceChildren(make('table', {}, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows)))
+    if (most < diagnostics.length) {
+      const more = make('button', { type: 'button' }, `Show all ${count(diagnostics.length)}`)
+      more.addEventListener('click', () => fill(program, diagnostics, Infinity))
+      list.append(more)
+    }
+  }
+
+  return {
+    /** @param {State} state */
+    update(state) {
+      const program = state.programs.find(({ id }) => id === state.selected)
+      const diagnostics = program?.outcome?.summary.diagnostics ?? null
+      if (diagnostics === shown) return
+      shown = diagnostics
+      root.hidden = !diagnostics?.length
+      if (!program || !diagnostics) return
+      const parts = Object.entries(NAMES).flatMap(([severity, [one, many]]) => {
+        const number = diagnostics.filter((diagnostic) => diagnostic.severity === severity).length
+        return number ? [make('span', { className: severity }, `${count(number)} ${number === 1 ? one : many}`)] : []
+      })
+      counts.replaceChildren(...parts)
+      fill(program, diagnostics, SHOWN)
+    },
+  }
+}

@@ -1,0 +1,135 @@
+// The list of programs: adding by file, drop or sample, choosing one, removing with undo.
+
+import { find, make } from '../dom.js'
+import { clock, count, size } from '../format.js'
+
+/** @import { Program, State } from "../types.js" */
+
+const SAMPLE = 'samples/pocket.nc'
+const UNDO_MS = 10_000
+
+/**
+ * @typedef {object} Actions
+ * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addPrograms
+ * @property {(id: number) => void} select
+ * @property {(id: number) => () => void} removeProgram
+ */
+
+/** @param {HTMLElement} root @param {Actions} actions */
+export function mount(root, actions) {
+  const list = find(root, '.programs')
+  const input = /** @type {HTMLInputElement} */ (find(document.body, '#files'))
+  const undo = find(root, '.undo')
+  let timer = 0
+  let putBack = () => {}
+
+  input.addEventListener('change', async () => {
+    await add([...(input.files ?? [])], actions)
+    input.value = ''
+  })
+  for (const button of document.querySelectorAll('.sample')) {
+    button.addEventListener('click', async () => {
+      const response = await fetch(new URL(`../${SAMPLE}`, import.meta.url))
+      actions.addPrograms([{ name: 'Sample: pocket.nc', bytes: new Uint8Array(await response.arrayBuffer()) }])
+    })
+  }
+  find(undo, 'button').addEventListener('click', () => {
+    undo.hidden = true
+    putBack()
+  })
+  acceptDrops(actions)
+
+  /** @param {Program} program */
+  function remove(program) {
+    putBack = actions.removeProgram(program.id)
+    find(undo, 'span').textContent = `${program.name} removed.`
+    undo.hidden = false
+    clearTimeout(timer)
+    timer = window.setTimeout(() => (undo.hidden = true), UNDO_MS)
+    find(undo, 'button').focus()
+  }
+
+  /** What is in the list, by program; kept, so that nobody clicks on what is being replaced. @type {Map<number, Entry>} */
+  const entries = new Map()
+
+  /** @typedef {{item: HTMLElement, choose: HTMLElement, about: HTMLElement}} Entry */
+  /** @param {Program} program @returns {Entry} */
+  function entry(program) {
+    const about = make('span', { className: 'about' })
+    const choose = make(
+      'button',
+      { type: 'button', className: 'choose' },
+      make('span', { className: 'file' }, program.name),
+      about,
+    )
+    choose.addEventListener('click', () => actions.select(program.id))
+    const removal = make('button', { type: 'button', className: 'remove', title: 'Remove' }, '×')
+    removal.setAttribute('aria-label', `Remove ${program.name}`)
+    removal.addEventListener('click', () => remove(program))
+    return { item: make('li', {}, choose, removal), choose, about }
+  }
+
+  return {
+    /** @param {State} state */
+    update(state) {
+      for (const [id, { item }] of entries) {
+        if (state.programs.some((program) => program.id === id)) continue
+        item.remove()
+        entries.delete(id)
+      }
+      for (const [index, program] of state.programs.entries()) {
+        const { item, choose, about } = entries.get(program.id) ?? entry(program)
+        entries.set(program.id, { item, choose, about })
+        if (list.children[index] !== item) list.insertBefore(item, list.children[index] ?? null)
+        about.textContent = standing(program, state)
+        if (program.id === state.selected) choose.setAttribute('aria-current', 'true')
+        else choose.removeAttribute('aria-current')
+      }
+    },
+  }
+}
+
+/** One line on how a program stands. @param {Program} program @param {State} state */
+function standing(program, state) {
+  if (state.progress?.program === program.id) return 'computing …'
+  if (program.failure) return 'failed'
+  const times = state.tolerances.flatMap(
+    (tolerance) => program.outcome?.runs.get(tolerance)?.summary.cycle_time_s ?? [],
+  )
+  if (times.length === 0) return `${size(program.bytes.length)}, waiting`
+  const [longest, shortest] = [clock(Math.max(...times)), clock(Math.min(...times))]
+  const errors = program.outcome?.summary.diagnostics.filter(({ severity }) => severity === 'error').length ?? 0
+  const time = longest === shortest ? longest : `${shortest} – ${longest}`
+  return errors > 0 ? `${time} · ${count(errors)} ${errors === 1 ? 'error' : 'errors'}` : time
+}
+
+/** @param {File[]} files @param {Actions} actions */
+async function add(files, actions) {
+  const read = async (/** @type {File} */ file) => ({
+    name: file.name,
+    bytes: new Uint8Array(await file.arrayBuffer()),
+  })
+  const results = await Promise.allSettled(files.map(read))
+  const programs = results.flatMap((result) => (result.status === 'fulfilled' ? [result.value] : []))
+  if (programs.length > 0) actions.addPrograms(programs)
+}
+
+/** Files may be dropped anywhere on the page. @param {Actions} actions */
+function acceptDrops(actions) {
+  const cover = find(document.body, '.cover')
+  const carriesFiles = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files') ?? false
+  let depth = 0
+  const show = (/** @type {number} */ change) => {
+    depth = Math.max(0, depth + change)
+    cover.hidden = depth === 0
+  }
+  document.addEventListener('dragenter', (event) => carriesFiles(event) && show(1))
+  document.addEventListener('dragleave', (event) => carriesFiles(event) && show(-1))
+  document.addEventListener('dragover', (event) => carriesFiles(event) && event.preventDefault())
+  document.addEventListener('drop', (event) => {
+    if (!carriesFiles(event)) return
+    event.preventDefault()
+    show(-depth)
+    add([...(event.dataTransfer?.files ?? [])], actions)
+  })
+}

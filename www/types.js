@@ -1,0 +1,80 @@
+// The shapes that pass between the modules of the page. Units are in the names where they come from JSON.
+
+/**
+ * @typedef {object} Diagnostic
+ * @property {number} line
+ * @property {"error" | "warning" | "info"} severity
+ * @property {string} message
+ */
+
+/**
+ * @typedef {object} ProgramSummary
+ * @property {number} programmed_time_s
+ * @property {Diagnostic[]} diagnostics
+ */
+
+/**
+ * @typedef {object} RunSummary
+ * @property {number} tolerance_mm
+ * @property {number} cycle_time_s
+ * @property {{cutting_s: number, rapid_s: number, dwell_s: number, tool_change_s: number, other_s: number}} breakdown
+ * @property {number} max_contour_error_mm
+ * @property {number} price  0 where there is no hourly rate
+ */
+
+/** @typedef {{end: Float64Array, feedrate: Float64Array, rapid: Uint8Array, line: Uint32Array}} Steps */
+/** @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array}} Columns */
+/** @typedef {{summary: RunSummary, columns: Columns}} Run */
+
+/**
+ * What one program gave on one machine; runs by tolerance in mm.
+ * @typedef {object} Outcome
+ * @property {string} machine  the machine as JSON
+ * @property {ProgramSummary} summary
+ * @property {Steps} steps
+ * @property {Map<number, Run>} runs
+ */
+
+/**
+ * @typedef {object} Program
+ * @property {number} id
+ * @property {string} name
+ * @property {Uint8Array} bytes
+ * @property {() => string[]} lines
+ * @property {Outcome | null} outcome
+ * @property {string | null} failure  why the last run of it ended
+ */
+
+/** A value of the form; null where the field is empty. @typedef {number | string | boolean | number[] | Record<string, number> | null} Value */
+/** @typedef {Record<string, Value>} Values */
+/** @typedef {{key: string | null, message: string}} Fault */
+
+/**
+ * @typedef {object} Parameter
+ * @property {string} key
+ * @property {string} label
+ * @property {string} doc
+ * @property {"number" | "list" | "choice" | "flag" | "text" | "m_codes"} kind
+ * @property {string | null} unit
+ * @property {number | null} min
+ * @property {number | null} max
+ * @property {boolean} whole
+ * @property {string[]} words
+ */
+
+/** @typedef {{name: string, source: string, values: Values}} Preset */
+/** @typedef {{fields: Parameter[], presets: Preset[]}} Form */
+
+/** @typedef {{program: number, stage: string, part: number}} Progress */
+
+/**
+ * @typedef {object} State
+ * @property {Program[]} programs
+ * @property {number | null} selected
+ * @property {number[]} tolerances  mm, ascending
+ * @property {{preset: number, values: Values, faults: Fault[]}} machine
+ * @property {Progress | null} progress
+ * @property {boolean} paused  the user cancelled; nothing runs until something changes
+ */
+
+export {}
