@@ -2,7 +2,7 @@
 //!
 //! This is the only keeper of file and message formats, and so of serde. Names carry their units
 //! here (`cycle_time_s`), and values are converted on the way through the parameter table
-//! ([`PARAMETERS`](crate::machine::PARAMETERS)), so that the core sees mm, s and rad.
+//! ([`PARAMETERS`]), so that the core sees mm, s and rad.
 
 mod form;
 mod machine_file;

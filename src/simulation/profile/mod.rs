@@ -1,7 +1,7 @@
 //! Feed plan → profile: the motion that leaves the filters, at any time or distance.
 //!
-//! The profile is not a table: it is the plan, asked through [`state`] at any moment, exactly.
-//! Tables for charts and files are made by [`samples`], dense where the feedrate bends.
+//! The profile is not a table: it is the plan, asked through [`Profile::at_time`] at any moment, exactly.
+//! Tables for charts and files are made by [`Profile::samples`], dense where the feedrate bends.
 //!
 //! Distance is measured along the programmed path, as the integral of the filtered feed command.
 //! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
