@@ -5,7 +5,7 @@
 //! its cause.
 
 use crate::machine::Machine;
-use crate::simulation::contour::ContourErrors;
+use crate::simulation::contour::{ContourErrors, Region, regions_above};
 use crate::simulation::feed::{FeedPlan, Phase, running_sum};
 use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
 use crate::units::{MINUTES_PER_HOUR, SECONDS_PER_MINUTE};
@@ -79,7 +79,7 @@ pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
 }
 
 /// What is said about one program at one tolerance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Quote {
     /// Contour tolerance, mm.
     pub tolerance: f64,
@@ -89,9 +89,14 @@ pub struct Quote {
     pub breakdown: Breakdown,
     /// Largest distance of the filtered path from the programmed one, mm.
     pub max_contour_error: f64,
+    /// Where the contour error is above the tolerance by more than a hundredth of it.
+    pub beyond_tolerance: Vec<Region>,
     /// Price of one part without set-up, in the currency of the hourly rate.
     pub price: f64,
 }
+
+/// An isolated corner takes the whole tolerance; what is above it by rounding is not worth a word.
+const ABOVE_TOLERANCE: f64 = 1.01;
 
 /// The quote of a plan.
 pub fn quote(
@@ -107,6 +112,7 @@ pub fn quote(
         cycle_time,
         breakdown: breakdown(toolpath, plan),
         max_contour_error: errors.largest(),
+        beyond_tolerance: regions_above(toolpath, errors, ABOVE_TOLERANCE * tolerance),
         price: price(cycle_time, machine),
     }
 }

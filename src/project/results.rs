@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use crate::quote::Quote;
+use crate::simulation::contour::Region;
 use crate::simulation::gcode::{Diagnostic, Severity};
 use crate::simulation::profile::Samples;
 use crate::units::mm_per_min;
@@ -25,7 +26,16 @@ struct Run {
     cycle_time_s: f64,
     breakdown: Breakdown,
     max_contour_error_mm: f64,
+    /// Where the contour error is above the tolerance.
+    beyond_tolerance: Vec<Place>,
     price: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Place {
+    lines: [u32; 2],
+    distance_mm: [f64; 2],
+    max_contour_error_mm: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -42,6 +52,16 @@ struct Remark {
     line: u32,
     severity: &'static str,
     message: String,
+}
+
+impl From<&Region> for Place {
+    fn from(region: &Region) -> Place {
+        Place {
+            lines: [region.lines.0.0, region.lines.1.0],
+            distance_mm: [region.distance.0, region.distance.1],
+            max_contour_error_mm: region.largest,
+        }
+    }
 }
 
 /// The word for a severity.
@@ -73,6 +93,7 @@ impl Prediction {
                 other_s: quote.breakdown.other,
             },
             max_contour_error_mm: quote.max_contour_error,
+            beyond_tolerance: quote.beyond_tolerance.iter().map(Place::from).collect(),
             price: quote.price,
         });
         let remarks = diagnostics.iter().map(|diagnostic| Remark {

@@ -16,8 +16,10 @@
 //! pass over the same place.
 
 mod guaranteed;
+mod regions;
 
 pub use guaranteed::plan_within;
+pub use regions::{Region, regions_above};
 
 use std::cmp::Ordering;
 

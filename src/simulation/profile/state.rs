@@ -57,6 +57,21 @@ pub struct Dynamics {
     pub jerk: Vector,
 }
 
+impl Dynamics {
+    /// Acceleration (mm/s²) and jerk (mm/s³) along the path of a tool that moves at `velocity`
+    /// (mm/s): the first and second derivative of the feedrate. None while it stands.
+    pub fn along(&self, velocity: &Vector) -> Option<(f64, f64)> {
+        let feedrate = velocity.norm();
+        if feedrate == 0.0 {
+            return None;
+        }
+        let tangent = velocity / feedrate;
+        let acceleration = self.acceleration.dot(&tangent);
+        let across = self.acceleration - acceleration * tangent;
+        Some((acceleration, self.jerk.dot(&tangent) + across.norm_squared() / feedrate))
+    }
+}
+
 /// A pulse within the window: from the older age to the younger one.
 struct Slice<'a> {
     segment: &'a Segment,

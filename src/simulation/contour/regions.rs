@@ -1,0 +1,67 @@
+//! Contour errors → regions: where on the program the motion leaves the path by more than wanted.
+//!
+//! Consecutive segments whose error is above a bound make one region; good segments between them
+//! do not end it while they are shorter together than the stretch of bad ones before them, so that
+//! a ragged finishing pass is one region and not a thousand.
+
+use crate::simulation::contour::ContourErrors;
+use crate::simulation::gcode::LineNumber;
+use crate::simulation::toolpath::Toolpath;
+
+/// A part of the program in which the contour error is above a bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// First and last line of the program.
+    pub lines: (LineNumber, LineNumber),
+    /// Distance along the path where it begins and ends, mm.
+    pub distance: (f64, f64),
+    /// Largest contour error in it, mm.
+    pub largest: f64,
+}
+
+/// The regions in which the contour error is above `bound` (mm), in program order.
+pub fn regions_above(toolpath: &Toolpath, errors: &ContourErrors, bound: f64) -> Vec<Region> {
+    let mut regions: Vec<Region> = Vec::new();
+    let mut begin = 0.0;
+    for (k, segment) in toolpath.segments.iter().enumerate() {
+        let end = begin + segment.length;
+        let error = errors.corner[k].max(errors.arc[k]);
+        if bound < error {
+            match regions.last_mut() {
+                Some(region) if begin - region.distance.1 <= region.distance.1 - region.distance.0 => {
+                    region.lines.1 = segment.line;
+                    region.distance.1 = end;
+                    region.largest = region.largest.max(error);
+                }
+                _ => regions.push(Region {
+                    lines: (segment.line, segment.line),
+                    distance: (begin, end),
+                    largest: error,
+                }),
+            }
+        }
+        begin = end;
+    }
+    regions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    #[test]
+    fn bad_segments_close_together_are_one_region() {
+        let program = b"G1 X1 F1000\nX2\nX3\nX4\nX50\nX51";
+        let toolpath = trace(&read(program), &Machine::default());
+        let errors = ContourErrors { corner: vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4], arc: vec![0.0; 6] };
+        let regions = regions_above(&toolpath, &errors, 0.1);
+        let lines: Vec<_> = regions.iter().map(|region| (region.lines.0.0, region.lines.1.0)).collect();
+        assert_eq!(lines, [(1, 3), (6, 6)]);
+        assert_eq!(regions[0].distance, (0.0, 3.0));
+        assert_eq!((regions[0].largest, regions[1].largest), (0.3, 0.4));
+        assert!(regions_above(&toolpath, &errors, 0.4).is_empty());
+    }
+}
