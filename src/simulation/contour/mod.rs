@@ -23,16 +23,17 @@ pub use regions::{Region, regions_above};
 
 use std::cmp::Ordering;
 
-use crate::simulation::feed::{FeedPlan, Phase, Stretch};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch};
 use crate::simulation::profile::{Motion, Profile};
 use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
 /// Contour errors along a program, one entry a segment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContourErrors {
-    /// At the corner that ends the segment, mm; 0 at a full stop.
+    /// At the corner that ends the segment and on arcs within half a filter delay of it, mm; 0 at a
+    /// full stop.
     pub corner: Vec<f64>,
-    /// Largest along the segment where it is an arc, mm; 0 along a line.
+    /// Largest along the rest of the segment where it is an arc, mm; 0 along a line.
     pub arc: Vec<f64>,
 }
 
@@ -51,54 +52,101 @@ const POINTS_ON_ARC: f64 = 192.0;
 
 /// Measures the contour error of a profile at all corners and arcs.
 pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -> ContourErrors {
-    let count = toolpath.segments.len();
-    let mut errors = ContourErrors { corner: vec![0.0; count], arc: vec![0.0; count] };
-    measure(toolpath, plan, profile, &mut errors, |_| true);
-    errors
+    let mut measured = vec![SegmentErrors::default(); toolpath.segments.len()];
+    measure(toolpath, plan, profile, &mut measured, |_| true);
+    by_corner(&measured)
 }
 
-/// Measures again the errors of the segments that `wanted` names.
+/// What is measured on one segment, mm.
+#[derive(Clone, Copy, Debug, Default)]
+struct SegmentErrors {
+    /// At the corner that ends it.
+    end: f64,
+    /// Along an arc, within half a filter delay of the corner that begins it.
+    near_start: f64,
+    /// The same for the corner that ends it.
+    near_end: f64,
+    /// Along the rest of an arc.
+    between: f64,
+}
+
+/// Gives each corner what was measured on both sides of it.
+fn by_corner(measured: &[SegmentErrors]) -> ContourErrors {
+    let next = measured[1.min(measured.len())..].iter().map(|segment| segment.near_start).chain([0.0]);
+    let corner = measured.iter().zip(next).map(|(own, next)| own.end.max(own.near_end).max(next));
+    ContourErrors { corner: corner.collect(), arc: measured.iter().map(|segment| segment.between).collect() }
+}
+
+/// Measures the segments that `wanted` names.
 fn measure(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     profile: &Profile,
-    errors: &mut ContourErrors,
+    measured: &mut [SegmentErrors],
     wanted: impl Fn(usize) -> bool,
 ) {
     for stretch in stretches(plan) {
         let motion = profile.motion(stretch);
-        let delay = motion.filter().delay();
-        for index in stretch.pulses.clone() {
-            let pulse = &plan.pulses[index];
-            let number = pulse.segment as usize;
-            if !wanted(number) {
-                continue;
+        let mut first = stretch.pulses.start;
+        for pulses in plan.pulses[stretch.pulses.clone()].chunk_by(|a, b| a.segment == b.segment) {
+            let number = pulses[0].segment as usize;
+            if wanted(number) {
+                measured[number] = segment_errors(toolpath, stretch, &motion, pulses, first);
             }
-            let segment = &toolpath.segments[number];
-            let commanded = motion.pulse_start(index);
-            if pulse.offset == 0.0 {
-                errors.arc[number] = 0.0;
-            }
-            if let Curve::Arc(_) = segment.curve {
-                let points = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, POINTS_ON_ARC);
-                for i in 0..points as usize {
-                    let elapsed = (i as f64 + 0.5) / points * pulse.duration;
-                    let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
-                    let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
-                    let forward = distance_from_path(&motion, segment.point(offset), commanded + elapsed);
-                    let filtered = motion.state(motion.moment(commanded + elapsed + 0.5 * delay)).position;
-                    let around = &toolpath.segments[stretch.segments.clone()];
-                    let back =
-                        distance_from_programmed(around, number - stretch.segments.start, offset, filtered);
-                    errors.arc[number] = errors.arc[number].max(forward).max(back);
-                }
-            }
-            let goes_on = index + 1 < stretch.pulses.end;
-            if goes_on && plan.pulses[index + 1].segment != pulse.segment {
-                errors.corner[number] = distance_from_path(&motion, segment.end, commanded + pulse.duration);
-            }
+            first += pulses.len();
         }
     }
+}
+
+/// Measures one segment, of which the first pulse in the plan is `first`.
+fn segment_errors(
+    toolpath: &Toolpath,
+    stretch: &Stretch,
+    motion: &Motion,
+    pulses: &[Pulse],
+    first: usize,
+) -> SegmentErrors {
+    let number = pulses[0].segment as usize;
+    let segment = &toolpath.segments[number];
+    let delay = motion.filter().delay();
+    let last = first + pulses.len() - 1;
+    let (start, end) =
+        (motion.pulse_start(first), motion.pulse_start(last) + pulses[pulses.len() - 1].duration);
+    let (begins_at_corner, ends_at_corner) =
+        (stretch.segments.start < number, number + 1 < stretch.segments.end);
+    let mut errors = SegmentErrors::default();
+    if ends_at_corner {
+        errors.end = distance_from_path(motion, segment.end, end);
+    }
+    if segment.curve == Curve::Line {
+        return errors;
+    }
+    let around = &toolpath.segments[stretch.segments.clone()];
+    for (pulse, index) in pulses.iter().zip(first..) {
+        let points = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, POINTS_ON_ARC);
+        for i in 0..points as usize {
+            let elapsed = (i as f64 + 0.5) / points * pulse.duration;
+            let commanded = motion.pulse_start(index) + elapsed;
+            let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
+            let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
+            let forward = distance_from_path(motion, segment.point(offset), commanded);
+            let filtered = motion.state(motion.moment(commanded + 0.5 * delay)).position;
+            let back = distance_from_programmed(around, number - stretch.segments.start, offset, filtered);
+            let (since_start, to_end) = (commanded - start, end - commanded);
+            let place = if begins_at_corner
+                && since_start < 0.5 * delay
+                && (since_start <= to_end || !ends_at_corner)
+            {
+                &mut errors.near_start
+            } else if ends_at_corner && to_end < 0.5 * delay {
+                &mut errors.near_end
+            } else {
+                &mut errors.between
+            };
+            *place = place.max(forward).max(back);
+        }
+    }
+    errors
 }
 
 /// Distance (mm) of the filtered path from a point that was commanded at `commanded` (s since the
