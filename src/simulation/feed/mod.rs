@@ -194,9 +194,22 @@ struct Corner {
     feedrate: f64,
     /// Whether the motion goes on beyond it.
     blended: bool,
+    /// Command at which the turn alone takes the acceleration of an axis, mm/s.
+    by_acceleration: f64,
 }
 
-const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false };
+const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false, by_acceleration: f64::INFINITY };
+
+impl Corner {
+    /// How long the command must be held on each side, s, so that turn and ramps together keep the
+    /// axes within their acceleration. A turn that takes all of it leaves nothing for a ramp until
+    /// the bell of the filters has fallen from its top, half a delay, or the longest constant where
+    /// that is more; a turn that takes less leaves more, sooner.
+    fn clearance(&self, filter: &FilterChain) -> f64 {
+        let longest = filter.time_constants().iter().copied().fold(filter.half_delay(), f64::max);
+        longest * (self.feedrate / self.by_acceleration)
+    }
+}
 
 fn add_stretch(
     plan: &mut FeedPlan,
@@ -228,8 +241,9 @@ fn add_stretch(
             Rule::Isolated(tolerance) => slower * law.alpha(tolerance / (slower * change.norm())),
             Rule::Given { corners, .. } => corners[range.start + i].min(slower),
         };
-        let feedrate = by_rule.min(axis_corner_feedrate(&change, machine, chain));
-        corners.push(Corner { feedrate, blended: true });
+        let (by_acceleration, by_jerk) = axis_corner_feedrates(&change, machine, chain);
+        let feedrate = by_rule.min(by_acceleration).min(by_jerk);
+        corners.push(Corner { feedrate, blended: true, by_acceleration });
     }
     corners.push(FULL_STOP);
     limit_by_acceleration(&mut corners, segments, &accelerations);
@@ -239,7 +253,11 @@ fn add_stretch(
     for (i, segment) in segments.iter().enumerate() {
         let end = |corner: Corner| End {
             feedrate: corner.feedrate,
-            hold: if corner.blended { law.hold(corner.feedrate, feedrates[i]) } else { 0.0 },
+            hold: if corner.blended {
+                law.hold(corner.feedrate, feedrates[i]).max(corner.clearance(chain))
+            } else {
+                0.0
+            },
         };
         let parts = block::parts(
             segment.length,
@@ -291,23 +309,20 @@ fn filter_of_stretch(
     })
 }
 
-/// The fastest corner command at which the turn alone keeps each axis within its acceleration and
-/// jerk: an axis whose velocity steps by c |Δu| before the filters accelerates by c |Δu| max h
-/// after them. One filter has no finite jerk, and no limit on it can be kept.
-fn axis_corner_feedrate(change: &Vector, machine: &Machine, filter: &FilterChain) -> f64 {
-    let neutral =
-        machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY && axis.jerk == f64::INFINITY);
-    if neutral {
-        return f64::INFINITY;
+/// The fastest corner commands at which the turn alone keeps each axis within its acceleration, and
+/// within its jerk: an axis whose velocity steps by c |Δu| before the filters accelerates by
+/// c |Δu| max h after them. One filter has no finite jerk, and no limit on it can be kept.
+fn axis_corner_feedrates(change: &Vector, machine: &Machine, filter: &FilterChain) -> (f64, f64) {
+    if machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY && axis.jerk == f64::INFINITY) {
+        return (f64::INFINITY, f64::INFINITY);
     }
-    let limits = machine.axes.iter().enumerate().map(|(k, axis)| {
+    let (peak, slope) = (filter.peak_impulse(), filter.peak_impulse_slope());
+    let axes = machine.axes.iter().enumerate();
+    axes.fold((f64::INFINITY, f64::INFINITY), |(acceleration, jerk), (k, axis)| {
         let step = change[k].abs();
-        let acceleration = axis.acceleration / (step * filter.peak_impulse());
-        let slope = filter.peak_impulse_slope();
-        let jerk = if slope.is_finite() { axis.jerk / (step * slope) } else { f64::INFINITY };
-        acceleration.min(jerk)
-    });
-    limits.fold(f64::INFINITY, f64::min)
+        let by_jerk = if slope.is_finite() { axis.jerk / (step * slope) } else { f64::INFINITY };
+        (acceleration.min(axis.acceleration / (step * peak)), jerk.min(by_jerk))
+    })
 }
 
 /// Lowers feedrates from which the motion could not stop within the blocks the control sees.
