@@ -23,6 +23,7 @@
 //! Fanuc controls.
 
 mod diagnostic;
+mod line;
 mod number;
 mod reader;
 mod remark;
