@@ -1,12 +1,13 @@
 //! The reader: one pass over the bytes, line by line.
 
+use crate::simulation::gcode::expression::{Expressions, Fault, Names, Place as Parameter};
 use crate::simulation::gcode::line::{
     CommentEnd, Line, character_length, code_end, comment_end, excerpt, is_checksum, is_continuation, lines,
     split_line,
 };
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::{Block, LineNumber, Place, Program, Remarks, Word};
+use crate::simulation::gcode::{Block, Formula, LineNumber, Place, Program, Remarks, Target, Word};
 
 /// What the operator sets at the control before the program runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -62,10 +63,14 @@ const FLOW: [&str; 20] = [
     "ENDDO",
 ];
 
+/// Why a block is not run, and the columns it concerns.
+type Refusal = (Unread, (u32, u32));
+
 struct Reader<'a> {
     options: &'a Options,
     line: LineNumber,
     program: Program,
+    names: Names,
     remarks: Remarks<Unread>,
     /// How many blocks began with `/`, and the first of them.
     optional: usize,
@@ -80,6 +85,7 @@ impl<'a> Reader<'a> {
             options,
             line: LineNumber(0),
             program: Program::default(),
+            names: Names::default(),
             remarks: Remarks::default(),
             optional: 0,
             first_optional: LineNumber(0),
@@ -99,6 +105,8 @@ impl<'a> Reader<'a> {
         let blocks = self.program.blocks.len();
         self.program.blocks.clear();
         self.program.words.clear();
+        self.program.formulas.clear();
+        self.program.steps.clear();
         self.optional = 0;
         self.remarks = Remarks::default();
         if 0 < blocks {
@@ -125,24 +133,28 @@ impl<'a> Reader<'a> {
             };
             self.remarks.add(Place::line(self.first_optional), remark);
         }
+        self.program.names = self.names.finish();
         self.program.diagnostics = self.remarks.finish();
         self.program
     }
 
-    /// Reads one line; a block with a fault leaves no words behind.
+    /// Reads one line; a block with a fault leaves nothing behind.
     fn block(&mut self, text: &[u8]) {
-        let first = self.program.words.len();
+        let program = &self.program;
+        let [words, formulas, steps] = [program.words.len(), program.formulas.len(), program.steps.len()];
         if let Err((remark, columns)) = self.words(text) {
-            self.program.words.truncate(first);
+            self.program.words.truncate(words);
+            self.program.formulas.truncate(formulas);
+            self.program.steps.truncate(steps);
             self.remarks.add(Place { line: self.line, columns }, remark);
         }
-        if first < self.program.words.len() {
-            let words = first as u32..self.program.words.len() as u32;
+        if words < self.program.words.len() || formulas < self.program.formulas.len() {
+            let words = words as u32..self.program.words.len() as u32;
             self.program.blocks.push(Block { line: self.line, words });
         }
     }
 
-    fn words(&mut self, text: &[u8]) -> Result<(), (Unread, (u32, u32))> {
+    fn words(&mut self, text: &[u8]) -> Result<(), Refusal> {
         let mut line = Line::default();
         let mut at = 0;
         while let Some(&byte) = text.get(at) {
@@ -169,9 +181,7 @@ impl<'a> Reader<'a> {
                     at += 1 + usize::from(text.get(at + 1).is_some_and(u8::is_ascii_digit));
                 }
                 b'*' if is_checksum(&text[at + 1..]) => break,
-                b'#' | b'[' | b']' | b'=' => {
-                    return Err((Unread::Expression, line.columns(at, code_end(text, at))));
-                }
+                b'#' => at = self.assignment(text, at, &mut line)?,
                 _ => {
                     let text = excerpt(&text[at..at + character_length(&text[at..])]);
                     return Err((Unread::Text { text }, line.columns(at, at + 1)));
@@ -183,7 +193,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads the word whose letter stands at `at`; returns where it ends.
-    fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, (Unread, (u32, u32))> {
+    fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
         let Some(found) = number(text, at + 1) else {
             return self.word_without_number(text, at, line);
@@ -210,12 +220,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A letter that no number follows: an expression, a name, or a slip of the pen.
-    fn word_without_number(
-        &mut self,
-        text: &[u8],
-        at: usize,
-        line: &Line,
-    ) -> Result<usize, (Unread, (u32, u32))> {
+    fn word_without_number(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
         let length = text[at..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
         let signs = |byte: &u8| matches!(byte, b'.' | b'+' | b'-') || is_blank(*byte);
@@ -224,6 +229,9 @@ impl<'a> Reader<'a> {
             let end = code_end(text, at);
             return Err((Unread::Flow { text: excerpt(&text[at..end]) }, line.columns(at, end)));
         }
+        if letter != b'N' && Expressions::begin_at(text, at + 1) {
+            return self.word_with_formula(text, at, line);
+        }
         if 1 < length {
             let (name, columns) = (&text[at..at + length], line.columns(at, at + length));
             let text = excerpt(name);
@@ -231,7 +239,8 @@ impl<'a> Reader<'a> {
             return Err((if is_flow { Unread::Flow { text } } else { Unread::Text { text } }, columns));
         }
         if matches!(text.get(next), Some(b'#' | b'[' | b'=')) {
-            return Err((Unread::Expression, line.columns(at, code_end(text, at))));
+            let end = code_end(text, at);
+            return Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)));
         }
         if text.get(next).is_some_and(u8::is_ascii_digit) {
             return Ok(self.leave_out(text, at, line, |text| Unread::MalformedNumber { text }));
@@ -240,6 +249,52 @@ impl<'a> Reader<'a> {
         let remark = Unread::MissingNumber { letter: letter as char };
         self.remarks.add(Place { line: self.line, columns: line.columns(at, end) }, remark);
         Ok(end)
+    }
+
+    /// Reads the word whose letter stands at `at` and whose value is to be worked out.
+    fn word_with_formula(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let target = Target::Word(self.program.words.len() as u32);
+        let (end, columns) = self.formula(text, (at, at + 1), line, |expressions| {
+            expressions.value()?;
+            Ok(target)
+        })?;
+        let letter = text[at].to_ascii_uppercase();
+        self.program.words.push(Word { value: f64::NAN, columns, letter, has_point: false });
+        Ok(end)
+    }
+
+    /// Reads the assignment whose `#` stands at `at`; returns where it ends.
+    fn assignment(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let (end, _) = self.formula(text, (at, at), line, |expressions| {
+            Ok(match expressions.assignment()? {
+                Parameter::Numbered => Target::Numbered,
+                Parameter::Named(name) => Target::Named(name),
+            })
+        })?;
+        Ok(end)
+    }
+
+    /// Keeps what `read` reads from the second of `starts` on as a formula whose columns begin at
+    /// the first; returns where it ends, and its columns.
+    fn formula(
+        &mut self,
+        text: &[u8],
+        starts: (usize, usize),
+        line: &mut Line,
+        read: impl FnOnce(&mut Expressions) -> Result<Target, Fault>,
+    ) -> Result<(usize, (u32, u32)), Refusal> {
+        let first_step = self.program.steps.len() as u32;
+        let (first, _) = line.columns(starts.0, starts.0);
+        let mut expressions = Expressions::new(text, starts.1, &mut self.program.steps, &mut self.names);
+        let outcome = read(&mut expressions);
+        let end = expressions.at;
+        line.continuation += expressions.continuation;
+        line.begun = true;
+        let target = outcome.map_err(|(remark, bytes)| (remark, line.columns(bytes.start, bytes.end)))?;
+        let (past, _) = line.columns(end, end);
+        let steps = first_step..self.program.steps.len() as u32;
+        self.program.formulas.push(Formula { line: self.line, target, steps, columns: (first, past) });
+        Ok((end, (first, past)))
     }
 
     /// Leaves out the letter at `at` with all that looks like its number; returns where it ends.
