@@ -7,7 +7,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use truefeed::machine::Machine;
-use truefeed::simulation::gcode;
+use truefeed::simulation::gcode::{self, Severity};
 use truefeed::simulation::toolpath::{self, Curve, Motion, StopCause, Toolpath};
 use truefeed::units::mm_per_min;
 
@@ -154,5 +154,25 @@ fn programmed_times_of_recorded_programs_agree() {
         };
         let time: f64 = trace(&path).segments.iter().map(feed_time).sum();
         assert!((time - expected).abs() < 0.5, "{name}: {time:.2} s, stated {expected} s");
+    }
+}
+
+/// Its head says: a block of 100 × 100 × 50 mm with the zero point at the centre of its top, and a
+/// cutter of 10 mm. Every coordinate of it is an expression.
+#[test]
+fn a_program_of_expressions_stays_on_its_part() {
+    let path = root().join("../shared/gcode/linuxcnc/linuxcnc__3D_Chips.ngc");
+    if !path.exists() {
+        eprintln!("skipped: {} is not there", path.display());
+        return;
+    }
+    let toolpath = trace(&path);
+    assert_eq!(toolpath.segments.len(), 4684);
+    assert_eq!(toolpath.diagnostics.iter().filter(|found| found.severity == Severity::Error).count(), 0);
+    for segment in &toolpath.segments {
+        let (end, line) = (segment.end, segment.line.0);
+        assert!(end.x.abs() <= 60.0 && end.y.abs() <= 60.0, "line {line}: beside the part");
+        assert!((-50.0..=10.0).contains(&end.z), "line {line}: above or below the part");
+        assert!(segment.length <= 120.0, "line {line}: {} mm", segment.length);
     }
 }

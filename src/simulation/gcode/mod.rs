@@ -5,29 +5,38 @@
 //!
 //! ```text
 //! program = [ leader "%" line ] { line } [ "%" line { anything } ]
-//! line    = [ "/" [ digit ] ] [ N number ] { word | comment } [ "*" checksum ]   end of line
-//! word    = letter number
+//! line    = [ "/" [ digit ] ] [ N number ] { item } [ "*" checksum ]   end of line
+//! item    = word | assignment | comment
+//! word    = letter value
 //! number  = [ "+" | "-" ] digits [ "." [ digits ] ]  |  [ "+" | "-" ] "." digits
 //! comment = "(" … ")"  |  ";" … end of line
 //! ```
+//!
+//! Values and assignments (`#5=[1+2]`) are those of the expression module. A value that is more
+//! than a number is kept as a formula, for the stage that knows what the parameters hold.
 //!
 //! A line ends with LF, CR LF or a lone CR. White space within a block means nothing, not even
 //! inside a number; lower case is upper case; there is no exponent (`X1E3` is X1 and E3).
 //! N words, program numbers (`O1234`, `:1234`) and checksums are read and dropped. A `%` line
 //! opens the program, or closes it where something to run came before and no other `%` follows.
 //! A word that is not a word is left out and the rest of its block kept; a block that holds
-//! anything else that is not understood (variables, expressions, program flow, names) is left
-//! out as a whole.
+//! anything else that is not understood (a broken expression, program flow, names) is left out as
+//! a whole.
 //!
-//! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.3; `%`, `/` and `:` as on
+//! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.3; expressions as on
+//! LinuxCNC; `%`, `/` and `:` as on
 //! Fanuc controls.
 
 mod diagnostic;
+mod expression;
+mod formula;
+mod line;
 mod number;
 mod reader;
 mod remark;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
+pub use formula::{Formula, Function, Operator, Step, Target};
 pub use reader::{Options, read, read_with};
 
 use std::ops::Range;
@@ -41,8 +50,14 @@ pub struct LineNumber(pub u32);
 pub struct Program {
     /// The words of all blocks, in order.
     pub words: Vec<Word>,
-    /// The blocks that hold at least one word, in order.
+    /// The blocks that hold at least one word or formula, in order.
     pub blocks: Vec<Block>,
+    /// The formulas of all blocks, in order.
+    pub formulas: Vec<Formula>,
+    /// The steps of all formulas, in order.
+    pub steps: Vec<Step>,
+    /// The named parameters, lower case and without white space.
+    pub names: Vec<String>,
     /// The text has a `%` line or a program number, as programs for Fanuc and its relatives do.
     pub is_tape: bool,
     /// What could not be read, in line order.
@@ -53,6 +68,18 @@ impl Program {
     /// The words of `block`.
     pub fn words(&self, block: &Block) -> &[Word] {
         &self.words[block.words.start as usize..block.words.end as usize]
+    }
+
+    /// The formulas of `block`; a block does not carry them, so that plain ones stay small.
+    pub fn formulas(&self, block: &Block) -> &[Formula] {
+        let first = self.formulas.partition_point(|formula| formula.line < block.line);
+        let count = self.formulas[first..].partition_point(|formula| formula.line == block.line);
+        &self.formulas[first..first + count]
+    }
+
+    /// The steps of `formula`.
+    pub fn steps(&self, formula: &Formula) -> &[Step] {
+        &self.steps[formula.steps.start as usize..formula.steps.end as usize]
     }
 }
 
@@ -65,10 +92,10 @@ pub struct Block {
     pub words: Range<u32>,
 }
 
-/// A letter and its number.
+/// A letter and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// Finite, in whatever unit the program uses.
+    /// Finite, in whatever unit the program uses; NaN where a formula gives it.
     pub value: f64,
     /// Columns, 1-based, first and one past the last, counted in characters.
     pub columns: (u32, u32),

@@ -1,8 +1,13 @@
 //! The reader: one pass over the bytes, line by line.
 
+use crate::simulation::gcode::expression::{Expressions, Fault, Names, Place as Parameter};
+use crate::simulation::gcode::line::{
+    CommentEnd, Line, character_length, code_end, comment_end, excerpt, is_checksum, is_continuation, lines,
+    split_line,
+};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::{Block, LineNumber, Place, Program, Remarks, Word};
+use crate::simulation::gcode::{Block, Formula, LineNumber, Place, Program, Remarks, Target, Word};
 
 /// What the operator sets at the control before the program runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -34,27 +39,6 @@ pub fn read_with(bytes: &[u8], options: &Options) -> Program {
     reader.finish()
 }
 
-/// The first line of `text` and what follows its end; none where nothing is left.
-fn split_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
-    if text.is_empty() {
-        return None;
-    }
-    let Some(end) = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')) else {
-        return Some((text, &[]));
-    };
-    let after = if text[end..].starts_with(b"\r\n") { end + 2 } else { end + 1 };
-    Some((&text[..end], &text[after..]))
-}
-
-/// The lines of `text`.
-fn lines(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
-    std::iter::from_fn(move || {
-        let (line, after) = split_line(text)?;
-        text = after;
-        Some(line)
-    })
-}
-
 /// The words that begin or end jumps, loops and subroutines, on Fanuc controls and LinuxCNC.
 const FLOW: [&str; 20] = [
     "IF",
@@ -79,10 +63,14 @@ const FLOW: [&str; 20] = [
     "ENDDO",
 ];
 
+/// Why a block is not run, and the columns it concerns.
+type Refusal = (Unread, (u32, u32));
+
 struct Reader<'a> {
     options: &'a Options,
     line: LineNumber,
     program: Program,
+    names: Names,
     remarks: Remarks<Unread>,
     /// How many blocks began with `/`, and the first of them.
     optional: usize,
@@ -91,25 +79,13 @@ struct Reader<'a> {
     opened: bool,
 }
 
-/// What is known of the line being read.
-#[derive(Default)]
-struct Line {
-    /// Bytes so far that belong to a character already counted.
-    continuation: usize,
-    /// Something but an N word stands before.
-    begun: bool,
-    /// An O word stands before.
-    has_o_word: bool,
-    /// A comment before had parentheses within that did not match.
-    is_unbalanced: bool,
-}
-
 impl<'a> Reader<'a> {
     fn new(options: &'a Options) -> Reader<'a> {
         Reader {
             options,
             line: LineNumber(0),
             program: Program::default(),
+            names: Names::default(),
             remarks: Remarks::default(),
             optional: 0,
             first_optional: LineNumber(0),
@@ -129,6 +105,8 @@ impl<'a> Reader<'a> {
         let blocks = self.program.blocks.len();
         self.program.blocks.clear();
         self.program.words.clear();
+        self.program.formulas.clear();
+        self.program.steps.clear();
         self.optional = 0;
         self.remarks = Remarks::default();
         if 0 < blocks {
@@ -155,24 +133,28 @@ impl<'a> Reader<'a> {
             };
             self.remarks.add(Place::line(self.first_optional), remark);
         }
+        self.program.names = self.names.finish();
         self.program.diagnostics = self.remarks.finish();
         self.program
     }
 
-    /// Reads one line; a block with a fault leaves no words behind.
+    /// Reads one line; a block with a fault leaves nothing behind.
     fn block(&mut self, text: &[u8]) {
-        let first = self.program.words.len();
+        let program = &self.program;
+        let [words, formulas, steps] = [program.words.len(), program.formulas.len(), program.steps.len()];
         if let Err((remark, columns)) = self.words(text) {
-            self.program.words.truncate(first);
+            self.program.words.truncate(words);
+            self.program.formulas.truncate(formulas);
+            self.program.steps.truncate(steps);
             self.remarks.add(Place { line: self.line, columns }, remark);
         }
-        if first < self.program.words.len() {
-            let words = first as u32..self.program.words.len() as u32;
+        if words < self.program.words.len() || formulas < self.program.formulas.len() {
+            let words = words as u32..self.program.words.len() as u32;
             self.program.blocks.push(Block { line: self.line, words });
         }
     }
 
-    fn words(&mut self, text: &[u8]) -> Result<(), (Unread, (u32, u32))> {
+    fn words(&mut self, text: &[u8]) -> Result<(), Refusal> {
         let mut line = Line::default();
         let mut at = 0;
         while let Some(&byte) = text.get(at) {
@@ -199,12 +181,10 @@ impl<'a> Reader<'a> {
                     at += 1 + usize::from(text.get(at + 1).is_some_and(u8::is_ascii_digit));
                 }
                 b'*' if is_checksum(&text[at + 1..]) => break,
-                b'#' | b'[' | b']' | b'=' => {
-                    return Err((Unread::Expression, columns(&line, at, code_end(text, at))));
-                }
+                b'#' => at = self.assignment(text, at, &mut line)?,
                 _ => {
                     let text = excerpt(&text[at..at + character_length(&text[at..])]);
-                    return Err((Unread::Text { text }, columns(&line, at, at + 1)));
+                    return Err((Unread::Text { text }, line.columns(at, at + 1)));
                 }
             }
         }
@@ -213,7 +193,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads the word whose letter stands at `at`; returns where it ends.
-    fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, (Unread, (u32, u32))> {
+    fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
         let Some(found) = number(text, at + 1) else {
             return self.word_without_number(text, at, line);
@@ -230,7 +210,7 @@ impl<'a> Reader<'a> {
             b'O' => line.has_o_word = true,
             _ => self.program.words.push(Word {
                 value: found.value,
-                columns: columns(line, at, found.end),
+                columns: line.columns(at, found.end),
                 letter,
                 has_point: found.has_point,
             }),
@@ -240,36 +220,81 @@ impl<'a> Reader<'a> {
     }
 
     /// A letter that no number follows: an expression, a name, or a slip of the pen.
-    fn word_without_number(
-        &mut self,
-        text: &[u8],
-        at: usize,
-        line: &Line,
-    ) -> Result<usize, (Unread, (u32, u32))> {
+    fn word_without_number(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
         let length = text[at..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
         let signs = |byte: &u8| matches!(byte, b'.' | b'+' | b'-') || is_blank(*byte);
         let next = at + 1 + text[at + 1..].iter().take_while(|byte| signs(byte)).count();
         if letter == b'O' && matches!(text.get(next), Some(b'<' | b'[' | b'#')) {
             let end = code_end(text, at);
-            return Err((Unread::Flow { text: excerpt(&text[at..end]) }, columns(line, at, end)));
+            return Err((Unread::Flow { text: excerpt(&text[at..end]) }, line.columns(at, end)));
+        }
+        if letter != b'N' && Expressions::begin_at(text, at + 1) {
+            return self.word_with_formula(text, at, line);
         }
         if 1 < length {
-            let (name, columns) = (&text[at..at + length], columns(line, at, at + length));
+            let (name, columns) = (&text[at..at + length], line.columns(at, at + length));
             let text = excerpt(name);
             let is_flow = FLOW.iter().any(|keyword| name.eq_ignore_ascii_case(keyword.as_bytes()));
             return Err((if is_flow { Unread::Flow { text } } else { Unread::Text { text } }, columns));
         }
         if matches!(text.get(next), Some(b'#' | b'[' | b'=')) {
-            return Err((Unread::Expression, columns(line, at, code_end(text, at))));
+            let end = code_end(text, at);
+            return Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)));
         }
         if text.get(next).is_some_and(u8::is_ascii_digit) {
             return Ok(self.leave_out(text, at, line, |text| Unread::MalformedNumber { text }));
         }
         let end = at + text[at..next].trim_ascii_end().len();
         let remark = Unread::MissingNumber { letter: letter as char };
-        self.remarks.add(Place { line: self.line, columns: columns(line, at, end) }, remark);
+        self.remarks.add(Place { line: self.line, columns: line.columns(at, end) }, remark);
         Ok(end)
+    }
+
+    /// Reads the word whose letter stands at `at` and whose value is to be worked out.
+    fn word_with_formula(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let target = Target::Word(self.program.words.len() as u32);
+        let (end, columns) = self.formula(text, (at, at + 1), line, |expressions| {
+            expressions.value()?;
+            Ok(target)
+        })?;
+        let letter = text[at].to_ascii_uppercase();
+        self.program.words.push(Word { value: f64::NAN, columns, letter, has_point: false });
+        Ok(end)
+    }
+
+    /// Reads the assignment whose `#` stands at `at`; returns where it ends.
+    fn assignment(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let (end, _) = self.formula(text, (at, at), line, |expressions| {
+            Ok(match expressions.assignment()? {
+                Parameter::Numbered => Target::Numbered,
+                Parameter::Named(name) => Target::Named(name),
+            })
+        })?;
+        Ok(end)
+    }
+
+    /// Keeps what `read` reads from the second of `starts` on as a formula whose columns begin at
+    /// the first; returns where it ends, and its columns.
+    fn formula(
+        &mut self,
+        text: &[u8],
+        starts: (usize, usize),
+        line: &mut Line,
+        read: impl FnOnce(&mut Expressions) -> Result<Target, Fault>,
+    ) -> Result<(usize, (u32, u32)), Refusal> {
+        let first_step = self.program.steps.len() as u32;
+        let (first, _) = line.columns(starts.0, starts.0);
+        let mut expressions = Expressions::new(text, starts.1, &mut self.program.steps, &mut self.names);
+        let outcome = read(&mut expressions);
+        let end = expressions.at;
+        line.continuation += expressions.continuation;
+        line.begun = true;
+        let target = outcome.map_err(|(remark, bytes)| (remark, line.columns(bytes.start, bytes.end)))?;
+        let (past, _) = line.columns(end, end);
+        let steps = first_step..self.program.steps.len() as u32;
+        self.program.formulas.push(Formula { line: self.line, target, steps, columns: (first, past) });
+        Ok((end, (first, past)))
     }
 
     /// Leaves out the letter at `at` with all that looks like its number; returns where it ends.
@@ -277,7 +302,7 @@ impl<'a> Reader<'a> {
         let belongs = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_blank(*byte);
         let length = text[at + 1..].iter().take_while(|byte| belongs(byte)).count();
         let end = at + 1 + text[at + 1..at + 1 + length].trim_ascii_end().len();
-        let place = Place { line: self.line, columns: columns(line, at, end) };
+        let place = Place { line: self.line, columns: line.columns(at, end) };
         self.remarks.add(place, remark(excerpt(&text[at..end])));
         end
     }
@@ -292,88 +317,14 @@ impl<'a> Reader<'a> {
             }
             CommentEnd::Missing => text.len(),
         };
-        let (first, _) = columns(line, at, at);
+        let (first, _) = line.columns(at, at);
         line.continuation += text[at..end].iter().filter(|byte| is_continuation(**byte)).count();
         if text[end - 1] != b')' {
-            let (past, _) = columns(line, end, end);
+            let (past, _) = line.columns(end, end);
             self.remarks.add(Place { line: self.line, columns: (first, past) }, Unread::OpenComment);
         }
         end
     }
-}
-
-/// Where a comment closes, as its length.
-enum CommentEnd {
-    Matching(usize),
-    First(usize),
-    Missing,
-}
-
-/// The end of the comment that `text` begins with. Comments do not nest on controls, yet people
-/// write `(D10 (NEW))`: the matching parenthesis closes where there is one, else the first. Once
-/// a line is known to be unbalanced the first one does, so that no line is searched twice over.
-fn comment_end(text: &[u8], is_unbalanced: bool) -> CommentEnd {
-    let (mut depth, mut first) = (0_usize, CommentEnd::Missing);
-    for (index, byte) in text.iter().enumerate() {
-        match byte {
-            b'(' => depth += 1,
-            b')' => {
-                depth -= 1;
-                if depth == 0 {
-                    return CommentEnd::Matching(index + 1);
-                }
-                if is_unbalanced {
-                    return CommentEnd::First(index + 1);
-                }
-                if matches!(first, CommentEnd::Missing) {
-                    first = CommentEnd::First(index + 1);
-                }
-            }
-            _ => {}
-        }
-    }
-    first
-}
-
-/// Where the code that goes on at `at` ends: at a comment or the end of the line.
-fn code_end(text: &[u8], at: usize) -> usize {
-    let length = text[at..].iter().take_while(|byte| !matches!(byte, b'(' | b';')).count();
-    at + text[at..at + length].trim_ascii_end().len()
-}
-
-/// Digits to the end of the line, as in `*71`.
-fn is_checksum(text: &[u8]) -> bool {
-    let digits = text.trim_ascii();
-    !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
-}
-
-/// The second to fourth byte of a character in UTF-8.
-fn is_continuation(byte: u8) -> bool {
-    byte & 0xc0 == 0x80
-}
-
-/// Bytes of the character that `text` begins with.
-fn character_length(text: &[u8]) -> usize {
-    1 + text[1..].iter().take_while(|byte| is_continuation(**byte)).count()
-}
-
-/// Columns of the bytes from `start` to `end`, counted in characters as editors do.
-fn columns(line: &Line, start: usize, end: usize) -> (u32, u32) {
-    ((start - line.continuation) as u32 + 1, (end - line.continuation) as u32 + 1)
-}
-
-/// The offending text, short and printable whatever its bytes are.
-fn excerpt(text: &[u8]) -> String {
-    const LONGEST: usize = 24;
-    let mut shown: String = String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST)])
-        .chars()
-        .take(LONGEST)
-        .map(|character| if character.is_control() { ' ' } else { character })
-        .collect();
-    if LONGEST < text.len() {
-        shown.push('…');
-    }
-    shown
 }
 
 #[cfg(test)]

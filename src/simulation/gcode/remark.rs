@@ -1,14 +1,41 @@
 //! What reading has to say about a program.
 
+use crate::simulation::gcode::expression::DEEPEST;
 use crate::simulation::gcode::{Remark, Severity, counted};
 use thiserror::Error;
 
 /// Something in the text that was not read as a block of words.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum Unread {
-    /// `#`, `[` and what belongs to them.
-    #[error("variables and expressions are not evaluated yet: block not run")]
-    Expression,
+    /// An expression that breaks off or goes on as none can.
+    #[error("expected {expected}, found {found}: block not run")]
+    Expected {
+        /// What could have stood there.
+        expected: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// Letters in an expression that are no function.
+    #[error("`{text}` is not a known function: block not run")]
+    Function {
+        /// As written.
+        text: String,
+    },
+    /// `<` that does not begin the name of a parameter.
+    #[error("`{text}` is not the name of a parameter: block not run")]
+    Name {
+        /// As written.
+        text: String,
+    },
+    /// A number in an expression beyond what a number can hold.
+    #[error("`{text}` is too large: block not run")]
+    HugeValue {
+        /// As written.
+        text: String,
+    },
+    /// More brackets within brackets than are followed.
+    #[error("brackets and # are nested deeper than {DEEPEST}: block not run")]
+    Nesting,
     /// Jumps, loops, subroutines.
     #[error("program flow (`{text}`) is not followed yet: block not run")]
     Flow {
@@ -68,7 +95,11 @@ pub(super) enum Unread {
 impl Remark for Unread {
     fn severity(&self) -> Severity {
         match self {
-            Unread::Expression
+            Unread::Expected { .. }
+            | Unread::Function { .. }
+            | Unread::Name { .. }
+            | Unread::HugeValue { .. }
+            | Unread::Nesting
             | Unread::Flow { .. }
             | Unread::Text { .. }
             | Unread::MissingNumber { .. }

@@ -12,6 +12,8 @@
 //! Rules where controls differ or a program does not say:
 //! - The tool begins at X0 Y0 Z0, in mm, G17, G90, G91.1, G94, G64; axis words before the first
 //!   motion word move in rapid.
+//! - The values of expressions are worked out before their block is run, by the rules of the
+//!   parameters module; a value that is not whole counts as written with a decimal point.
 //! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
 //!   number, in milliseconds. X and U of G4 are in seconds.
 //! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
@@ -26,6 +28,7 @@ mod block;
 mod curve;
 mod cycle;
 mod motion;
+mod parameters;
 mod plane;
 mod remark;
 mod trace;

@@ -1,6 +1,7 @@
 //! What tracing has to say about a program.
 
 use crate::simulation::gcode::{Remark, Severity, counted};
+use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::plane::NoCircle;
 use thiserror::Error;
 
@@ -8,6 +9,8 @@ use thiserror::Error;
 /// Lengths are in mm.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum Untraced {
+    #[error("{0}: block not run")]
+    NoValue(#[from] NoValue),
     #[error("{code} is not understood: left out, and the axis words of its block are not run")]
     UnknownG { code: Code },
     #[error("{code} is not understood: left out")]
@@ -108,7 +111,8 @@ fn dwell_text(milliseconds: bool) -> &'static str {
 impl Remark for Untraced {
     fn severity(&self) -> Severity {
         match self {
-            Untraced::UnknownG { .. }
+            Untraced::NoValue(_)
+            | Untraced::UnknownG { .. }
             | Untraced::UnknownM { .. }
             | Untraced::Transformation { .. }
             | Untraced::Conflict { .. }

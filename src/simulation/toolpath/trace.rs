@@ -4,6 +4,7 @@ use crate::machine::Machine;
 use crate::simulation::gcode::{Place, Program, Remarks, Word};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycle;
+use crate::simulation::toolpath::parameters::Parameters;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
@@ -16,8 +17,20 @@ const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 /// Runs `program` on the geometry of `machine`.
 pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     let mut tracer = Tracer::new(machine, program.is_tape);
+    let mut parameters = Parameters::default();
     for (index, block) in program.blocks.iter().enumerate() {
-        tracer.block(Block { words: program.words(block), line: block.line });
+        let words = match program.formulas(block) {
+            [] => program.words(block),
+            formulas => match parameters.words_of(program, block, formulas) {
+                Ok(words) => words,
+                Err((formula, no_value)) => {
+                    let place = Place { line: block.line, columns: formula.columns };
+                    tracer.remarks.add(place, no_value.into());
+                    continue;
+                }
+            },
+        };
+        tracer.block(Block { words, line: block.line });
         if let Some(code) = tracer.ended {
             if let Some(next) = program.blocks.get(index + 1) {
                 let blocks = program.blocks.len() - index - 1;

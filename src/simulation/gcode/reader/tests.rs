@@ -63,7 +63,8 @@ fn percent_lines_frame_the_program() {
     check("(x)\n%\nG0", &[(3, "G0")]);
     check("G9\n%\nG0\n%", &[(3, "G0")]);
     check("G0\nG1\n%\n", &[(1, "G0"), (2, "G1")]);
-    check("#1=2\nG1\n%\n", &[(2, "G1")]);
+    check("#1=2\nG1\n%\n", &[(1, ""), (2, "G1")]);
+    check("]1=2\nG1\n%\n", &[(2, "G1")]);
     assert!(read(b"%\nG0\n%\n \n%\n").diagnostics.is_empty());
     let trailer = read(b"%\nG0\n%\n\nG1").diagnostics;
     assert_eq!((trailer.len(), trailer[0].line, trailer[0].severity), (1, LineNumber(5), Severity::Info));
@@ -85,9 +86,10 @@ fn block_delete_follows_the_switch() {
 #[test]
 fn what_is_not_understood_is_said() {
     let cases: &[(&str, &str, (u32, u32))] = &[
-        ("#1=2", "", (1, 5)),
-        ("G1 X[1+2] Y3", "", (4, 13)),
-        ("G1 X-#5", "", (4, 8)),
+        ("#1", "", (3, 4)),
+        ("G1 X[1+] Y3", "", (8, 9)),
+        ("G1 X-#5 Y-#", "", (12, 13)),
+        ("N#5 G1", "", (1, 7)),
         ("IF [1 EQ 1] GOTO 5", "", (1, 3)),
         ("o<drill> call (x)", "", (1, 14)),
         ("o100 while [1]", "", (6, 11)),
@@ -120,7 +122,7 @@ fn long_lines_are_read_in_linear_time() {
 
 #[test]
 fn a_million_faults_make_a_short_list() {
-    let program = read("#1=2\nX1.2.3\n".repeat(50_000).as_bytes());
+    let program = read("#1\nX1.2.3\n".repeat(50_000).as_bytes());
     assert_eq!(program.diagnostics.len(), 402);
     let counted =
         program.diagnostics.iter().filter(|diagnostic| diagnostic.message.starts_with("49800 more"));

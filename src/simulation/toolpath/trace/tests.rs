@@ -104,7 +104,7 @@ fn any_bytes_run() {
 /// Programs of true words in any order reach deeper than random bytes.
 #[test]
 fn any_words_run() {
-    let letters = b"GGGGGGMXYZXYZIJKRFPTLSABNO/%#[(;\n\n\n\n";
+    let letters = b"GGGGGGMXYZXYZIJKRFPTLSABNO/%#[]<>=*+(;\n\n\n\n";
     let codes = [
         "0", "1", "2", "3", "17", "18", "19", "20", "90", "91", "90.1", "28", "53", "92", "52", "81", "80",
         "4",
@@ -139,7 +139,7 @@ fn damaged_programs_run() {
             match random.below(3) {
                 0 => bytes[at] = random.below(256) as u8,
                 1 => drop(bytes.remove(at)),
-                _ => bytes.insert(at, b"0123456789.-GXYZ\n"[random.below(17)]),
+                _ => bytes.insert(at, b"0123456789.-GXYZ\n#[]<>=*/"[random.below(25)]),
             }
         }
         run_bytes(&bytes);

@@ -1,0 +1,267 @@
+//! Expressions → postfix steps.
+//!
+//! ```text
+//! assignment = "#" place "=" expression
+//! expression = value { operator value }
+//! value      = number  |  [ "+" | "-" ] ( "#" place | bracket | function )
+//! place      = "<" name ">"  |  value
+//! bracket    = "[" expression "]"
+//! function   = "ATAN" bracket "/" bracket  |  name bracket
+//! ```
+//!
+//! Operators bind in this order, the tightest first, and from left to right within a row, as on
+//! LinuxCNC: `**`; `*` `/` `MOD`; `+` `-`; `EQ` `NE` `GT` `GE` `LT` `LE`; `AND` `OR` `XOR`. A sign
+//! belongs to its value: `-2**2` is 4. `ATAN[y]` without `/[x]` is the arctangent of one value, as
+//! on Fanuc controls. White space means nothing, not even within the name of a parameter, and
+//! lower case is upper case.
+//!
+//! A fault ends the reading of its block. Brackets and `#` nest to a bounded depth, so that no
+//! text exhausts the stack, and every byte is looked at a bounded number of times.
+
+use crate::simulation::gcode::formula::{FUNCTIONS, Function, OPERATORS, Operator, Step};
+use crate::simulation::gcode::line::{character_length, excerpt, is_continuation};
+use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
+use crate::simulation::gcode::remark::Unread;
+use std::collections::HashMap;
+
+/// How deep brackets and `#` may stand within each other.
+pub(super) const DEEPEST: usize = 64;
+
+/// The longest name of a parameter, bytes.
+const LONGEST_NAME: usize = 100;
+
+/// What is wrong, and the bytes it concerns.
+pub(super) type Fault = (Unread, std::ops::Range<usize>);
+
+/// The named parameters of a program, each once.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    indices: HashMap<String, u32>,
+}
+
+impl Names {
+    fn index(&mut self, name: String) -> u32 {
+        let next = self.indices.len() as u32;
+        *self.indices.entry(name).or_insert(next)
+    }
+
+    /// The names in order of their index.
+    pub(super) fn finish(self) -> Vec<String> {
+        let mut names: Vec<_> = self.indices.into_iter().collect();
+        names.sort_unstable_by_key(|(_, index)| *index);
+        names.into_iter().map(|(name, _)| name).collect()
+    }
+}
+
+/// A parameter as it is written.
+pub(super) enum Place {
+    /// Its number is left by the steps before.
+    Numbered,
+    /// Index of its name.
+    Named(u32),
+}
+
+/// Reads one expression after the other from a line.
+pub(super) struct Expressions<'a> {
+    pub(super) text: &'a [u8],
+    /// The byte to be read next.
+    pub(super) at: usize,
+    pub(super) steps: &'a mut Vec<Step>,
+    pub(super) names: &'a mut Names,
+    depth: usize,
+    /// Bytes read so far that belong to a character already counted.
+    pub(super) continuation: usize,
+}
+
+impl<'a> Expressions<'a> {
+    pub(super) fn new(
+        text: &'a [u8],
+        at: usize,
+        steps: &'a mut Vec<Step>,
+        names: &'a mut Names,
+    ) -> Expressions<'a> {
+        Expressions { text, at, steps, names, depth: 0, continuation: 0 }
+    }
+
+    /// Whether a value that is more than a number begins at `at`.
+    pub(super) fn begin_at(text: &[u8], at: usize) -> bool {
+        let at = skip_blanks(text, at);
+        let is_signed = matches!(text.get(at), Some(b'+' | b'-'));
+        let at = skip_blanks(text, at + usize::from(is_signed));
+        let is_function = || {
+            let found = FUNCTIONS.iter().find_map(|(name, _)| after(text, at, name));
+            found.is_some_and(|end| text.get(skip_blanks(text, end)) == Some(&b'['))
+        };
+        match text.get(at) {
+            Some(b'#' | b'[') => true,
+            Some(byte) => byte.is_ascii_alphabetic() && is_function(),
+            None => false,
+        }
+    }
+
+    /// `#…=…`: leaves the number of the parameter, if it has one, and its value.
+    pub(super) fn assignment(&mut self) -> Result<Place, Fault> {
+        self.at += 1;
+        let place = self.place()?;
+        self.expect(b'=')?;
+        self.expression(0)?;
+        Ok(place)
+    }
+
+    /// Leaves one value.
+    pub(super) fn value(&mut self) -> Result<(), Fault> {
+        self.at = skip_blanks(self.text, self.at);
+        if let Some(found) = number(self.text, self.at) {
+            if !found.value.is_finite() {
+                let text = excerpt(&self.text[self.at..found.end]);
+                return Err((Unread::HugeValue { text }, self.at..found.end));
+            }
+            self.steps.push(Step::Number(found.value));
+            self.at = found.end;
+            return Ok(());
+        }
+        let is_negative = self.text.get(self.at) == Some(&b'-');
+        if is_negative || self.text.get(self.at) == Some(&b'+') {
+            self.at = skip_blanks(self.text, self.at + 1);
+        }
+        match self.text.get(self.at) {
+            Some(b'#') => {
+                self.at += 1;
+                match self.place()? {
+                    Place::Numbered => self.steps.push(Step::Numbered),
+                    Place::Named(name) => self.steps.push(Step::Named(name)),
+                }
+            }
+            Some(b'[') => self.bracket()?,
+            Some(byte) if byte.is_ascii_alphabetic() => self.function()?,
+            _ => return Err(self.missing("a value")),
+        }
+        if is_negative {
+            self.steps.push(Step::Negate);
+        }
+        Ok(())
+    }
+
+    /// Leaves the value of all that binds at least as tightly as `tightness`.
+    fn expression(&mut self, tightness: u8) -> Result<(), Fault> {
+        self.value()?;
+        while let Some((end, own, operator)) = self.operator()
+            && tightness <= own
+        {
+            self.at = end;
+            self.expression(own + 1)?;
+            self.steps.push(Step::Operator(operator));
+        }
+        Ok(())
+    }
+
+    /// The operator that stands next: where it ends, and how tightly it binds.
+    fn operator(&self) -> Option<(usize, u8, Operator)> {
+        let at = skip_blanks(self.text, self.at);
+        let found = |(name, tightness, operator): &(&str, u8, Operator)| {
+            Some((after(self.text, at, name)?, *tightness, *operator))
+        };
+        OPERATORS.iter().find_map(found)
+    }
+
+    fn bracket(&mut self) -> Result<(), Fault> {
+        self.expect(b'[')?;
+        self.nested(|inner| inner.expression(0))?;
+        self.expect(b']')
+    }
+
+    fn function(&mut self) -> Result<(), Fault> {
+        let start = self.at;
+        let found = FUNCTIONS
+            .iter()
+            .find_map(|(name, function)| after(self.text, start, name).map(|end| (end, *function)));
+        let Some((end, function)) = found else {
+            let letters = self.text[start..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+            let text = excerpt(&self.text[start..start + letters]);
+            return Err((Unread::Function { text }, start..start + letters));
+        };
+        self.at = end;
+        self.bracket()?;
+        let slash = skip_blanks(self.text, self.at);
+        if function == Function::Atan
+            && self.text.get(slash) == Some(&b'/')
+            && self.text.get(skip_blanks(self.text, slash + 1)) == Some(&b'[')
+        {
+            self.at = slash + 1;
+            self.bracket()?;
+            self.steps.push(Step::Operator(Operator::Angle));
+        } else {
+            self.steps.push(Step::Function(function));
+        }
+        Ok(())
+    }
+
+    /// What follows a `#`.
+    fn place(&mut self) -> Result<Place, Fault> {
+        let start = skip_blanks(self.text, self.at);
+        if self.text.get(start) != Some(&b'<') {
+            self.nested(Self::value)?;
+            return Ok(Place::Numbered);
+        }
+        let length = self.text[start..].iter().position(|byte| *byte == b'>');
+        let end = length.map_or(self.text.len(), |length| start + length);
+        let written = self.text.get(start + 1..end).unwrap_or_default();
+        let name: Vec<u8> =
+            written.iter().copied().filter(|byte| !is_blank(*byte)).take(LONGEST_NAME + 1).collect();
+        match String::from_utf8(name) {
+            Ok(name) if length.is_some() && (1..=LONGEST_NAME).contains(&name.len()) => {
+                self.continuation += written.iter().filter(|byte| is_continuation(**byte)).count();
+                self.at = end + 1;
+                Ok(Place::Named(self.names.index(name.to_lowercase())))
+            }
+            _ => Err((Unread::Name { text: excerpt(&self.text[start..end]) }, start..start + 1)),
+        }
+    }
+
+    fn nested(&mut self, read: impl FnOnce(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
+        if self.depth == DEEPEST {
+            return Err((Unread::Nesting, self.at..self.at + 1));
+        }
+        self.depth += 1;
+        read(self)?;
+        self.depth -= 1;
+        Ok(())
+    }
+
+    fn expect(&mut self, sign: u8) -> Result<(), Fault> {
+        self.at = skip_blanks(self.text, self.at);
+        if self.text.get(self.at) == Some(&sign) {
+            self.at += 1;
+            return Ok(());
+        }
+        Err(self.missing(match sign {
+            b'[' => "`[`",
+            b']' => "an operator or `]`",
+            _ => "`=`",
+        }))
+    }
+
+    /// Something else stands where `expected` should.
+    fn missing(&self, expected: &'static str) -> Fault {
+        let rest = &self.text[self.at..];
+        let length = if rest.is_empty() { 0 } else { character_length(rest) };
+        let found = match length {
+            0 => "the end of the line".to_string(),
+            _ => format!("`{}`", excerpt(&rest[..length])),
+        };
+        (Unread::Expected { expected, found }, self.at..self.at + 1)
+    }
+}
+
+/// Where `name` ends, if it stands at `at`; blanks within it mean nothing.
+fn after(text: &[u8], at: usize, name: &str) -> Option<usize> {
+    let mut end = at;
+    for letter in name.bytes() {
+        end = skip_blanks(text, end);
+        if !text.get(end)?.eq_ignore_ascii_case(&letter) {
+            return None;
+        }
+        end += 1;
+    }
+    Some(end)
+}

@@ -1,0 +1,111 @@
+//! One line of the program: where it ends, how its columns count, where its comments close.
+
+/// The first line of `text` and what follows its end; none where nothing is left.
+pub(super) fn split_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
+    if text.is_empty() {
+        return None;
+    }
+    let Some(end) = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')) else {
+        return Some((text, &[]));
+    };
+    let after = if text[end..].starts_with(b"\r\n") { end + 2 } else { end + 1 };
+    Some((&text[..end], &text[after..]))
+}
+
+/// The lines of `text`.
+pub(super) fn lines(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    std::iter::from_fn(move || {
+        let (line, after) = split_line(text)?;
+        text = after;
+        Some(line)
+    })
+}
+
+/// What is known of the line being read.
+#[derive(Default)]
+pub(super) struct Line {
+    /// Bytes so far that belong to a character already counted.
+    pub(super) continuation: usize,
+    /// Something but an N word stands before.
+    pub(super) begun: bool,
+    /// An O word stands before.
+    pub(super) has_o_word: bool,
+    /// A comment before had parentheses within that did not match.
+    pub(super) is_unbalanced: bool,
+}
+
+impl Line {
+    /// Columns of the bytes from `start` to `end`, counted in characters as editors do.
+    pub(super) fn columns(&self, start: usize, end: usize) -> (u32, u32) {
+        ((start - self.continuation) as u32 + 1, (end - self.continuation) as u32 + 1)
+    }
+}
+
+/// Where a comment closes, as its length.
+pub(super) enum CommentEnd {
+    Matching(usize),
+    First(usize),
+    Missing,
+}
+
+/// The end of the comment that `text` begins with. Comments do not nest on controls, yet people
+/// write `(D10 (NEW))`: the matching parenthesis closes where there is one, else the first. Once
+/// a line is known to be unbalanced the first one does, so that no line is searched twice over.
+pub(super) fn comment_end(text: &[u8], is_unbalanced: bool) -> CommentEnd {
+    let (mut depth, mut first) = (0_usize, CommentEnd::Missing);
+    for (index, byte) in text.iter().enumerate() {
+        match byte {
+            b'(' => depth += 1,
+            b')' => {
+                depth -= 1;
+                if depth == 0 {
+                    return CommentEnd::Matching(index + 1);
+                }
+                if is_unbalanced {
+                    return CommentEnd::First(index + 1);
+                }
+                if matches!(first, CommentEnd::Missing) {
+                    first = CommentEnd::First(index + 1);
+                }
+            }
+            _ => {}
+        }
+    }
+    first
+}
+
+/// Where the code that goes on at `at` ends: at a comment or the end of the line.
+pub(super) fn code_end(text: &[u8], at: usize) -> usize {
+    let length = text[at..].iter().take_while(|byte| !matches!(byte, b'(' | b';')).count();
+    at + text[at..at + length].trim_ascii_end().len()
+}
+
+/// Digits to the end of the line, as in `*71`.
+pub(super) fn is_checksum(text: &[u8]) -> bool {
+    let digits = text.trim_ascii();
+    !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
+}
+
+/// The second to fourth byte of a character in UTF-8.
+pub(super) fn is_continuation(byte: u8) -> bool {
+    byte & 0xc0 == 0x80
+}
+
+/// Bytes of the character that `text` begins with.
+pub(super) fn character_length(text: &[u8]) -> usize {
+    1 + text[1..].iter().take_while(|byte| is_continuation(**byte)).count()
+}
+
+/// The offending text, short and printable whatever its bytes are.
+pub(super) fn excerpt(text: &[u8]) -> String {
+    const LONGEST: usize = 24;
+    let mut shown: String = String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST)])
+        .chars()
+        .take(LONGEST)
+        .map(|character| if character.is_control() { ' ' } else { character })
+        .collect();
+    if LONGEST < text.len() {
+        shown.push('…');
+    }
+    shown
+}
