@@ -36,6 +36,10 @@ pub(super) enum Untraced {
 
     #[error("F{value} is not a feedrate a machine can run: the former stays in force")]
     BadFeed { value: f64 },
+    #[error(
+        "{feedrate:.0} mm/min is faster than the machine's rapids ({rapid:.0} mm/min): run as written; axis.x.velocity_mm_min and so on would limit it"
+    )]
+    FasterThanRapid { feedrate: f64, rapid: f64 },
     #[error("no F before this move: feed moves are taken at {assumed:.0} mm/min until there is one")]
     NoFeed { assumed: f64 },
     #[error("{code} ({name}) is not understood: moves are taken at the last feed in mm/min or inch/min")]
@@ -132,6 +136,7 @@ impl Remark for Untraced {
             Untraced::UnmodelledWord { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
+            | Untraced::FasterThanRapid { .. }
             | Untraced::Compensation { .. }
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
@@ -156,6 +161,7 @@ impl Remark for Untraced {
                 | Untraced::NoFeed { .. }
                 | Untraced::FeedMode { .. }
                 | Untraced::SurfaceSpeed
+                | Untraced::FasterThanRapid { .. }
                 | Untraced::DwellUnit { .. }
                 | Untraced::UnknownHome { .. }
                 | Untraced::DataSetting

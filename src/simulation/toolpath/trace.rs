@@ -9,7 +9,7 @@ use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
 use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath, Vector};
-use crate::units::{MM_PER_INCH, mm_per_s};
+use crate::units::{MM_PER_INCH, mm_per_min, mm_per_s};
 
 /// The feedrates that are taken at their word, mm/s.
 const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
@@ -249,6 +249,10 @@ impl<'a> Tracer<'a> {
         let feedrate = mm_per_s(value * self.modal.unit);
         if FEEDRATES.contains(&feedrate) {
             self.modal.feedrate = Some(feedrate);
+            if self.machine.rapid.feedrate < feedrate {
+                let (feedrate, rapid) = (mm_per_min(feedrate), mm_per_min(self.machine.rapid.feedrate));
+                self.remarks.add(block.place_of_letter(b'F'), Untraced::FasterThanRapid { feedrate, rapid });
+            }
         } else {
             self.remarks.add(block.place_of_letter(b'F'), Untraced::BadFeed { value });
         }
