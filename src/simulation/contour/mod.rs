@@ -11,9 +11,10 @@
 //! is nearer to the filtered path than at its ends. At an isolated corner e is the tolerance that the corner law was asked to keep; where several corners
 //! lie under one filter delay, it is what the isolated law cannot know.
 //!
-//! The search begins half a filter delay after X was commanded and follows the gradient (Newton's
-//! method without the curvature term); it stays within the delay, so it cannot stray to another
-//! pass over the same place.
+//! The search begins half a filter delay after X was commanded and steps to where the distance
+//! would be least if the path went on straight; once it has gone too far, the nearest moment is
+//! bracketed, and closed in on by regula falsi. It stays within the delay, so it cannot stray to
+//! another pass over the same place.
 
 mod guaranteed;
 mod regions;
@@ -49,6 +50,11 @@ const POINTS_PER_DELAY: f64 = 24.0;
 
 /// Most points measured on one pulse of an arc.
 const POINTS_ON_ARC: f64 = 192.0;
+
+/// The search for the nearest moment ends when a step gains no more than this part of the square
+/// of the distance, or after so many steps.
+const SMALL_GAIN: f64 = 1e-9;
+const MOST_STEPS: usize = 30;
 
 /// Measures the contour error of a profile at all corners and arcs.
 pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -> ContourErrors {
@@ -155,17 +161,33 @@ pub fn distance_from_path(motion: &Motion, point: Point, commanded: f64) -> f64 
     let delay = motion.filter().delay();
     let mut time = commanded + 0.5 * delay;
     let mut nearest = f64::INFINITY;
-    for _ in 0..20 {
+    // Moments before and after the nearest one, with (P − X)·Ṗ there once that is known.
+    let (mut before, mut after) = ((commanded, f64::NAN), (commanded + delay, f64::NAN));
+    let mut was_before = None;
+    for _ in 0..MOST_STEPS {
         let state = motion.state(motion.moment(time));
         let away = state.position - point;
-        let distance = away.norm();
-        let improved = distance < nearest * (1.0 - 1e-9);
-        nearest = nearest.min(distance);
-        let speed = state.velocity.norm_squared();
-        if !improved || speed == 0.0 {
+        nearest = nearest.min(away.norm());
+        let receding = away.dot(&state.velocity);
+        // An end that stays counts half as much, so that it does not stay for ever.
+        let is_before = receding < 0.0;
+        let stays = was_before.replace(is_before) == Some(is_before);
+        if is_before {
+            before = (time, receding);
+            after.1 *= if stays { 0.5 } else { 1.0 };
+        } else {
+            after = (time, receding);
+            before.1 *= if stays { 0.5 } else { 1.0 };
+        }
+        let between = before.0 + (after.0 - before.0) * before.1 / (before.1 - after.1);
+        let straight = time - receding / state.velocity.norm_squared();
+        let next = if between.is_nan() { straight } else { between }.clamp(before.0, after.0);
+        // What a step takes off the square of the distance is its length times its slope.
+        let gain = (receding * (next - time)).abs();
+        if gain.is_nan() || gain <= SMALL_GAIN * nearest * nearest {
             break;
         }
-        time = (time - away.dot(&state.velocity) / speed).clamp(commanded, commanded + delay);
+        time = next;
     }
     nearest
 }

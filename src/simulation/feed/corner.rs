@@ -22,10 +22,12 @@
 //! where that is beyond S(h). For n = 2 and 3 equal constants T, G/T is the polynomial g of the
 //! paper with its misprints mended.
 //!
-//! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition. Where the feedrates
-//! of the legs differ, F is the smaller one, and each leg keeps c for h (1 − c/F) of its own F:
-//! the slower side then sees the published pulse, and the faster side has left its own feedrate
-//! before the corner begins.
+//! Where the feedrates of the legs differ, each leg keeps c for h (1 − c/F) of its own F, and c is
+//! the smaller one of what the law gives for each: both sides then see a pulse that holds the
+//! tolerance. That is nearly always the law for the slower leg, as c hardly depends on F; a leg
+//! that is little faster than a corner at full feedrate needs the other.
+//!
+//! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition.
 
 use crate::simulation::filter::FilterChain;
 
@@ -78,6 +80,15 @@ impl<'a> CornerLaw<'a> {
             alpha = next;
         }
         alpha
+    }
+
+    /// The fastest command at a corner between legs run at `before` and `after` (mm/s) that keeps
+    /// the deviation over ‖u2 − u1‖ at most `distance`, mm.
+    pub fn feedrate(&self, distance: f64, before: f64, after: f64) -> f64 {
+        let of_leg = |feedrate: f64| feedrate * self.alpha(distance / feedrate);
+        let (slower, faster) = (before.min(after), before.max(after));
+        let corner = of_leg(slower);
+        if slower == faster { corner } else { corner.min(of_leg(faster)) }
     }
 
     /// How long a leg run at `feedrate` keeps the corner's command `corner`, s.

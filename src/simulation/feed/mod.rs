@@ -235,10 +235,11 @@ fn add_stretch(
     let mut corners = Vec::with_capacity(segments.len() + 1);
     corners.push(FULL_STOP);
     for (i, pair) in segments.windows(2).enumerate() {
-        let slower = feedrates[i].min(feedrates[i + 1]);
+        let (before, after) = (feedrates[i], feedrates[i + 1]);
+        let slower = before.min(after);
         let change = pair[1].tangent(0.0) - pair[0].tangent(pair[0].length);
         let by_rule = match rule {
-            Rule::Isolated(tolerance) => slower * law.alpha(tolerance / (slower * change.norm())),
+            Rule::Isolated(tolerance) => law.feedrate(tolerance / change.norm(), before, after),
             Rule::Given { corners, .. } => corners[range.start + i].min(slower),
         };
         let (by_acceleration, by_jerk) = axis_corner_feedrates(&change, machine, chain);
