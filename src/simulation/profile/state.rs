@@ -109,9 +109,14 @@ impl Motion<'_> {
         let mut distance = 0.0;
         let mut travel = Vector::zeros();
         let mut velocity = Vector::zeros();
+        // One slice ends where the next begins, and nothing has arrived of what is sent now.
+        let (mut s_younger, mut v_younger) = (0.0, 0.0);
         let oldest = self.for_each_slice(moment, |slice| {
             let slope = slice.slope();
-            let (s_older, s_younger) = (filter.displacement(slice.older), filter.displacement(slice.younger));
+            if s_younger == 0.0 {
+                (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
+            }
+            let (s_older, v_older) = (filter.displacement(slice.older), filter.step(slice.older));
             let mut arrived = slice.first * s_older - slice.last * s_younger;
             if slope != 0.0 {
                 let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
@@ -121,7 +126,6 @@ impl Motion<'_> {
             match &slice.segment.curve {
                 Curve::Line => {
                     let direction = slice.segment.tangent(0.0);
-                    let (v_older, v_younger) = (filter.step(slice.older), filter.step(slice.younger));
                     let mut feedrate = slice.first * v_older - slice.last * v_younger;
                     if slope != 0.0 {
                         feedrate += slope * (s_older - s_younger);
@@ -136,6 +140,7 @@ impl Motion<'_> {
                     velocity += weight * filter.impulse(age) * commanded;
                 }),
             }
+            (s_younger, v_younger) = (s_older, v_older);
         });
         State {
             distance: self.distances[oldest.segment] + oldest.offset + distance,
@@ -181,17 +186,15 @@ impl Motion<'_> {
     /// command was one filter delay ago.
     fn for_each_slice(&self, moment: Moment, mut visit: impl FnMut(Slice)) -> Oldest {
         let delay = self.filter.delay();
-        let mut older = moment.elapsed;
+        let mut younger = moment.elapsed - self.pulses[moment.pulse].duration;
         for index in (self.first_pulse..=moment.pulse).rev() {
             let pulse = &self.pulses[index];
             let segment = pulse.segment as usize;
-            if index < moment.pulse {
-                older += pulse.duration;
-            }
+            let older = if index == moment.pulse { moment.elapsed } else { younger + pulse.duration };
             let whole = Slice {
                 segment: &self.segments[segment],
                 older,
-                younger: older - pulse.duration,
+                younger,
                 first: pulse.feedrate[0],
                 last: pulse.feedrate[1],
                 offset: pulse.offset,
@@ -208,6 +211,7 @@ impl Motion<'_> {
             if delay <= older {
                 return Oldest { segment, offset };
             }
+            younger = older;
         }
         Oldest { segment: self.pulses[self.first_pulse].segment as usize, offset: 0.0 }
     }
