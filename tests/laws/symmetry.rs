@@ -136,9 +136,11 @@ fn a_slower_clock_stretches_every_time() {
     for (case, mut random) in cases(14, CASES) {
         let factor = random.log_between(0.1, 10.0);
         let mut machine = case.machine.clone();
-        let constants = |constants: &TimeConstants| rescaled(constants, factor, factor.powi(-3));
-        machine.interpolator.time_constants = constants(&case.machine.interpolator.time_constants);
-        machine.rapid.time_constants = case.machine.rapid.time_constants.as_ref().map(constants);
+        let jerk_factor = factor.powi(-3);
+        machine.interpolator.time_constants =
+            rescaled(&case.machine.interpolator.time_constants, factor, jerk_factor);
+        machine.rapid.time_constants =
+            case.machine.rapid.time_constants.as_ref().map(|own| rescaled(own, factor, jerk_factor));
         machine.rapid.feedrate /= factor;
         machine.path.acceleration /= factor * factor;
         let toolpath = retimed(&case.toolpath, 1.0 / factor, factor);
