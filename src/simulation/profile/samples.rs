@@ -84,8 +84,10 @@ impl Profile<'_> {
 
 impl Samples {
     fn push(&mut self, time: f64, state: &State, line: u32) {
-        self.time.push(time);
-        self.distance.push(state.distance);
+        // Rounding may put a row a last digit before the one before it; a table must not go back.
+        let not_before = |column: &[f64], value: f64| column.last().map_or(value, |last| last.max(value));
+        self.time.push(not_before(&self.time, time));
+        self.distance.push(not_before(&self.distance, state.distance));
         self.feedrate.push(state.velocity.norm());
         for (column, value) in self.position.iter_mut().zip(state.position.iter()) {
             column.push(*value);

@@ -1,0 +1,7 @@
+//! Laws of the interpolator over seeded random paths: what must hold whatever the program.
+
+mod conservation;
+mod limits;
+mod paths;
+mod symmetry;
+mod table;
