@@ -20,9 +20,7 @@
 //! the program faster, and the fastest plan within tolerance is the result.
 
 use crate::machine::{CornerMode, Machine};
-use crate::simulation::contour::{
-    ContourErrors, SegmentErrors, by_corner, contour_errors, measure, stretches,
-};
+use crate::simulation::contour::{ContourErrors, SegmentErrors, by_corner, contour_errors, measure};
 use crate::simulation::feed::{FeedPlan, Rule, plan};
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Curve, Toolpath};
@@ -201,7 +199,7 @@ impl Asked {
 /// The segments of which a part is commanded within a filter delay of a segment that moved.
 fn within_a_delay(plan: &FeedPlan, moved: &[bool]) -> Vec<bool> {
     let mut stale = moved.to_vec();
-    for stretch in stretches(plan) {
+    for stretch in plan.stretches() {
         let delay = plan.filters[stretch.filter].delay();
         let mut spread = |pulses: &mut dyn Iterator<Item = usize>| {
             let mut age = f64::INFINITY;

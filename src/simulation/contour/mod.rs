@@ -24,7 +24,7 @@ pub use regions::{Region, regions_above};
 
 use std::cmp::Ordering;
 
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch};
+use crate::simulation::feed::{FeedPlan, Pulse, Stretch};
 use crate::simulation::profile::{Motion, Profile};
 use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
@@ -91,7 +91,7 @@ fn measure(
     measured: &mut [SegmentErrors],
     wanted: impl Fn(usize) -> bool,
 ) {
-    for stretch in stretches(plan) {
+    for stretch in plan.stretches() {
         let motion = profile.motion(stretch);
         let mut first = stretch.pulses.start;
         for pulses in plan.pulses[stretch.pulses.clone()].chunk_by(|a, b| a.segment == b.segment) {
@@ -216,12 +216,4 @@ fn distance_from_programmed(segments: &[Segment], number: usize, offset: f64, po
         (segment.point(s) - point).norm()
     });
     distances.fold(f64::INFINITY, f64::min)
-}
-
-/// The stretches of a plan in order.
-fn stretches(plan: &FeedPlan) -> impl Iterator<Item = &Stretch> {
-    plan.phases.iter().filter_map(|phase| match phase {
-        Phase::Motion(stretch) => Some(stretch),
-        Phase::Wait(_) => None,
-    })
 }

@@ -116,6 +116,14 @@ impl FeedPlan {
         running_sum(durations).last().unwrap_or(0.0)
     }
 
+    /// The stretches of motion in order.
+    pub fn stretches(&self) -> impl Iterator<Item = &Stretch> {
+        self.phases.iter().filter_map(|phase| match phase {
+            Phase::Motion(stretch) => Some(stretch),
+            Phase::Wait(_) => None,
+        })
+    }
+
     /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer.
     pub fn command_time(&self, stretch: &Stretch) -> f64 {
         let durations = self.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);

@@ -49,7 +49,7 @@ impl<'a> Profile<'a> {
             |sums: &mut dyn Iterator<Item = f64>| [0.0].into_iter().chain(sums).collect::<Vec<f64>>();
         let distances = from_zero(&mut running_sum(toolpath.segments.iter().map(|segment| segment.length)));
         let mut pulse_starts = Vec::with_capacity(plan.pulses.len());
-        for stretch in stretches(plan) {
+        for stretch in plan.stretches() {
             let durations = plan.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
             pulse_starts.push(0.0);
             pulse_starts.extend(running_sum(durations));
@@ -155,14 +155,6 @@ impl<'a> Profile<'a> {
         };
         State { distance: self.distances[segments], position, velocity: Default::default() }
     }
-}
-
-/// The stretches of a plan in order.
-fn stretches(plan: &FeedPlan) -> impl Iterator<Item = &Stretch> {
-    plan.phases.iter().filter_map(|phase| match phase {
-        Phase::Motion(stretch) => Some(stretch),
-        Phase::Wait(_) => None,
-    })
 }
 
 impl Motion<'_> {
