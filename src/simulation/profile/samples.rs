@@ -52,17 +52,19 @@ impl Profile<'_> {
     /// The profile as a table.
     pub fn samples(&self, resolution: Resolution) -> Samples {
         let mut samples = Samples::default();
+        let mut segments_before = 0;
         for (index, phase) in self.plan.phases.iter().enumerate() {
             let start = self.phase_starts[index];
             match phase {
                 Phase::Wait(wait) if wait.duration == 0.0 => {}
                 Phase::Wait(wait) => {
-                    let state = self.standing(self.segments_before(index));
+                    let state = self.standing(segments_before);
                     samples.push(start, &state, wait.line.0);
                     samples.push(self.phase_starts[index + 1], &state, wait.line.0);
                 }
                 Phase::Motion(stretch) => {
                     let segments = stretch.segments.clone();
+                    segments_before = segments.end;
                     let commands =
                         self.plan.pulses[stretch.pulses.clone()].iter().flat_map(|pulse| pulse.feedrate);
                     let mut sampler = Sampler {
