@@ -3,7 +3,8 @@
 //! Rows are laid at an eighth of the filter delay while anything changes, and nowhere else; then
 //! each gap is halved until straight lines between the rows, over time and over distance, stay
 //! within the resolution asked for. A filtered feedrate has no feature shorter than that first
-//! spacing resolves, so nothing is missed, and the cost is linear in the number of pulses.
+//! spacing resolves, but for filters that let short pulses through: there rows are laid where it
+//! may bend. So nothing is missed, and the cost is linear in the number of pulses.
 
 use crate::simulation::feed::Phase;
 use crate::simulation::profile::{Motion, Profile, State};
@@ -141,7 +142,7 @@ impl Sampler<'_> {
     /// the end of the time in which nothing changes.
     fn next_time(&self, time: f64) -> f64 {
         let delay = self.motion.filter.delay();
-        let step = time + delay / 8.0;
+        let step = self.next_kink(time, time + delay / 8.0);
         let moment = self.motion.moment(time);
         let pulse = &self.motion.pulses[moment.pulse];
         if moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
@@ -154,6 +155,32 @@ impl Sampler<'_> {
         };
         let end = self.motion.pulse_starts[moment.pulse] + pulse.duration;
         step.max(end.min(time + widest))
+    }
+
+    /// The first time after `time` and up to `latest` at which the feedrate may bend within less
+    /// than an eighth of the delay: with a single filter, or one much shorter than the others, a
+    /// short pulse gives ramps of its own length, a knot of the filters after each of its ends.
+    fn next_kink(&self, time: f64, latest: f64) -> f64 {
+        let motion = &self.motion;
+        let (filter, delay) = (motion.filter, motion.filter.delay());
+        let is_sharp = |constant: &f64| *constant < delay / 8.0;
+        if 1 < filter.time_constants().len() && !filter.time_constants().iter().any(is_sharp) {
+            return latest;
+        }
+        let mut next = latest;
+        let mut end = motion.command_time();
+        for pulse in (motion.first_pulse..=motion.moment(latest).pulse).rev() {
+            let start = motion.pulse_starts[pulse];
+            for edge in [start, end] {
+                let kinks = filter.knots().map(|knot| edge + knot).filter(|kink| time < *kink);
+                next = kinks.fold(next, f64::min);
+            }
+            if start + delay <= time {
+                break;
+            }
+            end = start;
+        }
+        next
     }
 
     /// Adds the rows after `a` up to `b`.
