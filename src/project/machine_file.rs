@@ -6,15 +6,11 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::machine::{Machine, PARAMETERS};
-use crate::project::{Fault, Written, contradiction, known_parameter, position, set, written};
+use crate::project::{Fault, REQUIRED, Written, contradiction, known_parameter, position, set, written};
 
 /// The form of the filters' constants: exactly one of these keys must be there.
 pub(crate) const TIME_CONSTANTS: [&str; 3] =
     ["interpolator.time_constant_s", "interpolator.max_jerk_mm_s3", "interpolator.time_constants_s"];
-
-/// Keys without which a machine file says too little.
-const REQUIRED: [&str; 4] =
-    ["interpolator.filters", "interpolator.contour_tolerance_mm", "rapid.feed_mm_min", "times.tool_change_s"];
 
 /// A machine from the text of a machine file, or the first thing wrong with it.
 pub fn machine_from_toml(text: &str) -> Result<Machine, Fault> {

@@ -10,6 +10,7 @@ import { find, make } from '../dom.js'
 const BASIC = [
   'interpolator.filters',
   'interpolator.time_constant_s',
+  'interpolator.corner_mode',
   'rapid.feed_mm_min',
   'times.tool_change_s',
   'rates.hourly',
