@@ -23,7 +23,10 @@
  */
 
 /** @typedef {{end: Float64Array, feedrate: Float64Array, rapid: Uint8Array, line: Uint32Array}} Steps */
-/** @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array}} Columns */
+/**
+ * A profile over distance (mm, mm/s, s), and the contour errors of its segments (mm).
+ * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arc: Float64Array}} Columns
+ */
 /** @typedef {{summary: RunSummary, columns: Columns}} Run */
 
 /**

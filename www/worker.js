@@ -15,7 +15,7 @@ self.onmessage = async ({ data: { module, program, machine, tolerances, labels }
     for (const [index, tolerance] of tolerances.entries()) {
       stage(`Simulating ${labels[index]}`, index + 1, of)
       const run = job.simulate(tolerance)
-      const columns = plain(run.columns, ['distance', 'feedrate', 'time'])
+      const columns = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc'])
       post({ type: 'run', tolerance, summary: JSON.parse(run.summary).runs[0], columns }, Object.values(columns))
       run.free()
     }

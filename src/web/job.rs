@@ -46,7 +46,13 @@ impl Job {
         let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
         Run {
             summary: Prediction::new("", self.programmed_time(), &[quote], &[]).to_json(),
-            columns: Columns { distance: samples.distance, feedrate: samples.feedrate, time: samples.time },
+            columns: Columns {
+                distance: samples.distance,
+                feedrate: samples.feedrate,
+                time: samples.time,
+                corner: errors.corner,
+                arc: errors.arc,
+            },
         }
     }
 }
@@ -66,7 +72,7 @@ pub struct Run {
     pub columns: Columns,
 }
 
-/// A profile over distance as columns of equal length.
+/// A profile over distance and its contour errors, as columns.
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone)]
 pub struct Columns {
@@ -74,8 +80,12 @@ pub struct Columns {
     pub distance: Vec<f64>,
     /// Feedrate, mm/s.
     pub feedrate: Vec<f64>,
-    /// Time since the start, s.
+    /// Time since the start, s; of the same length as distance and feedrate.
     pub time: Vec<f64>,
+    /// Contour error at the corner that ends each segment, mm.
+    pub corner: Vec<f64>,
+    /// Largest contour error along each segment that is an arc, mm.
+    pub arc: Vec<f64>,
 }
 
 /// The programmed feedrate, one row a segment.
