@@ -1,5 +1,6 @@
 //! A program on a machine, simulated for one tolerance after the other.
 
+use js_sys::Function;
 use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
@@ -39,9 +40,11 @@ impl Job {
         Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
     }
 
-    /// Simulates the program for a contour tolerance (mm).
-    pub fn simulate(&self, tolerance: f64) -> Run {
-        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance);
+    /// Simulates the program for a contour tolerance (mm); `progress` is called with the part done.
+    pub fn simulate(&self, tolerance: f64, progress: &Function) -> Run {
+        // What a listener throws is its own affair.
+        let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
+        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerance, &errors);
         let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
         Run {
