@@ -73,6 +73,13 @@ pub fn toml_from_machine(machine: &Machine) -> String {
     text
 }
 
+/// All that the simulation reads of a machine, as text: machines with the same text move alike,
+/// whatever they are called and cost.
+pub fn motion_of_machine(machine: &Machine) -> String {
+    let neutral = Machine::default();
+    toml_from_machine(&Machine { name: neutral.name, rates: neutral.rates, ..machine.clone() })
+}
+
 fn toml_value(value: &Written) -> String {
     let number = |value: &f64| toml::Value::Float(*value).to_string();
     match value {
@@ -194,6 +201,19 @@ tool_change_s = 4.0
         machine.times.m_codes = [(3, 4.0), (8, 2.5)].into();
         machine.name = "a \"quoted\" name\nin two lines".to_string();
         assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine));
+    }
+
+    #[test]
+    fn name_and_rates_do_not_change_the_motion_and_the_rest_does() {
+        let machine = machine_from_toml(SMALL).expect("right");
+        let motion = motion_of_machine(&machine);
+        let with = |line: &str| {
+            let text = format!("{}\n{line}", SMALL.replace("DMG Mori eVo 40, TNC640", "another"));
+            motion_of_machine(&machine_from_toml(&text).expect("right"))
+        };
+        assert_eq!(with("[rates]\nhourly = 90\nsetup_s = 60"), motion);
+        assert_ne!(with("[axis.y]\nacceleration_mm_s2 = 3000"), motion);
+        assert_ne!(with("m_code_s = 1"), motion);
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod machine_file;
 mod results;
 
 pub use form::{faults_to_json, form, machine_from_form};
-pub use machine_file::{machine_from_toml, toml_from_machine};
+pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{Prediction, profile_csv, severity_word};
 
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, parameter};

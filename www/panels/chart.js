@@ -4,7 +4,7 @@ import { Chart, deviationLabel, mostCurves } from '../pkg/truefeed.js'
 import { find, make } from '../dom.js'
 import { feedrate, millimetres, clock, seconds } from '../format.js'
 
-/** @import { Outcome, Program, State } from "../types.js" */
+/** @import { Outcome, Place, Program, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 const WHEEL = 1.0015
@@ -228,6 +228,13 @@ export function mount(root) {
   colors()
 
   return {
+    /** Shows a place of the program and takes the keys. @param {Place} place */
+    show({ distance_mm: [from, to] }) {
+      chart.show(from, to)
+      redraw()
+      root.scrollIntoView({ block: 'nearest' })
+      plot.focus({ preventScroll: true })
+    },
     /** @param {State} state */
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
@@ -236,7 +243,7 @@ export function mount(root) {
       empty.hidden = Boolean(outcome)
       empty.textContent = state.progress ? 'Computing …' : 'Not computed yet.'
       canvas.hidden = !outcome
-      root.classList.toggle('stale', Boolean(outcome) && outcome?.machine !== JSON.stringify(state.machine.values))
+      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
       const fill = [program, outcome, ...state.tolerances, ...runs]
       if (fill.length === filled.length && fill.every((value, index) => value === filled[index])) return
       filled = fill
