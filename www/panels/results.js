@@ -124,7 +124,7 @@ function outOfDate({ machine, paused }) {
 /** @param {Outcome} outcome @param {string} note */
 function about({ steps, summary }, note) {
   const errors = summary.diagnostics.filter(({ severity }) => severity === 'error').length
-  const facts = `${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Contour error: largest distance from the programmed path.`
+  const facts = `${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Contour error: largest distance from the path.`
   const link = make(
     'a',
     { href: '#diagnostics' },
