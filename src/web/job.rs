@@ -85,9 +85,9 @@ pub struct Columns {
     pub feedrate: Vec<f64>,
     /// Time since the start, s; of the same length as distance and feedrate.
     pub time: Vec<f64>,
-    /// Contour error at the corner that ends each segment, mm.
+    /// Contour error at the corner that ends each segment and on arcs near it, mm.
     pub corner: Vec<f64>,
-    /// Largest contour error along each segment that is an arc, mm.
+    /// Largest contour error along the rest of each segment that is an arc, mm.
     pub arc: Vec<f64>,
 }
 
