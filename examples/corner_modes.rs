@@ -42,7 +42,7 @@ fn rows(name: &str, program: &[u8]) -> String {
     let rows = [0.010, 0.020, 0.050].map(|tolerance| {
         let mut of = |mode: CornerMode| {
             machine.interpolator.corner_mode = mode;
-            let (plan, errors) = plan_within(&toolpath, &machine, tolerance);
+            let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
             (plan.cycle_time(), 1e3 * errors.largest())
         };
         let (paper, paper_error) = of(CornerMode::Paper);

@@ -79,7 +79,7 @@ fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     };
     let mut quotes = Vec::with_capacity(tolerances.len());
     for (index, &tolerance) in tolerances.iter().enumerate() {
-        let (plan, errors) = plan_within(&toolpath, &machine, tolerance);
+        let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
         quotes.push(quote(&toolpath, &machine, &plan, tolerance, &errors));
         if let (0, Some(path)) = (index, &request.profile) {
             let commanded = Profile::new(&toolpath, &plan).samples(Resolution::FINE);

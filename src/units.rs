@@ -2,7 +2,7 @@
 //!
 //! | quantity     | core   | at the borders        |
 //! |--------------|--------|-----------------------|
-//! | length       | mm     | mm, inch              |
+//! | length       | mm     | mm, µm, inch          |
 //! | time         | s      | s, ms                 |
 //! | feedrate     | mm/s   | mm/min, inch/min      |
 //! | acceleration | mm/s²  | mm/s²                 |
@@ -19,6 +19,19 @@ pub const SECONDS_PER_MINUTE: f64 = 60.0;
 
 /// Minutes in an hour.
 pub const MINUTES_PER_HOUR: f64 = 60.0;
+
+/// Micrometres in a millimetre.
+const MICROMETRES_PER_MM: f64 = 1000.0;
+
+/// A length in µm from one in mm.
+pub fn micrometres(length: f64) -> f64 {
+    length * MICROMETRES_PER_MM
+}
+
+/// A length in mm from one in µm.
+pub fn mm_of_micrometres(length_micrometres: f64) -> f64 {
+    length_micrometres / MICROMETRES_PER_MM
+}
 
 /// A feedrate in mm/s from one in mm/min.
 pub fn mm_per_s(feedrate_mm_per_min: f64) -> f64 {

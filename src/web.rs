@@ -14,7 +14,8 @@ use wasm_bindgen::prelude::*;
 
 use crate::machine::{USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
 use crate::plot::PALETTE;
-use crate::project::{self, faults_to_json, machine_from_form, toml_from_machine};
+use crate::project::{self, faults_to_json, machine_from_form, motion_of_machine, toml_from_machine};
+use crate::quote;
 
 /// Makes panics readable in the console.
 #[wasm_bindgen(start)]
@@ -38,6 +39,19 @@ pub fn faults(machine: &str) -> String {
 #[wasm_bindgen(js_name = machineFile)]
 pub fn machine_file(machine: &str) -> Option<String> {
     machine_from_form(machine).ok().map(|machine| toml_from_machine(&machine))
+}
+
+/// All that the simulation reads of the machine of a filled form, as text to be compared; none
+/// where the form has faults.
+#[wasm_bindgen(js_name = motionOf)]
+pub fn motion_of(machine: &str) -> Option<String> {
+    machine_from_form(machine).ok().map(|machine| motion_of_machine(&machine))
+}
+
+/// Price of a cycle time (s) on the machine of a filled form; none where the form has faults.
+#[wasm_bindgen]
+pub fn price(machine: &str, cycle_time: f64) -> Option<f64> {
+    machine_from_form(machine).ok().map(|machine| quote::price(cycle_time, &machine))
 }
 
 /// The tolerances to begin with, mm.

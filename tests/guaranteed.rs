@@ -159,7 +159,7 @@ fn the_filtered_path_stays_within_the_tolerance_everywhere() {
     for case in 0..10_000 {
         let (toolpath, machine) = (path(&mut random), machine(&mut random));
         let tolerance = random.log_between(0.002, 0.1);
-        let (plan, errors) = plan_within(&toolpath, &machine, tolerance);
+        let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
         assert!(errors.largest() <= tolerance, "case {case}: measured {}", errors.largest());
         // The independent search is slow; every tenth path is enough of it.
         if case % 10 == 0 {
@@ -190,9 +190,9 @@ fn where_the_isolated_law_is_right_nothing_is_gained_or_lost() {
         let segments = vec![line(Point::origin(), corner), line(corner, end)];
         let toolpath = Toolpath { segments, ..Toolpath::default() };
         let mut machine = machine(&mut random);
-        let guaranteed = plan_within(&toolpath, &machine, 0.01).0.cycle_time();
+        let guaranteed = plan_within(&toolpath, &machine, 0.01, &mut |_| {}).0.cycle_time();
         machine.interpolator.corner_mode = CornerMode::Paper;
-        let paper = plan_within(&toolpath, &machine, 0.01).0.cycle_time();
+        let paper = plan_within(&toolpath, &machine, 0.01, &mut |_| {}).0.cycle_time();
         assert!((guaranteed / paper - 1.0).abs() < 1e-3, "{guaranteed} s against {paper} s");
     }
 }
@@ -205,7 +205,7 @@ fn a_wider_tolerance_is_hardly_ever_slower() {
     let slower = (0..1000).filter(|_| {
         let (toolpath, machine) = (path(&mut random), machine(&mut random));
         let tolerance = random.log_between(0.002, 0.1);
-        let time = |tolerance: f64| plan_within(&toolpath, &machine, tolerance).0.cycle_time();
+        let time = |tolerance: f64| plan_within(&toolpath, &machine, tolerance, &mut |_| {}).0.cycle_time();
         time(tolerance) * (1.0 + 1e-9) < time(1.2 * tolerance)
     });
     let slower = slower.count();

@@ -24,7 +24,7 @@ fn no_axis_accelerates_beyond_its_limit() {
                 let (sin, cos) = degrees.to_radians().sin_cos();
                 let program = format!("G1 X40 F{feed_mm_min}\nX{} Y{}\n", 40.0 + 40.0 * cos, 40.0 * sin);
                 let toolpath = trace(&read(program.as_bytes()), &machine);
-                let (plan, _) = plan_within(&toolpath, &machine, 0.05);
+                let (plan, _) = plan_within(&toolpath, &machine, 0.05, &mut |_| {});
                 let profile = Profile::new(&toolpath, &plan);
                 let moments = (0..5000).map(|i| profile.cycle_time() * i as f64 / 5000.0);
                 let largest =

@@ -47,7 +47,7 @@ fn the_stand_in_machine_moves_as_long_as_predicted() {
         let text = |name: &str| String::from_utf8(file(name)).expect("text");
         let machine = machine_from_toml(&text("machine.toml")).expect("a machine file");
         let toolpath = trace(&read(&file("program.nc")), &machine);
-        let (plan, _) = plan_within(&toolpath, &machine, machine.interpolator.contour_tolerance);
+        let (plan, _) = plan_within(&toolpath, &machine, machine.interpolator.contour_tolerance, &mut |_| {});
         let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
         let predicted: Vec<_> = (0..samples.time.len())
             .map(|row| (samples.time[row], [0, 1, 2].map(|axis: usize| samples.position[axis][row])))

@@ -1,6 +1,13 @@
 // Starts the page: owns the one state object, queues simulations and tells the panels what changed.
 
-import init, { faults, form as formOfModule, mostCurves, toleranceLabel, usualTolerances } from './pkg/truefeed.js'
+import init, {
+  faults,
+  form as formOfModule,
+  mostCurves,
+  motionOf,
+  toleranceLabel,
+  usualTolerances,
+} from './pkg/truefeed.js'
 import { Ended, Engine } from './engine.js'
 import * as chartPanel from './panels/chart.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
@@ -11,7 +18,7 @@ import * as resultsPanel from './panels/results.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { loadSettings, saveSettings } from './settings.js'
 
-/** @import { Form, Outcome, Program, State, Values } from "./types.js" */
+/** @import { Form, MachineForm, Outcome, Place, Program, State, Value, Values } from "./types.js" */
 
 const DEBOUNCE_MS = 300
 
@@ -36,19 +43,20 @@ const engine = new Engine(module)
 const form = JSON.parse(formOfModule())
 const settings = loadSettings()
 
+const knownPreset = Math.max(
+  form.presets.findIndex(({ name }) => name === settings.preset),
+  0,
+)
+
 /** @type {State} */
 const state = {
   programs: [],
   selected: null,
   tolerances: settings.tolerances ?? [...usualTolerances()],
-  machine: { preset: 0, values: {}, faults: [] },
+  machine: filled(knownPreset, { ...(settings.values ?? form.presets[knownPreset].values) }),
   progress: null,
   paused: false,
 }
-const preset = form.presets.findIndex(({ name }) => name === settings.preset)
-state.machine.preset = Math.max(preset, 0)
-state.machine.values = { ...(settings.values ?? form.presets[state.machine.preset].values) }
-state.machine.faults = JSON.parse(faults(machineJson()))
 
 let nextId = 1
 let timer = 0
@@ -88,10 +96,18 @@ export const actions = {
   },
   /** @param {number} preset @param {Values} values */
   setMachine(preset, values) {
-    state.machine = { preset, values, faults: [] }
-    state.machine.faults = JSON.parse(faults(machineJson()))
-    engine.cancel()
+    const before = state.machine.motion
+    state.machine = filled(preset, values)
+    if (state.machine.motion !== before) engine.cancel()
     changed()
+  },
+  /** @param {string} key @param {Value} value */
+  setParameter(key, value) {
+    actions.setMachine(state.machine.preset, { ...state.machine.values, [key]: value })
+  },
+  /** @param {Place} place */
+  show(place) {
+    chart.show(place)
   },
   /** @param {number[]} tolerances  mm */
   setTolerances(tolerances) {
@@ -116,8 +132,10 @@ function linesOf(bytes) {
   return () => (lines ??= new TextDecoder().decode(bytes).split(/\r\n|\n|\r/))
 }
 
-function machineJson() {
-  return JSON.stringify(state.machine.values)
+/** The form with what Rust says about it. @param {number} preset @param {Values} values @returns {MachineForm} */
+function filled(preset, values) {
+  const json = JSON.stringify(values)
+  return { preset, values, faults: JSON.parse(faults(json)), motion: motionOf(json) }
 }
 
 /** Something that results depend on has changed: shows it at once, and computes when it has settled. */
@@ -136,7 +154,7 @@ function changed() {
 
 /** The tolerances a program still lacks on the machine as it is now. @param {Program} program @returns {number[]} */
 export function missing(program) {
-  const current = program.outcome?.machine === machineJson()
+  const current = program.outcome?.motion === state.machine.motion
   return state.tolerances.filter((tolerance) => !(current && program.outcome?.runs.has(tolerance)))
 }
 
@@ -148,20 +166,21 @@ async function work() {
       (a, b) => Number(b.id === state.selected) - Number(a.id === state.selected),
     )
     const program = selectedFirst.find(
-      (candidate) => missing(candidate).length > 0 && candidate.failure !== machineJson(),
+      (candidate) => missing(candidate).length > 0 && candidate.failure !== state.machine.motion,
     )
-    if (!program || state.paused || state.machine.faults.length > 0) break
-    if (!(await simulate(program))) break
+    const { motion } = state.machine
+    if (!program || state.paused || motion === undefined) break
+    if (!(await simulate(program, motion))) break
   }
   state.progress = null
   update()
 }
 
-/** Simulates what one program lacks; false where that was cancelled. @param {Program} program */
-async function simulate(program) {
-  const machine = machineJson()
+/** Simulates what one program lacks; false where that was cancelled. @param {Program} program @param {string} motion */
+async function simulate(program, motion) {
+  const machine = JSON.stringify(state.machine.values)
   const tolerances = missing(program)
-  const isForOther = program.outcome !== null && program.outcome.machine !== machine
+  const isForOther = program.outcome !== null && program.outcome.motion !== motion
   /** @type {Outcome | null} */
   let outcome = null
   state.progress = { program: program.id, stage: 'Starting', part: 0 }
@@ -171,7 +190,7 @@ async function simulate(program) {
       progress.update(state)
     },
     program(/** @type {any} */ summary, /** @type {any} */ steps) {
-      outcome = { machine, summary, steps, runs: new Map(isForOther ? [] : program.outcome?.runs) }
+      outcome = { motion, summary, steps, runs: new Map(isForOther ? [] : program.outcome?.runs) }
       // What was computed for another machine stays in sight until all is there.
       if (!isForOther) program.outcome = outcome
     },
@@ -188,20 +207,21 @@ async function simulate(program) {
     program.failure = null
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
-    program.failure = machine
+    program.failure = motion
     fail(`${program.name} could not be simulated: ${error instanceof Error ? error.message : error}.`)
   }
   return true
 }
 
 const progress = progressPanel.mount(element('progress'), actions)
+const chart = chartPanel.mount(element('chart'))
 const panels = [
   progress,
   programPanel.mount(element('program'), actions),
   machinePanel.mount(element('machine'), form, actions),
   tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
-  resultsPanel.mount(element('results')),
-  chartPanel.mount(element('chart')),
+  resultsPanel.mount(element('results'), form, actions),
+  chart,
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

@@ -19,17 +19,29 @@
  * @property {number} cycle_time_s
  * @property {{cutting_s: number, rapid_s: number, dwell_s: number, tool_change_s: number, other_s: number}} breakdown
  * @property {number} max_contour_error_mm
+ * @property {Place[]} beyond_tolerance
  * @property {number} price  0 where there is no hourly rate
  */
 
+/**
+ * Where the contour error is above the tolerance.
+ * @typedef {object} Place
+ * @property {[number, number]} lines
+ * @property {[number, number]} distance_mm
+ * @property {number} max_contour_error_mm
+ */
+
 /** @typedef {{end: Float64Array, feedrate: Float64Array, rapid: Uint8Array, line: Uint32Array}} Steps */
-/** @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array}} Columns */
+/**
+ * A profile over distance (mm, mm/s, s), and the contour errors of its segments (mm).
+ * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arc: Float64Array}} Columns
+ */
 /** @typedef {{summary: RunSummary, columns: Columns}} Run */
 
 /**
  * What one program gave on one machine; runs by tolerance in mm.
  * @typedef {object} Outcome
- * @property {string} machine  the machine as JSON
+ * @property {string} motion  what the simulation read of the machine
  * @property {ProgramSummary} summary
  * @property {Steps} steps
  * @property {Map<number, Run>} runs
@@ -65,6 +77,15 @@
 /** @typedef {{name: string, source: string, values: Values}} Preset */
 /** @typedef {{fields: Parameter[], presets: Preset[]}} Form */
 
+/**
+ * The form as it is filled now.
+ * @typedef {object} MachineForm
+ * @property {number} preset
+ * @property {Values} values
+ * @property {Fault[]} faults
+ * @property {string | undefined} motion  what a simulation reads of it; rates are not among it
+ */
+
 /** @typedef {{program: number, stage: string, part: number}} Progress */
 
 /**
@@ -72,7 +93,7 @@
  * @property {Program[]} programs
  * @property {number | null} selected
  * @property {number[]} tolerances  mm, ascending
- * @property {{preset: number, values: Values, faults: Fault[]}} machine
+ * @property {MachineForm} machine
  * @property {Progress | null} progress
  * @property {boolean} paused  the user cancelled; nothing runs until something changes
  */

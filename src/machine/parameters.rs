@@ -443,7 +443,7 @@ const GENERAL: [Parameter; 22] = [
     Parameter {
         key: "rates.hourly",
         label: "Hourly rate",
-        doc: "Price of an hour of machine time, in your currency.",
+        doc: "Price of an hour of machine time, in your currency; empty: no price.",
         access: number(
             Unit::Number,
             (0.0, 1e6),

@@ -5,8 +5,7 @@
 //! ```
 
 use crate::machine::{Access, parameter};
-
-const MM_PER_MICROMETRE: f64 = 1e-3;
+use crate::units::{micrometres, mm_of_micrometres};
 
 /// Where the machine file and the page keep the tolerance.
 const KEY: &str = "interpolator.contour_tolerance_mm";
@@ -37,13 +36,13 @@ pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
     let trimmed = text.trim();
     let number = trimmed.trim_end_matches(|c: char| c.is_alphabetic() || c.is_whitespace());
     let not_a_number = || ToleranceError::NotANumber(trimmed.to_string());
-    let factor = match trimmed[number.len()..].trim() {
-        "" | "um" | "µm" | "μm" => MM_PER_MICROMETRE,
-        "mm" => 1.0,
+    let mm: fn(f64) -> f64 = match trimmed[number.len()..].trim() {
+        "" | "um" | "µm" | "μm" => mm_of_micrometres,
+        "mm" => |value| value,
         _ => return Err(not_a_number()),
     };
     let typed: f64 = number.replace(',', ".").parse().map_err(|_| not_a_number())?;
-    let value = typed * factor;
+    let value = mm(typed);
     let (min, max) = bounds();
     if value.is_nan() || value < min || max < value {
         return Err(ToleranceError::OutOfRange { value, min, max });
@@ -53,13 +52,13 @@ pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
 
 /// How a tolerance (mm) is shown, for example `10 µm`.
 pub fn tolerance_label(tolerance: f64) -> String {
-    let digits = format!("{:.3}", tolerance / MM_PER_MICROMETRE);
+    let digits = format!("{:.3}", micrometres(tolerance));
     format!("{} µm", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// How a measured distance from the path (mm) is shown, for example `21.4 µm`.
 pub fn deviation_label(deviation: f64) -> String {
-    format!("{:.1} µm", deviation / MM_PER_MICROMETRE)
+    format!("{:.1} µm", micrometres(deviation))
 }
 
 /// Least and largest tolerance, mm.

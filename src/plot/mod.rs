@@ -1,8 +1,11 @@
-//! The chart of feedrate over distance: data in, picture out, on any plotters backend.
+//! The chart of feedrate and contour error over distance: data in, picture out, on any plotters
+//! backend.
 //!
-//! One chart shows the programmed feedrate of every segment as steps and, over it, one curve
-//! for each simulated tolerance. The abscissa is the distance along the programmed path, mm,
-//! which all curves share although they differ in time; the ordinate is the feedrate, mm/min.
+//! One chart has two panels. The upper one shows the programmed feedrate of every segment as steps
+//! and, over it, one curve for each simulated tolerance; the lower one the contour error of each
+//! beside its tolerance. The abscissa of both is the distance along the programmed path, mm,
+//! which all curves share although they differ in time; the ordinates are the feedrate, mm/min,
+//! and the contour error, µm.
 //! Stretches of rapid motion are shaded, because the first view fits the cutting feedrates and
 //! rapids may leave it at the top.
 //!
@@ -12,13 +15,18 @@
 
 mod decimate;
 mod draw;
+mod error_panel;
+mod feed_panel;
+mod panel;
+mod theme;
 mod view;
 
-pub use draw::{PALETTE, Theme, draw};
+pub use draw::draw;
+pub use theme::{PALETTE, Theme};
 pub use view::{Frame, View};
 
 use crate::machine::Machine;
-use crate::simulation::profile::Samples;
+use crate::simulation::contour::ContourErrors;
 use crate::simulation::toolpath::{Motion, Toolpath};
 
 /// Everything one chart shows.
@@ -54,6 +62,10 @@ pub struct Curve {
     pub feedrate: Vec<f64>,
     /// Time since the start, s.
     pub time: Vec<f64>,
+    /// Contour tolerance, mm.
+    pub tolerance: f64,
+    /// Contour errors, one entry a segment of the programmed steps; empty where they are unknown.
+    pub errors: ContourErrors,
 }
 
 /// What a chart says about one distance.
@@ -67,8 +79,19 @@ pub struct Reading {
     pub programmed: Option<f64>,
     /// Whether that segment is a rapid move.
     pub rapid: bool,
-    /// Feedrate (mm/s) and time (s) of each curve there; none where the curve is empty.
-    pub curves: Vec<Option<(f64, f64)>>,
+    /// What each curve says there; none where the curve is empty.
+    pub curves: Vec<Option<CurveReading>>,
+}
+
+/// What a curve says about one distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveReading {
+    /// Feedrate, mm/s.
+    pub feedrate: f64,
+    /// Time since the start, s.
+    pub time: f64,
+    /// Largest contour error nearby, mm; none where neither a corner nor an arc is near.
+    pub error: Option<f64>,
 }
 
 impl FeedChart {
@@ -91,15 +114,21 @@ impl FeedChart {
         View::up_to(self.length(), top)
     }
 
-    /// Everything known about the distance `distance` (mm).
-    pub fn reading(&self, distance: f64) -> Reading {
+    /// Everything known about the distance `distance` (mm), and the largest contour errors within
+    /// `reach` (mm) of it.
+    pub fn reading(&self, distance: f64, reach: f64) -> Reading {
         let segment = self.programmed.end.partition_point(|&end| end < distance);
+        let nearby = (distance - reach, distance + reach);
+        let curves = self.curves.iter().map(|curve| {
+            let (feedrate, time) = curve.at(distance)?;
+            Some(CurveReading { feedrate, time, error: curve.largest_error(&self.programmed, nearby) })
+        });
         Reading {
             distance,
             line: self.programmed.line.get(segment).copied(),
             programmed: self.programmed.feedrate.get(segment).copied(),
             rapid: self.programmed.rapid.get(segment).copied().unwrap_or(false),
-            curves: self.curves.iter().map(|curve| curve.at(distance)).collect(),
+            curves: curves.collect(),
         }
     }
 }
@@ -139,10 +168,16 @@ impl Programmed {
 }
 
 impl Curve {
-    /// The curve of a profile.
-    pub fn new(label: String, samples: Samples) -> Curve {
-        let Samples { time, distance, feedrate, .. } = samples;
-        Curve { label, distance, feedrate, time }
+    /// The largest contour error (mm) between two distances (mm); none where there is neither a
+    /// corner nor an arc.
+    fn largest_error(&self, programmed: &Programmed, between: (f64, f64)) -> Option<f64> {
+        let segments = programmed.within(between);
+        let errors = segments.filter(|&k| k < self.errors.corner.len()).flat_map(|k| {
+            let corner = (programmed.end[k] <= between.1).then_some(self.errors.corner[k]);
+            let arc = Some(self.errors.arc[k]).filter(|&error| 0.0 < error);
+            [corner, arc]
+        });
+        errors.flatten().reduce(f64::max)
     }
 
     /// Feedrate (mm/s) and time (s) at a distance (mm); the earliest where the tool waits there.
@@ -167,6 +202,8 @@ mod tests {
             distance: vec![0.0, 10.0, 10.0, 20.0],
             feedrate: vec![0.0, 5.0, 5.0, 0.0],
             time: vec![0.0, 4.0, 6.0, 10.0],
+            tolerance: 0.01,
+            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003] },
         };
         let programmed = Programmed {
             end: vec![5.0, 20.0],
@@ -180,19 +217,31 @@ mod tests {
     #[test]
     fn reads_between_samples_and_at_waits() {
         let chart = ramp();
-        assert_eq!(chart.reading(5.0).curves[0], Some((2.5, 2.0)));
-        assert_eq!(chart.reading(10.0).curves[0], Some((5.0, 4.0)));
-        assert_eq!(chart.reading(20.0).curves[0], Some((0.0, 10.0)));
-        assert_eq!(chart.reading(99.0).curves[0], Some((0.0, 10.0)));
+        assert_eq!(chart.curves[0].at(5.0), Some((2.5, 2.0)));
+        assert_eq!(chart.curves[0].at(10.0), Some((5.0, 4.0)));
+        assert_eq!(chart.curves[0].at(20.0), Some((0.0, 10.0)));
+        assert_eq!(chart.curves[0].at(99.0), Some((0.0, 10.0)));
         assert_eq!(Curve::default().at(1.0), None);
+    }
+
+    #[test]
+    fn reads_the_largest_contour_error_nearby() {
+        let chart = ramp();
+        let error =
+            |distance: f64| chart.reading(distance, 0.5).curves[0].expect("the curve is not empty").error;
+        assert_eq!(error(2.0), None);
+        assert_eq!(error(4.6), Some(0.012));
+        assert_eq!(error(5.4), Some(0.012));
+        assert_eq!(error(12.0), Some(0.003));
+        assert_eq!(error(20.0), Some(0.003));
     }
 
     #[test]
     fn a_boundary_belongs_to_the_segment_that_ends_there() {
         let chart = ramp();
-        assert_eq!(chart.reading(5.0).line, Some(3));
-        assert_eq!(chart.reading(5.1).line, Some(4));
-        assert_eq!(chart.reading(21.0).line, None);
+        assert_eq!(chart.reading(5.0, 0.1).line, Some(3));
+        assert_eq!(chart.reading(5.1, 0.1).line, Some(4));
+        assert_eq!(chart.reading(21.0, 0.1).line, None);
     }
 
     #[test]

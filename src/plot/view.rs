@@ -45,6 +45,12 @@ impl View {
         }
     }
 
+    /// The stretch between two distances (mm) in the middle half, with all feedrates.
+    pub fn around((low, high): (f64, f64), whole: View) -> View {
+        let margin = 0.5 * (high - low);
+        View { distance: within((low - margin, high + margin), whole.distance), ..whole }
+    }
+
     /// The rectangle between two corners, within `whole`.
     pub fn between(a: (f64, f64), b: (f64, f64), whole: View) -> View {
         View {
@@ -69,8 +75,10 @@ pub struct Frame {
     pub view: View,
     /// Left and right border of the plotting area, pixels.
     pub x: (f64, f64),
-    /// Top and bottom border of the plotting area, pixels.
+    /// Top and bottom border of the plotting area of feedrates, pixels.
     pub y: (f64, f64),
+    /// Top and bottom border of the plotting area of contour errors, pixels.
+    pub errors_y: (f64, f64),
 }
 
 impl Frame {
@@ -109,7 +117,7 @@ mod tests {
     fn zooming_keeps_the_centre_in_place() {
         let view = WHOLE.zoomed(2.0, 30.0, WHOLE);
         assert_eq!(view.distance, (15.0, 65.0));
-        let frame = |view| Frame { view, x: (50.0, 850.0), y: (10.0, 400.0) };
+        let frame = |view| Frame { view, x: (50.0, 850.0), y: (10.0, 400.0), errors_y: (420.0, 600.0) };
         assert!((frame(view).x_of(30.0) - frame(WHOLE).x_of(30.0)).abs() < 1e-9);
     }
 
@@ -125,8 +133,22 @@ mod tests {
     }
 
     #[test]
+    fn a_place_is_shown_with_what_is_around_it() {
+        assert_eq!(View::around((40.0, 50.0), WHOLE).distance, (35.0, 55.0));
+        let at_the_end = View::around((90.0, 100.0), WHOLE);
+        assert!(at_the_end.distance.0 <= 90.0 && at_the_end.distance.1 == 100.0);
+        let point = View::around((7.0, 7.0), WHOLE).distance;
+        assert!(point.0 < point.1);
+    }
+
+    #[test]
     fn pixels_and_data_are_inverse() {
-        let frame = Frame { view: WHOLE.zoomed(3.0, 40.0, WHOLE), x: (61.0, 911.0), y: (28.0, 377.0) };
+        let frame = Frame {
+            view: WHOLE.zoomed(3.0, 40.0, WHOLE),
+            x: (61.0, 911.0),
+            y: (28.0, 377.0),
+            errors_y: (390.0, 500.0),
+        };
         for pixel in [61.0, 200.5, 911.0] {
             assert!((frame.x_of(frame.distance_at(pixel)) - pixel).abs() < 1e-9);
             assert!((frame.y_of(frame.feedrate_at(pixel)) - pixel).abs() < 1e-9);

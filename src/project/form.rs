@@ -161,6 +161,7 @@ fn value_as_written(value: &Value) -> Option<Written> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::project::REQUIRED;
 
     #[test]
     fn presets_come_back_from_their_own_form() {
@@ -173,7 +174,7 @@ mod tests {
     #[test]
     fn all_faults_are_told_at_once_with_their_keys() {
         let faults = machine_from_form(
-            r#"{"interpolator.time_constant_s": 0.03, "interpolator.filters": 9, "rapid.feed_mm_min": null, "axis.x.speed": 1, "name": 3, "override.feed": null}"#,
+            r#"{"interpolator.time_constant_s": 0.03, "interpolator.filters": 9, "rapid.feed_mm_min": null, "axis.x.speed": 1, "name": 3, "override.feed": 0}"#,
         )
         .expect_err("wrong");
         let mut keys: Vec<_> =
@@ -183,6 +184,31 @@ mod tests {
             keys,
             ["axis.x.speed", "interpolator.filters", "name", "override.feed", "rapid.feed_mm_min"]
         );
+    }
+
+    #[test]
+    fn an_empty_number_is_neutral_unless_the_machine_needs_it() {
+        let with_empty = |key: &str| {
+            let mut form = values(&presets()[0].machine);
+            form[key] = Value::Null;
+            machine_from_form(&Value::Object(form).to_string())
+        };
+        let numbers = PARAMETERS.iter().filter(|row| matches!(row.access, Access::Number { .. }));
+        for row in numbers.filter(|row| !TIME_CONSTANTS.contains(&row.key)) {
+            match with_empty(row.key) {
+                Ok(machine) => {
+                    assert!(!REQUIRED.contains(&row.key), "{}", row.key);
+                    assert_eq!(written(&machine, row), written(&Machine::default(), row), "{}", row.key);
+                }
+                Err(faults) => {
+                    assert!(REQUIRED.contains(&row.key), "{}", row.key);
+                    assert_eq!(faults[0].key.as_deref(), Some(row.key));
+                    assert!(faults[0].message.contains("number from"), "{}", faults[0].message);
+                }
+            }
+        }
+        let filters = with_empty("interpolator.filters").expect_err("a machine has filters");
+        assert_eq!(filters[0].message, "expected a whole number from 1 to 4");
     }
 
     #[test]

@@ -6,15 +6,11 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::machine::{Machine, PARAMETERS};
-use crate::project::{Fault, Written, contradiction, known_parameter, position, set, written};
+use crate::project::{Fault, REQUIRED, Written, contradiction, known_parameter, position, set, written};
 
 /// The form of the filters' constants: exactly one of these keys must be there.
 pub(crate) const TIME_CONSTANTS: [&str; 3] =
     ["interpolator.time_constant_s", "interpolator.max_jerk_mm_s3", "interpolator.time_constants_s"];
-
-/// Keys without which a machine file says too little.
-const REQUIRED: [&str; 4] =
-    ["interpolator.filters", "interpolator.contour_tolerance_mm", "rapid.feed_mm_min", "times.tool_change_s"];
 
 /// A machine from the text of a machine file, or the first thing wrong with it.
 pub fn machine_from_toml(text: &str) -> Result<Machine, Fault> {
@@ -75,6 +71,13 @@ pub fn toml_from_machine(machine: &Machine) -> String {
         text += &format!("{key} = {}\n", toml_value(&value));
     }
     text
+}
+
+/// All that the simulation reads of a machine, as text: machines with the same text move alike,
+/// whatever they are called and cost.
+pub fn motion_of_machine(machine: &Machine) -> String {
+    let neutral = Machine::default();
+    toml_from_machine(&Machine { name: neutral.name, rates: neutral.rates, ..machine.clone() })
 }
 
 fn toml_value(value: &Written) -> String {
@@ -198,6 +201,19 @@ tool_change_s = 4.0
         machine.times.m_codes = [(3, 4.0), (8, 2.5)].into();
         machine.name = "a \"quoted\" name\nin two lines".to_string();
         assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine));
+    }
+
+    #[test]
+    fn name_and_rates_do_not_change_the_motion_and_the_rest_does() {
+        let machine = machine_from_toml(SMALL).expect("right");
+        let motion = motion_of_machine(&machine);
+        let with = |line: &str| {
+            let text = format!("{}\n{line}", SMALL.replace("DMG Mori eVo 40, TNC640", "another"));
+            motion_of_machine(&machine_from_toml(&text).expect("right"))
+        };
+        assert_eq!(with("[rates]\nhourly = 90\nsetup_s = 60"), motion);
+        assert_ne!(with("[axis.y]\nacceleration_mm_s2 = 3000"), motion);
+        assert_ne!(with("m_code_s = 1"), motion);
     }
 
     #[test]

@@ -9,10 +9,14 @@ mod machine_file;
 mod results;
 
 pub use form::{faults_to_json, form, machine_from_form};
-pub use machine_file::{machine_from_toml, toml_from_machine};
+pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{Prediction, profile_csv, severity_word};
 
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, parameter};
+
+/// Keys without which a machine says too little; every other number is neutral when left out.
+const REQUIRED: [&str; 4] =
+    ["interpolator.filters", "interpolator.contour_tolerance_mm", "rapid.feed_mm_min", "times.tool_change_s"];
 
 /// Something wrong with a machine as written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -82,15 +86,11 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
             }
             set(machine, Some(unit.to_core(value)));
         }
-        (Access::Number { get, set, .. }, Written::Empty) => {
-            // Only what is neutral when absent may be left empty.
-            let mut neutral = Machine::default();
-            set(&mut neutral, None);
-            if get(&neutral).is_some() && get(&Machine::default()).is_some() {
-                return expected("a number".to_string());
-            }
-            set(machine, None);
+        (Access::Number { unit, min, max, whole, .. }, Written::Empty) if REQUIRED.contains(&key) => {
+            let kind = if *whole { "a whole number" } else { "a number" };
+            return expected(format!("{kind} from {min} to {max} {}", unit.symbol()).trim_end().to_string());
         }
+        (Access::Number { set, .. }, Written::Empty) => set(machine, None),
         (Access::Number { unit, .. }, _) => return expected(format!("a number in {}", unit.symbol())),
         (Access::List { unit, min, max, set, .. }, Written::List(values)) => {
             if values.is_empty() || 4 < values.len() {

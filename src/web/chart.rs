@@ -7,10 +7,15 @@ use plotters_canvas::CanvasBackend;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
-use crate::plot::{Curve, FeedChart, Frame, Programmed, Theme, View, draw};
+use crate::machine::tolerance_label;
+use crate::plot::{Curve, CurveReading as CurveAt, FeedChart, Frame, Programmed, Theme, View, draw};
+use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
 
-/// A chart of feedrate over distance.
+/// The contour error read out is the largest this near to the pointer, pixels.
+const REACH: f64 = 4.0;
+
+/// A chart of feedrate and contour error over distance.
 #[wasm_bindgen]
 pub struct Chart {
     chart: FeedChart,
@@ -50,6 +55,8 @@ pub struct CurveReading {
     pub y: f64,
     /// Time since the start, s.
     pub time: f64,
+    /// Largest contour error near there, mm; none where neither a corner nor an arc is near.
+    pub error: Option<f64>,
 }
 
 #[wasm_bindgen]
@@ -59,7 +66,7 @@ impl Chart {
     #[allow(clippy::new_without_default)] // JavaScript knows no default
     pub fn new() -> Chart {
         let view = View::up_to(1.0, 1.0);
-        let frame = Frame { view, x: (0.0, 1.0), y: (0.0, 1.0) };
+        let frame = Frame { view, x: (0.0, 1.0), y: (0.0, 1.0), errors_y: (0.0, 1.0) };
         Chart { chart: FeedChart::default(), with_rapids: false, dark: false, view, frame, scale: 1.0 }
     }
 
@@ -69,9 +76,25 @@ impl Chart {
         self.chart = FeedChart { programmed: Programmed { end, feedrate, rapid, line }, curves: Vec::new() };
     }
 
-    /// Adds a curve; the columns are those of `Columns`.
-    pub fn add(&mut self, label: String, distance: Vec<f64>, feedrate: Vec<f64>, time: Vec<f64>) {
-        self.chart.curves.push(Curve { label, distance, feedrate, time });
+    /// Adds the curve of a tolerance (mm), empty until it is filled.
+    pub fn add(&mut self, tolerance: f64) {
+        let label = tolerance_label(tolerance);
+        self.chart.curves.push(Curve { label, tolerance, ..Curve::default() });
+    }
+
+    /// Fills the curve added last; the columns are those of `Columns`.
+    pub fn fill(
+        &mut self,
+        distance: Vec<f64>,
+        feedrate: Vec<f64>,
+        time: Vec<f64>,
+        corner: Vec<f64>,
+        arc: Vec<f64>,
+    ) {
+        if let Some(curve) = self.chart.curves.last_mut() {
+            let errors = ContourErrors { corner, arc };
+            *curve = Curve { distance, feedrate, time, errors, ..std::mem::take(curve) };
+        }
     }
 
     /// Colour of the curve with this index, as CSS writes it.
@@ -128,6 +151,11 @@ impl Chart {
         self.view = if anew { self.whole() } else { self.view.moved(0.0, 0.0, self.whole()) };
     }
 
+    /// Shows a stretch between two distances (mm) with what is around it.
+    pub fn show(&mut self, from: f64, to: f64) {
+        self.view = View::around((from, to), self.whole());
+    }
+
     /// Magnifies along the distance by `factor` about a pixel column, or about the middle.
     pub fn zoom(&mut self, factor: f64, x: Option<f64>) {
         let (low, high) = self.view.distance;
@@ -157,10 +185,11 @@ impl Chart {
         self.view = self.view.moved(distance, feedrate, self.whole());
     }
 
-    /// Borders of the plotting area in pixels: left, top, right, bottom.
+    /// Borders in pixels: left and right of both panels, then top and bottom of the feedrates and of
+    /// the contour errors below them.
     pub fn area(&self) -> Vec<f64> {
-        let Frame { x, y, .. } = self.frame;
-        [x.0, y.0, x.1, y.1].map(|pixel| pixel / self.scale).to_vec()
+        let Frame { x, y, errors_y, .. } = self.frame;
+        [x.0, x.1, y.0, y.1, errors_y.0, errors_y.1].map(|pixel| pixel / self.scale).to_vec()
     }
 
     /// The distances in sight, mm: first and last.
@@ -178,11 +207,12 @@ impl Chart {
         if distance < 0.0 || self.chart.length() < distance {
             return None;
         }
-        let reading = self.chart.reading(distance);
+        let reach = self.frame.distance_at(REACH * self.scale) - self.frame.distance_at(0.0);
+        let reading = self.chart.reading(distance, reach);
         let curves = self.chart.curves.iter().zip(reading.curves).filter_map(|(curve, at)| {
-            let (feedrate, time) = at?;
+            let CurveAt { feedrate, time, error } = at?;
             let y = self.frame.y_of(feedrate).clamp(self.frame.y.0, self.frame.y.1) / self.scale;
-            Some(CurveReading { label: curve.label.clone(), feedrate: mm_per_min(feedrate), y, time })
+            Some(CurveReading { label: curve.label.clone(), feedrate: mm_per_min(feedrate), y, time, error })
         });
         Some(Pointer {
             x: self.frame.x_of(distance) / self.scale,

@@ -1,5 +1,6 @@
 //! A program on a machine, simulated for one tolerance after the other.
 
+use js_sys::Function;
 use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
@@ -39,14 +40,22 @@ impl Job {
         Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
     }
 
-    /// Simulates the program for a contour tolerance (mm).
-    pub fn simulate(&self, tolerance: f64) -> Run {
-        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance);
+    /// Simulates the program for a contour tolerance (mm); `progress` is called with the part done.
+    pub fn simulate(&self, tolerance: f64, progress: &Function) -> Run {
+        // What a listener throws is its own affair.
+        let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
+        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerance, &errors);
         let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
         Run {
             summary: Prediction::new("", self.programmed_time(), &[quote], &[]).to_json(),
-            columns: Columns { distance: samples.distance, feedrate: samples.feedrate, time: samples.time },
+            columns: Columns {
+                distance: samples.distance,
+                feedrate: samples.feedrate,
+                time: samples.time,
+                corner: errors.corner,
+                arc: errors.arc,
+            },
         }
     }
 }
@@ -66,7 +75,7 @@ pub struct Run {
     pub columns: Columns,
 }
 
-/// A profile over distance as columns of equal length.
+/// A profile over distance and its contour errors, as columns.
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone)]
 pub struct Columns {
@@ -74,8 +83,12 @@ pub struct Columns {
     pub distance: Vec<f64>,
     /// Feedrate, mm/s.
     pub feedrate: Vec<f64>,
-    /// Time since the start, s.
+    /// Time since the start, s; of the same length as distance and feedrate.
     pub time: Vec<f64>,
+    /// Contour error at the corner that ends each segment and on arcs near it, mm.
+    pub corner: Vec<f64>,
+    /// Largest contour error along the rest of each segment that is an arc, mm.
+    pub arc: Vec<f64>,
 }
 
 /// The programmed feedrate, one row a segment.

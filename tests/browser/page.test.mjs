@@ -17,6 +17,8 @@ const REAL = [
   join(ROOT, '../shared/recordings/nist-hurco/programs/box-op3.nc'),
 ]
 const TOLERANCES_MM = [0.01, 0.02, 0.05]
+/** The lower panel, as a part of the canvas. */
+const CONTOUR_ERRORS_BELOW = 0.65
 const PHONE = { width: 390, height: 844 }
 
 const scratch = mkdtempSync(join(tmpdir(), 'truefeed-page-'))
@@ -103,11 +105,12 @@ async function drop(page, selector, files) {
   assert.ok(await page.isHidden('.cover'))
 }
 
-/** Pixels of the canvas in each curve's colour, which is what the chips show as well. */
-function pixelsOfCurves(page) {
-  return page.evaluate(() => {
+/** Pixels of the canvas in each curve's colour, which is what the chips show as well, below a part of its height. */
+function pixelsOfCurves(page, below = 0) {
+  return page.evaluate((part) => {
     const canvas = document.querySelector('.plot canvas')
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height)
+    const { width, height } = canvas
+    const { data } = canvas.getContext('2d').getImageData(0, Math.round(part * height), width, height)
     return [...document.querySelectorAll('.chip .swatch')].map((swatch) => {
       const wanted = getComputedStyle(swatch).backgroundColor.match(/\d+/g).map(Number)
       let count = 0
@@ -116,7 +119,7 @@ function pixelsOfCurves(page) {
       }
       return count
     })
-  })
+  }, below)
 }
 
 const frame = (page) =>
@@ -150,6 +153,15 @@ for (const viewport of [{ width: 1280, height: 900 }, PHONE]) {
         pixels.every((count) => count > 80),
         `pixels of each curve: ${pixels}`,
       )
+      const errors = await pixelsOfCurves(page, CONTOUR_ERRORS_BELOW)
+      assert.ok(
+        errors.every((count) => count > 200),
+        `pixels of each curve's contour errors: ${errors}`,
+      )
+      if (viewport.width >= 1280) {
+        const bottom = await page.$eval('.plot', (plot) => plot.getBoundingClientRect().bottom)
+        assert.ok(bottom <= viewport.height, 'both panels are in sight without scrolling')
+      }
       const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
       assert.ok(!wider, 'the page scrolls sideways')
       await shot(page, `sample-${viewport.width}`)
@@ -323,6 +335,82 @@ pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) 
   assert.ok(await page.isVisible('.reading'))
   await page.keyboard.press('Home')
   assert.deepEqual(await span(page), whole)
+
+  const below = box.y + 0.75 * box.height
+  await page.mouse.move(at(0.3)[0], below)
+  await page.mouse.down()
+  await page.mouse.move(at(0.5)[0], below - 30, { steps: 5 })
+  assert.ok((await page.locator('.box').boundingBox()).height > 0.7 * box.height, 'the box spans both panels')
+  await page.mouse.up()
+  const among = await span(page)
+  assert.ok(0 < among[0] && size(among) < 0.4 * size(whole))
+  await page.mouse.dblclick(at(0.5)[0], below)
+  assert.deepEqual(await span(page), whole)
+})
+
+pageTest('the read-out tells the contour error that the table calls the largest', async ({ page }) => {
+  // One corner of 90°, far from both ends: each curve takes its whole tolerance there.
+  const program = Buffer.from('G21 G90\nG1 X100 F3000\nG1 Y100\n')
+  await page.setInputFiles('#files', { name: 'corner.nc', mimeType: 'text/plain', buffer: program })
+  await computed(page)
+  // Reading by keys begins in the middle of the chart, where the corner is.
+  await page.focus('.plot')
+  await page.keyboard.press('Shift+ArrowRight')
+  await page.keyboard.press('Shift+ArrowLeft')
+  const errors = () => page.$$eval('.reading td:nth-child(3)', (cells) => cells.map(({ textContent }) => textContent))
+  assert.deepEqual(await errors(), ['10.0 µm off', '20.0 µm off', '50.0 µm off'])
+  const largest = await page.$$eval('#results td:last-child', (cells) => cells.map(({ textContent }) => textContent))
+  assert.deepEqual(largest, ['10.0 µm', '20.0 µm', '50.0 µm'])
+  assert.equal(await page.isVisible('.beyond'), false)
+  for (let i = 0; i < 5; i += 1) await page.keyboard.press('Shift+ArrowRight')
+  assert.deepEqual(await errors(), ['–', '–', '–'])
+})
+
+pageTest('places above the tolerance are named, shown in the chart and held by the guaranteed mode', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  const { runs } = await predicted(page, SAMPLE)
+  const said = await page.$$eval('.beyond li:has(.swatch)', (items) => items.map(({ textContent }) => textContent))
+  assert.equal(said.length, 3)
+  runs.forEach(({ beyond_tolerance: places, max_contour_error_mm: largest }, index) => {
+    assert.match(said[index], new RegExp(`in ${places.length} place`))
+    assert.ok(said[index].includes(`${(1000 * largest).toFixed(1)} µm at line`), said[index])
+  })
+
+  const whole = await span(page)
+  const worst = runs[2].beyond_tolerance.reduce((a, b) => (b.max_contour_error_mm > a.max_contour_error_mm ? b : a))
+  await page.focus('.beyond li:nth-child(3) button')
+  await page.keyboard.press('Enter')
+  const shown = await span(page)
+  assert.ok(shown[0] <= worst.distance_mm[0] && worst.distance_mm[1] <= shown[1])
+  assert.ok(shown[1] - shown[0] < 0.2 * (whole[1] - whole[0]))
+  await shot(page, 'place')
+
+  await page.click('.beyond .cure')
+  await page.waitForSelector('#results.stale')
+  await computed(page)
+  assert.equal(await page.inputValue('#field-interpolator-corner_mode'), 'guaranteed')
+  assert.equal(await page.isVisible('.beyond'), false)
+  const errors = await page.$$eval('#results td:last-child', (cells) => cells.map(({ textContent }) => textContent))
+  errors.forEach((text, index) => assert.ok(parseFloat(text) <= 1000 * TOLERANCES_MM[index] + 0.05, text))
+  await shot(page, 'guaranteed')
+})
+
+pageTest('the bar moves within one tolerance in the guaranteed mode', async ({ page }) => {
+  await page.selectOption('#field-interpolator-corner_mode', 'guaranteed')
+  await page.evaluate(() => {
+    const bar = document.querySelector('#progress progress')
+    const values = new Set()
+    new MutationObserver(() => values.add(bar.value)).observe(bar, { attributes: true })
+    Object.assign(window, { barValues: values })
+  })
+  await page.click('#welcome .sample')
+  await computed(page)
+  const values = await page.evaluate(() => [...window.barValues])
+  const steps = TOLERANCES_MM.length + 1
+  const within = values.filter((value) => Math.abs(value * steps - Math.round(value * steps)) > 1e-6)
+  assert.ok(within.length >= 3, `the bar stood at ${values}`)
+  assert.deepEqual(values, [...values].sort((a, b) => a - b))
 })
 
 pageTest(
@@ -400,6 +488,27 @@ pageTest('the machine form refuses at the field, recomputes, prices, is kept and
   await computed(page)
   const price = Number(await page.textContent('#results tbody tr:first-child .price'))
   assert.ok(Math.abs(price - ((await cycleTimes(page))[0] * 72) / 3600) <= 0.005)
+
+  // A rate changes no motion: the price follows at once, and nothing is simulated again.
+  await page.evaluate(() => {
+    const busy = { stale: false }
+    const watch = () => (busy.stale ||= Boolean(document.querySelector('.stale, #progress:not([hidden])')))
+    new MutationObserver(watch).observe(document.body, { attributes: true, childList: true, subtree: true })
+    Object.assign(window, { busy })
+  })
+  await page.fill(field('rates.hourly'), '144')
+  assert.ok(Math.abs(Number(await page.textContent('#results tbody tr:first-child .price')) - 2 * price) <= 0.011)
+  await page.fill(field('rates.hourly'), '')
+  assert.equal(await page.textContent(`${field('rates.hourly')}-fault`), '')
+  assert.doesNotMatch(await page.textContent('#results thead'), /Price/)
+  await page.fill(field('rates.hourly'), '72')
+  await page.waitForTimeout(600)
+  assert.deepEqual(await page.evaluate(() => window.busy), { stale: false })
+
+  await page.fill(field('rapid.feed_mm_min'), '')
+  assert.match(await page.textContent(`${field('rapid.feed_mm_min')}-fault`), /expected a number from 1 to/)
+  await page.fill(field('rapid.feed_mm_min'), '20000')
+  await computed(page)
 
   await page.reload()
   await page.waitForSelector('html[data-ready]')

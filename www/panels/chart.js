@@ -1,10 +1,10 @@
 // The chart on its canvas. Rust draws and knows the scales; this forwards pixels, keys and sizes.
 
-import { Chart, mostCurves, toleranceLabel } from '../pkg/truefeed.js'
+import { Chart, deviationLabel, mostCurves } from '../pkg/truefeed.js'
 import { find, make } from '../dom.js'
 import { feedrate, millimetres, clock, seconds } from '../format.js'
 
-/** @import { Outcome, Program, State } from "../types.js" */
+/** @import { Outcome, Place, Program, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 const WHEEL = 1.0015
@@ -128,8 +128,9 @@ export function mount(root) {
   /** Draws a box to zoom to; with Shift, or on an axis, moves the picture. A touch moves it as well. @param {PointerEvent} start */
   function drag(start) {
     const from = pixel(start)
-    const [left, top, right, bottom] = chart.area()
-    const onAxis = from.x < left || from.y > bottom
+    const [left, right, top, bottom, , lowest] = chart.area()
+    const onAxis = from.x < left || from.y > lowest
+    const isBelow = from.y > bottom
     const moves = start.shiftKey || onAxis || start.pointerType === 'touch'
     let last = from
     plot.setPointerCapture(start.pointerId)
@@ -139,20 +140,24 @@ export function mount(root) {
       y: Math.min(Math.max(y, top), bottom),
     })
 
+    /** A flat box, or one among the contour errors, is meant as a stretch of the path. */
+    const flat = () => isBelow || Math.abs(last.y - from.y) < 3 * CLICK_PX
+
     const move = (/** @type {PointerEvent} */ event) => {
       const to = pixel(event)
       if (moves) {
-        chart.pan(to.x - last.x, to.y - last.y)
+        chart.pan(to.x - last.x, isBelow ? 0 : to.y - last.y)
         last = to
         return redraw()
       }
       last = clamp(to)
+      const [y0, y1] = flat() ? [top, lowest] : [from.y, last.y]
       box.hidden = false
       Object.assign(box.style, {
         left: `${Math.min(from.x, last.x)}px`,
-        top: `${Math.min(from.y, last.y)}px`,
+        top: `${Math.min(y0, y1)}px`,
         width: `${Math.abs(last.x - from.x)}px`,
-        height: `${Math.abs(last.y - from.y)}px`,
+        height: `${Math.abs(y1 - y0)}px`,
       })
     }
     const end = (/** @type {PointerEvent} */ event) => {
@@ -161,11 +166,9 @@ export function mount(root) {
       plot.removeEventListener('pointercancel', end)
       box.hidden = true
       if (start.pointerType === 'touch' && Math.abs(last.x - from.x) < CLICK_PX) return read(from.x)
-      const [width, height] = [Math.abs(last.x - from.x), Math.abs(last.y - from.y)]
-      if (moves || event.type === 'pointercancel' || width < CLICK_PX) return
-      // A flat box is meant as a stretch of the path.
-      const flat = height < 3 * CLICK_PX
-      chart.zoomTo(from.x, flat ? top : from.y, last.x, flat ? bottom : last.y)
+      if (moves || event.type === 'pointercancel' || Math.abs(last.x - from.x) < CLICK_PX) return
+      const [y0, y1] = flat() ? [top, bottom] : [from.y, last.y]
+      chart.zoomTo(from.x, y0, last.x, y1)
       redraw()
     }
     plot.addEventListener('pointermove', move)
@@ -175,14 +178,14 @@ export function mount(root) {
 
   /** @param {number} x */
   function read(x) {
-    const [left, , right] = chart.area()
+    const [left, right] = chart.area()
     if (x < left || right < x) return hide()
     show(chart.at(x))
   }
 
   /** Reads along the path by keys. @param {number} direction */
   function walk(direction) {
-    const [left, , right] = chart.area()
+    const [left, right] = chart.area()
     const here = Number.isFinite(readAt) ? (chart.reading(readAt)?.x ?? left) : (left + right) / 2
     read(Math.min(Math.max(here + direction * 4, left), right))
   }
@@ -196,11 +199,11 @@ export function mount(root) {
   /** @param {Pointer | undefined} pointer */
   function show(pointer) {
     if (!pointer) return hide()
-    const [left, top, right, bottom] = chart.area()
+    const [left, right, top, , , lowest] = chart.area()
     if (pointer.x < left - 1 || right + 1 < pointer.x) return hide()
     readAt = pointer.distance
     cross.hidden = false
-    Object.assign(cross.style, { left: `${pointer.x}px`, top: `${top}px`, height: `${bottom - top}px` })
+    Object.assign(cross.style, { left: `${pointer.x}px`, top: `${top}px`, height: `${lowest - top}px` })
     cross.replaceChildren(
       ...pointer.curves.map(({ y }, index) => {
         const dot = make('span', { className: `dot curve-${index}` })
@@ -225,6 +228,13 @@ export function mount(root) {
   colors()
 
   return {
+    /** Shows a place of the program and takes the keys. @param {Place} place */
+    show({ distance_mm: [from, to] }) {
+      chart.show(from, to)
+      redraw()
+      root.scrollIntoView({ block: 'nearest' })
+      plot.focus({ preventScroll: true })
+    },
     /** @param {State} state */
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
@@ -233,7 +243,7 @@ export function mount(root) {
       empty.hidden = Boolean(outcome)
       empty.textContent = state.progress ? 'Computing …' : 'Not computed yet.'
       canvas.hidden = !outcome
-      root.classList.toggle('stale', Boolean(outcome) && outcome?.machine !== JSON.stringify(state.machine.values))
+      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
       const fill = [program, outcome, ...state.tolerances, ...runs]
       if (fill.length === filled.length && fill.every((value, index) => value === filled[index])) return
       filled = fill
@@ -243,12 +253,8 @@ export function mount(root) {
       chart.program(end, feedrate, rapid, line)
       for (const tolerance of state.tolerances) {
         const columns = outcome.runs.get(tolerance)?.columns
-        chart.add(
-          toleranceLabel(tolerance),
-          columns?.distance ?? none,
-          columns?.feedrate ?? none,
-          columns?.time ?? none,
-        )
+        chart.add(tolerance)
+        if (columns) chart.fill(columns.distance, columns.feedrate, columns.time, columns.corner, columns.arc)
       }
       chart.fit(fitted !== program)
       fitted = program
@@ -258,16 +264,15 @@ export function mount(root) {
   }
 }
 
-const none = new Float64Array()
-
 /** What the chart says about one distance. @param {Pointer} pointer @param {Program | undefined} program */
 function words({ distance, line, programmed, rapid, curves }, program) {
-  const rows = curves.map(({ label, feedrate: feed, time }, index) =>
+  const rows = curves.map(({ label, feedrate: feed, time, error }, index) =>
     make(
       'tr',
       {},
       make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
       make('td', {}, feedrate(feed)),
+      make('td', {}, error === undefined ? '–' : `${deviationLabel(error)} off`),
       make('td', {}, time < 60 ? seconds(time) : clock(time)),
     ),
   )

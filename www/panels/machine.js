@@ -10,6 +10,7 @@ import { find, make } from '../dom.js'
 const BASIC = [
   'interpolator.filters',
   'interpolator.time_constant_s',
+  'interpolator.corner_mode',
   'rapid.feed_mm_min',
   'times.tool_change_s',
   'rates.hourly',
@@ -20,7 +21,7 @@ const ELSEWHERE = ['interpolator.contour_tolerance_mm']
 /**
  * @param {HTMLElement} root
  * @param {Form} form
- * @param {{choosePreset(index: number): void, setMachine(preset: number, values: Values): void}} actions
+ * @param {{choosePreset(index: number): void, setParameter(key: string, value: Value): void}} actions
  */
 export function mount(root, form, actions) {
   const preset = /** @type {HTMLSelectElement} */ (find(root, '#preset'))
@@ -28,7 +29,7 @@ export function mount(root, form, actions) {
   const save = /** @type {HTMLButtonElement} */ (find(root, '.save'))
   const more = /** @type {HTMLDetailsElement} */ (find(root, 'details'))
   const parameters = form.fields.filter(({ key }) => !ELSEWHERE.includes(key))
-  const fields = parameters.map((parameter) => field(parameter, changed))
+  const fields = parameters.map((parameter) => field(parameter, actions.setParameter))
   /** @type {Values} */
   let values = {}
 
@@ -46,11 +47,6 @@ export function mount(root, form, actions) {
   const present = (/** @type {string} */ key) => byKey.get(key) ?? []
   find(root, '.basic').append(...BASIC.flatMap(present))
   find(root, '.more').append(...parameters.filter(({ key }) => !BASIC.includes(key)).flatMap(({ key }) => present(key)))
-
-  /** @param {string} key @param {Value} value */
-  function changed(key, value) {
-    actions.setMachine(Number(preset.value), { ...values, [key]: value })
-  }
 
   return {
     /** @param {State} state */

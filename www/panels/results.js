@@ -1,10 +1,10 @@
 // The table of cycle times, one row a tolerance.
 
-import { deviationLabel, toleranceLabel } from '../pkg/truefeed.js'
+import { deviationLabel, price, toleranceLabel } from '../pkg/truefeed.js'
 import { find, make } from '../dom.js'
 import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
 
-/** @import { Outcome, State } from "../types.js" */
+/** @import { Form, Outcome, Place, RunSummary, State, Value } from "../types.js" */
 
 /** @type {[keyof import("../types.js").RunSummary["breakdown"], string][]} */
 const PARTS = [
@@ -15,20 +15,58 @@ const PARTS = [
   ['other_s', 'Other'],
 ]
 
-/** @param {HTMLElement} root */
-export function mount(root) {
+/** What makes no place exceed its tolerance. */
+const CURE = { key: 'interpolator.corner_mode', word: 'guaranteed' }
+
+/**
+ * @param {HTMLElement} root
+ * @param {Form} form
+ * @param {{show(place: Place): void, setParameter(key: string, value: Value): void}} actions
+ */
+export function mount(root, form, actions) {
   const place = find(root, '.table')
+  const mode = form.fields.find(({ key }) => key === CURE.key)?.label ?? ''
+  /** Where the contour error is above the tolerance, and what helps. @param {Outcome} outcome @param {State} state */
+  function beyond({ runs }, { tolerances, machine }) {
+    const items = tolerances.flatMap((tolerance, index) => {
+      const places = runs.get(tolerance)?.summary.beyond_tolerance ?? []
+      return places.length > 0 ? [item(tolerance, index, places)] : []
+    })
+    if (items.length === 0) return []
+    if (machine.values[CURE.key] !== CURE.word) {
+      const cure = make('button', { type: 'button', className: 'cure' }, `Set ${mode.toLowerCase()} to ${CURE.word}`)
+      cure.title = 'The motion holds the tolerance everywhere'
+      cure.addEventListener('click', () => actions.setParameter(CURE.key, CURE.word))
+      items.push(make('li', {}, 'To hold it everywhere: ', cure))
+    }
+    return [make('ul', { className: 'beyond' }, ...items)]
+  }
+
+  /** One tolerance with the way to its worst place. @param {number} tolerance @param {number} index @param {Place[]} places */
+  function item(tolerance, index, places) {
+    const worst = places.reduce((a, b) => (b.max_contour_error_mm > a.max_contour_error_mm ? b : a))
+    const [first, last] = worst.lines
+    const lines = first === last ? `line ${first}` : `lines ${first}–${last}`
+    const go = make('button', { type: 'button', title: 'Show it in the chart' })
+    go.append(`${deviationLabel(worst.max_contour_error_mm)} at ${lines}`)
+    go.addEventListener('click', () => actions.show(worst))
+    const number = `exceeded in ${count(places.length)} ${places.length === 1 ? 'place' : 'places'}, up to `
+    const swatch = make('span', { className: `swatch curve-${index}` })
+    return make('li', {}, swatch, make('b', {}, toleranceLabel(tolerance)), ` ${number}`, go)
+  }
+
   return {
     /** @param {State} state */
     update(state) {
       const program = state.programs.find(({ id }) => id === state.selected)
       const outcome = program?.outcome
-      const stale = Boolean(outcome) && outcome?.machine !== JSON.stringify(state.machine.values)
+      const stale = Boolean(outcome) && outcome?.motion !== state.machine.motion
       root.classList.toggle('stale', stale)
       if (program && outcome) {
         place.replaceChildren(
-          table(outcome, state.tolerances),
-          about(program.name, outcome, stale ? outOfDate(state) : ''),
+          table(outcome, state.tolerances, JSON.stringify(state.machine.values)),
+          ...beyond(outcome, state),
+          about(outcome, stale ? outOfDate(state) : ''),
         )
       } else {
         place.replaceChildren(make('p', { className: 'empty' }, state.progress ? 'Computing …' : 'Not computed yet.'))
@@ -37,13 +75,15 @@ export function mount(root) {
   }
 }
 
-/** @param {Outcome} outcome @param {number[]} tolerances */
-function table(outcome, tolerances) {
-  const priced = [...outcome.runs.values()].some(({ summary }) => summary.price)
+/** @param {Outcome} outcome @param {number[]} tolerances @param {string} machine  JSON */
+function table(outcome, tolerances, machine) {
+  // Rates change no motion: the price is told by the form as it is now, where that has no fault.
+  const priceOf = (/** @type {RunSummary} */ run) => price(machine, run.cycle_time_s) ?? run.price
+  const priced = [...outcome.runs.values()].some(({ summary }) => priceOf(summary))
   /** @type {[string, number][]} */
   const titles = [['Tolerance', 1], ['Cycle time', 2], ...priceTitles(priced), ['Programmed', 1], ['Difference', 2]]
   for (const [, title] of PARTS) titles.push([title, 1])
-  titles.push(['Path error', 1])
+  titles.push(['Contour error', 1])
   const head = make('tr', {}, ...titles.map(([title, colSpan]) => make('th', { scope: 'col', colSpan }, title)))
   const programmed = outcome.summary.programmed_time_s
   const rows = tolerances.map((tolerance, index) => {
@@ -59,7 +99,7 @@ function table(outcome, tolerances) {
     const cells = [
       make('data', { value: String(run.cycle_time_s) }, clock(run.cycle_time_s)),
       seconds(run.cycle_time_s),
-      ...(priced ? [make('b', { className: 'price' }, money(run.price))] : []),
+      ...(priced ? [make('b', { className: 'price' }, money(priceOf(run)))] : []),
       seconds(programmed),
       difference(longer),
       percent(longer / programmed),
@@ -81,10 +121,10 @@ function outOfDate({ machine, paused }) {
   return paused ? ' These are the results of the machine before.' : ' Computing anew for the changed machine …'
 }
 
-/** @param {string} name @param {Outcome} outcome @param {string} note */
-function about(name, { steps, summary }, note) {
+/** @param {Outcome} outcome @param {string} note */
+function about({ steps, summary }, note) {
   const errors = summary.diagnostics.filter(({ severity }) => severity === 'error').length
-  const facts = `${name}: ${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Path error: largest distance from the path; corners close together can exceed the tolerance.`
+  const facts = `${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Contour error: largest distance from the path.`
   const link = make(
     'a',
     { href: '#diagnostics' },

@@ -52,16 +52,25 @@ const CLOSE_ENOUGH: f64 = 0.01;
 /// Reductions aim this far below the tolerance, as a part of it, so that they end.
 const MARGIN: f64 = 0.005;
 
+/// How much of what is left to do a round is taken for: how many it will be is not known before.
+const PART_OF_REST: f64 = 0.05;
+
 /// The plan of a toolpath that holds a contour tolerance (mm) in the machine's corner mode, and
-/// the contour errors of its profile.
-pub fn plan_within(toolpath: &Toolpath, machine: &Machine, tolerance: f64) -> (FeedPlan, ContourErrors) {
+/// the contour errors of its profile. Before each round `progress` is told how much is done, from
+/// 0 up to, never reaching, 1.
+pub fn plan_within(
+    toolpath: &Toolpath,
+    machine: &Machine,
+    tolerance: f64,
+    progress: &mut dyn FnMut(f64),
+) -> (FeedPlan, ContourErrors) {
     let isolated = plan(toolpath, machine, Rule::Isolated(tolerance));
     match machine.interpolator.corner_mode {
         CornerMode::Paper => {
             let errors = contour_errors(toolpath, &isolated, &Profile::new(toolpath, &isolated));
             (isolated, errors)
         }
-        CornerMode::Guaranteed => corrected(toolpath, machine, tolerance, isolated),
+        CornerMode::Guaranteed => corrected(toolpath, machine, tolerance, isolated, progress),
     }
 }
 
@@ -115,6 +124,7 @@ fn corrected(
     machine: &Machine,
     tolerance: f64,
     isolated: FeedPlan,
+    progress: &mut dyn FnMut(f64),
 ) -> (FeedPlan, ContourErrors) {
     let mut asked = Asked::of(toolpath, &isolated);
     let mut now = isolated;
@@ -122,8 +132,11 @@ fn corrected(
     measure(toolpath, &now, &Profile::new(toolpath, &now), &mut measured, |_| true);
     let mut errors = by_corner(&measured);
     let mut fastest: Option<(f64, FeedPlan, ContourErrors)> = None;
+    let mut rest = 1.0;
     for _ in 0..PASSES {
         for round in (0..ROUNDS + REDUCTIONS + STOPS).map(Round::of) {
+            progress(1.0 - rest);
+            rest *= 1.0 - PART_OF_REST;
             let moved = asked.change(&now, &errors, tolerance, round);
             if moved.contains(&true) {
                 now = plan(

@@ -1,0 +1,142 @@
+//! The lower panel: the contour error of each curve over distance, beside its tolerance.
+//!
+//! A corner is a point of the path and an arc a stretch of it. Both are shown as the largest error
+//! in each pixel column, an outline over a pale ground, so that a corner is a needle, an arc a step
+//! and a finishing pass of a thousand blocks its envelope. Dashed lines are the tolerances. The
+//! ordinate begins at 0 and fits what is in sight.
+
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+
+use crate::plot::draw::Failure;
+use crate::plot::feed_panel::rapid_stretches;
+use crate::plot::panel::{Axes, Borders, Look, borders};
+use crate::plot::{Curve, FeedChart, Programmed, View};
+use crate::units::micrometres;
+
+/// Room above the largest error in sight, as a ratio.
+const HEADROOM: f64 = 1.12;
+
+/// How much of a curve's colour the ground below its outline has.
+const GROUND: f64 = 0.16;
+
+/// Draws the contour errors of a chart on an area.
+pub(crate) fn draw<B: DrawingBackend>(
+    chart: &FeedChart,
+    view: View,
+    look: &Look,
+    area: &DrawingArea<B, Shift>,
+) -> Result<Borders, Failure<B>> {
+    let axes = |top: f64| Axes {
+        distance: view.distance,
+        distance_title: Some("Distance along the path (mm)"),
+        value: (0.0, top),
+        value_title: "Contour error (µm)",
+    };
+    // The columns have to be known before what they show can set the scale.
+    let borders = borders(&look.panel(area, &axes(1.0))?);
+    let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
+    let outlines: Vec<_> =
+        chart.curves.iter().map(|curve| outline(curve, &chart.programmed, view, columns)).collect();
+    let tolerances = chart.curves.iter().map(|curve| micrometres(curve.tolerance));
+    let errors = outlines.iter().flatten().map(|&(_, error)| error);
+    let largest = tolerances.chain(errors).fold(0.0, f64::max);
+    let axes = axes(HEADROOM * if 0.0 < largest { largest } else { 1.0 });
+    let mut context = look.panel(area, &axes)?;
+
+    let theme = &look.theme;
+    for (from, to) in rapid_stretches(chart, view, columns) {
+        context.draw_series([Rectangle::new([(from, 0.0), (to, axes.value.1)], theme.rapid.filled())])?;
+    }
+    look.mesh(&mut context, &axes)?;
+    let shown: Vec<_> = chart.curves.iter().zip(&outlines).zip(theme.curves.iter().cycle()).collect();
+    // The widest tolerance first: what is smaller stays in sight on top of it.
+    for ((_, outline), color) in shown.iter().rev() {
+        context.draw_series(steps(outline).map(|ground| Polygon::new(ground, color.mix(GROUND).filled())))?;
+        let line = color.stroke_width(look.points(1.25));
+        context.draw_series(steps(outline).map(|step| PathElement::new(step, line)))?;
+    }
+    for ((curve, _), color) in shown {
+        let tolerance = micrometres(curve.tolerance);
+        let ends = [(view.distance.0, tolerance), (view.distance.1, tolerance)];
+        let dashes = (look.points(5.0) as i32, look.points(4.0) as i32);
+        let line = color.mix(0.8).stroke_width(look.points(1.0));
+        context.draw_series([DashedPathElement::new(ends, dashes.0, dashes.1, line)])?;
+    }
+    Ok(borders)
+}
+
+/// The largest error (µm) in each pixel column as a polyline over distance (mm) with a point at
+/// either side of each change; it begins and ends on the abscissa.
+fn outline(curve: &Curve, programmed: &Programmed, view: View, columns: usize) -> Vec<(f64, f64)> {
+    let (low, high) = view.distance;
+    let border = |column: usize| low + (high - low) * column as f64 / columns as f64;
+    let mut points = vec![(low, 0.0)];
+    for column in 0..columns {
+        let (from, to) = (border(column), border(column + 1));
+        let error = micrometres(curve.largest_error(programmed, (from, to)).unwrap_or(0.0));
+        let last = points[points.len() - 1].1;
+        if error != last {
+            points.extend([(from, last), (from, error)]);
+        }
+    }
+    let last = points[points.len() - 1].1;
+    points.extend([(high, last), (high, 0.0)]);
+    points
+}
+
+/// The parts of an outline that are above the abscissa, each from its foot to its foot.
+fn steps(outline: &[(f64, f64)]) -> impl Iterator<Item = Vec<(f64, f64)>> {
+    outline.chunk_by(|a, b| 0.0 < a.1 || 0.0 < b.1).filter(|part| part.len() > 1).map(<[_]>::to_vec)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::contour::ContourErrors;
+
+    /// Blocks of 1 mm with errors that repeat after 97, and an arc from 500 to 501 mm.
+    fn curve() -> (Curve, Programmed) {
+        let end: Vec<f64> = (1..=1000).map(f64::from).collect();
+        let corner = (0..1000).map(|k| 0.001 * f64::from(k % 97)).collect();
+        let arc = (0..1000).map(|k| if k == 500 { 0.2 } else { 0.0 }).collect();
+        let programmed = Programmed { end, ..Programmed::default() };
+        (Curve { errors: ContourErrors { corner, arc }, ..Curve::default() }, programmed)
+    }
+
+    #[test]
+    fn a_column_shows_the_largest_error_in_it_and_none_is_lost() {
+        let (curve, programmed) = curve();
+        for (distance, columns) in [((0.0, 1000.0), 100), ((0.0, 1000.0), 7919), ((490.5, 510.5), 333)] {
+            let view = View { distance, feedrate: (0.0, 1.0) };
+            let points = outline(&curve, &programmed, view, columns);
+            assert!(points.len() <= 2 * columns + 4);
+            assert!(points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+            let largest = points.iter().fold(0.0, |top: f64, point| top.max(point.1));
+            assert!((largest - 200.0).abs() < 1e-9, "{largest}");
+            let width = (distance.1 - distance.0) / columns as f64;
+            for (k, &error) in curve.errors.corner.iter().enumerate() {
+                let at = programmed.end[k];
+                if distance.0 < at && at < distance.1 {
+                    let near = points.iter().filter(|point| (point.0 - at).abs() <= 1.001 * width);
+                    let top = near.fold(0.0, |top: f64, point| top.max(point.1));
+                    assert!(micrometres(error) <= top + 1e-9, "corner {k} of {columns} columns");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_arc_is_a_step_along_the_whole_of_it() {
+        let (mut curve, programmed) = curve();
+        curve.errors.corner.fill(0.0);
+        let view = View { distance: (490.0, 510.0), feedrate: (0.0, 1.0) };
+        let points = outline(&curve, &programmed, view, 200);
+        let parts: Vec<_> = steps(&points).collect();
+        assert_eq!(parts.len(), 1);
+        let (first, last) = (parts[0][0], parts[0][parts[0].len() - 1]);
+        assert!((first.0 - 500.0).abs() <= 0.1 && (last.0 - 501.0).abs() <= 0.1, "{first:?} {last:?}");
+        assert_eq!((first.1, last.1), (0.0, 0.0));
+    }
+}

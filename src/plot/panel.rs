@@ -1,0 +1,138 @@
+//! What the panels of a picture have in common: sizes, margins, axes with their numbers.
+//!
+//! plotters draws on whole pixels of the device, so every size here is in points of the page
+//! times `scale`, device pixels a point.
+
+use plotters::chart::ChartContext;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use crate::plot::Theme;
+use crate::plot::draw::Failure;
+
+pub(crate) const FONT: &str = "system-ui, sans-serif";
+pub(crate) const FONT_SIZE: f64 = 12.0;
+/// Width of a character against the font's size, on the wide side.
+const CHARACTER: f64 = 0.62;
+
+/// How a picture looks.
+#[derive(Clone, Copy)]
+pub(crate) struct Look {
+    pub theme: Theme,
+    /// Device pixels a point.
+    pub scale: f64,
+    /// Room for the numbers of an ordinate, characters; the same in all panels, so that they align.
+    pub label_characters: usize,
+}
+
+/// Where the plotting area of a panel lies, pixels of the whole picture.
+pub(crate) struct Borders {
+    /// Left and right.
+    pub x: (f64, f64),
+    /// Top and bottom.
+    pub y: (f64, f64),
+}
+
+/// The axes of a panel.
+pub(crate) struct Axes<'a> {
+    /// Distances in sight, mm.
+    pub distance: (f64, f64),
+    /// Title of the distance with its numbers; none leaves both away.
+    pub distance_title: Option<&'a str>,
+    /// Values in sight.
+    pub value: (f64, f64),
+    /// Title of the values.
+    pub value_title: &'a str,
+}
+
+pub(crate) type Context<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+impl Look {
+    /// Device pixels of a size in points.
+    pub fn points(&self, size: f64) -> u32 {
+        (size * self.scale).round() as u32
+    }
+
+    /// Lays out a panel; nothing is drawn yet.
+    pub fn panel<'a, B: DrawingBackend>(
+        &self,
+        area: &'a DrawingArea<B, Shift>,
+        axes: &Axes,
+    ) -> Result<Context<'a, B>, Failure<B>> {
+        let below = if axes.distance_title.is_some() { 42.0 } else { 8.0 };
+        ChartBuilder::on(area)
+            .margin_top(self.points(6.0))
+            .margin_right(self.points(36.0))
+            .margin_left(self.points(4.0))
+            .margin_bottom(self.points(4.0))
+            .x_label_area_size(self.points(below))
+            .y_label_area_size(self.points(CHARACTER * FONT_SIZE * self.label_characters as f64 + 32.0))
+            .build_cartesian_2d(axes.distance.0..axes.distance.1, axes.value.0..axes.value.1)
+    }
+
+    /// Draws grid, axes and numbers.
+    pub fn mesh<B: DrawingBackend>(&self, context: &mut Context<B>, axes: &Axes) -> Result<(), Failure<B>> {
+        let Theme { text, axis, grid, .. } = self.theme;
+        let font = (FONT, self.points(FONT_SIZE)).into_font().color(&text);
+        let (width, height) = context.plotting_area().dim_in_pixel();
+        let labels =
+            |pixels: u32, spacing: f64| ((f64::from(pixels) / (spacing * self.scale)) as usize).clamp(2, 12);
+        let number = |(low, high): (f64, f64)| move |value: &f64| grouped(*value, high - low);
+        let (distance, value) = (number(axes.distance), number(axes.value));
+        let mut mesh = context.configure_mesh();
+        mesh.x_labels(labels(width, 105.0))
+            .y_labels(labels(height, 28.0))
+            .x_label_formatter(&distance)
+            .y_label_formatter(&value)
+            .y_desc(axes.value_title)
+            .label_style(font.clone())
+            .axis_desc_style(font)
+            .axis_style(axis.stroke_width(self.points(1.0)))
+            .bold_line_style(grid.stroke_width(self.points(1.0)))
+            .light_line_style(TRANSPARENT)
+            .set_all_tick_mark_size(self.points(4.0));
+        match axes.distance_title {
+            Some(title) => mesh.x_desc(title).draw(),
+            None => mesh.x_label_formatter(&|_| String::new()).draw(),
+        }
+    }
+}
+
+/// Where the plotting area of a laid-out panel lies.
+pub(crate) fn borders<B: DrawingBackend>(context: &Context<B>) -> Borders {
+    let (x, y) = context.plotting_area().get_pixel_range();
+    let ends = |range: std::ops::Range<i32>| (f64::from(range.start), f64::from(range.end));
+    Borders { x: ends(x), y: ends(y) }
+}
+
+/// A number with as many decimals as an axis over `span` needs, thousands set apart.
+pub(crate) fn grouped(value: f64, span: f64) -> String {
+    let decimals = (1.5 - span.log10()).ceil().clamp(0.0, 9.0) as usize;
+    let text = format!("{:.decimals$}", value + 0.0);
+    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+    let (sign, digits) = whole.strip_prefix('-').map_or(("", whole), |digits| ("−", digits));
+    let mut out = sign.to_string();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && digits.len() > 4 && (digits.len() - place) % 3 == 0 {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    let fraction = fraction.trim_end_matches('0');
+    if fraction.is_empty() { out } else { format!("{out}.{fraction}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_on_axes_are_short_and_grouped() {
+        assert_eq!(grouped(12000.0, 12000.0), "12\u{202f}000");
+        assert_eq!(grouped(1500.0, 2000.0), "1500");
+        assert_eq!(grouped(0.5, 2.0), "0.5");
+        assert_eq!(grouped(0.0, 2.0), "0");
+        assert_eq!(grouped(123.456, 0.01), "123.456");
+    }
+}

@@ -1,0 +1,64 @@
+//! The colours of a picture, on light and on dark ground.
+
+use plotters::style::RGBColor;
+
+/// Colours of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Theme {
+    /// Behind everything.
+    pub background: RGBColor,
+    /// Text.
+    pub text: RGBColor,
+    /// Grid lines.
+    pub grid: RGBColor,
+    /// Stretches of rapid motion.
+    pub rapid: RGBColor,
+    /// Axes and their ticks.
+    pub axis: RGBColor,
+    /// The programmed feedrate: broad and pale, so that it shows on both sides of a curve on it.
+    pub programmed: RGBColor,
+    /// Curves in their order.
+    pub curves: [RGBColor; PALETTE],
+}
+
+/// How many curves have a colour of their own.
+pub const PALETTE: usize = 6;
+
+impl Theme {
+    /// Dark on white. The curves' colours are those of Okabe and Ito, which people with any
+    /// kind of colour vision can tell apart.
+    pub const LIGHT: Theme = Theme {
+        background: RGBColor(255, 255, 255),
+        text: RGBColor(64, 72, 82),
+        grid: RGBColor(229, 232, 236),
+        rapid: RGBColor(243, 244, 246),
+        axis: RGBColor(120, 128, 138),
+        programmed: RGBColor(196, 202, 210),
+        curves: [
+            RGBColor(0, 114, 178),
+            RGBColor(213, 94, 0),
+            RGBColor(0, 158, 115),
+            RGBColor(204, 121, 167),
+            RGBColor(230, 159, 0),
+            RGBColor(86, 180, 233),
+        ],
+    };
+
+    /// Light on dark, the same colours in an order that begins with the light ones.
+    pub const DARK: Theme = Theme {
+        background: RGBColor(22, 26, 31),
+        text: RGBColor(190, 198, 207),
+        grid: RGBColor(45, 51, 59),
+        rapid: RGBColor(31, 36, 43),
+        axis: RGBColor(135, 145, 156),
+        programmed: RGBColor(84, 94, 105),
+        curves: [
+            RGBColor(86, 180, 233),
+            RGBColor(230, 159, 0),
+            RGBColor(0, 158, 115),
+            RGBColor(204, 121, 167),
+            RGBColor(240, 228, 66),
+            RGBColor(213, 94, 0),
+        ],
+    };
+}
