@@ -1,8 +1,8 @@
 //! What does not change the time, and what changes it in one direction only.
 
-use crate::paths::{Case, Random, cases, stretches};
+use crate::paths::{Case, Random, cases};
 use truefeed::machine::{Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Rule, Stretch};
+use truefeed::simulation::feed::Rule;
 use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Stop, StopCause, Toolpath};
 
 const CASES: usize = 10_000;
@@ -148,44 +148,17 @@ fn a_slower_clock_stretches_every_time() {
     }
 }
 
-/// Whether a higher feedrate F may make a segment slower. It holds its corners' commands c for
-/// h (1 − c/F) each, and so lasts T = L/F + Σ h (1 − c/F)²: that rises with F once
-/// L < 2 h Σ c (1 − c/F). With ramps only what they leave of L counts.
-fn is_crowded(case: &Case, plan: &FeedPlan, stretch: &Stretch, index: usize) -> bool {
-    let half_delay = plan.filters[stretch.filter].half_delay();
-    let feedrate = plan.segment_feedrates[index];
-    let first = if index == stretch.segments.start { 0.0 } else { plan.corner_feedrates[index - 1] };
-    let corners = [first, plan.corner_feedrates[index]];
-    let holds: f64 = corners.iter().map(|c| half_delay * c * (1.0 - c / feedrate)).sum();
-    let ramps =
-        corners.iter().map(|c| (feedrate * feedrate - c * c) / (2.0 * case.machine.path.acceleration));
-    case.toolpath.segments[index].length < 2.0 * holds + ramps.sum::<f64>()
-}
-
-/// The published hold is not monotone in the feedrate, so there is one exception: a crowded arc
-/// whose own feedrate rises with the tolerance. It is rare, and costs little.
+/// A wider tolerance never costs time: corners and arcs are commanded faster, and holds depend on
+/// no feedrate that the tolerance changes.
 #[test]
 fn time_falls_with_the_tolerance() {
-    let mut exceptions = 0;
     for (case, mut random) in cases(15, CASES) {
         let mut machine = case.machine.clone();
         machine.interpolator.contour_tolerance *= random.log_between(1.001, 20.0);
         let wide = changed(&case, case.toolpath.clone(), machine);
-        let (plan, wide_plan) = (case.plan(), wide.plan());
-        let (time, wide_time) = (plan.cycle_time(), wide_plan.cycle_time());
-        if time * (1.0 + 1e-12) < wide_time {
-            let excused = stretches(&wide_plan).into_iter().any(|(_, stretch)| {
-                stretch.segments.clone().any(|index| {
-                    plan.segment_feedrates[index] < wide_plan.segment_feedrates[index]
-                        && is_crowded(&wide, &wide_plan, stretch, index)
-                })
-            });
-            assert!(excused, "case {}: {wide_time} s, not {time} s", case.number);
-            assert!(wide_time < 1.01 * time, "case {}: {wide_time} s, not {time} s", case.number);
-            exceptions += 1;
-        }
+        let (time, wide_time) = (case.plan().cycle_time(), wide.plan().cycle_time());
+        assert!(wide_time <= time * (1.0 + 1e-12), "case {}: {wide_time} s, not {time} s", case.number);
     }
-    assert!(exceptions < CASES / 200, "{exceptions} exceptions");
 }
 
 /// Where a block has no room for the holds of both its corners the slower one wins, so raising any

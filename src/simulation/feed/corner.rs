@@ -27,6 +27,10 @@
 //! tolerance. That is nearly always the law for the slower leg, as c hardly depends on F; a leg
 //! that is little faster than a corner at full feedrate needs the other.
 //!
+//! The F of a hold is that of the leg without the limit that the tolerance sets on arcs. On such an
+//! arc the hold is then a little longer than published; were it to grow with the arc's own limit,
+//! a wider tolerance could make a crowded arc slower.
+//!
 //! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition.
 
 use crate::simulation::filter::FilterChain;
@@ -91,7 +95,8 @@ impl<'a> CornerLaw<'a> {
         if slower == faster { corner } else { corner.min(of_leg(faster)) }
     }
 
-    /// How long a leg run at `feedrate` keeps the corner's command `corner`, s.
+    /// How long a leg keeps the corner's command `corner` (mm/s), s; `feedrate` (mm/s) is that of
+    /// the leg without the limit of the tolerance.
     pub fn hold(&self, corner: f64, feedrate: f64) -> f64 {
         self.half_delay * (1.0 - corner / feedrate)
     }

@@ -227,19 +227,21 @@ fn add_stretch(
     rule: Rule,
 ) {
     let segments = &all[range.clone()];
-    let mut feedrates: Vec<f64> = segments.iter().map(|s| limits::requested_feedrate(s, machine)).collect();
-    let filter = filter_of_stretch(plan, segments, &feedrates, machine);
+    let requested: Vec<f64> = segments.iter().map(|s| limits::requested_feedrate(s, machine)).collect();
+    let filter = filter_of_stretch(plan, segments, &requested, machine);
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
     let accelerations: Vec<f64> = segments.iter().map(|s| limits::acceleration(s, machine)).collect();
-    for (i, feedrate) in feedrates.iter_mut().enumerate() {
-        let by_rule = match rule {
-            Rule::Isolated(tolerance) => limits::arc_feedrate(&segments[i], chain, tolerance),
-            Rule::Given { segments, .. } => segments[range.start + i],
-        };
-        *feedrate = feedrate.min(by_rule).min(limits::curve_feedrate(&segments[i], machine));
-    }
-    limit_by_look_ahead(&mut feedrates, segments, &accelerations, machine, chain);
+    let within_curve =
+        |(segment, feedrate): (&Segment, f64)| feedrate.min(limits::curve_feedrate(segment, machine));
+    let mut without_tolerance: Vec<f64> = segments.iter().zip(requested).map(within_curve).collect();
+    limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
+    let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).enumerate())
+        .map(|(i, (segment, &feedrate))| match rule {
+            Rule::Isolated(tolerance) => feedrate.min(limits::arc_feedrate(segment, chain, tolerance)),
+            Rule::Given { segments, .. } => feedrate.min(segments[range.start + i]),
+        })
+        .collect();
     let mut corners = Vec::with_capacity(segments.len() + 1);
     corners.push(FULL_STOP);
     for (i, pair) in segments.windows(2).enumerate() {
@@ -263,7 +265,7 @@ fn add_stretch(
         let end = |corner: Corner| End {
             feedrate: corner.feedrate,
             hold: if corner.blended {
-                law.hold(corner.feedrate, feedrates[i]).max(corner.clearance(chain))
+                law.hold(corner.feedrate, without_tolerance[i]).max(corner.clearance(chain))
             } else {
                 0.0
             },
