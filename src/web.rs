@@ -1,9 +1,9 @@
 //! The boundary to JavaScript: one job that simulates, one chart that draws.
 //!
 //! The worker holds a [`Job`] and answers with summaries and columns; the page holds a
-//! [`Chart`] and forwards pixels. What comes in is JSON text and numbers, what goes out are the
-//! shapes of [`project`] as JSON text and columns as typed arrays with buffers of their own, so that they
-//! can be transferred. No arithmetic of units or scales is left to JavaScript.
+//! [`Chart`] and forwards pixels. What comes in is JSON text, which refuses unknown fields, and
+//! numbers; what goes out are the shapes of [`project`], results as objects, and columns as typed
+//! arrays with buffers of their own, so that they can be transferred. No arithmetic of units or scales is left to JavaScript.
 
 #![deny(clippy::unwrap_used)]
 

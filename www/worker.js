@@ -11,13 +11,13 @@ self.onmessage = async ({ data: { module, program, machine, tolerances, labels }
     await init({ module_or_path: module })
     const job = new Job(program, machine)
     const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
-    post({ type: 'program', summary: JSON.parse(job.summary()), steps }, Object.values(steps))
+    post({ type: 'program', summary: job.summary(), steps }, Object.values(steps))
     for (const [index, tolerance] of tolerances.entries()) {
       const progress = (/** @type {number} */ part) => stage(`Simulating ${labels[index]}`, index + 1 + part, of)
       progress(0)
       const run = job.simulate(tolerance, progress)
       const columns = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc'])
-      post({ type: 'run', tolerance, summary: JSON.parse(run.summary).runs[0], columns }, Object.values(columns))
+      post({ type: 'run', tolerance, summary: run.summary.runs[0], columns }, Object.values(columns))
       run.free()
     }
     job.free()

@@ -1,6 +1,8 @@
 //! A program on a machine, simulated for one tolerance after the other.
 
 use js_sys::Function;
+use serde::Serialize;
+use serde_wasm_bindgen::Serializer;
 use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
@@ -29,9 +31,9 @@ impl Job {
         Ok(Job { machine, toolpath })
     }
 
-    /// What is known before any simulation: a prediction without runs, as JSON.
-    pub fn summary(&self) -> String {
-        Prediction::new("", self.programmed_time(), &[], &self.toolpath.diagnostics).to_json()
+    /// What is known before any simulation: a prediction without runs.
+    pub fn summary(&self) -> Result<JsValue, JsError> {
+        object(&Prediction::new("", self.programmed_time(), &[], &self.toolpath.diagnostics))
     }
 
     /// The programmed feedrate over distance.
@@ -41,14 +43,14 @@ impl Job {
     }
 
     /// Simulates the program for a contour tolerance (mm); `progress` is called with the part done.
-    pub fn simulate(&self, tolerance: f64, progress: &Function) -> Run {
+    pub fn simulate(&self, tolerance: f64, progress: &Function) -> Result<Run, JsError> {
         // What a listener throws is its own affair.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerance, &errors);
         let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
-        Run {
-            summary: Prediction::new("", self.programmed_time(), &[quote], &[]).to_json(),
+        Ok(Run {
+            summary: object(&Prediction::new("", self.programmed_time(), &[quote], &[]))?,
             columns: Columns {
                 distance: samples.distance,
                 feedrate: samples.feedrate,
@@ -56,7 +58,7 @@ impl Job {
                 corner: errors.corner,
                 arc: errors.arc,
             },
-        }
+        })
     }
 }
 
@@ -66,11 +68,16 @@ impl Job {
     }
 }
 
+/// A result as the object that its JSON would be read as.
+fn object(prediction: &Prediction) -> Result<JsValue, JsError> {
+    Ok(prediction.serialize(&Serializer::json_compatible())?)
+}
+
 /// The result of one simulation.
 #[wasm_bindgen(getter_with_clone)]
 pub struct Run {
-    /// Times and price: a prediction with one run, as JSON.
-    pub summary: String,
+    /// Times and price: a prediction with one run.
+    pub summary: JsValue,
     /// The profile.
     pub columns: Columns,
 }

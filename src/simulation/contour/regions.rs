@@ -1,8 +1,8 @@
 //! Contour errors → regions: where on the program the motion leaves the path by more than wanted.
 //!
 //! Consecutive segments whose error is above a bound make one region; good segments between them
-//! do not end it while they are shorter together than the stretch of bad ones before them, so that
-//! a ragged finishing pass is one region and not a thousand.
+//! do not end it while they are shorter together than the last run of bad ones, so that a ragged
+//! pass is one region and not a hundred, and one bad pass after the other are as many.
 
 use crate::simulation::contour::ContourErrors;
 use crate::simulation::gcode::LineNumber;
@@ -23,21 +23,24 @@ pub struct Region {
 pub fn regions_above(toolpath: &Toolpath, errors: &ContourErrors, bound: f64) -> Vec<Region> {
     let mut regions: Vec<Region> = Vec::new();
     let mut begin = 0.0;
+    // Length of the bad segments since the last good one, mm.
+    let mut run = 0.0;
     for (k, segment) in toolpath.segments.iter().enumerate() {
         let end = begin + segment.length;
         let error = errors.corner[k].max(errors.arc[k]);
         if bound < error {
             match regions.last_mut() {
-                Some(region) if begin - region.distance.1 <= region.distance.1 - region.distance.0 => {
+                Some(region) if begin - region.distance.1 <= run => {
+                    run = if region.distance.1 < begin { segment.length } else { run + segment.length };
                     region.lines.1 = segment.line;
                     region.distance.1 = end;
                     region.largest = region.largest.max(error);
                 }
-                _ => regions.push(Region {
-                    lines: (segment.line, segment.line),
-                    distance: (begin, end),
-                    largest: error,
-                }),
+                _ => {
+                    run = segment.length;
+                    let lines = (segment.line, segment.line);
+                    regions.push(Region { lines, distance: (begin, end), largest: error });
+                }
             }
         }
         begin = end;
