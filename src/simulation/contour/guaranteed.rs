@@ -21,7 +21,7 @@
 
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::{ContourErrors, SegmentErrors, by_corner, contour_errors, measure};
-use crate::simulation::feed::{FeedPlan, Rule, plan};
+use crate::simulation::feed::{FeedPlan, Pulse, Rule, plan};
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Curve, Toolpath};
 
@@ -107,7 +107,8 @@ impl Round {
 /// An arc and its corners are held to this part of the tolerance, for what lies between the points measured on it.
 const BETWEEN_POINTS: f64 = 0.99;
 
-/// A feedrate that is asked for, and the one that other limits leave of it, mm/s.
+/// Changes a feedrate that is asked for by the error it leads to; `planned` is what other limits
+/// leave of it, and `ceiling` what is known to be the most. All in mm/s; false where it stays.
 fn changed(asked: &mut f64, planned: f64, error: f64, ceiling: f64, round: Round) -> bool {
     let Some(factor) = round.factor(error) else { return false };
     // Raising what another limit holds down would change nothing.
@@ -119,6 +120,7 @@ fn changed(asked: &mut f64, planned: f64, error: f64, ceiling: f64, round: Round
     true
 }
 
+/// Rounds of correction, pass after pass.
 fn corrected(
     toolpath: &Toolpath,
     machine: &Machine,
@@ -137,14 +139,11 @@ fn corrected(
         for round in (0..ROUNDS + REDUCTIONS + STOPS).map(Round::of) {
             progress(1.0 - rest);
             rest *= 1.0 - PART_OF_REST;
-            let moved = asked.change(&now, &errors, tolerance, round);
-            if moved.contains(&true) {
-                now = plan(
-                    toolpath,
-                    machine,
-                    Rule::Given { corners: &asked.corners, segments: &asked.segments },
-                );
-                let stale = within_a_delay(&now, &moved);
+            if asked.change(&now, &errors, tolerance, round) {
+                let given = Rule::Given { corners: &asked.corners, segments: &asked.segments };
+                let next = plan(toolpath, machine, given);
+                let stale = within_a_delay(&now, &next);
+                now = next;
                 measure(toolpath, &now, &Profile::new(toolpath, &now), &mut measured, |k| stale[k]);
                 errors = by_corner(&measured);
             } else if errors.largest() <= tolerance {
@@ -179,22 +178,22 @@ impl Asked {
         Asked { corners: plan.corner_feedrates.clone(), segments, is_arc }
     }
 
-    /// One round: feedrates changed by what the plan in force does, and the segments they belong to.
-    fn change(&mut self, now: &FeedPlan, errors: &ContourErrors, tolerance: f64, round: Round) -> Vec<bool> {
-        let mut moved = vec![false; self.corners.len()];
-        for k in 0..moved.len() {
+    /// One round: changes feedrates by what the plan in force does; false where there is nothing to change.
+    fn change(&mut self, now: &FeedPlan, errors: &ContourErrors, tolerance: f64, round: Round) -> bool {
+        let mut moved = false;
+        for k in 0..self.corners.len() {
             if self.is_arc[k] {
                 let (planned, error) =
                     (now.segment_feedrates[k], errors.arc[k] / (BETWEEN_POINTS * tolerance));
                 // An arc cannot be run at no feedrate at all; it ends between two stops instead.
                 let slowest = SLOWEST_ARC * planned;
-                moved[k] |= changed(&mut self.segments[k], planned, error, f64::INFINITY, round);
+                moved |= changed(&mut self.segments[k], planned, error, f64::INFINITY, round);
                 self.segments[k] = self.segments[k].max(slowest);
                 // What an arc misses by may come from the corners at its ends.
                 if 1.0 < error && !matches!(round, Round::UpAndDown) {
                     for corner in [k.checked_sub(1), Some(k)].into_iter().flatten() {
                         let planned = now.corner_feedrates[corner];
-                        moved[corner] |= changed(&mut self.corners[corner], planned, error, planned, round);
+                        moved |= changed(&mut self.corners[corner], planned, error, planned, round);
                     }
                 }
             }
@@ -202,27 +201,30 @@ impl Asked {
                 let slower = now.segment_feedrates[k].min(now.segment_feedrates[k + 1]);
                 let share = if self.is_arc[k] || self.is_arc[k + 1] { BETWEEN_POINTS } else { 1.0 };
                 let (planned, error) = (now.corner_feedrates[k], errors.corner[k] / (share * tolerance));
-                moved[k] |= changed(&mut self.corners[k], planned, error, slower, round);
+                moved |= changed(&mut self.corners[k], planned, error, slower, round);
             }
         }
         moved
     }
 }
 
-/// The segments of which a part is commanded within a filter delay of a segment that moved.
-fn within_a_delay(plan: &FeedPlan, moved: &[bool]) -> Vec<bool> {
-    let mut stale = moved.to_vec();
-    for stretch in plan.stretches() {
-        let delay = plan.filters[stretch.filter].delay();
+/// The segments of which a part is commanded within a filter delay of a segment whose pulses differ
+/// between two plans. What lies farther away sees the same command before and after.
+fn within_a_delay(before: &FeedPlan, after: &FeedPlan) -> Vec<bool> {
+    fn by_segment(plan: &FeedPlan) -> impl Iterator<Item = &[Pulse]> {
+        plan.pulses.chunk_by(|a, b| a.segment == b.segment)
+    }
+    let moved: Vec<bool> =
+        by_segment(before).zip(by_segment(after)).map(|(before, after)| before != after).collect();
+    let mut stale = moved.clone();
+    for stretch in after.stretches() {
+        let delay = after.filters[stretch.filter].delay();
         let mut spread = |pulses: &mut dyn Iterator<Item = usize>| {
             let mut age = f64::INFINITY;
             for index in pulses {
-                let pulse = &plan.pulses[index];
+                let pulse = &after.pulses[index];
                 let segment = pulse.segment as usize;
-                // A segment is reached by its corner, so one more on each side belongs to it.
-                if age <= delay {
-                    stale[segment] = true;
-                }
+                stale[segment] |= age <= delay;
                 age = if moved[segment] { 0.0 } else { age + pulse.duration };
             }
         };
