@@ -192,7 +192,7 @@ fn coarse_sampling_does_not_tell_the_order() {
         for seed in 0..25 {
             let mut planted =
                 Planted::like_the_paper(&vec![0.0765 / order as f64; order], Quantity::Feedrate);
-            planted.sampling = 0.05;
+            planted.sampling = if seed % 2 == 0 { 0.05 } else { 0.03 };
             planted.start = 0.041 + 0.002 * seed as f64;
             planted.noise = if seed < 5 { 0.0 } else { 5e-4 };
             match planted.identify(&mut Dice(seed)) {
@@ -202,7 +202,7 @@ fn coarse_sampling_does_not_tell_the_order() {
             }
         }
     }
-    assert!(too_few < 50, "{too_few}");
+    assert!(too_few < 75, "{too_few}");
 }
 
 #[test]
