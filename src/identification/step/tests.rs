@@ -187,22 +187,25 @@ fn unequal_filters_are_told_from_equal_ones() {
 
 #[test]
 fn coarse_sampling_does_not_tell_the_order() {
-    let mut too_few = 0;
+    let (mut too_few, mut open) = (0, 0);
     for order in 1..=4 {
         for seed in 0..25 {
             let mut planted =
                 Planted::like_the_paper(&vec![0.0765 / order as f64; order], Quantity::Feedrate);
-            planted.sampling = if seed % 2 == 0 { 0.05 } else { 0.03 };
+            (planted.sampling, planted.noise) = if seed % 2 == 0 { (0.05, 0.0) } else { (0.03, 0.01) };
             planted.start = 0.041 + 0.002 * seed as f64;
-            planted.noise = if seed < 5 { 0.0 } else { 5e-4 };
             match planted.identify(&mut Dice(seed)) {
-                Outcome::Converged(found) => assert!(!found.is_certain(), "{found:?}"),
+                // The corners of the trapezoid behind a single filter show even so.
+                Outcome::Converged(found) if found.is_certain() => {
+                    assert_eq!((order, found.best().filters), (1, Filters::Equal(1)), "{found:?}");
+                }
+                Outcome::Converged(_) => open += 1,
                 Outcome::TooFewSamples { .. } => too_few += 1,
                 other => panic!("{other:?}"),
             }
         }
     }
-    assert!(too_few < 75, "{too_few}");
+    assert!(20 < open, "{too_few} have too few samples");
 }
 
 #[test]
