@@ -160,7 +160,8 @@ fn equations_37_to_39_hold_on_one_branch() {
         let [both, one] =
             [branches(a), equation_39(a, 1.5 * T1 * (1.0 - a))].map(|g| (g - deviation(3, a)).abs());
         assert!(both < 1e-12, "α = {a}");
-        assert_eq!(one < 1e-12, a <= 2.0 / 3.0, "α = {a}");
+        // Without blending pulses, at α = 1, the branches meet again.
+        assert_eq!(one < 1e-12, a <= 2.0 / 3.0 || a == 1.0, "α = {a}");
     }
 }
 
