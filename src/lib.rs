@@ -10,6 +10,7 @@
 //! The core computes in mm, s and rad ([`units`]), does no I/O, reads no clock, draws no random
 //! numbers and knows no JavaScript.
 
+pub mod identification;
 pub mod machine;
 pub mod plot;
 pub mod project;

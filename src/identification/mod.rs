@@ -1,0 +1,3 @@
+//! Identification: recording → what the control is made of.
+
+pub mod step;
