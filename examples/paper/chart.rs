@@ -32,7 +32,9 @@ const COLORS: [RGBColor; 6] = [
     RGBColor(86, 180, 233),
 ];
 const WIDTH: u32 = 420;
-const HEIGHT: u32 = 260;
+const HEIGHT: u32 = 280;
+/// Height of title and names.
+const HEAD: u32 = 38;
 
 /// Draws panels in rows of `columns`.
 pub fn svg(panels: &[Panel], columns: usize) -> String {
@@ -57,8 +59,9 @@ fn draw(area: &DrawingArea<SVGBackend, plotters::coord::Shift>, panel: &Panel) {
     };
     let (x, y) = (bounds(&|point| point.0), bounds(&|point| point.1));
     let room = 0.08 * (y.1 - y.0).max(1e-12);
-    let mut context = ChartBuilder::on(area)
-        .caption(&panel.title, ("sans-serif", 14))
+    let (head, area) = area.split_vertically(HEAD);
+    name_curves(&head, panel);
+    let mut context = ChartBuilder::on(&area)
         .margin(6)
         .margin_right(14)
         .x_label_area_size(34)
@@ -78,21 +81,19 @@ fn draw(area: &DrawingArea<SVGBackend, plotters::coord::Shift>, panel: &Panel) {
         .expect("drawing to memory cannot fail");
     for (curve, color) in panel.curves.iter().zip(COLORS.iter().cycle()) {
         let line = LineSeries::new(thinned(&curve.points, x, y), color.stroke_width(2));
-        let drawn = context.draw_series(line);
-        let entry = *color;
-        drawn
-            .expect("drawing to memory cannot fail")
-            .label(&curve.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 14, y)], entry.stroke_width(2)));
+        context.draw_series(line).expect("drawing to memory cannot fail");
     }
-    if panel.curves.len() > 1 {
-        context
-            .configure_series_labels()
-            .background_style(WHITE.mix(0.8))
-            .border_style(TRANSPARENT)
-            .label_font(("sans-serif", 11))
-            .draw()
-            .expect("drawing to memory cannot fail");
+}
+
+/// Writes the title, and below it the names of the curves beside their colours.
+fn name_curves(head: &DrawingArea<SVGBackend, plotters::coord::Shift>, panel: &Panel) {
+    let drawn = "drawing to memory cannot fail";
+    head.draw(&Text::new(panel.title.as_str(), (40, 6), ("sans-serif", 14))).expect(drawn);
+    let mut left = 40;
+    for (curve, color) in panel.curves.iter().zip(COLORS.iter().cycle()).filter(|_| panel.curves.len() > 1) {
+        head.draw(&PathElement::new([(left, 30), (left + 14, 30)], color.stroke_width(2))).expect(drawn);
+        head.draw(&Text::new(curve.name.as_str(), (left + 18, 24), ("sans-serif", 11))).expect(drawn);
+        left += 26 + 11 * curve.name.chars().count() as i32 / 2;
     }
 }
 

@@ -26,6 +26,10 @@ fn over_time(name: &str, until: f64, value: impl Fn(f64) -> f64) -> Curve {
     curve(name, (0.0, 1e3 * until), 400, |ms| value(1e-3 * ms))
 }
 
+fn count(filters: usize) -> String {
+    if filters == 1 { "1 filter".to_string() } else { format!("{filters} filters") }
+}
+
 /// All figures: file name without extension, and SVG.
 pub fn all() -> Vec<(&'static str, String)> {
     vec![
@@ -54,7 +58,7 @@ fn magnitude() -> String {
     };
     let curves = (1..=4).map(|n| {
         let decibel = move |frequency: f64| (20.0 * f64::from(n) * filter(frequency).log10()).max(-120.0);
-        curve(&format!("{n} filters"), (0.0, 160.0), 600, decibel)
+        curve(&count(n as usize), (0.0, 160.0), 600, decibel)
     });
     svg(&[panel("Magnitude, T1 = 25.5 ms", "frequency (Hz)", "magnitude (dB)", curves.collect())], 1)
 }
@@ -67,7 +71,7 @@ fn pulse() -> String {
         let named = chains.iter().enumerate().skip(from);
         let curves = named.map(|(n, chain)| {
             let pulse = |t: f64| scale * feedrate * (value(chain, t) - value(chain, t - duration));
-            over_time(&format!("{} filters", n + 1), until, pulse)
+            over_time(&count(n + 1), until, pulse)
         });
         curves.collect()
     };
@@ -192,6 +196,9 @@ pub fn identified() -> String {
     )
 }
 
+/// How much of the path is shown around a corner, mm.
+const SHOWN: f64 = 0.3;
+
 /// A right angle of 10 mm legs at 3000 mm/min and 50 µm, as in Fig. 7.
 fn right_angle_plan(filters: usize) -> (Toolpath, FeedPlan) {
     let mut pen = Pen::new();
@@ -236,11 +243,16 @@ fn right_angle() -> String {
     let profile = Profile::new(&toolpath, &plan);
     let corner = toolpath.segments[0].end;
     let middle = profile.time_at_distance(10.0);
-    let near = |i: u32| profile.at_time(middle + 0.08 * (f64::from(i) / 200.0 - 0.5)).position - corner;
-    let path =
-        Curve { name: "filtered".to_string(), points: (0..=200).map(|i| (near(i).x, near(i).y)).collect() };
+    let near = |i: u32| profile.at_time(middle + 0.09 * (f64::from(i) / 200.0 - 0.5)).position - corner;
+    let path = Curve {
+        name: "filtered".to_string(),
+        points: (0..=200)
+            .map(|i| (near(i).x, near(i).y))
+            .filter(|(x, y)| -SHOWN < *x && *y < SHOWN)
+            .collect(),
+    };
     let programmed =
-        Curve { name: "programmed".to_string(), points: vec![(-0.9, 0.0), (0.0, 0.0), (0.0, 0.9)] };
+        Curve { name: "programmed".to_string(), points: vec![(-SHOWN, 0.0), (0.0, 0.0), (0.0, SHOWN)] };
     svg(
         &[
             panel("Pulses", TIME, "mm/s", commands(&toolpath, &plan).into()),
@@ -301,8 +313,8 @@ pub fn cornering(filters: usize, feedrate: f64, tolerance: f64, degrees: f64) ->
 
 fn cornering_feed() -> String {
     let curves = [(2, 10.0), (3, 10.0), (2, 50.0), (3, 50.0)].map(|(filters, tolerance)| {
-        let name = format!("{filters} filters, {tolerance:.0} µm");
+        let name = format!("n = {filters}, {tolerance:.0} µm");
         curve(&name, (0.0, 180.0), 361, |degrees| cornering(filters, 2000.0, tolerance, degrees))
     });
-    svg(&[panel("2000 mm/min", "cornering angle θ (degrees)", "cornering feed (mm/min)", curves.into())], 1)
+    svg(&[panel("2000 mm/min, n filters", "cornering angle θ (degrees)", "cornering feed (mm/min)", curves.into())], 1)
 }
