@@ -161,11 +161,8 @@ fn the_filtered_path_stays_within_the_tolerance_everywhere() {
         let tolerance = random.log_between(0.002, 0.1);
         let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
         assert!(errors.largest() <= tolerance, "case {case}: measured {}", errors.largest());
-        // The independent search is slow; every tenth path is enough of it.
-        if case % 10 == 0 {
-            let error = independent_error(&toolpath, &plan).max(reverse_error(&toolpath, &plan));
-            assert!(error <= tolerance + 1e-6, "case {case}: {error} mm for a tolerance of {tolerance} mm");
-        }
+        let error = independent_error(&toolpath, &plan).max(reverse_error(&toolpath, &plan));
+        assert!(error <= tolerance + 1e-6, "case {case}: {error} mm for a tolerance of {tolerance} mm");
     }
 }
 
