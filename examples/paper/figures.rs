@@ -316,5 +316,13 @@ fn cornering_feed() -> String {
         let name = format!("n = {filters}, {tolerance:.0} µm");
         curve(&name, (0.0, 180.0), 361, |degrees| cornering(filters, 2000.0, tolerance, degrees))
     });
-    svg(&[panel("2000 mm/min, n filters", "cornering angle θ (degrees)", "cornering feed (mm/min)", curves.into())], 1)
+    svg(
+        &[panel(
+            "2000 mm/min, n filters",
+            "cornering angle θ (degrees)",
+            "cornering feed (mm/min)",
+            curves.into(),
+        )],
+        1,
+    )
 }
