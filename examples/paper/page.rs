@@ -34,7 +34,7 @@ const FIGURES: &str = "## Figures
 ![Fig. 3](paper/fig-03.svg)
 
 **Fig. 3. Magnitude of one to four filters of the same constant.** The first zero lies at 1/T1 = 39.2 Hz for all orders; each filter
-adds the same attenuation, so the fourth curve is one the paper does not draw. Cut off at −120 dB.
+adds the same attenuation. Cut off at −120 dB.
 
 ![Fig. 4](paper/fig-04.svg)
 
