@@ -34,7 +34,7 @@ const FIGURES: &str = "## Figures
 ![Fig. 3](paper/fig-03.svg)
 
 **Fig. 3. Magnitude of one to four filters of the same constant.** The first zero lies at 1/T1 = 39.2 Hz for all orders; each filter
-adds the same attenuation, so the fourth curve is one the paper does not draw. Cut off at −120 dB.
+adds the same attenuation. Cut off at −120 dB.
 
 ![Fig. 4](paper/fig-04.svg)
 
@@ -286,7 +286,8 @@ fn sections() -> (String, Vec<(&'static str, f64, f64)>) {
         "## Table 4: aerostructure part at 8000 mm/min\n\n\
          Known: lengths, CAD time × feed, 44, 28 and 12 m. Each section is taken as half circles of radius {:.0} mm in chords that turn by \
          {:.0}°, straights between them and sharp right angles, in proportions chosen by a grid on the rows marked:\n\n{chosen}\n\
-         The floor, with one row in use, keeps the chords and corners of the roughing; the walls keep its chords.\n\n\
+         The floor, with one row in use, keeps the chords and corners of the roughing; the walls keep its chords.\n\
+         What is free was settled with the whole table in sight, as for Table 1; the search saw the marked rows alone.\n\n\
          | section | µm | used | CAM s | measured s | paper s | ours s | against paper | against measured |\n\
          |---|---:|---|---:|---:|---:|---:|---:|---:|\n{rows}\n\
          Rows not used: {}. The paper's own prediction for the floor hardly falls from 20 to 50 µm and is above the measured time there, \

@@ -10,7 +10,9 @@
 //!
 //! with the step responses V and S of the filter chain. For one to four equal filters, and for two
 //! unequal ones (the seven-segment profile), F, t0, Tv, p0 and the time constants are found by
-//! least squares; the sampling may be irregular and its start is free.
+//! least squares; the sampling may be irregular and its start is free. A pulse of duration Tv behind
+//! one filter T cannot be told from a pulse of duration T behind a filter Tv, so with one filter or an
+//! unequal pair the move is taken to be commanded for longer than any filter lasts: L ≥ F T1.
 //!
 //! Standard uncertainties come from the scatter of the residuals and the Jacobian, so they hold for
 //! noise that differs from sample to sample. Where neighbouring residuals resemble each other by

@@ -115,7 +115,8 @@ fn exact_recordings_give_the_filters_exactly() {
 #[test]
 fn uncertainties_cover_what_they_should() {
     let mut dice = Dice(7);
-    let (mut recordings, mut within_one, mut within_three, mut passed_over) = (0, 0, 0, 0);
+    let (mut recordings, mut within_one, mut within_three, mut within_others, mut passed_over) =
+        (0, 0, 0, 0, 0);
     for case in 0..1200 {
         let order = 1 + case % 4;
         let constant = dice.between(0.005, 0.060);
@@ -148,9 +149,13 @@ fn uncertainties_cover_what_they_should() {
         recordings += 1;
         within_one += usize::from(miss < 1.0);
         within_three += usize::from(miss < 3.0);
+        for (estimate, planted) in [(fit.start, planted.start), (fit.length, planted.length)] {
+            within_others += usize::from((estimate.value - planted).abs() < 3.0 * estimate.uncertainty);
+        }
     }
     let part = |count: usize| count as f64 / recordings as f64;
     assert!(1000 < recordings, "{passed_over} passed over");
+    assert!(0.99 <= 0.5 * part(within_others), "{}", part(within_others));
     assert!(0.99 <= part(within_three), "{}", part(within_three));
     assert!((0.60..0.80).contains(&part(within_one)), "{}", part(within_one));
 }
