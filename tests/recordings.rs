@@ -2,11 +2,14 @@
 //!
 //! The data are not part of the project: they lie in `../shared/recordings` or in the folder named by
 //! `TRUEFEED_RECORDINGS`, and the test says so and ends where they are absent. Only cases in which
-//! nothing is concealed that changes the time are compared here, by how long the machine moves.
+//! nothing is concealed that changes the time are compared here, by how long the machine moves. Of a
+//! real shop's program the trend is held.
 
 use std::path::PathBuf;
 
+use truefeed::machine::{Machine, TimeConstants};
 use truefeed::project::machine_from_toml;
+use truefeed::quote::programmed_time;
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Profile, Resolution};
@@ -18,15 +21,15 @@ const CASES: [&str; 6] = ["case-03", "case-05", "case-06", "case-08", "case-09",
 /// A position this far from where it began or ended has left or not yet reached it, mm.
 const MOVED: f64 = 0.3;
 
-fn recordings() -> Option<PathBuf> {
+/// A folder of the recordings; none, with a word, where it is absent.
+fn recordings(name: &str) -> Option<PathBuf> {
     let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
-    let folder =
-        named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
-    let plant = folder.join("plant");
-    if plant.is_dir() {
-        return Some(plant);
+    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
+    let folder = all.join(name);
+    if folder.is_dir() {
+        return Some(folder);
     }
-    eprintln!("skipped: there are no recordings at {}", plant.display());
+    eprintln!("skipped: there are no recordings at {}", folder.display());
     None
 }
 
@@ -41,7 +44,7 @@ fn moving_time(rows: &[(f64, [f64; 3])]) -> f64 {
 
 #[test]
 fn the_stand_in_machine_moves_as_long_as_predicted() {
-    let Some(plant) = recordings() else { return };
+    let Some(plant) = recordings("plant") else { return };
     for case in CASES {
         let file = |name: &str| std::fs::read(plant.join(case).join(name)).expect("each case has its files");
         let text = |name: &str| String::from_utf8(file(name)).expect("text");
@@ -66,4 +69,19 @@ fn the_stand_in_machine_moves_as_long_as_predicted() {
         eprintln!("{case}: {predicted:.3} s predicted, {recorded:.3} s recorded, {miss:+.2} %");
         assert!(miss.abs() < 1.0, "{case}: {predicted} s predicted, {recorded} s recorded");
     }
+}
+
+#[test]
+fn a_real_program_takes_longer_than_programmed_and_less_at_wider_tolerances() {
+    let Some(programs) = recordings("nist-hurco/programs") else { return };
+    let mut machine = Machine::default();
+    machine.interpolator.time_constants = TimeConstants::Equal(0.03);
+    let program = std::fs::read(programs.join("box-op1.nc")).expect("the program is there");
+    let toolpath = trace(&read(&program), &machine);
+    let programmed = programmed_time(&toolpath, &machine);
+    let times = [0.005, 0.010, 0.020, 0.050, 0.100]
+        .map(|tolerance| plan_within(&toolpath, &machine, tolerance, &mut |_| {}).0.cycle_time());
+    eprintln!("box-op1: {programmed:.0} s programmed, {times:.0?} s at 5 to 100 µm");
+    assert!(times.is_sorted_by(|narrow, wide| wide < narrow), "{times:?}");
+    assert!(1.10 * programmed < times[1], "{} s for {programmed} s", times[1]);
 }

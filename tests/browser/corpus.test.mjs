@@ -1,0 +1,33 @@
+// Every ISO program at hand gives the command line's times on the page; those that lie outside the project are
+// skipped, plainly, where they are absent.
+
+import assert from 'node:assert/strict'
+import { existsSync, readdirSync } from 'node:fs'
+import { basename, join } from 'node:path'
+import { assertAsPredicted, computed, pageTest, ROOT } from './steps.mjs'
+
+const SHARED = join(ROOT, '../shared')
+const FOLDERS = ['fanuc_haas', 'linuxcnc', 'camotics', 'grbl', 'mach3'].map((folder) => join(SHARED, 'gcode', folder))
+FOLDERS.push(join(SHARED, 'recordings/nist-hurco/programs'))
+const programs = FOLDERS.filter(existsSync).flatMap((folder) => readdirSync(folder).map((name) => join(folder, name)))
+
+/** A subprogram that stands on the arguments of its caller: all of it is remarks. */
+const WITHOUT_MOTION = ['gcode__3003.nc']
+
+pageTest(
+  'every ISO program gives curves and the times of the command line',
+  async ({ page }) => {
+    await page.setInputFiles('#files', programs)
+    for (const [index, program] of programs.entries()) {
+      await page.click(`.choose >> nth=${index}`)
+      await computed(page)
+      assert.equal(await page.textContent(`.choose >> nth=${index} >> .file`), basename(program))
+      if (WITHOUT_MOTION.includes(basename(program))) {
+        assert.ok((await page.$$('#diagnostics tbody tr')).length > 0)
+      } else {
+        await assertAsPredicted(page, program)
+      }
+    }
+  },
+  { skip: programs.length > 0 ? false : `there are no programs in ${SHARED}` },
+)

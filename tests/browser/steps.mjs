@@ -1,0 +1,123 @@
+// What the page's tests do over and over: open it, wait for results, ask the command line, drop files, count pixels.
+
+import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs'
+import { tmpdir } from 'node:os'
+import { basename, join } from 'node:path'
+import { after, test } from 'node:test'
+import { fileURLToPath } from 'node:url'
+import { leaving, openPage } from './harness.mjs'
+
+export const ROOT = fileURLToPath(new URL('../../', import.meta.url))
+const OUTPUT = join(ROOT, 'tests/browser/output')
+export const TOLERANCES_MM = [0.01, 0.02, 0.05]
+
+const scratch = mkdtempSync(join(tmpdir(), 'truefeed-page-'))
+after(() => rmSync(scratch, { recursive: true }))
+mkdirSync(OUTPUT, { recursive: true })
+
+/**
+ * A test on a page of its own, which must make no console error and send no request elsewhere.
+ *
+ * @param {string} name
+ * @param {(opened: Awaited<ReturnType<typeof openPage>>) => Promise<void>} body
+ * @param {{ viewport?: { width: number, height: number }, skip?: string | false }} [options]
+ */
+export function pageTest(name, body, { viewport, skip = false } = {}) {
+  test(name, { skip, timeout: 180_000 }, async () => {
+    const opened = await openPage({ viewport })
+    try {
+      await opened.page.waitForSelector('html[data-ready]')
+      await body(opened)
+      assert.deepEqual(opened.errors, [])
+      assert.deepEqual(leaving(opened.requests, opened.origin), [])
+    } finally {
+      await opened.close()
+    }
+  })
+}
+
+/** Waits until every row of the table is of the machine and program in sight. */
+export async function computed(page) {
+  await page.waitForFunction(
+    () => {
+      const rows = [...document.querySelectorAll('#results tbody tr')]
+      const stale = document.querySelector('.stale') || !document.querySelector('#progress')?.hidden
+      const chips = document.querySelectorAll('.chip').length
+      return !stale && rows.length === chips && rows.every((row) => row.querySelector('data'))
+    },
+    null,
+    { timeout: 120_000 },
+  )
+}
+
+export const cycleTimes = (page) => page.$$eval('#results tbody data', (all) => all.map((data) => Number(data.value)))
+
+/** What the command line says about the same program, with the machine file that the page saves. */
+export async function predicted(page, program) {
+  const binaries = ['release', 'debug'].map((profile) => join(ROOT, 'target', profile, 'truefeed')).filter(existsSync)
+  binaries.sort((a, b) => statSync(b).mtimeMs - statSync(a).mtimeMs)
+  if (binaries.length === 0) {
+    execFileSync('cargo', ['build', '--quiet', '--locked'], { cwd: ROOT, stdio: 'inherit' })
+    binaries.push(join(ROOT, 'target/debug/truefeed'))
+  }
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#machine .save')])
+  const machine = join(scratch, 'machine.toml')
+  await download.saveAs(machine)
+  const tolerances = TOLERANCES_MM.flatMap((tolerance) => ['--tolerance', String(tolerance)])
+  const args = ['predict', program, '--machine', machine, ...tolerances, '--json']
+  return JSON.parse(execFileSync(binaries[0], args, { encoding: 'utf8', maxBuffer: 1 << 28 }))
+}
+
+export async function assertAsPredicted(page, program) {
+  const { runs } = await predicted(page, program)
+  const times = await cycleTimes(page)
+  assert.equal(times.length, runs.length)
+  runs.forEach(({ cycle_time_s: expected }, index) => {
+    assert.ok(expected > 0)
+    assert.ok(
+      Math.abs(times[index] / expected - 1) <= 1e-9,
+      `${times[index]} on the page, ${expected} on the command line`,
+    )
+  })
+}
+
+/** Drops files on an element, as a file manager would. */
+export async function drop(page, selector, files) {
+  const sent = files.map((file) => ({ name: basename(file), bytes: [...readFileSync(file)] }))
+  const transfer = await page.evaluateHandle((all) => {
+    const data = new DataTransfer()
+    for (const { name, bytes } of all) data.items.add(new File([new Uint8Array(bytes)], name))
+    return data
+  }, sent)
+  await page.dispatchEvent(selector, 'dragenter', { dataTransfer: transfer })
+  assert.ok(await page.isVisible('.cover'), 'the page does not say that it takes the file')
+  await page.dispatchEvent(selector, 'drop', { dataTransfer: transfer })
+  assert.ok(await page.isHidden('.cover'))
+}
+
+/** Pixels of the canvas in each curve's colour, which is what the chips show as well, below a part of its height. */
+export function pixelsOfCurves(page, below = 0) {
+  return page.evaluate((part) => {
+    const canvas = document.querySelector('.plot canvas')
+    const { width, height } = canvas
+    const { data } = canvas.getContext('2d').getImageData(0, Math.round(part * height), width, height)
+    return [...document.querySelectorAll('.chip .swatch')].map((swatch) => {
+      const wanted = getComputedStyle(swatch).backgroundColor.match(/\d+/g).map(Number)
+      let count = 0
+      for (let i = 0; i < data.length; i += 4) {
+        if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
+      }
+      return count
+    })
+  }, below)
+}
+
+export const frame = (page) =>
+  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))
+export const span = async (page) => {
+  await frame(page)
+  return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)
+}
+export const shot = (page, name) => page.screenshot({ path: join(OUTPUT, `${name}.png`) })
