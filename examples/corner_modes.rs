@@ -4,6 +4,8 @@
 //! `cargo run --release --example corner_modes [PROGRAM...]` prints it for the bundled sample and the
 //! programs named; without programs it writes `docs/corner-modes.md`.
 
+use std::path::{Path, PathBuf};
+
 use truefeed::machine::{CornerMode, Machine};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
@@ -21,19 +23,28 @@ filtered path holds the tolerance everywhere, and takes back caution that is not
 ";
 
 fn main() -> std::io::Result<()> {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let named: Vec<String> = std::env::args().skip(1).collect();
-    let sample = root.join("www/samples/pocket.nc");
-    let mut text = HEAD.to_string();
-    for program in std::iter::once(sample).chain(named.iter().map(Into::into)) {
-        let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        text += &rows(&name, &std::fs::read(&program)?);
-    }
+    let named: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let text = page(&named)?;
     if named.is_empty() {
-        std::fs::write(root.join("docs/corner-modes.md"), &text)?;
+        std::fs::write(project().join("docs/corner-modes.md"), &text)?;
     }
     print!("{text}");
     Ok(())
+}
+
+fn project() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The table for the bundled sample and the programs named.
+pub fn page(named: &[PathBuf]) -> std::io::Result<String> {
+    let sample = project().join("www/samples/pocket.nc");
+    let mut text = HEAD.to_string();
+    for program in std::iter::once(&sample).chain(named) {
+        let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        text += &rows(&name, &std::fs::read(program)?);
+    }
+    Ok(text)
 }
 
 fn rows(name: &str, program: &[u8]) -> String {

@@ -8,7 +8,23 @@
 //! ```
 //!
 //! The core computes in mm, s and rad ([`units`]), does no I/O, reads no clock, draws no random
-//! numbers and knows no JavaScript.
+//! numbers and knows no JavaScript. From bytes to a cycle time:
+//!
+//! ```
+//! use truefeed::machine::Machine;
+//! use truefeed::quote::programmed_time;
+//! use truefeed::simulation::{contour::plan_within, gcode::read, profile::Profile, toolpath::trace};
+//!
+//! let machine = Machine::default();
+//! let toolpath = trace(&read(b"G21 G90 G1 X40 F3000\nY40\nX0"), &machine);
+//! let (plan, errors) = plan_within(&toolpath, &machine, 0.010, &mut |_| {});
+//! assert!(programmed_time(&toolpath, &machine) < plan.cycle_time());
+//!
+//! let profile = Profile::new(&toolpath, &plan);
+//! let corner = profile.at_time(profile.time_at_distance(40.0));
+//! assert!(corner.velocity.norm() < 0.1 * 50.0, "the corner is taken slowly");
+//! assert!(errors.largest() < 0.010 + 1e-9, "and within the tolerance, mm");
+//! ```
 
 pub mod identification;
 pub mod machine;
