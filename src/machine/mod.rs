@@ -173,8 +173,6 @@ impl Times {
 pub struct Rates {
     /// Price of an hour of machine time, in the user's currency.
     pub hourly: f64,
-    /// Set-up time charged once, s.
-    pub setup: f64,
 }
 
 /// Free of every optional effect; the five numbers a machine file must give are those of the
@@ -197,7 +195,7 @@ impl Default for Machine {
             axes: [Axis::default(); 3],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
             times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
-            rates: Rates { hourly: 0.0, setup: 0.0 },
+            rates: Rates { hourly: 0.0 },
         }
     }
 }

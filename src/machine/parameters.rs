@@ -453,25 +453,7 @@ const GENERAL: [Parameter; 22] = [
     },
 ];
 
-const SETUP: Parameter = Parameter {
-    key: "rates.setup_s",
-    label: "Set-up time",
-    doc: "Time charged once for a batch.",
-    access: number(
-        Unit::Second,
-        (0.0, 1e6),
-        |m| Some(m.rates.setup),
-        |m, v| m.rates.setup = v.unwrap_or(0.0),
-    ),
-};
-
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL
-        .into_iter()
-        .chain([SETUP])
-        .chain(axis!("x", 0))
-        .chain(axis!("y", 1))
-        .chain(axis!("z", 2))
-        .collect()
+    GENERAL.into_iter().chain(axis!("x", 0)).chain(axis!("y", 1)).chain(axis!("z", 2)).collect()
 });

@@ -211,7 +211,7 @@ tool_change_s = 4.0
             let text = format!("{}\n{line}", SMALL.replace("DMG Mori eVo 40, TNC640", "another"));
             motion_of_machine(&machine_from_toml(&text).expect("right"))
         };
-        assert_eq!(with("[rates]\nhourly = 90\nsetup_s = 60"), motion);
+        assert_eq!(with("[rates]\nhourly = 90"), motion);
         assert_ne!(with("[axis.y]\nacceleration_mm_s2 = 3000"), motion);
         assert_ne!(with("m_code_s = 1"), motion);
     }
