@@ -160,7 +160,7 @@ fn the_filtered_path_stays_within_the_tolerance_everywhere() {
         let (toolpath, machine) = (path(&mut random), machine(&mut random));
         let tolerance = random.log_between(0.002, 0.1);
         let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
-        assert!(errors.largest() <= tolerance, "case {case}: measured {}", errors.largest());
+        assert!(errors.largest() <= tolerance * (1.0 + 1e-9), "case {case}: measured {}", errors.largest());
         let error = independent_error(&toolpath, &plan).max(reverse_error(&toolpath, &plan));
         assert!(error <= tolerance + 1e-6, "case {case}: {error} mm for a tolerance of {tolerance} mm");
     }
