@@ -1,6 +1,7 @@
 //! Laws of the interpolator over seeded random paths: what must hold whatever the program.
 
 mod conservation;
+mod guaranteed;
 mod limits;
 mod paths;
 mod symmetry;

@@ -1,33 +1,13 @@
 //! Guaranteed mode holds the tolerance everywhere: checked by a search of its own, over seeded
 //! random paths of lines and arcs, at every corner, along every block, and in both directions.
 
+use crate::paths::Random;
 use truefeed::machine::{CornerMode, Machine, TimeConstants};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::FeedPlan;
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Toolpath, Vector};
-
-/// Marsaglia's xorshift: the same paths on every machine.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// As often between 1 and 10 as between 10 and 100.
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-}
 
 fn path(random: &mut Random) -> Toolpath {
     let count = 2 + (random.unit() * 14.0) as usize;
