@@ -7,8 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::machine::{Access, Machine, PARAMETERS, parameter, presets};
-use crate::project::machine_file::TIME_CONSTANTS;
-use crate::project::{Fault, Written, contradiction, position, set, written};
+use crate::project::{Fault, TIME_CONSTANTS, Written, contradiction, position, rivals, set, written};
 
 #[derive(Serialize)]
 struct Form {
@@ -97,9 +96,6 @@ fn values(machine: &Machine) -> Map<String, Value> {
     values.collect()
 }
 
-/// Parameters of which a machine has one at most, the one it has where none is filled first.
-const ALTERNATIVES: [&[&str]; 2] = [&TIME_CONSTANTS, &["rapid.time_constant_s", "rapid.max_jerk_mm_s3"]];
-
 /// The machine of a filled form, or everything wrong with it.
 pub fn machine_from_form(json: &str) -> Result<Machine, Vec<Fault>> {
     let values: Map<String, Value> = serde_json::from_str(json).map_err(|error| {
@@ -117,15 +113,12 @@ pub fn machine_from_form(json: &str) -> Result<Machine, Vec<Fault>> {
         };
         faults.extend(outcome.err());
     }
-    let is_filled = |key: &&&str| values.get(**key).is_some_and(|value| !value.is_null());
-    for keys in ALTERNATIVES {
-        let filled: Vec<_> = keys.iter().filter(is_filled).collect();
-        if let [first, second, ..] = filled[..] {
-            let label = parameter(first).map_or(*first, |row| row.label);
-            faults.push(Fault::at_key(second, format!("give either this or {label}; leave the other empty")));
-        }
+    let is_filled = |key: &str| values.get(key).is_some_and(|value| !value.is_null());
+    for (first, second) in rivals(&is_filled) {
+        let label = parameter(first).map_or(first, |row| row.label);
+        faults.push(Fault::at_key(second, format!("give either this or {label}; leave the other empty")));
     }
-    if !TIME_CONSTANTS.iter().any(|key| is_filled(&key)) {
+    if !TIME_CONSTANTS.iter().any(|key| is_filled(key)) {
         faults.push(Fault::at_key(TIME_CONSTANTS[0], "expected a number".to_string()));
     }
     faults.extend(contradiction(&machine));

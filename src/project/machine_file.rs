@@ -6,11 +6,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::machine::{Machine, PARAMETERS};
-use crate::project::{Fault, REQUIRED, Written, contradiction, known_parameter, position, set, written};
-
-/// The form of the filters' constants: exactly one of these keys must be there.
-pub(crate) const TIME_CONSTANTS: [&str; 3] =
-    ["interpolator.time_constant_s", "interpolator.max_jerk_mm_s3", "interpolator.time_constants_s"];
+use crate::project::{
+    Fault, REQUIRED, TIME_CONSTANTS, Written, contradiction, known_parameter, position, rivals, set, written,
+};
 
 /// A machine from the text of a machine file, or the first thing wrong with it.
 pub fn machine_from_toml(text: &str) -> Result<Machine, Fault> {
@@ -31,25 +29,22 @@ pub fn machine_from_toml(text: &str) -> Result<Machine, Fault> {
     for (key, span, value) in &entries {
         set(&mut machine, key, value.clone()).map_err(|fault| Fault { place: at(span.clone()), ..fault })?;
     }
-    let given = |key: &&&str| entries.iter().any(|(known, ..)| known == **key);
+    let is_given = |key: &str| entries.iter().any(|(known, ..)| known == key);
     let missing = |key: &str| Fault {
         place: None,
         key: Some(key.to_string()),
         message: "this key is missing".to_string(),
     };
-    if let Some(key) = REQUIRED.iter().find(|key| !given(key)) {
+    if let Some(key) = REQUIRED.iter().find(|key| !is_given(key)) {
         return Err(missing(key));
     }
-    let forms: Vec<&&str> = TIME_CONSTANTS.iter().filter(given).collect();
-    match forms[..] {
-        [] => Err(missing(TIME_CONSTANTS[0])),
-        [_] => contradiction(&machine).map_or(Ok(machine), Err),
-        [first, second, ..] => Err(Fault {
-            place: None,
-            key: Some(second.to_string()),
-            message: format!("give either this or {first}"),
-        }),
+    if !TIME_CONSTANTS.iter().any(|key| is_given(key)) {
+        return Err(missing(TIME_CONSTANTS[0]));
     }
+    if let Some((first, second)) = rivals(&is_given).first() {
+        return Err(Fault::at_key(second, format!("give either this or {first}")));
+    }
+    contradiction(&machine).map_or(Ok(machine), Err)
 }
 
 /// The machine file of a machine: what every file must say, and what is not neutral.
@@ -253,6 +248,10 @@ tool_change_s = 4.0
         assert_eq!(
             fault(&SMALL.replace("\"paper\"", "\"fast\"")),
             "line 7, column 15: interpolator.corner_mode: expected one of: paper, guaranteed"
+        );
+        assert_eq!(
+            fault(&SMALL.replace("[times]", "time_constant_s = 0.05\nmax_jerk_mm_s3 = 50000\n[times]")),
+            "rapid.max_jerk_mm_s3: give either this or rapid.time_constant_s"
         );
         assert!(fault("name = ").starts_with("line 1, column 8: "));
         assert!(

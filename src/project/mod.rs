@@ -12,7 +12,7 @@ pub use form::{faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{Prediction, profile_csv, severity_word};
 
-use crate::machine::{Access, Machine, PARAMETERS, Parameter, parameter};
+use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, parameter};
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
 const REQUIRED: [&str; 4] =
@@ -154,11 +154,28 @@ fn tidy(value: f64) -> f64 {
     if (short - value).abs() <= 4.0 * f64::EPSILON * value.abs() { short } else { value }
 }
 
+/// The form of the filters' constants: exactly one of these keys must be there.
+const TIME_CONSTANTS: [&str; 3] =
+    ["interpolator.time_constant_s", "interpolator.max_jerk_mm_s3", "interpolator.time_constants_s"];
+
+/// The same for rapids, which need none of their own.
+const TIME_CONSTANTS_OF_RAPIDS: [&str; 2] = ["rapid.time_constant_s", "rapid.max_jerk_mm_s3"];
+
+/// Pairs of keys that are given, of which a machine can only have one.
+fn rivals(is_given: &dyn Fn(&str) -> bool) -> Vec<(&'static str, &'static str)> {
+    let alternatives: [&[&'static str]; 2] = [&TIME_CONSTANTS, &TIME_CONSTANTS_OF_RAPIDS];
+    let pair = |keys: &[&'static str]| {
+        let mut given = keys.iter().copied().filter(|key| is_given(key));
+        given.next().zip(given.next())
+    };
+    alternatives.into_iter().filter_map(pair).collect()
+}
+
 /// What no single key shows: settings that contradict each other.
 fn contradiction(machine: &Machine) -> Option<Fault> {
     let constants = &machine.interpolator.time_constants;
     match constants {
-        crate::machine::TimeConstants::Unequal(list) if list.len() != machine.interpolator.filters => {
+        TimeConstants::Unequal(list) if list.len() != machine.interpolator.filters => {
             let message = format!(
                 "{} time constants for {} filters; give one for each",
                 list.len(),
