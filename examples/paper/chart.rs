@@ -1,6 +1,7 @@
 //! Line charts side by side in one SVG, small enough to be kept beside the text.
 
 use plotters::prelude::*;
+use truefeed::plot::Theme;
 
 /// A curve: its name and its points.
 pub struct Curve {
@@ -23,14 +24,6 @@ pub fn curve(name: &str, range: (f64, f64), count: usize, function: impl Fn(f64)
     Curve { name: name.to_string(), points }
 }
 
-const COLORS: [RGBColor; 6] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-];
 const WIDTH: u32 = 420;
 const HEIGHT: u32 = 280;
 /// Height of title and names.
@@ -79,7 +72,7 @@ fn draw(area: &DrawingArea<SVGBackend, plotters::coord::Shift>, panel: &Panel) {
         .y_desc(panel.y)
         .draw()
         .expect("drawing to memory cannot fail");
-    for (curve, color) in panel.curves.iter().zip(COLORS.iter().cycle()) {
+    for (curve, color) in panel.curves.iter().zip(Theme::LIGHT.curves.iter().cycle()) {
         let line = LineSeries::new(thinned(&curve.points, x, y), color.stroke_width(2));
         context.draw_series(line).expect("drawing to memory cannot fail");
     }
@@ -90,7 +83,9 @@ fn name_curves(head: &DrawingArea<SVGBackend, plotters::coord::Shift>, panel: &P
     let drawn = "drawing to memory cannot fail";
     head.draw(&Text::new(panel.title.as_str(), (40, 6), ("sans-serif", 14))).expect(drawn);
     let mut left = 40;
-    for (curve, color) in panel.curves.iter().zip(COLORS.iter().cycle()).filter(|_| panel.curves.len() > 1) {
+    for (curve, color) in
+        panel.curves.iter().zip(Theme::LIGHT.curves.iter().cycle()).filter(|_| panel.curves.len() > 1)
+    {
         head.draw(&PathElement::new([(left, 30), (left + 14, 30)], color.stroke_width(2))).expect(drawn);
         head.draw(&Text::new(curve.name.as_str(), (left + 18, 24), ("sans-serif", 11))).expect(drawn);
         left += 26 + 11 * curve.name.chars().count() as i32 / 2;

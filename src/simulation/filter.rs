@@ -116,7 +116,7 @@ impl FilterChain {
     pub fn impulse_slope(&self, t: f64) -> f64 {
         match self.piece(t) {
             Place::Before | Place::After => 0.0,
-            Place::In(piece, x) => piece.h[1] + x * (2.0 * piece.h[2] + x * 3.0 * piece.h[3]),
+            Place::In(piece, x) => piece.slope(x),
         }
     }
 
@@ -161,7 +161,7 @@ impl FilterChain {
         let ends = self.pieces.iter().map(|piece| piece.start).skip(1).chain([self.delay]);
         let slopes = self.pieces.iter().zip(ends).flat_map(|(piece, end)| {
             let width = end - piece.start;
-            let slope = |x: f64| (piece.h[1] + x * (2.0 * piece.h[2] + x * 3.0 * piece.h[3])).abs();
+            let slope = |x: f64| piece.slope(x).abs();
             let turning = -piece.h[2] / (3.0 * piece.h[3]);
             let turning = if turning.is_finite() { turning.clamp(0.0, width) } else { 0.0 };
             [slope(0.0), slope(turning), slope(width)]
@@ -198,6 +198,10 @@ enum Place<'a> {
 }
 
 impl Piece {
+    fn slope(&self, x: f64) -> f64 {
+        self.h[1] + x * (2.0 * self.h[2] + x * 3.0 * self.h[3])
+    }
+
     fn step(&self, x: f64) -> f64 {
         let h = &self.h;
         self.integrals[0] + x * (h[0] + x * (h[1] / 2.0 + x * (h[2] / 3.0 + x * h[3] / 4.0)))

@@ -1,7 +1,7 @@
 //! Guaranteed mode holds the tolerance everywhere: checked by a search of its own, over seeded
 //! random paths of lines and arcs, at every corner, along every block, and in both directions.
 
-use crate::paths::Random;
+use crate::paths::{Random, line};
 use truefeed::machine::{CornerMode, Machine, TimeConstants};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::FeedPlan;
@@ -155,16 +155,7 @@ fn where_the_isolated_law_is_right_nothing_is_gained_or_lost() {
         let corner = Point::new(far, 0.0, 0.0);
         let end = corner + far * Vector::new(turn.cos(), turn.sin(), 0.0);
         let motion = Motion::Feed { feedrate: random.log_between(5.0, 100.0) };
-        let line = |start: Point, end: Point| Segment {
-            start,
-            end,
-            curve: Curve::Line,
-            length: (end - start).norm(),
-            motion,
-            exact_stop: false,
-            line: LineNumber(1),
-        };
-        let segments = vec![line(Point::origin(), corner), line(corner, end)];
+        let segments = vec![line(Point::origin(), corner, motion), line(corner, end, motion)];
         let toolpath = Toolpath { segments, ..Toolpath::default() };
         let mut machine = machine(&mut random);
         let guaranteed = plan_within(&toolpath, &machine, 0.01, &mut |_| {}).0.cycle_time();

@@ -30,6 +30,8 @@ mod cycle;
 mod motion;
 mod parameters;
 mod plane;
+#[cfg(test)]
+mod random;
 mod remark;
 mod trace;
 mod words;

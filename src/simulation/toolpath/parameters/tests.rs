@@ -2,6 +2,7 @@
 
 use crate::machine::Machine;
 use crate::simulation::gcode::{Severity, read};
+use crate::simulation::toolpath::random::Random;
 use crate::simulation::toolpath::{Toolpath, trace};
 
 fn run(text: &str) -> Toolpath {
@@ -259,17 +260,7 @@ fn any_expressions_run() {
     assert!(40_000 < moves, "{moves} moves: many expressions have values");
 }
 
-/// xorshift64.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as usize % bound
-    }
-
     /// Writes a value of the grammar.
     fn value(&mut self, into: &mut String, depth: usize) {
         let operators = ["**", "*", "/", "MOD", "+", "-", "EQ", "LT", "ge", "AND", "OR", "XOR"];

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::simulation::gcode::{Severity, read};
+use crate::simulation::toolpath::random::Random;
 use crate::simulation::toolpath::{Curve, Motion, Segment};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -74,17 +75,7 @@ fn messages(text: &str) -> Vec<(u32, Severity, String)> {
     diagnostics.into_iter().map(|found| (found.line.0, found.severity, found.message)).collect()
 }
 
-/// xorshift64.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as usize % bound
-    }
-
     /// Uniform in −50 to 50 with three decimals.
     fn coordinate(&mut self) -> f64 {
         (self.below(100_001) as f64 - 50_000.0) / 1000.0
