@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Place, Program, Remarks, Word};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::cycle::Cycle;
+use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::parameters::Parameters;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -39,7 +39,6 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
-    tracer.end_cycle();
     let mut toolpath = tracer.toolpath;
     toolpath.diagnostics = program.diagnostics.clone();
     toolpath.diagnostics.append(&mut tracer.remarks.finish());
@@ -90,9 +89,7 @@ pub(super) struct Tracer<'a> {
     pub(super) is_tape: bool,
     pub(super) modal: Modal,
     pub(super) given: Given,
-    pub(super) cycle: Option<Cycle>,
-    /// How many holes were repeated by L or K.
-    pub(super) repeats: usize,
+    pub(super) cycle: Cycles,
     /// Where the tool is, mm.
     pub(super) position: Point,
     /// Position less program coordinate, by G92 and by G52, mm.
@@ -125,8 +122,7 @@ impl<'a> Tracer<'a> {
                 has_several_offsets: false,
             },
             given: Given::default(),
-            cycle: None,
-            repeats: 0,
+            cycle: Cycles::default(),
             position: Point::origin(),
             shift: Vector::zeros(),
             local_shift: Vector::zeros(),
@@ -201,7 +197,7 @@ impl<'a> Tracer<'a> {
         }
         match meaning {
             Meaning::Motion(mode) => {
-                self.end_cycle();
+                self.cycle.end();
                 self.modal.mode = Some(mode);
                 request.has_motion_word = true;
             }
@@ -218,11 +214,9 @@ impl<'a> Tracer<'a> {
             Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
-            Meaning::Cycle(name) => {
-                self.end_cycle();
-                self.cycle = Some(Cycle { code, name, place, holes: 0 });
-            }
-            Meaning::CycleEnd => self.end_cycle(),
+            Meaning::Cycle(_) => self.begin_cycle(code, tenths.unwrap_or_default()),
+            Meaning::CycleEnd => self.cycle.end(),
+            Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = is_so,
             Meaning::WorkOffset => {
                 let before = self.modal.work_offset.replace(tenths.unwrap_or_default());
                 let is_another = before.is_some() && before != self.modal.work_offset;
@@ -269,6 +263,7 @@ impl<'a> Tracer<'a> {
             if acts != when {
                 continue;
             }
+            self.cycle.m_word(number);
             let cause = match number {
                 None => {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });

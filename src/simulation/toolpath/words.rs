@@ -62,6 +62,8 @@ pub(super) enum Meaning {
     Cycle(&'static str),
     /// G80.
     CycleEnd,
+    /// Cycles end at R, as only G99 says.
+    ReturnToReference(bool),
     WorkOffset,
     Compensation,
     SurfaceSpeed,
@@ -133,7 +135,8 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         880 => (9, Cycle("boring with manual retract")),
         890 => (9, Cycle("boring with dwell")),
 
-        980 | 990 => (10, Neutral),
+        980 => (10, ReturnToReference(false)),
+        990 => (10, ReturnToReference(true)),
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 => (12, WorkOffset),
         610 | 611 => (13, ExactStop(true)),
         640 => (13, ExactStop(false)),

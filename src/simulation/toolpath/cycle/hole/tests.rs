@@ -1,0 +1,2 @@
+//! Laws of the work at one hole.
+use super::*;
