@@ -214,9 +214,9 @@ impl<'a> Tracer<'a> {
             Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
-            Meaning::Cycle(_) => self.begin_cycle(code, tenths.unwrap_or_default()),
+            Meaning::Cycle => self.begin_cycle(code, tenths.unwrap_or_default()),
             Meaning::CycleEnd => self.cycle.end(),
-            Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = is_so,
+            Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = Some(is_so),
             Meaning::WorkOffset => {
                 let before = self.modal.work_offset.replace(tenths.unwrap_or_default());
                 let is_another = before.is_some() && before != self.modal.work_offset;

@@ -18,6 +18,7 @@
 //!
 //! | | Fanuc | LinuxCNC |
 //! |---|---|---|
+//! | neither G98 nor G99 | G98 | G99 |
 //! | R, bottom, Q after a change of cycle | stay in force | to be given again |
 //! | R, bottom by G90 after a change to G91 | keep their heights | become increments |
 //! | to the hole | in the plane at the height it has, then to R | from below R: up to R first; later holes straight to the return height |
@@ -144,16 +145,16 @@ impl Tracer<'_> {
         }
         let seconds = if is_milliseconds { value / 1000.0 } else { value };
         if (0.0..=LONGEST_DWELL).contains(&seconds) {
-            Some(seconds)
-        } else {
-            self.remarks.add(block.place_of(word), Untraced::BadDwell { seconds });
-            None
+            return Some(seconds);
         }
+        self.remarks.add(block.place_of(word), Untraced::BadDwell { seconds });
+        Some(0.0)
     }
 
     fn holes(&mut self, block: Block, active: &Active) -> Result<(), NoHole> {
         let repeats = self.repeats(block, active);
         let Some(hole) = self.hole_of(block, active)? else { return Ok(()) };
+        let work = self.plan_hole(block, &hole)?;
         let normal = self.modal.plane.axes()[2];
         self.exact_stop = true;
         if 0 < repeats && !self.is_tape && active.begin[normal] < hole.reference {
@@ -167,7 +168,7 @@ impl Tracer<'_> {
             let stays = self.is_tape || (repeat == 0 && is_above);
             target[normal] = if stays { self.position[normal] } else { hole.return_to };
             self.rapid_to(block, target);
-            self.make_hole(block, &hole)?;
+            self.make_hole(block, &work)?;
         }
         if active.number == 88 && 0 < repeats {
             self.remarks.add(block.place(), Untraced::ManualRetract { code: active.code });
@@ -208,7 +209,8 @@ impl Tracer<'_> {
         }
         let (is_tape, turn) = (self.is_tape, self.cycle.turn);
         let initial = if is_tape { initial } else { initial.max(reference) };
-        let return_to = if self.cycle.returns_to_reference { reference } else { initial };
+        let returns_to_reference = self.cycle.returns_to_reference.unwrap_or(!is_tape);
+        let return_to = if returns_to_reference { reference } else { initial };
         let dwell = self.dwell_of(block, active);
         let feed_in = self.feedrate(block);
         let mut hole = Hole {

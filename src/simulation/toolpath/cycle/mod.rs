@@ -15,7 +15,7 @@ mod iso;
 pub(super) use hole::{Hole, NoHole};
 
 use crate::simulation::toolpath::block::Block;
-use crate::simulation::toolpath::cycle::hole::{MOST_PECKS, Step, Turn, work};
+use crate::simulation::toolpath::cycle::hole::{MOST_PECKS, Step, Turn, Work, work};
 use crate::simulation::toolpath::cycle::iso::Active;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
@@ -24,19 +24,23 @@ use crate::simulation::toolpath::{Curve, Motion, StopCause};
 /// The most steps of all holes of a program, so that a short text cannot ask for endless work.
 const MOST_STEPS: usize = 2_000_000;
 
+/// Steps that every planned hole may have beyond them, so that a long program of plain holes
+/// does not meet the bound.
+const FREE_STEPS: usize = 16;
+
 /// What cycles keep from block to block.
 #[derive(Default)]
 pub(super) struct Cycles {
     active: Option<Active>,
-    /// G99: back to R, not to the initial height.
-    pub(super) returns_to_reference: bool,
+    /// G99: back to R, or G98: to the initial height.
+    pub(super) returns_to_reference: Option<bool>,
     /// The turn of the spindle by the last M3 or M4.
     turn: Turn,
     /// M29: tapping is rigid.
     is_rigid: bool,
     /// The last P of a cycle, s.
     dwell: f64,
-    /// Steps of all holes so far.
+    /// Steps of all holes so far, less those that are free.
     steps: usize,
 }
 
@@ -63,21 +67,27 @@ impl Cycles {
 }
 
 impl Tracer<'_> {
-    /// Makes `hole` where the tool stands in the plane; its axis is the plane's normal.
-    pub(super) fn make_hole(&mut self, block: Block, hole: &Hole) -> Result<(), NoHole> {
+    /// The steps of `hole`, and a remark where they are not those that are written.
+    pub(super) fn plan_hole(&mut self, block: Block, hole: &Hole) -> Result<Work, NoHole> {
         let work = work(hole)?;
+        self.cycle.steps = self.cycle.steps.saturating_sub(FREE_STEPS);
+        if work.has_deeper_pecks {
+            self.remarks.add(block.place(), Untraced::DeeperPecks { most: MOST_PECKS });
+        }
+        Ok(work)
+    }
+
+    /// Makes a hole where the tool stands in the plane; its axis is the plane's normal.
+    pub(super) fn make_hole(&mut self, block: Block, work: &Work) -> Result<(), NoHole> {
         self.cycle.steps += work.steps.len();
         if MOST_STEPS < self.cycle.steps {
             return Err(NoHole::TooMuchWork(MOST_STEPS));
         }
-        if work.has_deeper_pecks {
-            self.remarks.add(block.place(), Untraced::DeeperPecks { most: MOST_PECKS });
-        }
         self.exact_stop = true;
         let ([a, b, normal], center) = (self.modal.plane.axes(), self.position);
-        for step in work.steps {
+        for step in &work.steps {
             let mut target = self.position;
-            match step {
+            match *step {
                 Step::Rapid(to) => target[normal] = to,
                 Step::Feed { to, feedrate } => {
                     target[normal] = to;
@@ -100,3 +110,6 @@ impl Tracer<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -321,15 +321,6 @@ fn axis_words_of_others_move_nothing() {
 }
 
 #[test]
-fn cycles_move_to_their_holes() {
-    let toolpath = run("G0 Z10\nG81 X10 Z-5 R2 F100\nX20\nM8\nG91 X5 L3\nG80\nG90 G0 X0");
-    let ends: Vec<f64> = toolpath.segments.iter().map(|segment| segment.end.x).collect();
-    assert_eq!(ends, [0.0, 10.0, 20.0, 25.0, 30.0, 35.0, 0.0]);
-    assert!(toolpath.segments[1..].iter().all(|segment| segment.end.z == 10.0));
-    assert!(toolpath.diagnostics[0].message.contains("5 holes"), "{:?}", toolpath.diagnostics);
-}
-
-#[test]
 fn a_million_remarks_make_a_short_list() {
     let text = "G5 X1\nG0 A1 X1\nG41\n".repeat(20_000);
     assert_eq!(messages(&text).len(), 403);
