@@ -103,11 +103,15 @@ impl Tracer<'_> {
     }
 
     /// Runs a block under a cycle: takes in its words, and makes its hole as often as L or K says.
+    /// In a block without a hole P, Q and others belong to something else, such as M98.
     pub(in crate::simulation::toolpath) fn hole(&mut self, block: Block) {
+        let asks = if self.is_tape { AXIS_WORDS | bits(b"R") } else { AXIS_WORDS };
+        if !self.given.has(asks) {
+            return;
+        }
         let Some(mut active) = self.cycle.active.take() else { return };
         self.take_cycle_words(block, &mut active);
-        let has_hole = self.given.has(AXIS_WORDS) || (self.is_tape && self.given.has(bits(b"R")));
-        if has_hole && let Err(no_hole) = self.holes(block, &active) {
+        if let Err(no_hole) = self.holes(block, &active) {
             self.remarks.add(block.place(), Untraced::NoHole { code: active.code, no_hole });
         }
         self.cycle.active = Some(active);
@@ -227,7 +231,7 @@ impl Tracer<'_> {
         let ceiling = if is_tape { reference } else { f64::INFINITY };
         let usual = if is_tape { FANUC_CLEARANCE } else { LINUXCNC_CLEARANCE };
         let shift = match (active.center[a], active.center[b], active.peck) {
-            (None, None, Some(shift)) if is_tape => [shift.abs(), 0.0],
+            (None, None, Some(shift)) if is_tape || active.number == 76 => [shift.abs(), 0.0],
             (along_a, along_b, _) => [along_a.unwrap_or(0.0), along_b.unwrap_or(0.0)],
         };
         match active.number {

@@ -198,6 +198,14 @@ fn a_cycle_ends_by_g80_or_a_motion_word() {
     }
 }
 
+/// Holes in a subprogram: P of M98 is no dwell.
+#[test]
+fn words_of_a_block_without_a_hole_do_not_stay() {
+    let text = "O1\nG0 Z10\nG82 X5 Z-3 R2 P500 F100\nM98 P9000 Q3\nX6";
+    let dwells = run(text).stops.into_iter().filter(|stop| matches!(stop.cause, StopCause::Dwell { .. }));
+    assert!(dwells.map(|stop| stop.cause).eq([StopCause::Dwell { seconds: 0.5 }; 2]));
+}
+
 #[test]
 fn a_wrong_hole_is_not_made() {
     for head in ["", "O1\n"] {

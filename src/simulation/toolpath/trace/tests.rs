@@ -295,7 +295,7 @@ fn what_is_left_out_is_said() {
         ("G0 X1e9\nG0 X100000000", Severity::Warning, "E words"),
         ("G41 D1", Severity::Warning, "G41"),
         ("G0 A5", Severity::Warning, "A words"),
-        ("G81 X1 Y1 Z-1 R1", Severity::Warning, "G81 drilling is not timed yet: 1 hole "),
+        ("G81 X1 Y1 Z-1", Severity::Error, "G81: no R: hole not made"),
         ("G10 L2 P1 X0", Severity::Info, "G10"),
         ("G54\nG0 X1\nG54\nG58", Severity::Info, "G58"),
     ];
