@@ -211,6 +211,11 @@ impl Tracer<'_> {
                 return Ok(None);
             }
         }
+        for (letter, value) in b"IJKQ".iter().zip(active.center.into_iter().chain([active.peck])) {
+            if !self.is_within_reach(block, char::from(*letter), value.unwrap_or(0.0)) {
+                return Ok(None);
+            }
+        }
         let (is_tape, turn) = (self.is_tape, self.cycle.turn);
         let initial = if is_tape { initial } else { initial.max(reference) };
         let returns_to_reference = self.cycle.returns_to_reference.unwrap_or(!is_tape);

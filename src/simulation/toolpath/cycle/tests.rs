@@ -216,6 +216,7 @@ fn a_wrong_hole_is_not_made() {
         assert_error(&format!("{head}G0 Z10\nG73 X5 Z-3 R2 Q0 F100"), "pecks of 0 mm");
         assert_error(&format!("{head}G0 Z10\nG81 X5 Z-3 R200000000 F100"), "beyond 10 km");
     }
+    assert_error("O1\nG0 Z10\nG76 X5 Z-3 R2 I99999999 F100", "beyond 10 km");
     assert_error("G0 Z10\nG83 X5 Z-3 R2 Q-1 F100", "pecks of -1 mm");
     assert_error("G0 Z10\nG76 P1 X5 Z-3 I1 J1 K1 R2 F100", "threading");
     assert_error("G0 Z10\nG87 X5 Z-3 I1 R2 F100", "no top of the bore (K)");
