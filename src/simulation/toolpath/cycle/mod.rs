@@ -24,9 +24,9 @@ use crate::simulation::toolpath::{Curve, Motion, StopCause};
 /// The most steps of all holes of a program, so that a short text cannot ask for endless work.
 const MOST_STEPS: usize = 2_000_000;
 
-/// Steps that every planned hole may have beyond them, so that a long program of plain holes
+/// Steps that every block with a hole may have beyond them, so that a long program of plain holes
 /// does not meet the bound.
-const FREE_STEPS: usize = 16;
+const FREE_STEPS: usize = 4;
 
 /// What cycles keep from block to block.
 #[derive(Default)]
