@@ -9,7 +9,7 @@
 //! Spindle words within a cycle (M3, M4, M5, M19 oriented, M0 for a retract by hand) are stops
 //! like those that a program writes.
 
-mod hole;
+pub(super) mod hole;
 mod iso;
 
 pub(super) use hole::{Hole, NoHole};
