@@ -83,7 +83,7 @@ fn toml_value(value: &Written) -> String {
         Written::Text(text) => toml::Value::String(text.clone()).to_string(),
         Written::Flag(value) => value.to_string(),
         Written::List(values) => format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", ")),
-        Written::MCodes(codes) => {
+        Written::Codes(codes) => {
             let entries = codes.iter().map(|(code, seconds)| format!("{code} = {}", number(seconds)));
             format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
         }
@@ -136,7 +136,7 @@ fn value_as_written(value: &Spanned<DeValue>) -> Result<Written, &'static str> {
         DeValue::Table(table) => {
             let codes =
                 table.iter().map(|(code, seconds)| Ok((code.get_ref().to_string(), number(seconds)?)));
-            codes.collect::<Result<_, _>>().map(Written::MCodes)
+            codes.collect::<Result<_, _>>().map(Written::Codes)
         }
         DeValue::Datetime(_) => Err("a date is not expected here"),
     }
@@ -256,7 +256,7 @@ tool_change_s = 4.0
         assert!(fault("name = ").starts_with("line 1, column 8: "));
         assert!(
             fault(&SMALL.replace("tool_change_s = 4.0", "tool_change_s = 4.0\nm_codes = { X3 = 1.0 }"))
-                .contains("X3 is not an M-word")
+                .contains("X3 is not a word such as M3")
         );
     }
 

@@ -83,6 +83,14 @@ pub(super) enum Untraced {
     Cycle { code: Code, name: &'static str, holes: usize },
     #[error("a hole cannot be repeated {value} times: it is made once")]
     BadRepeats { value: f64 },
+    #[error("S{value} is not a speed that a spindle can run: the former stays in force")]
+    BadSpeed { value: f64 },
+    #[error("no S before M{code}: the spindle's start is timed without its ramp")]
+    NoSpeed { code: u32 },
+    #[error("tool {tool} is in the spindle already: the change takes no time")]
+    SameTool { tool: u32 },
+    #[error("from here on all is taken as one operation: there would be {} more", counted(*.beyond, "operation"))]
+    ManyOperations { beyond: usize },
     #[error("{code} (subprogram) is not run yet: left out")]
     Subprogram { code: Code },
     #[error("{} from here on, after the end of the program ({code}): not run", counted(*.blocks, "block"))]
@@ -132,6 +140,7 @@ impl Remark for Untraced {
             | Untraced::BadRepeats { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
+            | Untraced::BadSpeed { .. }
             | Untraced::Subprogram { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::UnusedCenter
@@ -140,6 +149,7 @@ impl Remark for Untraced {
             | Untraced::Compensation { .. }
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
+            | Untraced::NoSpeed { .. }
             | Untraced::Cycle { .. } => Severity::Warning,
             Untraced::ControlSetting { .. }
             | Untraced::NoMotionWord
@@ -147,6 +157,8 @@ impl Remark for Untraced {
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
             | Untraced::DataSetting
+            | Untraced::SameTool { .. }
+            | Untraced::ManyOperations { .. }
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }

@@ -4,6 +4,7 @@ use crate::machine::Machine;
 use crate::simulation::gcode::{Place, Program, Remarks, Word};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycle;
+use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::parameters::Parameters;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -40,6 +41,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
         }
     }
     tracer.end_cycle();
+    tracer.find_operations(&[]);
     let mut toolpath = tracer.toolpath;
     toolpath.diagnostics = program.diagnostics.clone();
     toolpath.diagnostics.append(&mut tracer.remarks.finish());
@@ -59,7 +61,7 @@ pub(super) struct Modal {
     has_exact_stop: bool,
     /// mm/s.
     pub(super) feedrate: Option<f64>,
-    tool: Option<u32>,
+    pub(super) tool: Option<u32>,
     work_offset: Option<u16>,
     has_several_offsets: bool,
 }
@@ -101,6 +103,7 @@ pub(super) struct Tracer<'a> {
     pub(super) suspended_shift: Vector,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
+    pub(super) functions: Functions,
     ended: Option<Code>,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
@@ -132,6 +135,7 @@ impl<'a> Tracer<'a> {
             local_shift: Vector::zeros(),
             suspended_shift: Vector::zeros(),
             exact_stop: false,
+            functions: Functions::default(),
             ended: None,
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
@@ -146,6 +150,7 @@ impl<'a> Tracer<'a> {
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         }
+        self.take_speed(block);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
@@ -278,7 +283,8 @@ impl<'a> Tracer<'a> {
                     self.remarks.add(block.place_of(word), Untraced::Subprogram { code });
                     continue;
                 }
-                Some(6) => StopCause::ToolChange { tool: self.modal.tool },
+                Some(6) => self.change_tool(block),
+                Some(number @ (3 | 4 | 5 | 19)) => self.turn_spindle(block, number),
                 Some(number) => StopCause::MCode { code: number },
             };
             self.stop(block, cause);
