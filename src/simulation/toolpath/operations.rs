@@ -42,16 +42,23 @@ pub struct Operation {
     pub name: Option<String>,
 }
 
-/// The operations of a toolpath, and how many more there would be beyond the most.
-pub(super) fn operations(
-    segments: &[Segment],
-    stops: &[Stop],
-    comments: &[(LineNumber, String)],
-) -> (Vec<Operation>, usize) {
+/// A comment of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Note<'a> {
+    /// Where it stands.
+    pub(super) line: LineNumber,
+    /// Its text without the signs around it.
+    pub(super) text: &'a str,
+    /// It stands alone on its line, else beside words.
+    pub(super) is_alone: bool,
+}
+
+/// The operations of a toolpath with the comments of its program by ascending line, and how many more there would be beyond the most.
+pub(super) fn operations(segments: &[Segment], stops: &[Stop], notes: &[Note]) -> (Vec<Operation>, usize) {
     let mut cutter = Cutter {
-        headings: headings(comments),
-        tool_names: tool_names(comments),
-        comments,
+        headings: headings(notes),
+        tool_names: tool_names(notes),
+        beside: notes.iter().filter(|note| !note.is_alone).map(|note| (note.line, bare(note.text))).collect(),
         operations: vec![Operation::default()],
         beyond: 0,
         heading: None,
@@ -91,7 +98,8 @@ struct Cutter<'a> {
     /// Last line of each heading, the line of its name and its name, by ascending line.
     headings: Vec<(LineNumber, LineNumber, &'a str)>,
     tool_names: BTreeMap<u32, &'a str>,
-    comments: &'a [(LineNumber, String)],
+    /// What stands beside words, by ascending line.
+    beside: Vec<(LineNumber, &'a str)>,
     operations: Vec<Operation>,
     beyond: usize,
     heading: Option<Heading<'a>>,
@@ -117,6 +125,7 @@ impl<'a> Cutter<'a> {
     }
 
     fn stop(&mut self, stop: &Stop, segment: usize, index: usize) {
+        let came_from = self.previous;
         self.pass_to(stop.line, segment, index);
         let tool = match stop.cause {
             StopCause::Dwell { .. } => return,
@@ -140,8 +149,9 @@ impl<'a> Cutter<'a> {
         if 0 < self.beyond {
             return;
         }
-        let beside = self.comments.binary_search_by_key(&stop.line, |(line, _)| *line).ok();
-        let beside = beside.map(|index| bare(&self.comments[index].1));
+        let before = self.beside.partition_point(|(line, _)| *line <= stop.line);
+        let beside = before.checked_sub(1).map(|index| self.beside[index]);
+        let beside = beside.filter(|(line, _)| *line == stop.line || came_from < *line).map(|(_, name)| name);
         let tool_name = tool.and_then(|tool| self.tool_names.get(&tool).copied()).or(beside);
         self.has_change = true;
         let open = self.open();
@@ -163,7 +173,12 @@ impl<'a> Cutter<'a> {
                 self.begin(&heading);
             }
             if self.beyond == 0 && (is_next || !self.has_change || self.open().name.is_none()) {
-                self.open().name = Some(shortened(heading.name));
+                let has_change = self.has_change;
+                let open = self.open();
+                open.name = Some(shortened(heading.name));
+                if !has_change {
+                    open.line = heading.line;
+                }
             }
         }
         self.is_free = is_rapid;
@@ -196,22 +211,22 @@ impl<'a> Cutter<'a> {
 }
 
 /// Uninterrupted runs of comments that name no tool: last line, line of the name, name.
-fn headings(comments: &[(LineNumber, String)]) -> Vec<(LineNumber, LineNumber, &str)> {
+fn headings<'a>(notes: &[Note<'a>]) -> Vec<(LineNumber, LineNumber, &'a str)> {
     let mut headings: Vec<(LineNumber, LineNumber, &str)> = Vec::new();
-    for (line, text) in comments.iter().filter(|(_, text)| tool_and_name(text).is_none()) {
-        let text = bare(text);
+    for note in notes.iter().filter(|note| note.is_alone && tool_and_name(note.text).is_none()) {
+        let text = bare(note.text);
         match headings.last_mut() {
-            Some((last, ..)) if last.0 + 1 == line.0 && !text.is_empty() => *last = *line,
             _ if text.is_empty() => {}
-            _ => headings.push((*line, *line, text)),
+            Some((last, ..)) if last.0 + 1 == note.line.0 => *last = note.line,
+            _ => headings.push((note.line, note.line, text)),
         }
     }
     headings
 }
 
 /// What comments that begin with a tool call it; the first one counts.
-fn tool_names(comments: &[(LineNumber, String)]) -> BTreeMap<u32, &str> {
-    let named = comments.iter().filter_map(|(_, text)| tool_and_name(text));
+fn tool_names<'a>(notes: &[Note<'a>]) -> BTreeMap<u32, &'a str> {
+    let named = notes.iter().filter_map(|note| tool_and_name(note.text));
     named.rev().filter(|(_, name)| !name.is_empty()).collect()
 }
 

@@ -5,16 +5,19 @@ use crate::machine::{Direction, Machine, Spin};
 use crate::simulation::gcode::read;
 use crate::simulation::toolpath::{Toolpath, trace};
 
-/// The lines that hold nothing but a comment, or a tool change with one beside it.
-fn comments(text: &str) -> Vec<(LineNumber, String)> {
+/// The comments at the ends of lines.
+fn notes(text: &str) -> Vec<Note<'_>> {
     let lines = (1..).map(LineNumber).zip(text.lines());
-    let comment = |line: &str| Some(line.split_once('(')?.1.strip_suffix(')')?.to_string());
-    lines.filter_map(|(number, line)| Some((number, comment(line)?))).collect()
+    let notes = lines.filter_map(|(line, text)| {
+        let (words, text) = text.split_once('(')?;
+        Some(Note { line, text: text.strip_suffix(')')?, is_alone: words.is_empty() })
+    });
+    notes.collect()
 }
 
 fn cut(text: &str) -> (Toolpath, Vec<Operation>) {
     let toolpath = trace(&read(text.as_bytes()), &Machine::default());
-    let (operations, beyond) = operations(&toolpath.segments, &toolpath.stops, &comments(text));
+    let (operations, beyond) = operations(&toolpath.segments, &toolpath.stops, &notes(text));
     assert_eq!(beyond, 0);
     (toolpath, operations)
 }
@@ -73,6 +76,8 @@ fn comments_name_tools() {
     };
     let end_mill = [Some("10MM ENDMILL".to_string())];
     assert_eq!(names("T5 M6 (10MM ENDMILL)\nG0 X1"), end_mill);
+    assert_eq!(names("T5 (10MM ENDMILL)\nM6\nG0 X1"), end_mill);
+    assert_eq!(names("G1 F1 X1 T5 (READY)\nG0 X2\nM6\nG0 X1"), [None, None]);
     for comment in
         ["T5 | 10MM ENDMILL |", " T5 - 10MM ENDMILL", "tool 5: 10MM ENDMILL", "TOOL #5 10MM ENDMILL"]
     {
@@ -92,7 +97,8 @@ fn a_program_that_jumps_is_cut_where_it_runs() {
     // A loop over lines 4 to 6, under a heading in line 3.
     let lines = [(1, true), (4, true), (5, false), (6, true), (4, true), (5, false), (6, true), (8, true)];
     let segments = lines.map(|(line, is_rapid)| segment(line, is_rapid));
-    let headings = [(LineNumber(3), "LOOP".to_string()), (LineNumber(7), "END".to_string())];
+    let headings =
+        [(3, "LOOP"), (7, "END")].map(|(line, text)| Note { line: LineNumber(line), text, is_alone: true });
     let (found, _) = operations(&segments, &[], &headings);
     let places: Vec<_> = found.iter().map(|found| (found.first_segment, found.line.0)).collect();
     assert_eq!(places, [(0, 1), (1, 3), (7, 7)]);
