@@ -9,9 +9,9 @@
 //! that is at the beginning is not known.
 
 use crate::machine::{Direction, Spin};
-use crate::simulation::gcode::Place;
+use crate::simulation::gcode::{Comment, Place};
 use crate::simulation::toolpath::block::Block;
-use crate::simulation::toolpath::operations::{Note, operations};
+use crate::simulation::toolpath::operations::operations;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::words::tenths;
@@ -66,9 +66,9 @@ impl Tracer<'_> {
     }
 
     /// Cuts the toolpath into operations, given the comments of the program.
-    pub(super) fn find_operations(&mut self, notes: &[Note]) {
+    pub(super) fn find_operations(&mut self, comments: &[Comment]) {
         let Toolpath { segments, stops, .. } = &self.toolpath;
-        let (operations, beyond) = operations(segments, stops, notes);
+        let (operations, beyond) = operations(segments, stops, comments);
         if let Some(last) = operations.last().filter(|_| 0 < beyond) {
             self.remarks.add(Place::line(last.line), Untraced::ManyOperations { beyond });
         }

@@ -25,6 +25,7 @@
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod block;
+mod control;
 mod curve;
 mod cycle;
 mod functions;
@@ -35,6 +36,7 @@ mod plane;
 #[cfg(test)]
 mod random;
 mod remark;
+mod run;
 mod trace;
 mod words;
 

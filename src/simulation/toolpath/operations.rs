@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::simulation::gcode::LineNumber;
+use crate::simulation::gcode::{Comment, LineNumber};
 use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause};
 
 /// The most operations of a program; the last one takes all the rest.
@@ -42,23 +42,20 @@ pub struct Operation {
     pub name: Option<String>,
 }
 
-/// A comment of the program.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Note<'a> {
-    /// Where it stands.
-    pub(super) line: LineNumber,
-    /// Its text without the signs around it.
-    pub(super) text: &'a str,
-    /// It stands alone on its line, else beside words.
-    pub(super) is_alone: bool,
-}
-
 /// The operations of a toolpath with the comments of its program by ascending line, and how many more there would be beyond the most.
-pub(super) fn operations(segments: &[Segment], stops: &[Stop], notes: &[Note]) -> (Vec<Operation>, usize) {
+pub(super) fn operations(
+    segments: &[Segment],
+    stops: &[Stop],
+    comments: &[Comment],
+) -> (Vec<Operation>, usize) {
     let mut cutter = Cutter {
-        headings: headings(notes),
-        tool_names: tool_names(notes),
-        beside: notes.iter().filter(|note| !note.is_alone).map(|note| (note.line, bare(note.text))).collect(),
+        headings: headings(comments),
+        tool_names: tool_names(comments),
+        beside: comments
+            .iter()
+            .filter(|note| !note.is_alone)
+            .map(|note| (note.line, bare(&note.text)))
+            .collect(),
         operations: vec![Operation::default()],
         beyond: 0,
         heading: None,
@@ -211,10 +208,10 @@ impl<'a> Cutter<'a> {
 }
 
 /// Uninterrupted runs of comments that name no tool: last line, line of the name, name.
-fn headings<'a>(notes: &[Note<'a>]) -> Vec<(LineNumber, LineNumber, &'a str)> {
+fn headings(comments: &[Comment]) -> Vec<(LineNumber, LineNumber, &str)> {
     let mut headings: Vec<(LineNumber, LineNumber, &str)> = Vec::new();
-    for note in notes.iter().filter(|note| note.is_alone && tool_and_name(note.text).is_none()) {
-        let text = bare(note.text);
+    for note in comments.iter().filter(|note| note.is_alone && tool_and_name(&note.text).is_none()) {
+        let text = bare(&note.text);
         match headings.last_mut() {
             _ if text.is_empty() => {}
             Some((last, ..)) if last.0 + 1 == note.line.0 => *last = note.line,
@@ -225,8 +222,8 @@ fn headings<'a>(notes: &[Note<'a>]) -> Vec<(LineNumber, LineNumber, &'a str)> {
 }
 
 /// What comments that begin with a tool call it; the first one counts.
-fn tool_names<'a>(notes: &[Note<'a>]) -> BTreeMap<u32, &'a str> {
-    let named = notes.iter().filter_map(|note| tool_and_name(note.text));
+fn tool_names(comments: &[Comment]) -> BTreeMap<u32, &str> {
+    let named = comments.iter().filter_map(|note| tool_and_name(&note.text));
     named.rev().filter(|(_, name)| !name.is_empty()).collect()
 }
 

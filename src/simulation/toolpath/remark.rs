@@ -1,8 +1,9 @@
 //! What tracing has to say about a program.
 
-use crate::simulation::gcode::{Remark, Severity, counted};
+use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::plane::NoCircle;
+use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_RUN};
 use thiserror::Error;
 
 /// Something that was not traced as a control would run it, or that the user may want to know.
@@ -91,8 +92,26 @@ pub(super) enum Untraced {
     SameTool { tool: u32 },
     #[error("from here on all is taken as one operation: there would be {} more", counted(*.beyond, "operation"))]
     ManyOperations { beyond: usize },
-    #[error("{code} (subprogram) is not run yet: left out")]
-    Subprogram { code: Code },
+    #[error("{} is not in this file: its moves are missing from the time", label_text(*.kind, .name))]
+    NoLabel { kind: LabelKind, name: String },
+    #[error("M98, M97 and G65 need a P with the number of a program: not called")]
+    NoSubprogram,
+    #[error("M198 (program from another device) is not in this file: its moves are missing from the time")]
+    ExternalProgram,
+    #[error("G66 (macro call after every move) is not modelled: the macro is not run")]
+    ModalMacro,
+    #[error("calls are nested deeper than {DEEPEST_CALL}: the program ends here")]
+    DeepCall,
+    #[error("more than {MOST_RUN} blocks were repeated: the program seems to loop for ever, and ends here")]
+    EndlessRun,
+    #[error("the program raises an alarm (#3000) and ends here")]
+    Alarm,
+    #[error("{text}: not run")]
+    NotRun { text: String },
+    #[error(
+        "some parameters are read before anything is assigned to them, the first is {parameter}: taken as nothing, as the control would"
+    )]
+    Unassigned { parameter: String },
     #[error("{} from here on, after the end of the program ({code}): not run", counted(*.blocks, "block"))]
     AfterEnd { blocks: usize, code: Code },
 }
@@ -109,6 +128,15 @@ pub(super) struct Code {
 impl std::fmt::Display for Code {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(formatter, "{}{}", self.letter, self.value)
+    }
+}
+
+fn label_text(kind: LabelKind, name: &str) -> String {
+    match kind {
+        LabelKind::Sequence => format!("block N{name}"),
+        LabelKind::Program => format!("program O{name}"),
+        LabelKind::Numbered => format!("subprogram or label {name}"),
+        LabelKind::Named => format!("subprogram or label `{name}`"),
     }
 }
 
@@ -141,7 +169,14 @@ impl Remark for Untraced {
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
             | Untraced::BadSpeed { .. }
-            | Untraced::Subprogram { .. } => Severity::Error,
+            | Untraced::NoLabel { .. }
+            | Untraced::NoSubprogram
+            | Untraced::ExternalProgram
+            | Untraced::ModalMacro
+            | Untraced::DeepCall
+            | Untraced::EndlessRun
+            | Untraced::Alarm
+            | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
@@ -150,7 +185,8 @@ impl Remark for Untraced {
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
             | Untraced::NoSpeed { .. }
-            | Untraced::Cycle { .. } => Severity::Warning,
+            | Untraced::Cycle { .. }
+            | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::ControlSetting { .. }
             | Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }

@@ -5,20 +5,9 @@ use crate::machine::{Direction, Machine, Spin};
 use crate::simulation::gcode::read;
 use crate::simulation::toolpath::{Toolpath, trace};
 
-/// The comments at the ends of lines.
-fn notes(text: &str) -> Vec<Note<'_>> {
-    let lines = (1..).map(LineNumber).zip(text.lines());
-    let notes = lines.filter_map(|(line, text)| {
-        let (words, text) = text.split_once('(')?;
-        Some(Note { line, text: text.strip_suffix(')')?, is_alone: words.is_empty() })
-    });
-    notes.collect()
-}
-
 fn cut(text: &str) -> (Toolpath, Vec<Operation>) {
     let toolpath = trace(&read(text.as_bytes()), &Machine::default());
-    let (operations, beyond) = operations(&toolpath.segments, &toolpath.stops, &notes(text));
-    assert_eq!(beyond, 0);
+    let operations = toolpath.operations.clone();
     (toolpath, operations)
 }
 
@@ -97,8 +86,11 @@ fn a_program_that_jumps_is_cut_where_it_runs() {
     // A loop over lines 4 to 6, under a heading in line 3.
     let lines = [(1, true), (4, true), (5, false), (6, true), (4, true), (5, false), (6, true), (8, true)];
     let segments = lines.map(|(line, is_rapid)| segment(line, is_rapid));
-    let headings =
-        [(3, "LOOP"), (7, "END")].map(|(line, text)| Note { line: LineNumber(line), text, is_alone: true });
+    let headings = [(3, "LOOP"), (7, "END")].map(|(line, text)| Comment {
+        line: LineNumber(line),
+        text: text.to_string(),
+        is_alone: true,
+    });
     let (found, _) = operations(&segments, &[], &headings);
     let places: Vec<_> = found.iter().map(|found| (found.first_segment, found.line.0)).collect();
     assert_eq!(places, [(0, 1), (1, 3), (7, 7)]);

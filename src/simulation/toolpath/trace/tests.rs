@@ -293,7 +293,7 @@ fn what_is_left_out_is_said() {
         ("G0 G1 F1 X1", Severity::Error, "exclude"),
         ("G93 G1 F2", Severity::Error, "G93"),
         ("G95", Severity::Error, "G95"),
-        ("M98 P5", Severity::Error, "M98"),
+        ("M98 P5", Severity::Error, "5 is not in this file"),
         ("F-1", Severity::Error, "F-1"),
         ("G1 X1", Severity::Error, "1000 mm/min"),
         ("G0 X1e9\nG0 X100000000", Severity::Warning, "E words"),
