@@ -44,7 +44,7 @@ pub(super) const TIMES: [Parameter; 16] = [
     time(
         "times.tool_change_s",
         "Tool change",
-        "Time of a tool change at M6, beyond stopping: from the spindle's stop to the new tool clamped. A chip-to-chip time from a data sheet holds more, the way to the change position and the spindle's start as well: give it here only where the program does not move there and the spindle's start is left empty. A change to the tool that is in the spindle takes none.",
+        "Time of a tool change at M6, from the spindle's stop to the new tool clamped. A chip-to-chip time has the spindle's start and the moves to the change position in it.",
         |m| Some(m.times.tool_change),
         |m, v| m.times.tool_change = v.unwrap_or(Times::default().tool_change),
     ),

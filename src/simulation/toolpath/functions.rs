@@ -110,3 +110,6 @@ impl Tracer<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,6 +7,9 @@
 //!   rapid, and the one before is a rapid as well or followed by a machine function. A heading just
 //!   before or just after a tool change names the operation of the change.
 //!
+//! What follows a heading without a cut, such as the way home, belongs to the operation before; what
+//! comes before the first change and the first cut belongs to the first operation.
+//!
 //! Of several comments in line the last uninterrupted run of lines is the heading, by its first line
 //! that holds a letter or a digit. A comment that begins with a tool (`T5 D=10. FLAT END MILL`,
 //! `TOOL 5 - END MILL`) names the tool, and so does one in the line of a change.
@@ -61,6 +64,7 @@ pub(super) fn operations(
         heading: None,
         is_free: true,
         has_change: false,
+        has_feed: false,
         previous: LineNumber(0),
     };
     let mut stop = 0;
@@ -73,6 +77,9 @@ pub(super) fn operations(
     }
     for (index, next) in stops.iter().enumerate().skip(stop) {
         cutter.stop(next, segments.len(), index);
+    }
+    if cutter.beyond == 0 {
+        cutter.settle();
     }
     let first_line = segments.first().map(|s| s.line).into_iter().chain(stops.first().map(|s| s.line)).min();
     if let (LineNumber(0), Some(line)) = (cutter.operations[0].line, first_line) {
@@ -104,6 +111,8 @@ struct Cutter<'a> {
     is_free: bool,
     /// The open operation holds a tool change.
     has_change: bool,
+    /// The open operation holds a feed move.
+    has_feed: bool,
     /// Line of the last move or stop.
     previous: LineNumber,
 }
@@ -140,7 +149,7 @@ impl<'a> Cutter<'a> {
             line: stop.line,
             name: "",
         });
-        if self.open().first_segment < heading.first_segment || self.has_change {
+        if self.has_change || self.has_begun(heading.first_segment) {
             self.begin(&heading);
         }
         if 0 < self.beyond {
@@ -165,7 +174,7 @@ impl<'a> Cutter<'a> {
         self.pass_to(segment.line, index, first_stop);
         let is_rapid = segment.motion == Motion::Rapid;
         if let Some(heading) = self.heading.take().filter(|_| is_rapid && self.is_free) {
-            let is_next = self.open().first_segment < index;
+            let is_next = self.has_begun(index);
             if is_next {
                 self.begin(&heading);
             }
@@ -179,21 +188,36 @@ impl<'a> Cutter<'a> {
             }
         }
         self.is_free = is_rapid;
+        self.has_feed |= !is_rapid;
+    }
+
+    /// The open operation holds moves; before the first cut and change they are only the way there.
+    fn has_begun(&mut self, segment: usize) -> bool {
+        let is_way_there = self.operations.len() == 1 && !self.has_change && !self.has_feed;
+        self.open().first_segment < segment && !is_way_there
     }
 
     fn open(&mut self) -> &mut Operation {
         self.operations.last_mut().expect("there is always an open operation")
     }
 
+    /// Gives what a heading began to the operation before, where nothing was cut in it: a way home.
+    fn settle(&mut self) {
+        if 1 < self.operations.len() && !self.has_change && !self.has_feed {
+            self.operations.pop();
+        }
+    }
+
     /// Opens a new operation with the tool of the one before; beyond the most, none.
     fn begin(&mut self, heading: &Heading) {
+        self.settle();
         if self.operations.len() == MOST_OPERATIONS {
             self.beyond += 1;
             let open = self.open();
             (open.tool, open.tool_name, open.name) = (None, None, None);
             return;
         }
-        self.has_change = false;
+        (self.has_change, self.has_feed) = (false, false);
         let Operation { tool, tool_name, .. } = self.open();
         let next = Operation {
             first_segment: heading.first_segment,
@@ -223,8 +247,21 @@ fn headings(comments: &[Comment]) -> Vec<(LineNumber, LineNumber, &str)> {
 
 /// What comments that begin with a tool call it; the first one counts.
 fn tool_names(comments: &[Comment]) -> BTreeMap<u32, &str> {
-    let named = comments.iter().filter_map(|note| tool_and_name(&note.text));
-    named.rev().filter(|(_, name)| !name.is_empty()).collect()
+    let mut names = BTreeMap::new();
+    for note in comments {
+        let mut found = tool_and_name(&note.text);
+        while let Some((tool, rest)) = found {
+            // One comment may list several tools: `T1 END MILL, T2 DRILL`.
+            let next = |(comma, _): (usize, &str)| Some((comma, tool_and_name(&rest[comma..])?));
+            let next = rest.match_indices([',', ';']).find_map(next);
+            let name = bare(next.map_or(rest, |(comma, _)| &rest[..comma]));
+            if !name.is_empty() {
+                names.entry(tool).or_insert(name);
+            }
+            found = next.map(|(_, next)| next);
+        }
+    }
+    names
 }
 
 /// The tool that a comment begins with, and the rest of the comment.

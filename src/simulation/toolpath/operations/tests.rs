@@ -23,23 +23,28 @@ fn row(line: u32, tool: Option<u32>, name: &str) -> (u32, Option<u32>, String) {
 
 #[test]
 fn a_tool_change_begins_an_operation() {
-    let text = "G0 X1\nT1 M6\nG0 X2\nG1 F100 X3\nM5\nT2 M6\nG0 X4";
-    assert_eq!(outline(text), [row(1, None, ""), row(2, Some(1), ""), row(6, Some(2), "")]);
+    let text = "G0 X1\nG1 F9 X0\nT1 M6\nG0 X2\nG1 F100 X3\nM5\nT2 M6\nG0 X4";
+    assert_eq!(outline(text), [row(1, None, ""), row(3, Some(1), ""), row(7, Some(2), "")]);
     let (toolpath, found) = cut(text);
     let places: Vec<_> = found.iter().map(|found| (found.first_segment, found.first_stop)).collect();
-    assert_eq!(places, [(0, 0), (1, 0), (3, 2)]);
+    assert_eq!(places, [(0, 0), (2, 0), (4, 2)]);
     assert_eq!(toolpath.stops[2].cause, StopCause::ToolChange { tool: Some(2) });
     // What comes before the first move belongs to the first operation.
     assert_eq!(outline("M9\nT1 M6\nG0 X1"), [row(2, Some(1), "")]);
+    assert_eq!(outline("M9\nG0 Z9\nT1 M6\nG0 X1"), [row(3, Some(1), "")]);
     assert_eq!(outline("T1 M6\nT2 M6\nG0 X1"), [row(1, Some(1), ""), row(2, Some(2), "")]);
     assert_eq!(outline("T1 M6\nG0 X1\nT1 M6\nG0 X2"), [row(1, Some(1), ""), row(3, Some(1), "")]);
 }
 
 #[test]
 fn a_heading_begins_an_operation_where_the_tool_is_free() {
-    let between = |comment: &str| format!("T1 M6\nG0 X1\nG1 F9 Z-1\n{comment}\nX9");
+    let between = |comment: &str| format!("T1 M6\nG0 X1\nG1 F9 Z-1\n{comment}\nX9\nG1 X8");
     assert_eq!(outline(&between("G0 Z5\n(POCKET)\nG0")).last(), Some(&row(5, Some(1), "POCKET")));
     assert_eq!(outline(&between("M9\n(POCKET)\nG0")).last(), Some(&row(5, Some(1), "POCKET")));
+    for heading in ["(HOME)\nG0 Z50\nM9", "(HOME)\nG0 Z50\n(AND)\nG0 X0", "(HOME)\nG0 Z50\nM30"] {
+        let text = format!("{}\nF9 G1 X3\nM9\n{heading}", between("G0 Z5\n(POCKET)\nG0"));
+        assert_eq!(outline(&text).last(), Some(&row(5, Some(1), "POCKET")), "{heading}");
+    }
     // Before a rapid out of the cut, before a feed move, or inside the cut it is a note.
     for comment in ["(RETRACT)\nG0 Z5", "(LEAD OUT)", "G0 Z5\n(PLUNGE)\nG1", "G4 P1\n(WAIT)\nG0"] {
         assert_eq!(outline(&between(comment)).len(), 1, "{comment}");
@@ -72,6 +77,8 @@ fn comments_name_tools() {
     {
         assert_eq!(names(&format!("({comment})\n(FACE)\nT5 M6\nG0 X1")), end_mill, "{comment}");
     }
+    assert_eq!(names("(T5 10MM ENDMILL, T6 DRILL)\nT5 M6\nG0 X1"), end_mill);
+    assert_eq!(names("(T4 SAW, 2 MM; T5 10MM ENDMILL)\nT5 M6\nG0 X1"), end_mill);
     assert_eq!(names("(T-SLOT)\n(TOOLPATH 5)\n(T5X)\nT5 M6\nG0 X1"), [None]);
 }
 
@@ -84,7 +91,17 @@ fn a_program_that_jumps_is_cut_where_it_runs() {
         segment
     };
     // A loop over lines 4 to 6, under a heading in line 3.
-    let lines = [(1, true), (4, true), (5, false), (6, true), (4, true), (5, false), (6, true), (8, true)];
+    let lines = [
+        (1, true),
+        (4, true),
+        (5, false),
+        (6, true),
+        (4, true),
+        (5, false),
+        (6, true),
+        (8, true),
+        (9, false),
+    ];
     let segments = lines.map(|(line, is_rapid)| segment(line, is_rapid));
     let headings = [(3, "LOOP"), (7, "END")].map(|(line, text)| Comment {
         line: LineNumber(line),
@@ -93,7 +110,7 @@ fn a_program_that_jumps_is_cut_where_it_runs() {
     });
     let (found, _) = operations(&segments, &[], &headings);
     let places: Vec<_> = found.iter().map(|found| (found.first_segment, found.line.0)).collect();
-    assert_eq!(places, [(0, 1), (1, 3), (7, 7)]);
+    assert_eq!(places, [(0, 3), (7, 7)]);
 }
 
 #[test]
