@@ -37,6 +37,8 @@ pub struct Machine {
     pub axes: [Axis; 3],
     /// Override switches.
     pub overrides: Overrides,
+    /// What cycles leave to the control.
+    pub cycles: Cycles,
     /// Times that are not motion.
     pub times: Times,
     /// What an hour costs.
@@ -150,6 +152,16 @@ pub struct Overrides {
     pub rapid: f64,
 }
 
+/// What cycles leave to the control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycles {
+    /// How far chip breaking (G73) lifts the tool between pecks, mm; none: what is usual for the
+    /// dialect.
+    pub peck_retract: Option<f64>,
+    /// How far above the last depth pecking (G83) feeds again, mm; none: as above.
+    pub peck_clearance: Option<f64>,
+}
+
 /// What the machine costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
@@ -176,6 +188,7 @@ impl Default for Machine {
             path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
             axes: [Axis::default(); 3],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
+            cycles: Cycles { peck_retract: None, peck_clearance: None },
             times: Times::default(),
             rates: Rates { hourly: 0.0 },
         }

@@ -46,16 +46,18 @@ pub(super) enum Notation {
     Siemens,
     /// `( Q1 + 2 )`.
     Klartext,
+    /// `[VC1+2]`.
+    Okuma,
 }
 
 impl Notation {
     fn brackets(self) -> (u8, u8) {
-        if self == Notation::Iso { (b'[', b']') } else { (b'(', b')') }
+        if matches!(self, Notation::Iso | Notation::Okuma) { (b'[', b']') } else { (b'(', b')') }
     }
 
     fn operators(self) -> &'static [Written] {
         match self {
-            Notation::Iso => OPERATORS,
+            Notation::Iso | Notation::Okuma => OPERATORS,
             Notation::Siemens => SIEMENS_OPERATORS,
             Notation::Klartext => KLARTEXT_OPERATORS,
         }
@@ -199,7 +201,12 @@ impl<'a> Expressions<'a> {
     fn operator(&self) -> Option<(usize, u8, Operator)> {
         let at = skip_blanks(self.text, self.at);
         let found = |(name, tightness, operator): &(&str, u8, Operator)| {
-            Some((after(self.text, at, name)?, *tightness, *operator))
+            let end = after(self.text, at, name)?;
+            // `OR` is not the beginning of `ORIWKS`.
+            let is_whole = self.notation == Notation::Iso
+                || !name.ends_with(|last: char| last.is_ascii_alphabetic())
+                || identifier(&self.text[end..]) == 0;
+            is_whole.then_some((end, *tightness, *operator))
         };
         self.notation.operators().iter().find_map(found)
     }
@@ -219,6 +226,7 @@ impl<'a> Expressions<'a> {
             Notation::Iso => return Ok(false),
             Notation::Siemens => b'R',
             Notation::Klartext => b'Q',
+            Notation::Okuma => return Ok(self.okuma_variable(letters)),
         };
         let digits = name[1..].iter().all(u8::is_ascii_digit);
         if name[0].eq_ignore_ascii_case(&prefix) && digits {
@@ -244,12 +252,29 @@ impl<'a> Expressions<'a> {
         if self.notation == Notation::Klartext || is_function || name.eq_ignore_ascii_case(b"ATAN2") {
             return Ok(false);
         }
-        let end = self.at + letters + index_of_array(&self.text[self.at + letters..]);
+        let is_system = name[0] == b'$';
+        let end = self.at + letters + index_of_array(&self.text[self.at + letters..], is_system);
         let name = String::from_utf8_lossy(&self.text[self.at..end]).to_ascii_lowercase();
         self.at = end;
         let index = self.names.index(name);
         self.steps.push(Step::Named(index));
         Ok(true)
+    }
+
+    /// `VC1`, `V1` or a name of the program; not a function.
+    fn okuma_variable(&mut self, letters: usize) -> bool {
+        let name = &self.text[self.at..self.at + letters];
+        if FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes())) {
+            return false;
+        }
+        if let Some(number) = okuma_number(name) {
+            self.steps.extend([Step::Number(f64::from(number)), Step::Numbered]);
+        } else {
+            let index = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+            self.steps.push(Step::Named(index));
+        }
+        self.at += letters;
+        true
     }
 
     fn function(&mut self) -> Result<(), Fault> {
@@ -400,18 +425,28 @@ fn after(text: &[u8], at: usize, name: &str) -> Option<usize> {
     Some(end)
 }
 
+/// The number of a common or system variable of Okuma controls.
+pub(super) fn okuma_number(name: &[u8]) -> Option<u32> {
+    let upper = name.to_ascii_uppercase();
+    let digits = upper.strip_prefix(b"VC").or(upper.strip_prefix(b"V"))?;
+    std::str::from_utf8(digits).ok()?.parse().ok()
+}
+
 /// Length of the name that `text` begins with: letters, digits, `_` and a leading `$`.
 pub(super) fn identifier(text: &[u8]) -> usize {
     let belongs = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$');
     text.iter().take_while(|byte| belongs(byte)).count()
 }
 
-/// Length of an index such as `[2]` or `[1,3]` that `text` begins with; only plain numbers make a name.
-fn index_of_array(text: &[u8]) -> usize {
+/// Length of an index such as `[2]` or `[1,3]` that `text` begins with; only plain numbers make a
+/// name, and names where the control's own variables are meant (`$AA_IM[X]`).
+fn index_of_array(text: &[u8], is_system: bool) -> usize {
     if text.first() != Some(&b'[') {
         return 0;
     }
-    let inner = text[1..].iter().take_while(|byte| byte.is_ascii_digit() || **byte == b',').count();
+    let belongs =
+        |byte: &u8| byte.is_ascii_digit() || *byte == b',' || (is_system && byte.is_ascii_alphanumeric());
+    let inner = text[1..].iter().take_while(|byte| belongs(byte)).count();
     if 0 < inner && text.get(1 + inner) == Some(&b']') { inner + 2 } else { 0 }
 }
 

@@ -94,6 +94,12 @@ impl Tracer<'_> {
         StopCause::Spindle { from, to, code: Some(code) }
     }
 
+    /// Waits for what one of these words would have the spindle do, without the word.
+    pub(super) fn spindle_stop(&mut self, block: Block, code: u32) {
+        let cause = self.turn_spindle(block, code);
+        self.stop(block, cause);
+    }
+
     /// A change to the tool that was last asked for.
     pub(super) fn change_tool(&mut self, block: Block) -> StopCause {
         let tool = self.modal.tool;

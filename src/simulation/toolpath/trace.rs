@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::cycle::Cycle;
+use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::plane::Plane;
@@ -55,7 +55,6 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
-    tracer.end_cycle();
     tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
@@ -110,9 +109,7 @@ pub(super) struct Tracer<'a> {
     pub(super) is_tape: bool,
     pub(super) modal: Modal,
     pub(super) given: Given,
-    pub(super) cycle: Option<Cycle>,
-    /// How many holes were repeated by L or K.
-    pub(super) repeats: usize,
+    pub(super) cycle: Cycles,
     /// Where the tool is, mm.
     pub(super) position: Point,
     /// Position less program coordinate, by G92 and by G52, mm.
@@ -146,8 +143,7 @@ impl<'a> Tracer<'a> {
                 has_several_offsets: false,
             },
             given: Given::default(),
-            cycle: None,
-            repeats: 0,
+            cycle: Cycles::default(),
             position: Point::origin(),
             shift: Vector::zeros(),
             local_shift: Vector::zeros(),
@@ -225,7 +221,7 @@ impl<'a> Tracer<'a> {
         }
         match meaning {
             Meaning::Motion(mode) => {
-                self.end_cycle();
+                self.cycle.end();
                 self.modal.mode = Some(mode);
                 request.has_motion_word = true;
             }
@@ -242,11 +238,9 @@ impl<'a> Tracer<'a> {
             Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
-            Meaning::Cycle(name) => {
-                self.end_cycle();
-                self.cycle = Some(Cycle { code, name, place, holes: 0 });
-            }
-            Meaning::CycleEnd => self.end_cycle(),
+            Meaning::Cycle => self.begin_cycle(code, tenths.unwrap_or_default()),
+            Meaning::CycleEnd => self.cycle.end(),
+            Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = Some(is_so),
             Meaning::WorkOffset => {
                 let before = self.modal.work_offset.replace(tenths.unwrap_or_default());
                 let is_another = before.is_some() && before != self.modal.work_offset;
@@ -293,6 +287,7 @@ impl<'a> Tracer<'a> {
             if acts != when {
                 continue;
             }
+            self.cycle.m_word(number);
             let cause = match number {
                 None => {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });
