@@ -97,6 +97,14 @@ pub(super) enum Untraced {
     ManualRetract { code: Code },
     #[error("a hole cannot be repeated {value} times: it is made once")]
     BadRepeats { value: f64 },
+    #[error("S{value} is not a speed that a spindle can run: the former stays in force")]
+    BadSpeed { value: f64 },
+    #[error("no S before M{code}: the spindle's start is timed without its ramp")]
+    NoSpeed { code: u32 },
+    #[error("tool {tool} is in the spindle already: the change takes no time")]
+    SameTool { tool: u32 },
+    #[error("from here on all is taken as one operation: there would be {} more", counted(*.beyond, "operation"))]
+    ManyOperations { beyond: usize },
     #[error("{} is not in this file: its moves are missing from the time", label_text(*.kind, .name))]
     NoLabel { kind: LabelKind, name: String },
     #[error("M98, M97 and G65 need a P with the number of a program: not called")]
@@ -174,6 +182,7 @@ impl Remark for Untraced {
             | Untraced::NoHole { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
+            | Untraced::BadSpeed { .. }
             | Untraced::NoLabel { .. }
             | Untraced::NoSubprogram
             | Untraced::ExternalProgram
@@ -189,6 +198,7 @@ impl Remark for Untraced {
             | Untraced::Compensation { .. }
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
+            | Untraced::NoSpeed { .. }
             | Untraced::DeeperPecks { .. }
             | Untraced::CycleWord { .. }
             | Untraced::NoCycleDwell { .. }
@@ -201,6 +211,8 @@ impl Remark for Untraced {
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
             | Untraced::DataSetting
+            | Untraced::SameTool { .. }
+            | Untraced::ManyOperations { .. }
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }

@@ -4,6 +4,7 @@ use crate::machine::Machine;
 use crate::simulation::gcode::{Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycles;
+use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -54,6 +55,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
+    tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
     }
@@ -116,6 +118,7 @@ pub(super) struct Tracer<'a> {
     pub(super) suspended_shift: Vector,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
+    pub(super) functions: Functions,
     ended: Option<Code>,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
@@ -146,6 +149,7 @@ impl<'a> Tracer<'a> {
             local_shift: Vector::zeros(),
             suspended_shift: Vector::zeros(),
             exact_stop: false,
+            functions: Functions::default(),
             ended: None,
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
@@ -160,6 +164,7 @@ impl<'a> Tracer<'a> {
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         }
+        self.take_speed(block);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
@@ -288,7 +293,8 @@ impl<'a> Tracer<'a> {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });
                     continue;
                 }
-                Some(6) => StopCause::ToolChange { tool: self.modal.tool },
+                Some(6) => self.change_tool(block),
+                Some(number @ (3 | 4 | 5 | 19)) => self.turn_spindle(block, number),
                 Some(number) => StopCause::MCode { code: number },
             };
             self.stop(block, cause);
