@@ -54,6 +54,8 @@ pub fn breakdown(toolpath: &Toolpath, plan: &FeedPlan) -> Breakdown {
             Phase::Wait(wait) => {
                 let part = match wait.cause {
                     StopCause::Dwell { .. } => &mut breakdown.dwell,
+                    StopCause::Rotary { rate: Some(_), .. } => &mut breakdown.cutting,
+                    StopCause::Rotary { rate: None, .. } => &mut breakdown.rapid,
                     StopCause::ToolChange { .. } => &mut breakdown.tool_change,
                     StopCause::MCode { .. } => &mut breakdown.other,
                 };
@@ -73,6 +75,8 @@ pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
     });
     let dwells = toolpath.stops.iter().map(|stop| match stop.cause {
         StopCause::Dwell { seconds } => seconds,
+        StopCause::Rotary { rotation, rate: Some(rate) } => rotation.norm() / rate,
+        StopCause::Rotary { rotation, rate: None } => rotation.amax() / machine.rapid.rotary_rate,
         _ => 0.0,
     });
     running_sum(moves.chain(dwells)).last().unwrap_or(0.0)

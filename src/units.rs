@@ -8,6 +8,7 @@
 //! | acceleration | mm/s²  | mm/s²                 |
 //! | jerk         | mm/s³  | mm/s³                 |
 //! | angle        | rad    | degree                |
+//! | turning rate | rad/s  | degree/min            |
 //!
 //! Borders are G-code words, the machine file, the command line's output and the page.
 
@@ -60,6 +61,8 @@ pub enum Unit {
     MillimetrePerSecond3,
     /// Degree of angle.
     Degree,
+    /// Degree of angle per minute.
+    DegreePerMinute,
     /// Cycles per second.
     Hertz,
 }
@@ -70,6 +73,7 @@ impl Unit {
         match self {
             Unit::MillimetrePerMinute => mm_per_s(value),
             Unit::Degree => value.to_radians(),
+            Unit::DegreePerMinute => value.to_radians() / SECONDS_PER_MINUTE,
             _ => value,
         }
     }
@@ -79,6 +83,7 @@ impl Unit {
         match self {
             Unit::MillimetrePerMinute => mm_per_min(value),
             Unit::Degree => value.to_degrees(),
+            Unit::DegreePerMinute => (value * SECONDS_PER_MINUTE).to_degrees(),
             _ => value,
         }
     }
@@ -93,6 +98,7 @@ impl Unit {
             Unit::MillimetrePerSecond2 => "mm/s²",
             Unit::MillimetrePerSecond3 => "mm/s³",
             Unit::Degree => "°",
+            Unit::DegreePerMinute => "°/min",
             Unit::Hertz => "Hz",
         }
     }

@@ -30,14 +30,26 @@ impl Block<'_> {
 pub(super) struct Given {
     /// One bit a letter.
     letters: u32,
-    values: [f64; 26],
+    values: [f64; LETTERS],
+}
+
+/// A to Z, and `@` and `^` for radius and angle.
+const LETTERS: usize = 28;
+
+/// The place of a letter among those of [`LETTERS`].
+const fn place(letter: u8) -> usize {
+    match letter {
+        b'@' => 26,
+        b'^' => 27,
+        _ => (letter - b'A') as usize,
+    }
 }
 
 /// A set of letters, as one bit each.
 pub(super) const fn bits(letters: &[u8]) -> u32 {
     let (mut bits, mut index) = (0, 0);
     while index < letters.len() {
-        bits |= 1 << (letters[index] - b'A');
+        bits |= 1 << place(letters[index]);
         index += 1;
     }
     bits
@@ -51,12 +63,12 @@ impl Given {
 
     pub(super) fn set(&mut self, letter: u8, value: f64) {
         self.letters |= bits(&[letter]);
-        self.values[usize::from(letter - b'A')] = value;
+        self.values[place(letter)] = value;
     }
 
     /// Its value; of a repeated letter the last one.
     pub(super) fn get(&self, letter: u8) -> Option<f64> {
-        self.has(bits(&[letter])).then(|| self.values[usize::from(letter - b'A')])
+        self.has(bits(&[letter])).then(|| self.values[place(letter)])
     }
 
     /// Whether any of the letters is given.
@@ -65,6 +77,6 @@ impl Given {
     }
 }
 
-pub(super) const AXIS_WORDS: u32 = bits(b"XYZ");
+pub(super) const AXIS_WORDS: u32 = bits(b"XYZ@^");
 pub(super) const CENTER_WORDS: u32 = bits(b"IJK");
-pub(super) const UNMODELLED_WORDS: u32 = bits(b"ABCEUVW");
+pub(super) const UNMODELLED_WORDS: u32 = bits(b"EUVW");

@@ -27,12 +27,15 @@
 mod block;
 mod curve;
 mod cycle;
+mod feed_mode;
+mod frame;
 mod motion;
 mod parameters;
 mod plane;
 #[cfg(test)]
 mod random;
 mod remark;
+mod rotary;
 mod trace;
 mod words;
 
@@ -72,6 +75,8 @@ pub struct Segment {
     pub length: f64,
     /// Feed or rapid.
     pub motion: Motion,
+    /// How far A, B and C turn along with it, rad.
+    pub rotation: Vector,
     /// The program asks for a full stop at its end (G9, G61).
     pub exact_stop: bool,
     /// Line of the program it comes from.
@@ -85,6 +90,13 @@ pub enum StopCause {
     Dwell {
         /// Programmed waiting time, s.
         seconds: f64,
+    },
+    /// A turn of rotary axes alone.
+    Rotary {
+        /// How far A, B and C turn, rad.
+        rotation: Vector,
+        /// At the programmed rate along all three, rad/s; none: in rapid.
+        rate: Option<f64>,
     },
     /// M6.
     ToolChange {
