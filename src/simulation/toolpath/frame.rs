@@ -65,8 +65,8 @@ pub(super) struct Frame {
     pub(super) work_offset: u16,
     /// By G92.
     shift: Shift,
-    /// What G92.2 put aside.
-    suspended: Shift,
+    /// The last one that G92 made, for G92.3.
+    stored: Shift,
     /// By G52.
     local: Shift,
     /// Tool lengths that the program gives, by number.
@@ -98,7 +98,7 @@ impl Frame {
             work_offsets: known.filter_map(|(origin, n)| Some((n, offset(origin.as_ref()?)))).collect(),
             work_offset: 1,
             shift: Shift::default(),
-            suspended: Shift::default(),
+            stored: Shift::default(),
             local: Shift::default(),
             tool_lengths: BTreeMap::new(),
             tool: Vector::zeros(),

@@ -90,7 +90,8 @@ enum When {
 /// Whose rules hold where controls read the same word in two ways.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Family {
-    /// RS274/NGC and LinuxCNC: G10 L20 names the position, G10 L2 R turns X Y, F holds along X Y Z.
+    /// RS274/NGC and LinuxCNC: G10 L20 names the position, G10 L2 R turns X Y, G52 is a G92 by
+    /// its values, F holds along X Y Z.
     #[default]
     Rs274,
     /// Fanuc and Haas: G10 L20 gives the values of G54.1 Pn, G10 under G91 adds, F counts a degree

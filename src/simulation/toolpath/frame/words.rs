@@ -42,10 +42,10 @@ impl Tracer<'_> {
             Special::LocalShift => self.local_shift(block),
             Special::ForgetShift => {
                 self.frame.shift = Shift::default();
-                self.frame.suspended = Shift::default();
+                self.frame.stored = Shift::default();
             }
-            Special::SuspendShift => self.frame.suspended = std::mem::take(&mut self.frame.shift),
-            Special::RestoreShift => self.frame.shift = self.frame.suspended,
+            Special::SuspendShift => self.frame.shift = Shift::default(),
+            Special::RestoreShift => self.frame.shift = self.frame.stored,
             Special::Rotate => self.rotate(block),
             Special::Scale => self.scale(block),
             Special::Mirror => self.mirror(block, true),
@@ -81,20 +81,28 @@ impl Tracer<'_> {
         for (axis, value) in self.rotary_values() {
             shift.rotary[axis] += self.rotary.position[axis] - self.frame.rotary_coordinate(axis, value);
         }
-        self.frame.shift = shift;
+        (self.frame.shift, self.frame.stored) = (shift, shift);
     }
 
-    /// G52.
+    /// G52. On LinuxCNC it and G92 share one shift.
     fn local_shift(&mut self, block: Block) {
+        let mut local = match self.family {
+            Family::Rs274 => self.frame.shift,
+            Family::Fanuc => self.frame.local,
+        };
         for (axis, letter) in AXES.into_iter().enumerate() {
             let Some(value) = self.given.get(letter as u8) else { continue };
             let shift = value * self.modal.unit;
             if self.is_within_reach(block, letter, shift) {
-                self.frame.local.linear[axis] = shift;
+                local.linear[axis] = shift;
             }
         }
         for (axis, value) in self.rotary_values() {
-            self.frame.local.rotary[axis] = value;
+            local.rotary[axis] = value;
+        }
+        match self.family {
+            Family::Rs274 => (self.frame.shift, self.frame.stored) = (local, local),
+            Family::Fanuc => self.frame.local = local,
         }
     }
 
