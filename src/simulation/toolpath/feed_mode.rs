@@ -11,7 +11,7 @@
 //!
 //! Source: NIST RS274/NGC, Sect. 3.5.19; LinuxCNC, G93, G94, G95.
 
-use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::block::{Block, bits};
 use crate::simulation::toolpath::motion::ASSUMED_FEEDRATE;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
@@ -138,7 +138,7 @@ impl Tracer<'_> {
     /// F of a block under G93, 1/min; that of a block before where it has none.
     fn per_minute_in_block(&mut self, block: Block) -> Option<f64> {
         let own = self.given.get(b'F').filter(|value| INVERSE_TIMES.contains(value));
-        if own.is_none() {
+        if !self.given.has(bits(b"F")) {
             let assumed = self.modal.feed.inverse_time.is_none().then_some(mm_per_min(ASSUMED_FEEDRATE));
             self.remarks.add(block.place(), Untraced::NoInverseTime { assumed });
         }

@@ -1,11 +1,12 @@
 //! Blocks → toolpath: where the tool is told to go, and where it has to stop.
 //!
 //! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in
-//! one coordinate system (the machine's; work offsets are already applied). Between segments
-//! lie the stops: dwells, tool changes and other M-words.
+//! one coordinate system (the machine's; work offsets, shifts, rotation, scaling and mirrors are
+//! already applied). Between segments lie the stops: dwells, tool changes and other M-words, and
+//! turns of rotary axes alone.
 //!
-//! Order of execution within a block: units, plane, distance and path modes; F; T; M-words that
-//! act before the motion (M6 and all not named below, as written); dwell, shift of coordinates,
+//! Order of execution within a block: units, plane, distance and path modes; F; S; T; M-words that
+//! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell, shift of coordinates,
 //! reference move or motion; M-words that act after it (M0, M1, M2, M5, M9, M30, M60). That is
 //! RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc controls.
 //!
@@ -16,11 +17,17 @@
 //!   parameters module; a value that is not whole counts as written with a decimal point.
 //! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
 //!   number, in milliseconds. X and U of G4 are in seconds.
-//! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
+//! - The tool begins at the machine's zero, with G54 in force. Work offsets and tool lengths that
+//!   neither program nor machine file gives are zero. G28, G30 and G53 are run in the axes whose reference point
 //!   the machine knows; in the others the tool stays where it is.
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
-//! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation and
-//!   changes of coordinates other than G52 and G92 are not applied. Each says so.
+//! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
+//!   F holds along X, Y and Z.
+//! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation, tilted planes
+//!   (G68.2) and cylindrical or polar interpolation are not applied. Each says so.
+//!
+//! Where families of controls read a word in two ways, RS274/NGC and LinuxCNC count until the
+//! dialect says otherwise.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 

@@ -60,7 +60,7 @@ pub(super) enum Untraced {
     #[error(
         "{name} (tool centre point control): the path of the tool tip and its feed are run as written; what the machine's own axes do to turn the head or table about it is not modelled"
     )]
-    TipControl { name: Code },
+    TipControl { name: &'static str },
     #[error("{code} (cutter compensation) is not applied: path taken as programmed")]
     Compensation { code: Code },
 

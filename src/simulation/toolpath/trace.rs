@@ -74,7 +74,7 @@ struct Request {
     /// The axis words belong to a G word that is not run.
     has_foreign_axis_words: bool,
     has_m_word: bool,
-    work_offset: Option<Code>,
+    work_offset: Option<(Code, Place)>,
     tool_length: Option<Code>,
     /// The word of each modal group so far.
     groups: [Option<Code>; 15],
@@ -167,8 +167,8 @@ impl<'a> Tracer<'a> {
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
-        if let Some(code) = request.work_offset {
-            self.choose_work_offset(block, code);
+        if let Some((code, place)) = request.work_offset {
+            self.choose_work_offset(code, place);
         }
         if let Some(code) = request.tool_length {
             request.special = self.choose_tool_length(block, code).or(request.special);
@@ -244,11 +244,11 @@ impl<'a> Tracer<'a> {
                 self.cycle = Some(Cycle { code, name, place, holes: 0 });
             }
             Meaning::CycleEnd => self.end_cycle(),
-            Meaning::WorkOffset => request.work_offset = Some(code),
+            Meaning::WorkOffset => request.work_offset = Some((code, place)),
             Meaning::ToolLength => request.tool_length = Some(code),
             Meaning::EndOf(kind) => self.frame.unset(kind),
             Meaning::Polar(is_on) => self.frame.polar = is_on.then(Polar::default),
-            Meaning::TipControl => self.remarks.add(place, Untraced::TipControl { name: code }),
+            Meaning::TipControl(name) => self.remarks.add(place, Untraced::TipControl { name }),
             Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
             Meaning::SurfaceSpeed(is_on) => {
                 self.modal.feed.has_surface_speed = is_on;

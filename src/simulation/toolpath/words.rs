@@ -81,7 +81,7 @@ pub(super) enum Meaning {
     /// G16 and G15.
     Polar(bool),
     /// Tool centre point control by its name.
-    TipControl,
+    TipControl(&'static str),
     Compensation,
     /// G96 and G97.
     SurfaceSpeed(bool),
@@ -166,7 +166,8 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
         150 => (NO_GROUP, Polar(false)),
         160 => (NO_GROUP, Polar(true)),
-        434 | 435 => (8, TipControl),
+        434 => (8, TipControl("G43.4")),
+        435 => (8, TipControl("G43.5")),
         500 => (NO_GROUP, EndOf(Kind::Scaling)),
         510 => (NO_GROUP, Special(self::Special::Scale)),
         240 | 511 => (NO_GROUP, Special(self::Special::Mirror)),

@@ -7,6 +7,7 @@
 
 use crate::machine::AXES;
 use crate::simulation::toolpath::Point;
+use crate::simulation::toolpath::block::bits;
 use crate::simulation::toolpath::trace::Tracer;
 
 /// A direction of polar coordinates: its pole in the plane, mm, and its angle, rad.
@@ -34,12 +35,16 @@ impl Tracer<'_> {
     pub(in crate::simulation::toolpath) fn axis_values(&mut self) -> [Option<f64>; 3] {
         let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
         let [a, b, _] = self.modal.plane.axes();
-        let words = [self.given.get(b'@').map(|r| r * self.modal.unit), self.given.get(b'^')];
+        let has_polar_words = self.given.has(bits(b"@^"));
+        if !has_polar_words && self.frame.polar.is_none() {
+            return values;
+        }
         let at = self.frame.to_program(&self.position);
-        let point = if words != [None, None] {
-            let [radius, angle] = [words[0], words[1].map(f64::to_radians)];
+        let point = if has_polar_words {
+            let radius = self.given.get(b'@').map(|value| value * self.modal.unit);
+            let angle = self.given.get(b'^').map(f64::to_radians);
             about_origin([at[a], at[b]], radius, angle, self.modal.is_incremental)
-        } else if self.frame.polar.is_some() && (values[a].is_some() || values[b].is_some()) {
+        } else if values[a].is_some() || values[b].is_some() {
             let angle = self.given.get(AXES[b] as u8).map(f64::to_radians);
             self.modal_polar(&at, values[a], angle)
         } else {

@@ -14,6 +14,7 @@
 //! ```
 
 use crate::machine::AXES;
+use crate::simulation::gcode::Place;
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
 use crate::simulation::toolpath::frame::{ADDITIONAL, Affine, Kind, Shift};
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -178,13 +179,13 @@ impl Tracer<'_> {
     }
 
     /// G54 to G59.3, G54.1 Pn and G154 Pn.
-    pub(in crate::simulation::toolpath) fn choose_work_offset(&mut self, block: Block, code: Code) {
+    pub(in crate::simulation::toolpath) fn choose_work_offset(&mut self, code: Code, place: Place) {
         let tenths = (10.0 * code.value).round() as u16;
         let number = match tenths {
             541 | 1540 => match self.given.get(b'P') {
                 Some(n) if (1.0..=1000.0).contains(&n) && n.fract() == 0.0 => ADDITIONAL + n as u16,
                 _ => {
-                    self.remarks.add(block.place(), Untraced::NoOffsetNumber { code });
+                    self.remarks.add(place, Untraced::NoOffsetNumber { code });
                     return;
                 }
             },
@@ -196,7 +197,7 @@ impl Tracer<'_> {
         let leaves_the_known = number != before && !(is_known(number) && is_known(before));
         if leaves_the_known && self.modal.has_work_offset && !self.modal.has_several_offsets {
             self.modal.has_several_offsets = true;
-            self.remarks.add(block.place(), Untraced::WorkOffsets { code });
+            self.remarks.add(place, Untraced::WorkOffsets { code });
         }
         self.modal.has_work_offset = true;
         self.frame.select_work_offset(number);
