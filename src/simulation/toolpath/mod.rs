@@ -6,20 +6,21 @@
 //! turns of rotary axes alone.
 //!
 //! Order of execution within a block: units, plane, distance and path modes; F; S; T; M-words that
-//! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell, shift of coordinates,
-//! reference move or motion; M-words that act after it (M0, M1, M2, M5, M9, M30, M60). That is
-//! RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc controls.
+//! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell,
+//! change of coordinates, reference move or motion; M-words that act after it (M0, M1, M2, M5, M9,
+//! M30, M60). That is RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc
+//! controls.
 //!
 //! Rules where controls differ or a program does not say:
-//! - The tool begins at X0 Y0 Z0, in mm, G17, G90, G91.1, G94, G64; axis words before the first
-//!   motion word move in rapid.
+//! - The tool begins at the machine's zero, in mm, G17, G54, G90, G91.1, G94, G64; axis words before
+//!   the first motion word move in rapid.
 //! - The values of expressions are worked out before their block is run, by the rules of the
 //!   parameters module; a value that is not whole counts as written with a decimal point.
 //! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
 //!   number, in milliseconds. X and U of G4 are in seconds.
-//! - The tool begins at the machine's zero, with G54 in force. Work offsets and tool lengths that
-//!   neither program nor machine file gives are zero. G28, G30 and G53 are run in the axes whose reference point
-//!   the machine knows; in the others the tool stays where it is.
+//! - Work offsets and tool lengths that neither program nor machine file gives are zero. G28, G30
+//!   and G53 are run in the axes whose reference point the machine knows; in the others the tool
+//!   stays where it is.
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
 //! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
 //!   F holds along X, Y and Z.
