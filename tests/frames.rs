@@ -2,11 +2,13 @@
 
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::feed::{FeedPlan, Rule, limits, plan};
-use truefeed::simulation::gcode::{Severity, read};
+use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
 use truefeed::simulation::toolpath::{Motion, Point, Segment, StopCause, Toolpath, trace};
 
+/// Runs a program for LinuxCNC, which reads the words of the others too.
 fn run_on(text: &str, machine: &Machine) -> Toolpath {
-    let toolpath = trace(&read(text.as_bytes()), machine);
+    let options = Options { dialect: Some(Dialect::LinuxCnc), ..Options::default() };
+    let toolpath = trace(&read_with(text.as_bytes(), &options), machine);
     for pair in toolpath.segments.windows(2) {
         assert_eq!(pair[0].end, pair[1].start, "{text}");
     }

@@ -8,7 +8,7 @@
 use std::io::Write;
 use std::process::{Command, Stdio};
 use truefeed::machine::Machine;
-use truefeed::simulation::gcode::{Severity, read};
+use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
 use truefeed::simulation::toolpath::{Curve, Motion, StopCause, trace};
 
 /// Where a move ends: X, Y, Z in mm, A, B, C in degrees.
@@ -73,7 +73,8 @@ fn by_linuxcnc(text: &str, name: &str) -> Option<Vec<Move>> {
 fn by_us(text: &str) -> Vec<Move> {
     let mut machine = Machine::default();
     machine.axes.iter_mut().for_each(|axis| axis.home = Some(0.0));
-    let toolpath = trace(&read(text.as_bytes()), &machine);
+    let options = Options { dialect: Some(Dialect::LinuxCnc), ..Options::default() };
+    let toolpath = trace(&read_with(text.as_bytes(), &options), &machine);
     let errors: Vec<_> =
         toolpath.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
     assert!(errors.is_empty(), "{errors:?}");
@@ -161,8 +162,10 @@ fn coordinates_agree_on_random_programs() {
                 6 => format!("G43.1 Z{z}\n"),
                 7 => "G49\n".to_string(),
                 8 => format!("G91 G1 X{x} A{a} F300\nG90\n"),
-                9 => format!("G52 X{x} Y{z}\nG0 X{y} Y{x}\nG92.1\nG52 X0 Y0\n"),
-                10 => format!("G53 G0 X{x} A{a}\n"),
+                9 => format!("G0 @{half} ^{a}\n"),
+                10 => format!("G91 G1 ^{a} F200\nG90\n"),
+                19 => format!("G52 X{x} Y{z}\nG0 X{y} Y{x}\nG92.1\nG52 X0 Y0\n"),
+                18 => format!("G53 G0 X{x} A{a}\n"),
                 11 => format!("G91 G2 X{half} Y{half} I{half} F400\nG90 G1\n"),
                 12 => format!("G91 G3 X{half} R{half} Z1 F400\nG90 G1\n"),
                 13 => format!("G93 G1 X{x} Y{y} F{half}\nG94 F100\n"),

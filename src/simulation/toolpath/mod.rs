@@ -23,16 +23,17 @@
 //!   stays where it is.
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
 //! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
-//!   F holds along X, Y and Z.
+//!   F holds along X, Y and Z, or on Fanuc controls along all axes.
 //! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation, tilted planes
 //!   (G68.2) and cylindrical or polar interpolation are not applied. Each says so.
 //!
-//! Where families of controls read a word in two ways, RS274/NGC and LinuxCNC count until the
-//! dialect says otherwise.
+//! Where controls read a word in two ways, the dialect decides: Fanuc for ISO programs and Okuma's,
+//! RS274/NGC and LinuxCNC for the others.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod block;
+mod control;
 mod curve;
 mod cycle;
 mod feed_mode;
@@ -44,6 +45,7 @@ mod plane;
 mod random;
 mod remark;
 mod rotary;
+mod run;
 mod trace;
 mod words;
 

@@ -1,8 +1,9 @@
 //! What tracing has to say about a program.
 
-use crate::simulation::gcode::{Remark, Severity, counted};
+use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::plane::NoCircle;
+use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_RUN};
 use thiserror::Error;
 
 /// Something that was not traced as a control would run it, or that the user may want to know.
@@ -116,8 +117,26 @@ pub(super) enum Untraced {
     Cycle { code: Code, name: &'static str, holes: usize },
     #[error("a hole cannot be repeated {value} times: it is made once")]
     BadRepeats { value: f64 },
-    #[error("{code} (subprogram) is not run yet: left out")]
-    Subprogram { code: Code },
+    #[error("{} is not in this file: its moves are missing from the time", label_text(*.kind, .name))]
+    NoLabel { kind: LabelKind, name: String },
+    #[error("M98, M97 and G65 need a P with the number of a program: not called")]
+    NoSubprogram,
+    #[error("M198 (program from another device) is not in this file: its moves are missing from the time")]
+    ExternalProgram,
+    #[error("G66 (macro call after every move) is not modelled: the macro is not run")]
+    ModalMacro,
+    #[error("calls are nested deeper than {DEEPEST_CALL}: the program ends here")]
+    DeepCall,
+    #[error("more than {MOST_RUN} blocks were repeated: the program seems to loop for ever, and ends here")]
+    EndlessRun,
+    #[error("the program raises an alarm (#3000) and ends here")]
+    Alarm,
+    #[error("{text}: not run")]
+    NotRun { text: String },
+    #[error(
+        "some parameters are read before anything is assigned to them, the first is {parameter}: taken as nothing, as the control would"
+    )]
+    Unassigned { parameter: String },
     #[error("{} from here on, after the end of the program ({code}): not run", counted(*.blocks, "block"))]
     AfterEnd { blocks: usize, code: Code },
 }
@@ -149,6 +168,15 @@ fn rotary_feed_text(is_combined: bool) -> &'static str {
         "F holds along linear and rotary axes together, a degree counting as a unit of length"
     } else {
         "F holds along X, Y and Z, and rotary axes turn along (RS274/NGC); controls that count degrees as lengths are slower"
+    }
+}
+
+fn label_text(kind: LabelKind, name: &str) -> String {
+    match kind {
+        LabelKind::Sequence => format!("block N{name}"),
+        LabelKind::Program => format!("program O{name}"),
+        LabelKind::Numbered => format!("subprogram or label {name}"),
+        LabelKind::Named => format!("subprogram or label `{name}`"),
     }
 }
 
@@ -187,7 +215,14 @@ impl Remark for Untraced {
             | Untraced::BadRepeats { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
-            | Untraced::Subprogram { .. } => Severity::Error,
+            | Untraced::NoLabel { .. }
+            | Untraced::NoSubprogram
+            | Untraced::ExternalProgram
+            | Untraced::ModalMacro
+            | Untraced::DeepCall
+            | Untraced::EndlessRun
+            | Untraced::Alarm
+            | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
@@ -197,7 +232,8 @@ impl Remark for Untraced {
             | Untraced::UnevenScale
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
-            | Untraced::Cycle { .. } => Severity::Warning,
+            | Untraced::Cycle { .. }
+            | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::ControlSetting { .. }
             | Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }

@@ -20,7 +20,7 @@ use crate::simulation::toolpath::{StopCause, Vector};
 /// The rotary axes, in the order of their limits.
 pub(super) const ROTARY_AXES: [char; 3] = ['A', 'B', 'C'];
 
-pub(super) const ROTARY_WORDS: u32 = bits(b"ABC");
+pub(super) const ROTARY_WORDS: u64 = bits(b"ABC");
 
 /// Angles beyond this are slips of the pen, degrees.
 const MOST_DEGREES: f64 = 1e7;

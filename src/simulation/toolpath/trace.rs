@@ -1,15 +1,16 @@
 //! The tracer: runs block after block under the modal state.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Place, Program, Remarks, Word};
+use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycle;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
-use crate::simulation::toolpath::parameters::Parameters;
+use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::Rotary;
+use crate::simulation::toolpath::run::Run;
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
 use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath};
 use crate::units::MM_PER_INCH;
@@ -17,29 +18,47 @@ use crate::units::MM_PER_INCH;
 /// Runs `program` on the geometry of `machine`.
 pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     let mut tracer = Tracer::new(machine, program.is_tape);
-    let mut parameters = Parameters::default();
-    for (index, block) in program.blocks.iter().enumerate() {
-        let words = match program.formulas(block) {
-            [] => program.words(block),
-            formulas => match parameters.words_of(program, block, formulas) {
-                Ok(words) => words,
-                Err((formula, no_value)) => {
-                    let place = Place { line: block.line, columns: formula.columns };
-                    tracer.remarks.add(place, no_value.into());
-                    continue;
-                }
-            },
+    tracer.family = Family::of(program.dialect);
+    let mut parameters = Parameters::new(program.dialect);
+    let mut run = Run::new(program);
+    let mut values = Values::default();
+    while let Some(index) = run.block() {
+        let block = &program.blocks[index as usize];
+        let formulas = program.formulas(index);
+        if let Err((formula, no_value)) = parameters.values_of(program, block, formulas, &tracer, &mut values)
+        {
+            let place = Place { line: block.line, columns: formula.columns };
+            tracer.remarks.add(place, no_value.into());
+            run.pass();
+            continue;
+        }
+        if values.alarm {
+            tracer.remarks.add(Place::line(block.line), Untraced::Alarm);
+            break;
+        }
+        let words = if formulas.is_empty() { program.words(block) } else { &values.words };
+        let outcome = if run.has_flow() {
+            let own = run.without_call(words);
+            tracer.block(Block { words: &own, line: block.line });
+            run.follow(&values, words, &mut parameters)
+        } else {
+            tracer.block(Block { words, line: block.line });
+            run.step()
         };
-        tracer.block(Block { words, line: block.line });
+        if let Err(remark) = outcome {
+            tracer.remarks.add(Place::line(block.line), remark);
+        }
         if let Some(code) = tracer.ended {
-            if let Some(next) = program.blocks.get(index + 1) {
-                let blocks = program.blocks.len() - index - 1;
-                tracer.remarks.add(Place::line(next.line), Untraced::AfterEnd { blocks, code });
+            if let Some((line, blocks)) = run.rest(index + 1) {
+                tracer.remarks.add(Place::line(line), Untraced::AfterEnd { blocks, code });
             }
             break;
         }
     }
     tracer.end_cycle();
+    if let Some((line, parameter)) = parameters.unassigned {
+        tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
+    }
     let mut toolpath = tracer.toolpath;
     toolpath.diagnostics = program.diagnostics.clone();
     toolpath.diagnostics.append(&mut tracer.remarks.finish());
@@ -97,6 +116,15 @@ pub(super) enum Family {
     /// Fanuc and Haas: G10 L20 gives the values of G54.1 Pn, G10 under G91 adds, F counts a degree
     /// of a rotary axis as a unit of length.
     Fanuc,
+}
+
+impl Family {
+    fn of(dialect: Dialect) -> Family {
+        match dialect {
+            Dialect::Iso | Dialect::Okuma => Family::Fanuc,
+            _ => Family::Rs274,
+        }
+    }
 }
 
 /// The modal state, and what came out so far.
@@ -196,8 +224,9 @@ impl<'a> Tracer<'a> {
             match word.letter {
                 b'G' => self.g_word(block, word, &mut request),
                 b'M' => request.has_m_word = true,
+                address if address::ARGUMENT <= address => {}
                 letter => {
-                    if self.given.has(bits(&[letter])) {
+                    if letter.is_ascii_uppercase() && self.given.has(bits(&[letter])) {
                         let letter = letter as char;
                         self.remarks.add(block.place_of(word), Untraced::RepeatedWord { letter });
                     }
@@ -280,10 +309,6 @@ impl<'a> Tracer<'a> {
             let cause = match number {
                 None => {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });
-                    continue;
-                }
-                Some(97..=99 | 198) => {
-                    self.remarks.add(block.place_of(word), Untraced::Subprogram { code });
                     continue;
                 }
                 Some(6) => StopCause::ToolChange { tool: self.modal.tool },

@@ -6,6 +6,7 @@
 //! - `@` and `^` (LinuxCNC): r and φ about the origin, under G91 added to those of the position.
 
 use crate::machine::AXES;
+use crate::simulation::gcode::address;
 use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::block::bits;
 use crate::simulation::toolpath::trace::Tracer;
@@ -35,14 +36,14 @@ impl Tracer<'_> {
     pub(in crate::simulation::toolpath) fn axis_values(&mut self) -> [Option<f64>; 3] {
         let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
         let [a, b, _] = self.modal.plane.axes();
-        let has_polar_words = self.given.has(bits(b"@^"));
+        let has_polar_words = self.given.has(bits(&[address::POLAR_RADIUS, address::POLAR_ANGLE]));
         if !has_polar_words && self.frame.polar.is_none() {
             return values;
         }
         let at = self.frame.to_program(&self.position);
         let point = if has_polar_words {
-            let radius = self.given.get(b'@').map(|value| value * self.modal.unit);
-            let angle = self.given.get(b'^').map(f64::to_radians);
+            let radius = self.given.get(address::POLAR_RADIUS).map(|value| value * self.modal.unit);
+            let angle = self.given.get(address::POLAR_ANGLE).map(f64::to_radians);
             about_origin([at[a], at[b]], radius, angle, self.modal.is_incremental)
         } else if values[a].is_some() || values[b].is_some() {
             let angle = self.given.get(AXES[b] as u8).map(f64::to_radians);

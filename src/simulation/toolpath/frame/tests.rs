@@ -1,10 +1,10 @@
 //! Laws of maps, and the words whose meaning depends on the family of the control.
 
 use super::*;
-use crate::simulation::gcode::{LineNumber, Word, read};
+use crate::simulation::gcode::read;
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::random::Random;
-use crate::simulation::toolpath::trace::{Family, Tracer};
+use crate::simulation::toolpath::trace::{Family, Tracer, trace};
 use crate::simulation::toolpath::{Motion, StopCause};
 
 fn point(random: &mut Random) -> Point {
@@ -101,47 +101,24 @@ fn rotary_words_are_read_as_positions() {
     assert_eq!(turns("G0 A90\nG53 A10"), [90.0, -80.0]);
 }
 
-/// Runs blocks of words of letter and value, which no reader has to understand.
-fn run_words(blocks: &[&[(u8, f64)]]) -> Vec<[f64; 2]> {
-    let machine = Machine::default();
-    let mut tracer = Tracer::new(&machine, false);
-    for (words, line) in blocks.iter().zip(1..) {
-        let word = |&(letter, value)| Word { value, columns: (1, 2), letter, has_point: true };
-        let words: Vec<Word> = words.iter().map(word).collect();
-        tracer.block(Block { words: &words, line: LineNumber(line) });
-    }
+/// Where the moves of a program end in X and Y, rounded as LinuxCNC prints them.
+fn ends(text: &str) -> Vec<[f64; 2]> {
     let rounded = |value: f64| (1e4 * value).round() / 1e4 + 0.0;
-    let ends = tracer.toolpath.segments.iter().map(|segment| segment.end);
-    ends.map(|end| [rounded(end.x), rounded(end.y)]).collect()
+    let toolpath = trace(&read(text.as_bytes()), &Machine::default());
+    toolpath.segments.iter().map(|segment| [rounded(segment.end.x), rounded(segment.end.y)]).collect()
 }
 
 /// What LinuxCNC's interpreter prints for the same words.
 #[test]
 fn radius_and_angle_words_are_those_of_linuxcnc() {
-    let ends = run_words(&[
-        &[(b'G', 0.0), (b'X', 15.0)],
-        &[(b'G', 91.0), (b'^', 60.0)],
-        &[(b'@', 5.0)],
-        &[(b'G', 90.0), (b'^', 90.0)],
-        &[(b'@', 10.0)],
-    ]);
-    assert_eq!(ends, [[15.0, 0.0], [7.5, 12.9904], [10.0, 17.3205], [0.0, 20.0], [0.0, 10.0]]);
+    let found = ends("G0 X15\nG91 ^60\n@5\nG90 ^90\n@10");
+    assert_eq!(found, [[15.0, 0.0], [7.5, 12.9904], [10.0, 17.3205], [0.0, 20.0], [0.0, 10.0]]);
 }
 
 #[test]
-fn radius_and_angle_words_repeat_in_cycles() {
-    let cycle =
-        [(b'G', 91.0), (b'G', 81.0), (b'R', 0.1), (b'Z', -0.5), (b'^', 60.0), (b'L', 6.0), (b'F', 10.0)];
-    let holes = run_words(&[&[(b'G', 0.0), (b'X', 15.0)], &cycle]);
+fn angles_repeat_in_cycles() {
     let on_circle =
         [[7.5, 12.9904], [-7.5, 12.9904], [-15.0, 0.0], [-7.5, -12.9904], [7.5, -12.9904], [15.0, 0.0]];
-    assert_eq!(holes[1..], on_circle);
-}
-
-#[test]
-fn modal_polar_angles_repeat_in_cycles() {
-    let cycle =
-        [(b'G', 91.0), (b'G', 81.0), (b'R', 0.1), (b'Z', -0.5), (b'Y', 60.0), (b'L', 3.0), (b'F', 10.0)];
-    let holes = run_words(&[&[(b'G', 16.0), (b'G', 0.0), (b'X', 15.0), (b'Y', 0.0)], &cycle]);
-    assert_eq!(holes[1..], [[7.5, 12.9904], [-7.5, 12.9904], [-15.0, 0.0]]);
+    assert_eq!(ends("G0 X15\nG91 G81 R.1 Z-.5 ^60 L6 F10")[1..], on_circle);
+    assert_eq!(ends("G16 G0 X15 Y0\nG91 G81 R.1 Z-.5 Y60 L6 F10")[1..], on_circle);
 }
