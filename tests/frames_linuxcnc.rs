@@ -30,6 +30,7 @@ fn by_linuxcnc(text: &str, name: &str) -> Option<Vec<Move>> {
     let output = Command::new("rs274").arg("-g").arg(&path).stdin(Stdio::null()).output();
     std::fs::remove_file(&path).expect("the file is ours");
     let output = String::from_utf8(output.ok()?.stdout).expect("it prints ASCII");
+    assert!(output.contains("PROGRAM_END"), "LinuxCNC refuses {text}");
     let (mut g5x, mut g92, mut tool, mut degrees, mut feed) = ([0.0; 6], [0.0; 6], [0.0; 6], 0.0f64, 0.0);
     let (mut last, mut moves) = ([0.0; 6], Vec::new());
     for line in output.lines() {
@@ -163,7 +164,7 @@ fn coordinates_agree_on_random_programs() {
                 7 => "G49\n".to_string(),
                 8 => format!("G91 G1 X{x} A{a} F300\nG90\n"),
                 9 => format!("G0 @{half} ^{a}\n"),
-                10 => format!("G91 G1 ^{a} F200\nG90\n"),
+                10 => format!("G0 X{x} Y99\nG91 G1 ^{a} F200\nG90\n"),
                 19 => format!("G52 X{x} Y{z}\nG0 X{y} Y{x}\nG92.1\nG52 X0 Y0\n"),
                 18 => format!("G53 G0 X{x} A{a}\n"),
                 11 => format!("G91 G2 X{half} Y{half} I{half} F400\nG90 G1\n"),

@@ -41,6 +41,8 @@ pub struct Machine {
     pub work_offsets: [Option<[f64; 3]>; 6],
     /// Override switches.
     pub overrides: Overrides,
+    /// What cycles leave to the control.
+    pub cycles: Cycles,
     /// Times that are not motion.
     pub times: Times,
     /// What an hour costs.
@@ -167,6 +169,16 @@ pub struct Overrides {
     pub rapid: f64,
 }
 
+/// What cycles leave to the control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycles {
+    /// How far chip breaking (G73) lifts the tool between pecks, mm; none: what is usual for the
+    /// dialect.
+    pub peck_retract: Option<f64>,
+    /// How far above the last depth pecking (G83) feeds again, mm; none: as above.
+    pub peck_clearance: Option<f64>,
+}
+
 /// Times that are not motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Times {
@@ -218,6 +230,7 @@ impl Default for Machine {
             rotary_axes: [RotaryAxis::default(); 3],
             work_offsets: [None; 6],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
+            cycles: Cycles { peck_retract: None, peck_clearance: None },
             times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
             rates: Rates { hourly: 0.0 },
         }

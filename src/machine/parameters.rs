@@ -250,7 +250,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 23] = [
+const GENERAL: [Parameter; 25] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -461,6 +461,28 @@ const GENERAL: [Parameter; 23] = [
             (0.01, 10.0),
             |m| Some(m.overrides.rapid),
             |m, v| m.overrides.rapid = v.unwrap_or(1.0),
+        ),
+    },
+    Parameter {
+        key: "cycles.peck_retract_mm",
+        label: "Retract of chip breaking",
+        doc: "How far G73 lifts the tool between pecks; empty: 0.254 mm as LinuxCNC, 1 mm in programs with a % line or an O number.",
+        access: number(
+            Unit::Millimetre,
+            (0.0, 100.0),
+            |m| m.cycles.peck_retract,
+            |m, v| m.cycles.peck_retract = v,
+        ),
+    },
+    Parameter {
+        key: "cycles.peck_clearance_mm",
+        label: "Clearance of pecking",
+        doc: "How far above the last depth G83 goes from rapid to feed; empty: 0.254 mm as LinuxCNC, 1 mm in programs with a % line or an O number.",
+        access: number(
+            Unit::Millimetre,
+            (0.0, 100.0),
+            |m| m.cycles.peck_clearance,
+            |m, v| m.cycles.peck_clearance = v,
         ),
     },
     Parameter {

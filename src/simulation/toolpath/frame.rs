@@ -208,6 +208,16 @@ impl Frame {
         }
     }
 
+    /// Machine coordinate of an axis, mm, of its program coordinate at the place of `at`.
+    pub(super) fn coordinate_at(&self, at: &Point, axis: usize, value: f64) -> f64 {
+        if self.turned.is_none() {
+            return self.coordinate(axis, value);
+        }
+        let mut program = self.to_program(at);
+        program[axis] = value;
+        self.to_machine(&program)[axis]
+    }
+
     /// Program coordinates of machine coordinates, mm.
     pub(super) fn to_program(&self, machine: &Point) -> Point {
         match &self.turned {

@@ -24,8 +24,9 @@
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
 //! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
 //!   F holds along X, Y and Z, or on Fanuc controls along all axes.
-//! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation, tilted planes
-//!   (G68.2) and cylindrical or polar interpolation are not applied. Each says so.
+//! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
+//! - Cutter compensation, tilted planes (G68.2) and cylindrical or polar interpolation are not
+//!   applied. Each says so.
 //!
 //! Where controls read a word in two ways, the dialect decides: Fanuc for ISO programs and Okuma's,
 //! RS274/NGC and LinuxCNC for the others.

@@ -19,7 +19,7 @@ pub(super) const REACH: f64 = 1e7;
 const SHORTEST: f64 = 1e-9;
 
 /// The longest dwell that is taken at its word, s: some 11 days.
-const LONGEST_DWELL: f64 = 1e6;
+pub(super) const LONGEST_DWELL: f64 = 1e6;
 
 /// The most turns of one arc.
 const MOST_TURNS: f64 = 10_000.0;
@@ -108,10 +108,8 @@ impl Tracer<'_> {
     /// The move of a block, where it has one.
     pub(super) fn motion(&mut self, block: Block, has_motion_word: bool) {
         let has_axis_words = self.given.has(AXIS_WORDS);
-        if self.cycle.is_some() {
-            if has_axis_words || self.given.has(ROTARY_WORDS) {
-                self.hole(block);
-            }
+        if self.cycle.is_active() {
+            self.hole(block);
             return;
         }
         let is_arc = matches!(self.modal.mode, Some(Mode::Arc(_)));
@@ -254,7 +252,7 @@ impl Tracer<'_> {
         }
     }
 
-    fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
+    pub(super) fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
         if length < SHORTEST {
             self.turn_alone(block, motion == Motion::Rapid);
             return;

@@ -1,6 +1,7 @@
 //! What tracing has to say about a program.
 
 use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
+use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::plane::NoCircle;
 use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_RUN};
@@ -113,8 +114,20 @@ pub(super) enum Untraced {
     )]
     TiltedUnevenScale,
 
-    #[error("{code} {name} is not timed yet: {} counted as rapid moves only", counted(*.holes, "hole"))]
-    Cycle { code: Code, name: &'static str, holes: usize },
+    #[error("{code}: {no_hole}: hole not made")]
+    NoHole { code: Code, no_hole: NoHole },
+    #[error("more than {most} pecks in one hole: made with {most}")]
+    DeeperPecks { most: u32 },
+    #[error("{letter} of {code} is not modelled: the hole is made without it")]
+    CycleWord { code: Code, letter: char },
+    #[error("{code} without P: no dwell")]
+    NoCycleDwell { code: Code },
+    #[error(
+        "P of cycles without a decimal point is read as milliseconds, since the program has a % line or an O number"
+    )]
+    CycleDwellUnit,
+    #[error("{code} waits for the tool to be taken out by hand: only the move out in rapid is timed")]
+    ManualRetract { code: Code },
     #[error("a hole cannot be repeated {value} times: it is made once")]
     BadRepeats { value: f64 },
     #[error("{} is not in this file: its moves are missing from the time", label_text(*.kind, .name))]
@@ -213,6 +226,7 @@ impl Remark for Untraced {
             | Untraced::NoCircle(_)
             | Untraced::BadTurns { .. }
             | Untraced::BadRepeats { .. }
+            | Untraced::NoHole { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
             | Untraced::NoLabel { .. }
@@ -232,11 +246,15 @@ impl Remark for Untraced {
             | Untraced::UnevenScale
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
-            | Untraced::Cycle { .. }
+            | Untraced::DeeperPecks { .. }
+            | Untraced::CycleWord { .. }
+            | Untraced::NoCycleDwell { .. }
+            | Untraced::ManualRetract { .. }
             | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::ControlSetting { .. }
             | Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }
+            | Untraced::CycleDwellUnit
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
             | Untraced::DataSetting { .. }
@@ -262,6 +280,8 @@ impl Remark for Untraced {
                 | Untraced::SurfaceSpeed
                 | Untraced::FasterThanRapid { .. }
                 | Untraced::DwellUnit { .. }
+                | Untraced::CycleDwellUnit
+                | Untraced::ManualRetract { .. }
                 | Untraced::UnknownHome { .. }
                 | Untraced::DataSetting { .. }
         )

@@ -12,6 +12,7 @@
 //! what the machine's own axes do for it is not worked out. G28 and G30 turn to 0.
 
 use crate::simulation::toolpath::block::{Block, bits};
+use crate::simulation::toolpath::feed_mode::FeedMode;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::{Family, Tracer};
 use crate::simulation::toolpath::words::Mode;
@@ -93,7 +94,7 @@ impl Tracer<'_> {
 
     /// The feedrate along X, Y and Z of a feed move of `length` (mm) whose rotary axes turn along.
     pub(super) fn linear_share(&mut self, block: Block, length: f64, feedrate: f64) -> f64 {
-        if self.rotary.ahead == Vector::zeros() {
+        if self.rotary.ahead == Vector::zeros() || self.modal.feed.mode == FeedMode::InverseTime {
             return feedrate;
         }
         let turn = self.rotary.ahead.map(f64::to_degrees).norm() * self.modal.unit;
@@ -114,7 +115,7 @@ impl Tracer<'_> {
 
     /// Turns what the move of a block has left, at the feedrate or in rapid as the block is run.
     pub(super) fn turn_the_rest(&mut self, block: Block) {
-        let is_rapid = self.cycle.is_some() || matches!(self.modal.mode, None | Some(Mode::Rapid));
+        let is_rapid = self.cycle.is_active() || matches!(self.modal.mode, None | Some(Mode::Rapid));
         self.turn_alone(block, is_rapid);
     }
 }

@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::cycle::Cycle;
+use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::parameters::{Parameters, Values};
@@ -55,7 +55,6 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
-    tracer.end_cycle();
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
     }
@@ -134,9 +133,7 @@ pub(super) struct Tracer<'a> {
     pub(super) is_tape: bool,
     pub(super) modal: Modal,
     pub(super) given: Given,
-    pub(super) cycle: Option<Cycle>,
-    /// How many holes were repeated by L or K.
-    pub(super) repeats: usize,
+    pub(super) cycle: Cycles,
     /// Where the tool is, mm.
     pub(super) position: Point,
     /// From program coordinates to the machine's.
@@ -170,8 +167,7 @@ impl<'a> Tracer<'a> {
                 has_several_offsets: false,
             },
             given: Given::default(),
-            cycle: None,
-            repeats: 0,
+            cycle: Cycles::default(),
             position: Point::origin(),
             frame: Frame::new(machine),
             rotary: Rotary::default(),
@@ -256,7 +252,7 @@ impl<'a> Tracer<'a> {
         }
         match meaning {
             Meaning::Motion(mode) => {
-                self.end_cycle();
+                self.cycle.end();
                 self.modal.mode = Some(mode);
                 request.has_motion_word = true;
             }
@@ -268,11 +264,9 @@ impl<'a> Tracer<'a> {
             Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
-            Meaning::Cycle(name) => {
-                self.end_cycle();
-                self.cycle = Some(Cycle { code, name, place, holes: 0 });
-            }
-            Meaning::CycleEnd => self.end_cycle(),
+            Meaning::Cycle => self.begin_cycle(code, tenths.unwrap_or_default()),
+            Meaning::CycleEnd => self.cycle.end(),
+            Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = Some(is_so),
             Meaning::WorkOffset => request.work_offset = Some((code, place)),
             Meaning::ToolLength => request.tool_length = Some(code),
             Meaning::EndOf(kind) => self.frame.unset(kind),
@@ -306,6 +300,7 @@ impl<'a> Tracer<'a> {
             if acts != when {
                 continue;
             }
+            self.cycle.m_word(number);
             let cause = match number {
                 None => {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });

@@ -101,11 +101,14 @@ fn rotary_words_are_read_as_positions() {
     assert_eq!(turns("G0 A90\nG53 A10"), [90.0, -80.0]);
 }
 
-/// Where the moves of a program end in X and Y, rounded as LinuxCNC prints them.
+/// The places in X and Y that a program moves to, rounded as LinuxCNC prints them.
 fn ends(text: &str) -> Vec<[f64; 2]> {
     let rounded = |value: f64| (1e4 * value).round() / 1e4 + 0.0;
     let toolpath = trace(&read(text.as_bytes()), &Machine::default());
-    toolpath.segments.iter().map(|segment| [rounded(segment.end.x), rounded(segment.end.y)]).collect()
+    let ends = toolpath.segments.iter().map(|segment| [rounded(segment.end.x), rounded(segment.end.y)]);
+    let mut ends: Vec<_> = ends.collect();
+    ends.dedup();
+    ends
 }
 
 /// What LinuxCNC's interpreter prints for the same words.

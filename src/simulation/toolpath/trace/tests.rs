@@ -307,7 +307,7 @@ fn what_is_left_out_is_said() {
         ("G0 X1e9\nG0 X100000000", Severity::Warning, "E words"),
         ("G41 D1", Severity::Warning, "G41"),
         ("G0 U5", Severity::Warning, "U words"),
-        ("G81 X1 Y1 Z-1 R1", Severity::Warning, "G81 drilling is not timed yet: 1 hole "),
+        ("G81 X1 Y1 Z-1", Severity::Error, "G81: no R: hole not made"),
         ("G10 L3 P1 X0", Severity::Info, "G10"),
         ("G54\nG0 X1\nG54\nG58", Severity::Info, "G58"),
     ];
@@ -330,15 +330,6 @@ fn axis_words_of_others_move_nothing() {
     {
         assert_eq!(run(&format!("F1 G1\n{text}")).segments, [], "{text}");
     }
-}
-
-#[test]
-fn cycles_move_to_their_holes() {
-    let toolpath = run("G0 Z10\nG81 X10 Z-5 R2 F100\nX20\nM8\nG91 X5 L3\nG80\nG90 G0 X0");
-    let ends: Vec<f64> = toolpath.segments.iter().map(|segment| segment.end.x).collect();
-    assert_eq!(ends, [0.0, 10.0, 20.0, 25.0, 30.0, 35.0, 0.0]);
-    assert!(toolpath.segments[1..].iter().all(|segment| segment.end.z == 10.0));
-    assert!(toolpath.diagnostics[0].message.contains("5 holes"), "{:?}", toolpath.diagnostics);
 }
 
 #[test]
