@@ -5,8 +5,8 @@
 //! its cause.
 
 use crate::machine::Machine;
-use crate::simulation::contour::{ContourErrors, Region, regions_above};
-use crate::simulation::feed::{FeedPlan, Phase, running_sum};
+use crate::simulation::contour::{ContourErrors, Region, regions_beyond};
+use crate::simulation::feed::{FeedPlan, Held, Phase, Tolerances, running_sum};
 use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
 use crate::units::{MINUTES_PER_HOUR, SECONDS_PER_MINUTE};
 
@@ -81,8 +81,10 @@ pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
 /// What is said about one program at one tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quote {
-    /// Contour tolerance, mm.
+    /// Contour tolerance, mm; where the program sets several the one that prevails.
     pub tolerance: f64,
+    /// Where each of the program's own tolerances holds; empty where one is laid over all of it.
+    pub held: Vec<Held>,
     /// Cycle time, s.
     pub cycle_time: f64,
     /// Where it goes.
@@ -103,16 +105,20 @@ pub fn quote(
     toolpath: &Toolpath,
     machine: &Machine,
     plan: &FeedPlan,
-    tolerance: f64,
+    tolerances: impl Into<Tolerances>,
     errors: &ContourErrors,
 ) -> Quote {
+    let tolerances = tolerances.into();
+    let held = tolerances.held(toolpath, machine);
+    let bounds = tolerances.bounds(toolpath, machine);
     let cycle_time = plan.cycle_time();
     Quote {
-        tolerance,
+        tolerance: tolerances.prevailing(&held, machine),
+        held,
         cycle_time,
         breakdown: breakdown(toolpath, plan),
         max_contour_error: errors.largest(),
-        beyond_tolerance: regions_above(toolpath, errors, ABOVE_TOLERANCE * tolerance),
+        beyond_tolerance: regions_beyond(toolpath, errors, bounds, ABOVE_TOLERANCE),
         price: price(cycle_time, machine),
     }
 }

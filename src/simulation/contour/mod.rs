@@ -20,11 +20,11 @@ mod guaranteed;
 mod regions;
 
 pub use guaranteed::plan_within;
-pub use regions::{Region, regions_above};
+pub use regions::{Region, regions_beyond};
 
 use std::cmp::Ordering;
 
-use crate::simulation::feed::{FeedPlan, Pulse, Stretch};
+use crate::simulation::feed::{Bound, FeedPlan, Pulse, Stretch};
 use crate::simulation::profile::{Motion, Profile};
 use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
@@ -42,6 +42,14 @@ impl ContourErrors {
     /// The largest error, mm; 0 for a program without corners and arcs.
     pub fn largest(&self) -> f64 {
         self.corner.iter().chain(&self.arc).copied().fold(0.0, f64::max)
+    }
+
+    /// The segments on which an error is above `ratio` times what holds there, ascending.
+    pub fn beyond(&self, bounds: impl Iterator<Item = Bound>, ratio: f64) -> impl Iterator<Item = usize> {
+        let errors = self.corner.iter().zip(&self.arc).zip(bounds).enumerate();
+        errors.filter_map(move |(k, ((&corner, &arc), bound))| {
+            (ratio * bound.corner < corner || ratio * bound.along < arc).then_some(k)
+        })
     }
 }
 

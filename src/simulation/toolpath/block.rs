@@ -59,6 +59,13 @@ impl Given {
         self.has(bits(&[letter])).then(|| self.values[usize::from(letter - b'A')])
     }
 
+    /// Its value, which no other word of the block sees from here on.
+    pub(super) fn take(&mut self, letter: u8) -> Option<f64> {
+        let value = self.get(letter);
+        self.letters &= !bits(&[letter]);
+        value
+    }
+
     /// Whether any of the letters is given.
     pub(super) fn has(&self, letters: u32) -> bool {
         self.letters & letters != 0

@@ -18,7 +18,8 @@
 //!   number, in milliseconds. X and U of G4 are in seconds.
 //! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
 //!   the machine knows; in the others the tool stays where it is.
-//! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
+//! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike; what else a
+//!   program says about tolerances is told in the path mode module.
 //! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation and
 //!   changes of coordinates other than G52 and G92 are not applied. Each says so.
 //!
@@ -29,6 +30,7 @@ mod curve;
 mod cycle;
 mod motion;
 mod parameters;
+mod path_mode;
 mod plane;
 #[cfg(test)]
 mod random;
@@ -38,6 +40,7 @@ mod words;
 
 pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
+pub use path_mode::{Blending, PathMode};
 pub use trace::trace;
 
 use crate::simulation::gcode::{Diagnostic, LineNumber};
@@ -116,6 +119,9 @@ pub struct Toolpath {
     pub segments: Vec<Segment>,
     /// The stops, by ascending `after`; those with the same `after` in program order.
     pub stops: Vec<Stop>,
+    /// The path modes that the program sets, by ascending `from`, each once; before the first, and
+    /// where there is none, [`Blending::Machine`].
+    pub path_modes: Vec<PathMode>,
     /// What was left out or assumed, of reading and tracing together, in line order.
     pub diagnostics: Vec<Diagnostic>,
 }

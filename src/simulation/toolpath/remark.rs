@@ -2,6 +2,7 @@
 
 use crate::simulation::gcode::{Remark, Severity, counted};
 use crate::simulation::toolpath::parameters::NoValue;
+use crate::simulation::toolpath::path_mode::PathRemark;
 use crate::simulation::toolpath::plane::NoCircle;
 use thiserror::Error;
 
@@ -17,8 +18,8 @@ pub(super) enum Untraced {
     UnknownM { code: Code },
     #[error("{code} ({name}) is not modelled: from here on the path is taken as written")]
     Transformation { code: Code, name: &'static str },
-    #[error("{code} (look-ahead or smoothing of the control) is not modelled: left out")]
-    ControlSetting { code: Code },
+    #[error("{0}")]
+    PathMode(PathRemark),
     #[error("{first} and {second} exclude each other in one block: {second} is run")]
     Conflict { first: Code, second: Code },
     #[error("{letter} is given twice in one block: the last one counts")]
@@ -141,8 +142,8 @@ impl Remark for Untraced {
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
             | Untraced::Cycle { .. } => Severity::Warning,
-            Untraced::ControlSetting { .. }
-            | Untraced::NoMotionWord
+            Untraced::PathMode(remark) => remark.severity(),
+            Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
@@ -152,10 +153,12 @@ impl Remark for Untraced {
     }
 
     fn is_said_once(&self) -> bool {
+        if let Untraced::PathMode(remark) = self {
+            return remark.is_said_once();
+        }
         matches!(
             self,
             Untraced::Transformation { .. }
-                | Untraced::ControlSetting { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
                 | Untraced::NoFeed { .. }

@@ -5,6 +5,7 @@ use crate::simulation::gcode::{Place, Program, Remarks, Word};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycle;
 use crate::simulation::toolpath::parameters::Parameters;
+use crate::simulation::toolpath::path_mode::{InForce, PathWord};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
@@ -56,7 +57,6 @@ pub(super) struct Modal {
     pub(super) is_incremental: bool,
     pub(super) has_incremental_center: bool,
     has_feed_per_minute: bool,
-    has_exact_stop: bool,
     /// mm/s.
     pub(super) feedrate: Option<f64>,
     tool: Option<u32>,
@@ -68,6 +68,7 @@ pub(super) struct Modal {
 struct Request {
     special: Option<(Special, Code)>,
     exact_stop: bool,
+    path_word: Option<(PathWord, Code, Place)>,
     has_motion_word: bool,
     /// The axis words belong to a G word that is not run.
     has_foreign_axis_words: bool,
@@ -101,6 +102,7 @@ pub(super) struct Tracer<'a> {
     pub(super) suspended_shift: Vector,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
+    pub(super) path_mode: InForce,
     ended: Option<Code>,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
@@ -118,7 +120,6 @@ impl<'a> Tracer<'a> {
                 is_incremental: false,
                 has_incremental_center: true,
                 has_feed_per_minute: true,
-                has_exact_stop: false,
                 feedrate: None,
                 tool: None,
                 work_offset: None,
@@ -132,6 +133,7 @@ impl<'a> Tracer<'a> {
             local_shift: Vector::zeros(),
             suspended_shift: Vector::zeros(),
             exact_stop: false,
+            path_mode: InForce::default(),
             ended: None,
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
@@ -140,8 +142,15 @@ impl<'a> Tracer<'a> {
 
     /// Runs one block in the order of execution of the module's head.
     fn block(&mut self, block: Block) {
-        let request = self.take_words(block);
-        self.exact_stop = self.modal.has_exact_stop || request.exact_stop;
+        let mut request = self.take_words(block);
+        if let Some((word, code, place)) = request.path_word {
+            let takes_p = matches!(request.special, Some((Special::Dwell, _))) || self.cycle.is_some();
+            if !self.path_word(place, word, code, !takes_p) {
+                self.remarks.add(place, Untraced::UnknownG { code });
+                request.has_foreign_axis_words = true;
+            }
+        }
+        self.exact_stop = self.path_mode.has_exact_stop() || request.exact_stop;
         self.take_feed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
@@ -160,6 +169,7 @@ impl<'a> Tracer<'a> {
         let mut request = Request {
             special: None,
             exact_stop: false,
+            path_word: None,
             has_motion_word: false,
             has_foreign_axis_words: false,
             has_m_word: false,
@@ -215,7 +225,7 @@ impl<'a> Tracer<'a> {
                     self.remarks.add(place, Untraced::FeedMode { code, name });
                 }
             }
-            Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
+            Meaning::Path(word) => request.path_word = Some((word, code)),
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
             Meaning::Cycle(name) => {
@@ -233,7 +243,6 @@ impl<'a> Tracer<'a> {
             }
             Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
             Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
-            Meaning::ControlSetting => self.remarks.add(place, Untraced::ControlSetting { code }),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
             Meaning::TransformationAbout(name) => {
                 self.remarks.add(place, Untraced::Transformation { code, name });

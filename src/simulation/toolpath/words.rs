@@ -4,6 +4,7 @@
 //! controls, so that a safe-start line may hold both G0 and G80.
 
 use crate::simulation::gcode::Word;
+use crate::simulation::toolpath::path_mode::PathWord;
 use crate::simulation::toolpath::plane::{Plane, Turn};
 
 /// How axis words are run.
@@ -53,8 +54,7 @@ pub(super) enum Meaning {
     IncrementalCenter(bool),
     /// F is mm/min or inch/min, as only G94 says.
     FeedPerMinute(Result<(), &'static str>),
-    /// G61 and G64.
-    ExactStop(bool),
+    Path(PathWord),
     /// G9.
     ExactStopHere,
     Special(Special),
@@ -65,7 +65,6 @@ pub(super) enum Meaning {
     WorkOffset,
     Compensation,
     SurfaceSpeed,
-    ControlSetting,
     /// A change of coordinates by its name.
     Transformation(&'static str),
     /// A change of coordinates by its name, which the axis words of its block belong to.
@@ -135,13 +134,15 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
 
         980 | 990 => (10, Neutral),
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 => (12, WorkOffset),
-        610 | 611 => (13, ExactStop(true)),
-        640 => (13, ExactStop(false)),
+        610 | 611 => (13, Path(PathWord::ExactStop)),
+        640 => (13, Path(PathWord::Continuous)),
         960 => (14, SurfaceSpeed),
         970 => (14, Neutral),
 
         90 => (NO_GROUP, ExactStopHere),
-        80 | 51 | 1870 => (NO_GROUP, ControlSetting),
+        50 | 80 => (NO_GROUP, Path(PathWord::LookAhead)),
+        51 => (NO_GROUP, Path(PathWord::ContourControl)),
+        1870 => (NO_GROUP, Path(PathWord::Smoothness)),
         71 | 1070 => (NO_GROUP, Transformation("cylindrical interpolation")),
         121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
         160 => (NO_GROUP, Transformation("polar coordinates")),
