@@ -68,7 +68,7 @@ pub(super) struct Modal {
 struct Request {
     special: Option<(Special, Code)>,
     exact_stop: bool,
-    path_word: Option<(PathWord, Code, Place)>,
+    path_words: Vec<(PathWord, Code, Place)>,
     has_motion_word: bool,
     /// The axis words belong to a G word that is not run.
     has_foreign_axis_words: bool,
@@ -143,8 +143,9 @@ impl<'a> Tracer<'a> {
     /// Runs one block in the order of execution of the module's head.
     fn block(&mut self, block: Block) {
         let mut request = self.take_words(block);
-        if let Some((word, code, place)) = request.path_word {
-            let takes_p = matches!(request.special, Some((Special::Dwell, _))) || self.cycle.is_some();
+        for (word, code, place) in std::mem::take(&mut request.path_words) {
+            let has_cycle = request.groups[9].is_some() && self.cycle.is_some();
+            let takes_p = matches!(request.special, Some((Special::Dwell, _))) || has_cycle;
             if !self.path_word(place, word, code, !takes_p) {
                 self.remarks.add(place, Untraced::UnknownG { code });
                 request.has_foreign_axis_words = true;
@@ -169,7 +170,7 @@ impl<'a> Tracer<'a> {
         let mut request = Request {
             special: None,
             exact_stop: false,
-            path_word: None,
+            path_words: Vec::new(),
             has_motion_word: false,
             has_foreign_axis_words: false,
             has_m_word: false,
@@ -225,7 +226,7 @@ impl<'a> Tracer<'a> {
                     self.remarks.add(place, Untraced::FeedMode { code, name });
                 }
             }
-            Meaning::Path(word) => request.path_word = Some((word, code)),
+            Meaning::Path(word) => request.path_words.push((word, code, place)),
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
             Meaning::Cycle(name) => {
