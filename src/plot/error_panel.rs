@@ -102,7 +102,10 @@ mod tests {
         let corner = (0..1000).map(|k| 0.001 * f64::from(k % 97)).collect();
         let arc = (0..1000).map(|k| if k == 500 { 0.2 } else { 0.0 }).collect();
         let programmed = Programmed { end, ..Programmed::default() };
-        (Curve { errors: ContourErrors { corner, arc }, ..Curve::default() }, programmed)
+        (
+            Curve { errors: ContourErrors { corner, arc, ..Default::default() }, ..Curve::default() },
+            programmed,
+        )
     }
 
     #[test]

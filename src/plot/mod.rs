@@ -203,7 +203,7 @@ mod tests {
             feedrate: vec![0.0, 5.0, 5.0, 0.0],
             time: vec![0.0, 4.0, 6.0, 10.0],
             tolerance: 0.01,
-            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003] },
+            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003], ..Default::default() },
         };
         let programmed = Programmed {
             end: vec![5.0, 20.0],

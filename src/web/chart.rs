@@ -92,7 +92,7 @@ impl Chart {
         arc: Vec<f64>,
     ) {
         if let Some(curve) = self.chart.curves.last_mut() {
-            let errors = ContourErrors { corner, arc };
+            let errors = ContourErrors { corner, arc, ..ContourErrors::default() };
             *curve = Curve { distance, feedrate, time, errors, ..std::mem::take(curve) };
         }
     }

@@ -194,10 +194,9 @@ impl Asked {
         round: Round,
     ) -> bool {
         let mut moved = false;
-        for (k, bound) in bounds.enumerate() {
+        for (k, Bound { along, corner, near }) in bounds.enumerate() {
             if self.is_arc[k] {
-                let (planned, error) =
-                    (now.segment_feedrates[k], errors.arc[k] / (BETWEEN_POINTS * bound.along));
+                let (planned, error) = (now.segment_feedrates[k], errors.arc[k] / (BETWEEN_POINTS * along));
                 // An arc cannot be run at no feedrate at all; it ends between two stops instead.
                 let slowest = SLOWEST_ARC * planned;
                 moved |= changed(&mut self.segments[k], planned, error, f64::INFINITY, round);
@@ -210,11 +209,21 @@ impl Asked {
                     }
                 }
             }
+            let is_beside_arc = self.is_arc[k] || self.is_arc.get(k + 1).is_some_and(|&is_arc| is_arc);
+            let share = if is_beside_arc { BETWEEN_POINTS } else { 1.0 };
+            let error = (errors.point[k] / (share * corner)).max(errors.corner[k] / (share * near));
             if 0.0 < now.corner_feedrates[k] {
                 let slower = now.segment_feedrates[k].min(now.segment_feedrates[k + 1]);
-                let share = if self.is_arc[k] || self.is_arc[k + 1] { BETWEEN_POINTS } else { 1.0 };
-                let (planned, error) = (now.corner_feedrates[k], errors.corner[k] / (share * bound.corner));
+                let planned = now.corner_feedrates[k];
                 moved |= changed(&mut self.corners[k], planned, error, slower, round);
+            } else if 1.0 < error && matches!(round, Round::Stop) {
+                // What is off at a stop is a neighbour's, which may have a wider tolerance of its own.
+                for corner in [k.checked_sub(1), Some(k + 1)].into_iter().flatten() {
+                    let planned = now.corner_feedrates.get(corner).copied().unwrap_or(0.0);
+                    if 0.0 < planned {
+                        moved |= changed(&mut self.corners[corner], planned, error, planned, round);
+                    }
+                }
             }
         }
         moved

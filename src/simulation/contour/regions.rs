@@ -66,9 +66,13 @@ mod tests {
     fn bad_segments_close_together_are_one_region() {
         let program = b"G1 X1 F1000\nX2\nX3\nX4\nX50\nX51";
         let toolpath = trace(&read(program), &Machine::default());
-        let errors = ContourErrors { corner: vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4], arc: vec![0.0; 6] };
+        let errors = ContourErrors {
+            corner: vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4],
+            point: vec![0.0; 6],
+            arc: vec![0.0; 6],
+        };
         let above = |bound: f64| {
-            let bounds = [Bound { along: bound, corner: bound }; 6].into_iter();
+            let bounds = [Bound { along: bound, corner: bound, near: bound }; 6].into_iter();
             regions_beyond(&toolpath, &errors, bounds, 1.0)
         };
         let regions = above(0.1);

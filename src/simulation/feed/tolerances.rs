@@ -1,7 +1,8 @@
 //! Which contour tolerance holds where: one for the whole program, or what the program itself sets.
 //!
 //! Along a segment the tolerance bounds how far inside an arc the motion may run; at a corner, how
-//! far it may pass by. A corner between segments of different tolerances has the smaller one.
+//! far it may pass by. A corner between segments of different tolerances has the smaller one, and an
+//! arc that ends there its own.
 //!
 //! A distance d along the path at which the rounding of a corner may begin (G641 ADIS) is no
 //! deviation. A parabola that leaves one leg d before the corner and joins the other d after it
@@ -19,7 +20,7 @@
 use crate::machine::Machine;
 use crate::simulation::feed::running_sum;
 use crate::simulation::gcode::LineNumber;
-use crate::simulation::toolpath::{Blending, Motion, PathMode, Segment, Toolpath};
+use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Segment, Toolpath};
 
 /// What the contour tolerances are taken from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,6 +85,8 @@ pub struct Bound {
     pub along: f64,
     /// At the corner that ends it.
     pub corner: f64,
+    /// On arcs near that corner: what is theirs, or the corner's where it has more.
+    pub near: f64,
 }
 
 impl Tolerances {
@@ -115,12 +118,16 @@ impl Tolerances {
         let limits = self.limits(toolpath, machine, 0);
         let mut following = self.limits(toolpath, machine, 1);
         limits.zip(&toolpath.segments).enumerate().map(move |(index, (limit, segment))| {
-            let corner = following.next().map_or(limit.along, |next| {
-                let has_distance = limit.distance != 0.0 || next.distance != 0.0;
-                let change = if has_distance { change(segment, &toolpath.segments[index + 1]) } else { 0.0 };
-                limit.towards(next, change)
-            });
-            Bound { along: limit.along, corner }
+            let along = limit.along;
+            let Some(next) = following.next() else { return Bound { along, corner: along, near: along } };
+            let next_segment = &toolpath.segments[index + 1];
+            let has_distance = limit.distance != 0.0 || next.distance != 0.0;
+            let change = if has_distance { change(segment, next_segment) } else { 0.0 };
+            let corner = limit.towards(next, change);
+            let of_arc =
+                |segment: &Segment, along: f64| if segment.curve == Curve::Line { 0.0 } else { along };
+            let near = corner.max(of_arc(segment, along)).max(of_arc(next_segment, next.along));
+            Bound { along, corner, near }
         })
     }
 
