@@ -159,7 +159,7 @@ fn a_wider_tolerance_of_the_program_never_costs_time() {
 
 #[test]
 fn the_guaranteed_mode_holds_each_tolerance_where_it_holds() {
-    for (mut case, mut random) in cases(45, CASES / 2) {
+    for (mut case, mut random) in cases(45, CASES / 4) {
         case.machine.interpolator.corner_mode = CornerMode::Guaranteed;
         case.toolpath.path_modes = modes(&mut random, case.toolpath.segments.len());
         let (_, errors) = plan_within(&case.toolpath, &case.machine, Tolerances::Programmed, &mut |_| {});
