@@ -3,6 +3,7 @@
 use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
 use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::parameters::NoValue;
+use crate::simulation::toolpath::path_mode::PathRemark;
 use crate::simulation::toolpath::plane::NoCircle;
 use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_RUN};
 use thiserror::Error;
@@ -19,8 +20,8 @@ pub(super) enum Untraced {
     UnknownM { code: Code },
     #[error("{code} ({name}) is not modelled: from here on the path is taken as written")]
     Transformation { code: Code, name: &'static str },
-    #[error("{code} (look-ahead or smoothing of the control) is not modelled: left out")]
-    ControlSetting { code: Code },
+    #[error("{0}")]
+    PathMode(PathRemark),
     #[error("{first} and {second} exclude each other in one block: {second} is run")]
     Conflict { first: Code, second: Code },
     #[error("{letter} is given twice in one block: the last one counts")]
@@ -261,8 +262,8 @@ impl Remark for Untraced {
             | Untraced::NoCycleDwell { .. }
             | Untraced::ManualRetract { .. }
             | Untraced::Unassigned { .. } => Severity::Warning,
-            Untraced::ControlSetting { .. }
-            | Untraced::NoMotionWord
+            Untraced::PathMode(remark) => remark.severity(),
+            Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }
             | Untraced::CycleDwellUnit
             | Untraced::UnknownHome { .. }
@@ -277,10 +278,12 @@ impl Remark for Untraced {
     }
 
     fn is_said_once(&self) -> bool {
+        if let Untraced::PathMode(remark) = self {
+            return remark.is_said_once();
+        }
         matches!(
             self,
             Untraced::Transformation { .. }
-                | Untraced::ControlSetting { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
                 | Untraced::NoFeed { .. }
