@@ -65,6 +65,8 @@ pub enum Unit {
     DegreePerMinute,
     /// Cycles per second.
     Hertz,
+    /// Second for each 1000 revolutions per minute.
+    SecondPerThousandRpm,
 }
 
 impl Unit {
@@ -74,6 +76,7 @@ impl Unit {
             Unit::MillimetrePerMinute => mm_per_s(value),
             Unit::Degree => value.to_radians(),
             Unit::DegreePerMinute => value.to_radians() / SECONDS_PER_MINUTE,
+            Unit::SecondPerThousandRpm => value / 1000.0,
             _ => value,
         }
     }
@@ -84,6 +87,7 @@ impl Unit {
             Unit::MillimetrePerMinute => mm_per_min(value),
             Unit::Degree => value.to_degrees(),
             Unit::DegreePerMinute => (value * SECONDS_PER_MINUTE).to_degrees(),
+            Unit::SecondPerThousandRpm => value * 1000.0,
             _ => value,
         }
     }
@@ -100,6 +104,7 @@ impl Unit {
             Unit::Degree => "°",
             Unit::DegreePerMinute => "°/min",
             Unit::Hertz => "Hz",
+            Unit::SecondPerThousandRpm => "s per 1000 rpm",
         }
     }
 }

@@ -9,15 +9,15 @@
 
 mod parameters;
 mod presets;
+mod times;
 mod tolerance;
 
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
+pub use times::{Direction, Function, Spin, SpindleTimes, Times};
 pub use tolerance::{
     ToleranceError, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label,
 };
-
-use std::collections::BTreeMap;
 
 /// The axes a limit can belong to, in the order of the coordinates of a point.
 pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
@@ -179,24 +179,6 @@ pub struct Cycles {
     pub peck_clearance: Option<f64>,
 }
 
-/// Times that are not motion.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Times {
-    /// Tool change at M6, s.
-    pub tool_change: f64,
-    /// Any other M-word without an entry of its own, s; neutral 0.
-    pub m_code: f64,
-    /// M-words with a time of their own, s, by number.
-    pub m_codes: BTreeMap<u32, f64>,
-}
-
-impl Times {
-    /// How long M`code` takes, s.
-    pub fn of_m_code(&self, code: u32) -> f64 {
-        self.m_codes.get(&code).copied().unwrap_or(self.m_code)
-    }
-}
-
 /// What the machine costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
@@ -231,7 +213,7 @@ impl Default for Machine {
             work_offsets: [None; 6],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
             cycles: Cycles { peck_retract: None, peck_clearance: None },
-            times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
+            times: Times::default(),
             rates: Rates { hourly: 0.0 },
         }
     }

@@ -5,7 +5,7 @@
 //! already applied). Between segments lie the stops: dwells, tool changes and other M-words, and
 //! turns of rotary axes alone.
 //!
-//! Order of execution within a block: units, plane, distance and path modes; F; S; T; M-words that
+//! Order of execution within a block: units, plane, distance and path modes; F; T; S; M-words that
 //! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell,
 //! change of coordinates, reference move or motion; M-words that act after it (M0, M1, M2, M5, M9,
 //! M30, M60). That is RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc
@@ -39,7 +39,9 @@ mod curve;
 mod cycle;
 mod feed_mode;
 mod frame;
+mod functions;
 mod motion;
+mod operations;
 mod parameters;
 mod plane;
 #[cfg(test)]
@@ -52,8 +54,10 @@ mod words;
 
 pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
+pub use operations::{MOST_OPERATIONS, Operation};
 pub use trace::trace;
 
+use crate::machine::Spin;
 use crate::simulation::gcode::{Diagnostic, LineNumber};
 
 /// A position, mm.
@@ -114,6 +118,20 @@ pub enum StopCause {
         /// The tool that comes in, where a T-word says so.
         tool: Option<u32>,
     },
+    /// M6 for the tool that is in the spindle already.
+    SameTool {
+        /// That tool.
+        tool: u32,
+    },
+    /// The spindle starts, stops or changes its speed.
+    Spindle {
+        /// What it did.
+        from: Spin,
+        /// What it is to do.
+        to: Spin,
+        /// The M-word that says so; none where it is an S word alone.
+        code: Option<u32>,
+    },
     /// Any other M-word.
     MCode {
         /// Its number.
@@ -139,6 +157,8 @@ pub struct Toolpath {
     pub segments: Vec<Segment>,
     /// The stops, by ascending `after`; those with the same `after` in program order.
     pub stops: Vec<Stop>,
+    /// The parts of the program, in order; the first begins with the first move and stop.
+    pub operations: Vec<Operation>,
     /// What was left out or assumed, of reading and tracing together, in line order.
     pub diagnostics: Vec<Diagnostic>,
 }

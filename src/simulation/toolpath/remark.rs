@@ -48,8 +48,6 @@ pub(super) enum Untraced {
     NoInverseTime { assumed: Option<f64> },
     #[error("G95 needs a spindle speed S: feed moves are taken at {assumed:.0} mm/min until there is one")]
     NoSpindleSpeed { assumed: f64 },
-    #[error("S{value} is not a spindle speed: the former stays in force")]
-    BadSpindleSpeed { value: f64 },
     #[error(
         "G96 (constant surface speed) is not modelled, since the diameter is unknown: feeds in mm/min are right, feeds per revolution (G95) go on with the last S in rev/min"
     )]
@@ -130,6 +128,14 @@ pub(super) enum Untraced {
     ManualRetract { code: Code },
     #[error("a hole cannot be repeated {value} times: it is made once")]
     BadRepeats { value: f64 },
+    #[error("S{value} is not a speed that a spindle can run: the former stays in force")]
+    BadSpeed { value: f64 },
+    #[error("no S before M{code}: the spindle's start is timed without its ramp")]
+    NoSpeed { code: u32 },
+    #[error("tool {tool} is in the spindle already: the change takes no time")]
+    SameTool { tool: u32 },
+    #[error("from here on all is taken as one operation: there would be {} more", counted(*.beyond, "operation"))]
+    ManyOperations { beyond: usize },
     #[error("{} is not in this file: its moves are missing from the time", label_text(*.kind, .name))]
     NoLabel { kind: LabelKind, name: String },
     #[error("M98, M97 and G65 need a P with the number of a program: not called")]
@@ -216,7 +222,6 @@ impl Remark for Untraced {
             | Untraced::NoFeed { .. }
             | Untraced::NoInverseTime { .. }
             | Untraced::NoSpindleSpeed { .. }
-            | Untraced::BadSpindleSpeed { .. }
             | Untraced::BadAngle { .. }
             | Untraced::NoOffsetNumber { .. }
             | Untraced::NoAngle
@@ -229,6 +234,7 @@ impl Remark for Untraced {
             | Untraced::NoHole { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
+            | Untraced::BadSpeed { .. }
             | Untraced::NoLabel { .. }
             | Untraced::NoSubprogram
             | Untraced::ExternalProgram
@@ -246,6 +252,7 @@ impl Remark for Untraced {
             | Untraced::UnevenScale
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
+            | Untraced::NoSpeed { .. }
             | Untraced::DeeperPecks { .. }
             | Untraced::CycleWord { .. }
             | Untraced::NoCycleDwell { .. }
@@ -260,6 +267,8 @@ impl Remark for Untraced {
             | Untraced::DataSetting { .. }
             | Untraced::NoToolLength { .. }
             | Untraced::RotaryFeed { .. }
+            | Untraced::SameTool { .. }
+            | Untraced::ManyOperations { .. }
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }

@@ -6,6 +6,7 @@ use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
+use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -55,6 +56,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
+    tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
     }
@@ -77,8 +79,6 @@ pub(super) struct Modal {
     has_exact_stop: bool,
     /// By F under G94, mm/s.
     pub(super) feedrate: Option<f64>,
-    /// rev/min.
-    pub(super) spindle_speed: Option<f64>,
     pub(super) tool: Option<u32>,
     pub(super) has_work_offset: bool,
     pub(super) has_several_offsets: bool,
@@ -142,6 +142,7 @@ pub(super) struct Tracer<'a> {
     pub(super) family: Family,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
+    pub(super) functions: Functions,
     ended: Option<Code>,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
@@ -161,7 +162,6 @@ impl<'a> Tracer<'a> {
                 feed: Feed::default(),
                 has_exact_stop: false,
                 feedrate: None,
-                spindle_speed: None,
                 tool: None,
                 has_work_offset: false,
                 has_several_offsets: false,
@@ -173,6 +173,7 @@ impl<'a> Tracer<'a> {
             rotary: Rotary::default(),
             family: Family::default(),
             exact_stop: false,
+            functions: Functions::default(),
             ended: None,
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
@@ -184,10 +185,10 @@ impl<'a> Tracer<'a> {
         let mut request = self.take_words(block);
         self.exact_stop = self.modal.has_exact_stop || request.exact_stop;
         self.take_feed(block);
-        self.take_spindle_speed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         }
+        self.take_speed(block);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
@@ -273,12 +274,7 @@ impl<'a> Tracer<'a> {
             Meaning::Polar(is_on) => self.frame.polar = is_on.then(Polar::default),
             Meaning::TipControl(name) => self.remarks.add(place, Untraced::TipControl { name }),
             Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
-            Meaning::SurfaceSpeed(is_on) => {
-                self.modal.feed.has_surface_speed = is_on;
-                if is_on {
-                    self.remarks.add(place, Untraced::SurfaceSpeed);
-                }
-            }
+            Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::ControlSetting => self.remarks.add(place, Untraced::ControlSetting { code }),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
             Meaning::TransformationAbout(name) => {
@@ -306,7 +302,8 @@ impl<'a> Tracer<'a> {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });
                     continue;
                 }
-                Some(6) => StopCause::ToolChange { tool: self.modal.tool },
+                Some(6) => self.change_tool(block),
+                Some(number @ (3 | 4 | 5 | 19)) => self.turn_spindle(block, number),
                 Some(number) => StopCause::MCode { code: number },
             };
             self.stop(block, cause);

@@ -85,8 +85,7 @@ pub(super) enum Meaning {
     /// Tool centre point control by its name.
     TipControl(&'static str),
     Compensation,
-    /// G96 and G97.
-    SurfaceSpeed(bool),
+    SurfaceSpeed,
     ControlSetting,
     /// A change of coordinates by its name.
     Transformation(&'static str),
@@ -149,8 +148,8 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 | 1540 => (12, WorkOffset),
         610 | 611 => (13, ExactStop(true)),
         640 => (13, ExactStop(false)),
-        960 => (14, SurfaceSpeed(true)),
-        970 => (14, SurfaceSpeed(false)),
+        960 => (14, SurfaceSpeed),
+        970 => (14, Neutral),
 
         90 => (NO_GROUP, ExactStopHere),
         80 | 51 | 1870 => (NO_GROUP, ControlSetting),

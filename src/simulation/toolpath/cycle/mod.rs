@@ -99,10 +99,10 @@ impl Tracer<'_> {
                     target[b] = center[b] + along_b;
                 }
                 Step::Dwell(seconds) => self.stop(block, StopCause::Dwell { seconds }),
-                Step::Stop => self.stop(block, StopCause::MCode { code: 5 }),
-                Step::Orient => self.stop(block, StopCause::MCode { code: 19 }),
-                Step::Start(Turn::Right) => self.stop(block, StopCause::MCode { code: 3 }),
-                Step::Start(Turn::Left) => self.stop(block, StopCause::MCode { code: 4 }),
+                Step::Stop => self.spindle_stop(block, 5),
+                Step::Orient => self.spindle_stop(block, 19),
+                Step::Start(Turn::Right) => self.spindle_stop(block, 3),
+                Step::Start(Turn::Left) => self.spindle_stop(block, 4),
                 Step::Wait => self.stop(block, StopCause::MCode { code: 0 }),
             }
             self.rapid_to(block, target);

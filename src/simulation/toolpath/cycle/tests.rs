@@ -143,7 +143,7 @@ fn a_dwell_is_in_the_unit_of_g4() {
 fn a_tap_turns_the_spindle_round_and_back() {
     let codes = |text: &str| {
         let codes = run(text).stops.into_iter().filter_map(|stop| match stop.cause {
-            StopCause::MCode { code } => Some(code),
+            StopCause::MCode { code } | StopCause::Spindle { code: Some(code), .. } => Some(code),
             _ => None,
         });
         codes.collect::<Vec<_>>()

@@ -264,7 +264,11 @@ fn reference_points_are_reached_where_they_are_known() {
 #[test]
 fn stops_stand_where_their_words_act() {
     let stops = |text: &str| -> Vec<(usize, StopCause)> {
-        run(text).stops.iter().map(|stop| (stop.after, stop.cause)).collect()
+        let spindle_by_word = |cause| match cause {
+            StopCause::Spindle { code: Some(code), .. } => StopCause::MCode { code },
+            other => other,
+        };
+        run(text).stops.iter().map(|stop| (stop.after, spindle_by_word(stop.cause))).collect()
     };
     let code = |code| StopCause::MCode { code };
     assert_eq!(stops("G0 X1 M3\nX2 M5\nX3 M8 M0"), [(0, code(3)), (2, code(5)), (2, code(8)), (3, code(0))]);
