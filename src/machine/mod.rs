@@ -39,6 +39,8 @@ pub struct Machine {
     pub overrides: Overrides,
     /// Times that are not motion.
     pub times: Times,
+    /// The tools it holds, by number; neutral none.
+    pub tools: BTreeMap<u32, Tool>,
     /// What an hour costs.
     pub rates: Rates,
 }
@@ -168,6 +170,13 @@ impl Times {
     }
 }
 
+/// A tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tool {
+    /// Diameter of the circle it cuts, mm.
+    pub diameter: f64,
+}
+
 /// What the machine costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
@@ -195,6 +204,7 @@ impl Default for Machine {
             axes: [Axis::default(); 3],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
             times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
+            tools: BTreeMap::new(),
             rates: Rates { hourly: 0.0 },
         }
     }

@@ -25,6 +25,7 @@
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod block;
+mod compensation;
 mod curve;
 mod cycle;
 mod motion;

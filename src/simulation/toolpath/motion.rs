@@ -249,7 +249,7 @@ impl Tracer<'_> {
 
     fn feed_to(&mut self, block: Block, end: Point) {
         let length = (end - self.position).norm();
-        if SHORTEST <= length {
+        if SHORTEST <= length || self.contour.is_beside() {
             let feedrate = self.feedrate(block);
             self.push(block, end, Curve::Line, length, Motion::Feed { feedrate });
         }
@@ -265,11 +265,13 @@ impl Tracer<'_> {
     }
 
     fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
-        if length < SHORTEST {
+        if length < SHORTEST && !self.contour.is_beside() {
             return;
         }
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
-        self.toolpath.segments.push(Segment { start, end, curve, length, motion, exact_stop, line });
+        let segment = Segment { start, end, curve, length, motion, exact_stop, line };
+        self.contour.take(segment, self.modal.plane, &mut self.toolpath);
+        self.tell_troubles();
         self.position = end;
     }
 }

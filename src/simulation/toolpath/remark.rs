@@ -1,6 +1,7 @@
 //! What tracing has to say about a program.
 
 use crate::simulation::gcode::{Remark, Severity, counted};
+use crate::simulation::toolpath::compensation::Trouble;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::plane::NoCircle;
 use thiserror::Error;
@@ -46,8 +47,8 @@ pub(super) enum Untraced {
     FeedMode { code: Code, name: &'static str },
     #[error("G96 (constant surface speed) is not modelled: feedrates are taken as written")]
     SurfaceSpeed,
-    #[error("{code} (cutter compensation) is not applied: path taken as programmed")]
-    Compensation { code: Code },
+    #[error("{0}")]
+    Contour(#[from] Trouble),
 
     #[error("arc without centre (I, J, K) or radius (R): taken as a straight line")]
     NoCenter,
@@ -115,6 +116,7 @@ fn dwell_text(milliseconds: bool) -> &'static str {
 impl Remark for Untraced {
     fn severity(&self) -> Severity {
         match self {
+            Untraced::Contour(trouble) => trouble.severity(),
             Untraced::NoValue(_)
             | Untraced::UnknownG { .. }
             | Untraced::UnknownM { .. }
@@ -137,7 +139,6 @@ impl Remark for Untraced {
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }
-            | Untraced::Compensation { .. }
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
             | Untraced::Cycle { .. } => Severity::Warning,

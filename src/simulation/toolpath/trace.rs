@@ -3,6 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Place, Program, Remarks, Word};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
 use crate::simulation::toolpath::cycle::Cycle;
 use crate::simulation::toolpath::parameters::Parameters;
 use crate::simulation::toolpath::plane::Plane;
@@ -40,6 +41,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
         }
     }
     tracer.end_cycle();
+    tracer.end_contour();
     let mut toolpath = tracer.toolpath;
     toolpath.diagnostics = program.diagnostics.clone();
     toolpath.diagnostics.append(&mut tracer.remarks.finish());
@@ -59,7 +61,7 @@ pub(super) struct Modal {
     has_exact_stop: bool,
     /// mm/s.
     pub(super) feedrate: Option<f64>,
-    tool: Option<u32>,
+    pub(super) tool: Option<u32>,
     work_offset: Option<u16>,
     has_several_offsets: bool,
 }
@@ -102,6 +104,8 @@ pub(super) struct Tracer<'a> {
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     ended: Option<Code>,
+    pub(super) compensation: CompensationWords,
+    pub(super) contour: Contour,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
 }
@@ -133,6 +137,8 @@ impl<'a> Tracer<'a> {
             suspended_shift: Vector::zeros(),
             exact_stop: false,
             ended: None,
+            compensation: CompensationWords::default(),
+            contour: Contour::new(),
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
         }
@@ -149,6 +155,7 @@ impl<'a> Tracer<'a> {
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
+        self.compensation_word(block);
         self.act(block, &request);
         if request.has_m_word {
             self.m_words(block, When::AfterMotion);
@@ -231,7 +238,7 @@ impl<'a> Tracer<'a> {
                     self.remarks.add(place, Untraced::WorkOffsets { code });
                 }
             }
-            Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
+            Meaning::Compensation(word) => self.compensation.word = Some(word),
             Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::ControlSetting => self.remarks.add(place, Untraced::ControlSetting { code }),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
@@ -307,7 +314,7 @@ impl<'a> Tracer<'a> {
 
     pub(super) fn stop(&mut self, block: Block, cause: StopCause) {
         let after = self.toolpath.segments.len();
-        self.toolpath.stops.push(Stop { after, cause, line: block.line });
+        self.stop_in_contour(Stop { after, cause, line: block.line });
     }
 }
 

@@ -4,6 +4,7 @@
 //! controls, so that a safe-start line may hold both G0 and G80.
 
 use crate::simulation::gcode::Word;
+use crate::simulation::toolpath::compensation::{CompensationWord, Side};
 use crate::simulation::toolpath::plane::{Plane, Turn};
 
 /// How axis words are run.
@@ -63,7 +64,7 @@ pub(super) enum Meaning {
     /// G80.
     CycleEnd,
     WorkOffset,
-    Compensation,
+    Compensation(CompensationWord),
     SurfaceSpeed,
     ControlSetting,
     /// A change of coordinates by its name.
@@ -115,8 +116,11 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         950 => (5, FeedPerMinute(Err("feed per revolution"))),
         200 => (6, Inch(true)),
         210 => (6, Inch(false)),
-        400 => (7, Neutral),
-        410 | 411 | 420 | 421 => (7, Compensation),
+        400 => (7, Compensation(CompensationWord::Off)),
+        410 => (7, Compensation(CompensationWord::ByTool(Side::Left))),
+        411 => (7, Compensation(CompensationWord::ByDiameter(Side::Left))),
+        420 => (7, Compensation(CompensationWord::ByTool(Side::Right))),
+        421 => (7, Compensation(CompensationWord::ByDiameter(Side::Right))),
         430 | 431 | 440 | 490 => (8, Neutral),
 
         730 => (9, Cycle("high-speed peck drilling")),

@@ -54,7 +54,7 @@ pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: 
     let turn = -side * angle(out, in_);
     let away = if turn < -0.5 * PI { turn + TAU } else { turn };
     let is_outside = |stroke: &Stroke| matches!(stroke.shape, Shape::Circle { turn, .. } if turn * side < 0.0);
-    let turns_back = (away - PI).abs() < STRAIGHT && (is_outside(one) || is_outside(two));
+    let turns_back = (away - PI).abs() < STRAIGHT && is_outside(if two.is_line() { one } else { two });
     if away < -STRAIGHT || PI + STRAIGHT < away || turns_back {
         return inner(one, two, corner);
     }

@@ -13,7 +13,7 @@
 //!
 //! Lengths in mm, angles in rad. Sources: elementary.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// A position in the plane, mm.
 pub(super) type Spot = nalgebra::Point2<f64>;
@@ -23,8 +23,9 @@ pub(super) type Way = nalgebra::Vector2<f64>;
 /// Lengths below this are rounding, mm.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Angles by which a trimmed arc may seem to be longer than before, rad.
-const SLACK: f64 = 0.01;
+/// Angles by which a trimmed arc may be longer than before, rad: it begins or ends a little
+/// beside its circle where a turn is too slight to be a corner.
+const SLACK: f64 = 0.5 * PI;
 
 /// What a stroke lies on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +78,16 @@ impl Shape {
             Shape::Line { along, .. } => along,
             Shape::Circle { center, turn, .. } => {
                 left_of(at - center).try_normalize(0.0).unwrap_or(Way::x()) * turn
+            }
+        }
+    }
+
+    /// Its point nearest to `spot`; none from the centre of a circle.
+    pub(super) fn foot(&self, spot: Spot) -> Option<Spot> {
+        match *self {
+            Shape::Line { through, along } => Some(through + along * (spot - through).dot(&along)),
+            Shape::Circle { center, radius, .. } => {
+                Some(center + (spot - center).try_normalize(ROUNDING)? * radius)
             }
         }
     }
