@@ -55,7 +55,10 @@ pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: 
     let away = if turn < -0.5 * PI { turn + TAU } else { turn };
     let is_outside = |stroke: &Stroke| matches!(stroke.shape, Shape::Circle { turn, .. } if turn * side < 0.0);
     let turns_back = (away - PI).abs() < STRAIGHT && is_outside(if two.is_line() { one } else { two });
-    if away < -STRAIGHT || PI + STRAIGHT < away || turns_back {
+    if turns_back {
+        return meet(one.shape.meeting_ahead(&two.shape, in_ - out));
+    }
+    if away < -STRAIGHT || PI + STRAIGHT < away {
         return inner(one, two, corner);
     }
     if away <= STRAIGHT {
@@ -63,7 +66,7 @@ pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: 
     }
     match outer {
         (OuterCorner::Intersection { reach }, radius) if one.is_line() && two.is_line() => {
-            match one.shape.meeting(&two.shape, corner, in_ - out) {
+            match one.shape.meeting(&two.shape, corner) {
                 Some(meeting) if (meeting - corner).norm() <= reach * radius => Joint::Meet(meeting),
                 _ => Joint::Around,
             }
@@ -74,6 +77,9 @@ pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: 
 
 /// The joint of two strokes that cross near `corner`.
 pub(super) fn inner(one: &Stroke, two: &Stroke, corner: Spot) -> Joint {
-    let ahead = two.way_in() - one.way_out();
-    one.shape.meeting(&two.shape, corner, ahead).map_or(Joint::Apart, Joint::Meet)
+    meet(one.shape.meeting(&two.shape, corner))
+}
+
+fn meet(meeting: Option<Spot>) -> Joint {
+    meeting.map_or(Joint::Apart, Joint::Meet)
 }

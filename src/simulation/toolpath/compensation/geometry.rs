@@ -123,18 +123,19 @@ impl Shape {
         }
     }
 
-    /// Where it meets another at a corner: the nearer point, and of two as near the one ahead in
-    /// the direction `ahead`.
-    pub(super) fn meeting(&self, other: &Shape, corner: Spot, ahead: Way) -> Option<Spot> {
+    /// Where it meets another at a corner: the nearer point.
+    pub(super) fn meeting(&self, other: &Shape, corner: Spot) -> Option<Spot> {
         match self.meetings(other) {
-            [Some(one), Some(two)] => {
-                let (near, far) = ((one - corner).norm(), (two - corner).norm());
-                let is_one = match (near - far).abs() <= 1e-6 * (near + far) {
-                    true => (two - one).dot(&ahead) <= 0.0,
-                    false => near <= far,
-                };
-                Some(if is_one { one } else { two })
-            }
+            [Some(one), Some(two)] if (two - corner).norm() < (one - corner).norm() => Some(two),
+            [one, two] => one.or(two),
+        }
+    }
+
+    /// Where it meets another at a corner that turns back, so that both points are about as near:
+    /// the one further in the direction `ahead`.
+    pub(super) fn meeting_ahead(&self, other: &Shape, ahead: Way) -> Option<Spot> {
+        match self.meetings(other) {
+            [Some(one), Some(two)] if 0.0 < (two - one).dot(&ahead) => Some(two),
             [one, two] => one.or(two),
         }
     }

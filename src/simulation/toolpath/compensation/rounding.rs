@@ -150,9 +150,7 @@ fn kept(stroke: &Stroke, start: Spot, end: Spot) -> Option<Kept> {
 /// The arc of this radius that touches both strokes on the inside of their corner.
 fn touching_arc(before: &Stroke, after: &Stroke, radius: f64, turn: f64) -> Option<Stroke> {
     let inside = turn.signum() * radius;
-    let ahead = after.way_in() - before.way_out();
-    let center =
-        before.parallel(inside)?.shape.meeting(&after.parallel(inside)?.shape, before.end, ahead)?;
+    let center = before.parallel(inside)?.shape.meeting(&after.parallel(inside)?.shape, before.end)?;
     let (start, end) = (before.shape.foot(center)?, after.shape.foot(center)?);
     let turn = turn.signum();
     let once = turn * angle(start - center, end - center);
