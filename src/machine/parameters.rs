@@ -74,6 +74,8 @@ pub enum Access {
     },
     /// A table of seconds by M-word, for example `M8 = 3.0`.
     MCodes,
+    /// The tool table: diameters in mm by tool number.
+    Tools,
 }
 
 /// The row with this key.
@@ -210,7 +212,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 22] = [
+const GENERAL: [Parameter; 23] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -439,6 +441,12 @@ const GENERAL: [Parameter; 22] = [
         label: "M-words with their own time",
         doc: "Seconds by M-word, for example M3 = 4.0 for a spindle that needs 4 s to run up.",
         access: Access::MCodes,
+    },
+    Parameter {
+        key: "tools",
+        label: "Tool diameters",
+        doc: "Diameter in mm by tool number, for example 5 = 10.0; cutter compensation (G41, G42) needs it.",
+        access: Access::Tools,
     },
     Parameter {
         key: "rates.hourly",

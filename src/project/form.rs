@@ -21,7 +21,7 @@ struct Field {
     key: &'static str,
     label: &'static str,
     doc: &'static str,
-    /// `number`, `list`, `choice`, `flag`, `text` or `m_codes`.
+    /// `number`, `list`, `choice`, `flag`, `text`, `m_codes` or `tools`.
     kind: &'static str,
     unit: Option<&'static str>,
     min: Option<f64>,
@@ -67,6 +67,7 @@ pub fn form() -> String {
             Access::Flag { .. } => Field { kind: "flag", ..empty },
             Access::Text { .. } => Field { kind: "text", ..empty },
             Access::MCodes => Field { kind: "m_codes", ..empty },
+            Access::Tools => Field { kind: "tools", unit: Some("mm"), ..empty },
         }
     });
     let presets = presets().into_iter().map(|preset| Preset {
@@ -87,7 +88,7 @@ fn values(machine: &Machine) -> Map<String, Value> {
             Some(Written::Text(text)) => Value::from(text),
             Some(Written::Flag(flag)) => Value::from(flag),
             Some(Written::List(values)) => Value::from(values),
-            Some(Written::MCodes(codes)) => {
+            Some(Written::MCodes(codes) | Written::Tools(codes)) => {
                 Value::from_iter(codes.into_iter().map(|(code, seconds)| (code, Value::from(seconds))))
             }
         };

@@ -12,7 +12,7 @@ pub use form::{faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{Prediction, profile_csv, severity_word};
 
-use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, parameter};
+use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, Tool, parameter};
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
 const REQUIRED: [&str; 4] =
@@ -48,6 +48,8 @@ enum Written {
     Flag(bool),
     List(Vec<f64>),
     MCodes(Vec<(String, f64)>),
+    /// Diameters by tool number.
+    Tools(Vec<(String, f64)>),
     /// The field was left empty.
     Empty,
 }
@@ -123,6 +125,19 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
             }
         }
         (Access::MCodes, Written::Empty) => machine.times.m_codes.clear(),
+        // A form does not tell one table of numbers from another.
+        (Access::Tools, Written::Tools(tools) | Written::MCodes(tools)) => {
+            machine.tools.clear();
+            for (tool, diameter) in tools {
+                let Ok(number) = tool.parse() else {
+                    return Err(Fault::at_key(key, format!("{tool} is not a tool number such as 5")));
+                };
+                within(diameter, -1000.0, 1000.0, "mm")?;
+                machine.tools.insert(number, Tool { diameter });
+            }
+        }
+        (Access::Tools, Written::Empty) => machine.tools.clear(),
+        (Access::Tools, _) => return expected("a table of diameters by tool number".to_string()),
         (Access::MCodes, _) => return expected("a table of seconds by M-word, such as M3 = 4.0".to_string()),
     }
     Ok(())
@@ -139,6 +154,11 @@ fn written(machine: &Machine, row: &Parameter) -> Option<Written> {
         Access::Choice { get, .. } => Some(Written::Text(get(machine).to_string())),
         Access::Flag { get, .. } => Some(Written::Flag(get(machine))),
         Access::Text { get, .. } => Some(Written::Text(get(machine).to_string())),
+        Access::Tools if machine.tools.is_empty() => None,
+        Access::Tools => {
+            let tools = machine.tools.iter().map(|(number, tool)| (number.to_string(), tool.diameter));
+            Some(Written::Tools(tools.collect()))
+        }
         Access::MCodes if machine.times.m_codes.is_empty() => None,
         Access::MCodes => {
             let codes = machine.times.m_codes.iter().map(|(code, seconds)| (format!("M{code}"), *seconds));

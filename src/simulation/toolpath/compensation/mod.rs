@@ -24,6 +24,8 @@ mod geometry;
 mod queue;
 mod rounding;
 mod space;
+#[cfg(test)]
+mod tests;
 mod trouble;
 mod words;
 
