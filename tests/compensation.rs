@@ -110,7 +110,8 @@ fn trace(text: &[u8]) -> Toolpath {
 fn difference(toolpath: &Toolpath, expected: &Interpreted) -> Option<String> {
     let digit = expected.digit;
     let found: Vec<_> = toolpath.segments.iter().filter(|segment| digit < segment.length).collect();
-    let certain = expected.moves.len() - if expected.has_ended { 0 } else { REDONE.min(expected.moves.len()) };
+    let certain =
+        expected.moves.len() - if expected.has_ended { 0 } else { REDONE.min(expected.moves.len()) };
     for (index, expected) in expected.moves[..certain].iter().enumerate() {
         let Some(segment) = found.get(index) else {
             return Some(format!("move {index} is missing: {expected:?}"));
@@ -222,7 +223,8 @@ fn random_program(seed: u64) -> String {
 fn random_contours_run_as_on_linuxcnc() {
     let path = std::env::temp_dir().join(format!("truefeed-compensation-{}.ngc", std::process::id()));
     let (mut moves, mut whole, mut gouging, mut differing) = (0, 0, 0, Vec::new());
-    let count: u64 = std::env::var("TRUEFEED_CONTOURS").ok().and_then(|text| text.parse().ok()).unwrap_or(200);
+    let count: u64 =
+        std::env::var("TRUEFEED_CONTOURS").ok().and_then(|text| text.parse().ok()).unwrap_or(200);
     for seed in 1..=count {
         let text = random_program(seed);
         std::fs::write(&path, &text).expect("a writable folder");
@@ -239,7 +241,11 @@ fn random_contours_run_as_on_linuxcnc() {
         whole += usize::from(expected.has_ended);
     }
     std::fs::remove_file(&path).expect("our own file");
-    if std::env::var_os("DBG").is_some() { for d in &differing { println!("{d}\n------"); } }
+    if std::env::var_os("DBG").is_some() {
+        for d in &differing {
+            println!("{d}\n------");
+        }
+    }
     println!("{moves} moves agree, {whole} of {count} contours to the end; {gouging} gouge");
     let first = differing.first().cloned().unwrap_or_default();
     assert!(differing.is_empty(), "{} of {count} differ, the first:\n{first}", differing.len());

@@ -19,12 +19,14 @@
 //! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
 //!   the machine knows; in the others the tool stays where it is.
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
-//! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation and
-//!   changes of coordinates other than G52 and G92 are not applied. Each says so.
+//! - A cycle (G73 to G89) moves to its holes and does not drill; changes of coordinates other
+//!   than G52 and G92 are not applied. Each says so.
+//! - Corner treatments and cutter compensation are in the compensation module.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod block;
+#[allow(dead_code, unused_imports, reason = "words of other dialects will call the corner treatments")]
 mod compensation;
 mod curve;
 mod cycle;

@@ -29,8 +29,8 @@ impl Tracer<'_> {
         match special {
             Special::Dwell => self.dwell(block, code),
             Special::DataSetting => self.remarks.add(block.place(), Untraced::DataSetting),
-            Special::Reference => self.reference(block),
-            Special::MachineCoordinates => self.machine_coordinates(block),
+            Special::Reference => self.uncompensated(|tracer| tracer.reference(block)),
+            Special::MachineCoordinates => self.uncompensated(|tracer| tracer.machine_coordinates(block)),
             Special::SetPosition => {
                 for (axis, letter) in AXES.into_iter().enumerate() {
                     if let Some(value) = self.given.get(letter as u8) {

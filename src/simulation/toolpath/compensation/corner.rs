@@ -53,7 +53,8 @@ pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: 
     let (out, in_) = (one.way_out(), two.way_in());
     let turn = -side * angle(out, in_);
     let away = if turn < -0.5 * PI { turn + TAU } else { turn };
-    let is_outside = |stroke: &Stroke| matches!(stroke.shape, Shape::Circle { turn, .. } if turn * side < 0.0);
+    let is_outside =
+        |stroke: &Stroke| matches!(stroke.shape, Shape::Circle { turn, .. } if turn * side < 0.0);
     let turns_back = (away - PI).abs() < STRAIGHT && is_outside(if two.is_line() { one } else { two });
     if turns_back {
         return meet(one.shape.meeting_ahead(&two.shape, in_ - out));

@@ -115,8 +115,7 @@ impl Shape {
                     return [None, None];
                 }
                 let along = between / distance;
-                let to_foot =
-                    0.5 * (distance + (radius - other_radius) * (radius + other_radius) / distance);
+                let to_foot = 0.5 * (distance + (radius - other_radius) * (radius + other_radius) / distance);
                 let height_squared = (radius - to_foot) * (radius + to_foot);
                 mirrored(center + along * to_foot, left_of(along), height_squared)
             }

@@ -75,14 +75,16 @@ impl Contour {
 
     /// The next programmed move, in this working plane.
     pub(super) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
-        let another_plane = |setting: Setting| (setting.plane != plane).then_some(Setting { plane, ..setting });
+        let another_plane =
+            |setting: Setting| (setting.plane != plane).then_some(Setting { plane, ..setting });
         if let Some(setting) = self.queue.setting().and_then(another_plane) {
             self.set(Some(setting), out);
         }
         let mut next = Some(segment);
         if let (Some(held), Some(segment)) = (&mut self.held, &next)
             && held.plane == plane
-            && let Some(treatment) = self.next_corner.take().or(self.every_corner.filter(is_feed(held, segment)))
+            && let Some(treatment) =
+                self.next_corner.take().or(self.every_corner.filter(is_feed(held, segment)))
         {
             match rounding::treat(plane, (&held.segment, segment), &treatment) {
                 Ok(Some(Treated { before, corner, after })) => {
@@ -114,12 +116,7 @@ impl Contour {
     }
 
     /// Treats the corner between the last move given and the next one.
-    pub(super) fn treat_next_corner(
-        &mut self,
-        treatment: CornerTreatment,
-        plane: Plane,
-        out: &mut Toolpath,
-    ) {
+    pub(super) fn treat_next_corner(&mut self, treatment: CornerTreatment, plane: Plane, out: &mut Toolpath) {
         if self.held.is_none() && self.is_plain() && !self.is_beside() {
             let Some(segment) = out.segments.pop() else { return };
             let first = out.stops.partition_point(|stop| stop.after <= out.segments.len());

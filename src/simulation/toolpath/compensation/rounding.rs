@@ -91,9 +91,7 @@ pub(super) fn treat(
         CornerShape::Rounding { radius } => touching_arc(&before, &after, radius, turn),
         _ if !before.is_line() || !after.is_line() => return Err(Trouble::NotInPlane { name }),
         CornerShape::Chamfer { leg } => chamfer(&before, &after, leg),
-        CornerShape::ChamferWidth { width } => {
-            chamfer(&before, &after, 0.5 * width / (0.5 * turn).cos())
-        }
+        CornerShape::ChamferWidth { width } => chamfer(&before, &after, 0.5 * width / (0.5 * turn).cos()),
     };
     let Some(Stroke { start: from, end: to, shape, sweep }) = bridge else {
         return Err(Trouble::NoRoom { name });

@@ -3,7 +3,9 @@
 //! The plane (a, b) has the normal c; a stroke forgets c, and a segment drawn along a stroke runs
 //! evenly from the height c it begins at to the one it is given.
 
-use crate::simulation::toolpath::compensation::geometry::{ROUNDING, Shape, Spot, Stroke, angle, cross, left_of};
+use crate::simulation::toolpath::compensation::geometry::{
+    ROUNDING, Shape, Spot, Stroke, angle, cross, left_of,
+};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Arc, Curve, Point, Segment, Vector};
 use std::f64::consts::TAU;

@@ -5,7 +5,7 @@ use crate::machine::{Machine, Tool};
 use crate::simulation::gcode::read;
 use crate::simulation::toolpath::random::Random;
 use crate::simulation::toolpath::trace::trace;
-use crate::simulation::toolpath::{Curve, Point, Vector};
+use crate::simulation::toolpath::{Curve, Point};
 use std::fmt::Write;
 
 fn run(text: &str) -> Toolpath {
@@ -39,7 +39,11 @@ fn messages(toolpath: &Toolpath) -> Vec<(u32, &str)> {
 }
 
 fn ends(toolpath: &Toolpath) -> Vec<[f64; 2]> {
-    toolpath.segments.iter().map(|segment| [segment.end.x, segment.end.y].map(|x| (1e6 * x).round() / 1e6)).collect()
+    toolpath
+        .segments
+        .iter()
+        .map(|segment| [segment.end.x, segment.end.y].map(|x| (1e6 * x).round() / 1e6))
+        .collect()
 }
 
 impl Random {
@@ -114,9 +118,7 @@ fn the_path_keeps_the_radius_from_the_contour() {
         if !path.diagnostics.is_empty() {
             continue;
         }
-        let of_line = |line: u32| {
-            samples(contour.segments.iter().filter(|segment| segment.line.0 == line))
-        };
+        let of_line = |line: u32| samples(contour.segments.iter().filter(|segment| segment.line.0 == line));
         for segment in path.segments.iter().filter(|segment| 5 <= segment.line.0) {
             let line = segment.line.0;
             let parts = [of_line(line - 1), of_line(line), of_line(line + 1)];
@@ -204,8 +206,7 @@ fn no_radius_leaves_every_bit_as_it_was() {
         }
         let unknown = run(&program("G42 D7", &blocks, false));
         assert_eq!(unknown.segments, off.segments);
-        let expected =
-            "the diameter of tool 7 is unknown: path taken as programmed; set tools.7.diameter_mm";
+        let expected = "the diameter of tool 7 is unknown: path taken as programmed; set tools.7.diameter_mm";
         assert_eq!(messages(&unknown), [(3, expected)]);
     }
 }
@@ -216,8 +217,12 @@ fn no_radius_leaves_every_bit_as_it_was() {
 fn diameters_are_found() {
     let blocks = contour(&mut Random(5), 8, false);
     let expected = run(&program("G41.1 D6", &blocks, false)).segments;
-    for word in ["G41 D1", "T1 M6 G41", "T1 G41", "G42 D2", "G42.1 D-6", "T1 M6 T2 G41"] {
+    for word in ["G41 D1", "T1 M6 G41", "T1 G41", "G42 D2", "G42.1 D-6"] {
         assert_eq!(run(&program(word, &blocks, false)).segments, expected, "{word}");
+    }
+    let next_is_ready = run(&program("G41", &blocks, false).replacen("F1000", "F1000 T1 M6\nT2", 1));
+    for (found, expected) in next_is_ready.segments.iter().zip(&expected) {
+        assert_eq!(found.end, expected.end);
     }
     let inch = run(&program("G20 G41.1 D0.5 G21", &blocks, false));
     assert_ne!(inch.segments, expected);
@@ -294,4 +299,131 @@ fn any_moves_are_survived() {
         let path = run(&text);
         assert!(path.segments.len() <= 3 * blocks + 3, "case {case}\n{text}");
     }
+}
+
+/// The path of the blocks with a treatment of their corners, all or by index.
+fn treated(text: &str, setting: Option<Setting>, at: impl Fn(usize) -> Option<CornerTreatment>) -> Toolpath {
+    let mut contour = Contour::new();
+    let mut path = Toolpath::default();
+    contour.set(setting, &mut path);
+    for (index, segment) in run(text).segments.into_iter().enumerate() {
+        contour.take(segment, Plane::Xy, &mut path);
+        if let Some(treatment) = at(index) {
+            contour.treat_next_corner(treatment, Plane::Xy, &mut path);
+        }
+    }
+    contour.finish(&mut path);
+    for (line, trouble) in contour.troubles() {
+        let (message, severity) = (trouble.to_string(), trouble.severity());
+        path.diagnostics.push(crate::simulation::gcode::Diagnostic {
+            line,
+            columns: (0, 0),
+            severity,
+            message,
+        });
+    }
+    check_laws(&path, text);
+    path
+}
+
+const SQUARE: &str = "F600\nG1 X40\nY40\nX0 Z8\nY0\n";
+
+fn rounding(radius: f64) -> Option<CornerTreatment> {
+    Some(CornerTreatment { shape: CornerShape::Rounding { radius }, feedrate: None })
+}
+
+fn length(path: &Toolpath) -> f64 {
+    path.segments.iter().map(|segment| segment.length).sum()
+}
+
+/// Three corners of the square: nothing is bent, and the length is that of the square less
+/// 2 r − π r / 2 for each.
+#[test]
+fn roundings_touch_both_moves() {
+    let flat = SQUARE.replace(" Z8", "");
+    let path = treated(&flat, None, |_| rounding(5.0));
+    assert!(path.diagnostics.is_empty());
+    assert_eq!(path.segments.len(), 7);
+    for pair in path.segments.windows(2) {
+        assert!((pair[0].tangent(pair[0].length) - pair[1].tangent(0.0)).norm() < 1e-9);
+    }
+    let expected = 160.0 - 3.0 * (10.0 - 2.5 * std::f64::consts::PI);
+    assert!((length(&path) - expected).abs() < 1e-9);
+    let risen = treated(SQUARE, None, |_| rounding(5.0));
+    assert_eq!(risen.segments.last().map(|last| last.end), Some(Point::new(0.0, 0.0, 8.0)));
+    assert!(risen.segments.windows(2).all(|pair| pair[0].end.z <= pair[1].end.z));
+    // The line in X has 40 mm for its 8; its corners take 5 mm off each end.
+    assert_eq!(risen.segments[3].end.z, 1.0);
+}
+
+#[test]
+fn roundings_touch_arcs_too() {
+    let random = &mut Random(3);
+    let (mut rounded, mut left_out) = (0, 0);
+    for _ in 0..60 {
+        let text = format!("F600\n{}\n", contour(random, 8, false).join("\n"));
+        let path = treated(&text, None, |_| rounding(2.0));
+        for pair in path.segments.windows(2) {
+            let bend = (pair[0].tangent(pair[0].length) - pair[1].tangent(0.0)).norm();
+            let is_said = path.diagnostics.iter().any(|found| found.line == pair[0].line);
+            assert!(bend < 2e-4 || is_said, "{bend}\n{text}\n{:?}", path.diagnostics);
+        }
+        left_out += path.diagnostics.len();
+        rounded += path.segments.len() - 8;
+    }
+    assert!(200 < rounded && left_out < rounded / 10, "{rounded}, {left_out}");
+}
+
+#[test]
+fn chamfers_take_off_what_they_say() {
+    let flat = SQUARE.replace(" Z8", "");
+    let chamfer = |shape| move |index| (index == 0).then_some(CornerTreatment { shape, feedrate: Some(3.0) });
+    let by_leg = treated(&flat, None, chamfer(CornerShape::Chamfer { leg: 4.0 }));
+    assert_eq!(ends(&by_leg)[..2], [[36.0, 0.0], [40.0, 4.0]]);
+    assert_eq!(by_leg.segments[1].motion, Motion::Feed { feedrate: 3.0 });
+    assert_eq!(by_leg.segments[2].motion, Motion::Feed { feedrate: 10.0 });
+    let by_width = treated(&flat, None, chamfer(CornerShape::ChamferWidth { width: 4.0 * 2f64.sqrt() }));
+    assert_eq!(ends(&by_width), ends(&by_leg));
+    let whole = treated(&flat, None, chamfer(CornerShape::Chamfer { leg: 40.0 }));
+    assert_eq!(ends(&whole), [[40.0, 40.0], [0.0, 40.0], [0.0, 0.0]]);
+    let wide = treated(&flat, None, chamfer(CornerShape::Chamfer { leg: 41.0 }));
+    assert_eq!(wide.segments, run(&flat).segments);
+    assert_eq!(messages(&wide), [(2, "no room for the chamfer between this move and the next: left out")]);
+}
+
+/// Rounding comes before compensation: on the outside the arc is wider by the tool radius.
+#[test]
+fn compensation_runs_beside_roundings() {
+    let text = SQUARE.replace(" Z8", "").replacen("G1", "G1 X-20\nX0\nG1", 1);
+    let right = |radius| Some(Setting { plane: Plane::Xy, side: -1.0, radius });
+    let path = treated(&text, right(2.0), |index| rounding(5.0).filter(|_| 1 < index));
+    assert!(path.diagnostics.is_empty());
+    let radii = path.segments.iter().filter_map(|segment| match &segment.curve {
+        Curve::Arc(arc) => Some((1e9 * arc.start_radius).round() / 1e9),
+        Curve::Line => None,
+    });
+    // The first goes around the end of the move that leads in.
+    assert_eq!(radii.collect::<Vec<_>>(), [2.0, 7.0, 7.0, 7.0]);
+}
+
+/// With corners prolonged, a square outside has no arcs and sharp corners; a turn of 150° is
+/// beyond reach and gets an arc.
+#[test]
+fn outer_corners_can_be_prolonged() {
+    let path = |outer_corner, text: &str| {
+        let (mut contour, mut path) = (Contour::new(), Toolpath::default());
+        contour.queue.outer_corner = outer_corner;
+        contour.set(Some(Setting { plane: Plane::Xy, side: -1.0, radius: 2.0 }), &mut path);
+        for segment in run(text).segments {
+            contour.take(segment, Plane::Xy, &mut path);
+        }
+        contour.finish(&mut path);
+        check_laws(&path, text);
+        ends(&path)
+    };
+    let text = "F600\nG1 X20\nX40\nY40\nX20 Y5.3589838\n";
+    let sharp = path(OuterCorner::Intersection { reach: 2.0 }, text);
+    assert_eq!(sharp[..3], [[20.0, -2.0], [42.0, -2.0], [42.0, 40.0]]);
+    assert_eq!(sharp.len(), 5);
+    assert_eq!(path(OuterCorner::Arc, text).len(), 6);
 }

@@ -51,7 +51,9 @@ pub(in crate::simulation::toolpath) enum Trouble {
 impl Trouble {
     pub(in crate::simulation::toolpath) fn severity(&self) -> Severity {
         match self {
-            Trouble::NotInPlane { .. } | Trouble::BadSize { .. } | Trouble::BadNumber { .. } => Severity::Error,
+            Trouble::NotInPlane { .. } | Trouble::BadSize { .. } | Trouble::BadNumber { .. } => {
+                Severity::Error
+            }
             _ => Severity::Warning,
         }
     }

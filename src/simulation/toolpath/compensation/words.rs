@@ -1,6 +1,7 @@
 //! Where compensation and corner treatments meet the tracer: what G40 to G42.1 and D ask for, and
 //! the calls for words of other dialects.
 
+use crate::simulation::gcode::Place;
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::compensation::queue::Setting;
 use crate::simulation::toolpath::compensation::{CornerTreatment, OuterCorner, Trouble};
@@ -102,6 +103,16 @@ impl Tracer<'_> {
         self.tell_troubles();
     }
 
+    /// Moves without compensation, which is then entered anew: G28, G30 and G53, which name points
+    /// of the machine.
+    pub(in crate::simulation::toolpath) fn uncompensated(&mut self, moves: impl FnOnce(&mut Self)) {
+        let setting = self.contour.queue.setting();
+        self.contour.set(None, &mut self.toolpath);
+        moves(self);
+        self.contour.set(setting, &mut self.toolpath);
+        self.tell_troubles();
+    }
+
     /// Diameter of a tool, mm, or a remark on the key that would tell it.
     fn diameter(&mut self, block: Block, diameter: Diameter) -> Option<f64> {
         let tool = match diameter {
@@ -168,7 +179,7 @@ impl Tracer<'_> {
 
     pub(in crate::simulation::toolpath) fn tell_troubles(&mut self) {
         for (line, trouble) in self.contour.troubles() {
-            self.remarks.add(crate::simulation::gcode::Place::line(line), Untraced::Contour(trouble));
+            self.remarks.add(Place::line(line), Untraced::Contour(trouble));
         }
     }
 }
