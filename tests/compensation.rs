@@ -9,13 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use truefeed::machine::{Machine, Tool};
 use truefeed::simulation::gcode;
-use truefeed::simulation::toolpath::{self, Curve, Motion, Toolpath};
+use truefeed::simulation::toolpath::{self, Curve, Motion, Segment, Toolpath};
 
 /// Diameters of tools 1, 2 and 3, mm.
 const DIAMETERS: [f64; 3] = [5.08, 6.0, 1.0];
-
-/// How many moves before one it refuses we may run otherwise, to get around the refused one.
-const REDONE: usize = 3;
 
 /// A move as LinuxCNC prints it; lengths in mm.
 #[derive(Debug)]
@@ -110,9 +107,7 @@ fn trace(text: &[u8]) -> Toolpath {
 fn difference(toolpath: &Toolpath, expected: &Interpreted) -> Option<String> {
     let digit = expected.digit;
     let found: Vec<_> = toolpath.segments.iter().filter(|segment| digit < segment.length).collect();
-    let certain =
-        expected.moves.len() - if expected.has_ended { 0 } else { REDONE.min(expected.moves.len()) };
-    for (index, expected) in expected.moves[..certain].iter().enumerate() {
+    for (index, expected) in expected.moves.iter().enumerate() {
         let Some(segment) = found.get(index) else {
             return Some(format!("move {index} is missing: {expected:?}"));
         };
@@ -121,10 +116,9 @@ fn difference(toolpath: &Toolpath, expected: &Interpreted) -> Option<String> {
         let arcs = match (&segment.curve, &expected.arc) {
             (Curve::Line, None) => true,
             (Curve::Arc(arc), Some((center, turn))) => {
-                let [a, b, c] = expected.plane;
+                let [a, b, _] = expected.plane;
                 let sign = (arc.e1[a] * arc.e2[b] - arc.e1[b] * arc.e2[a]).signum();
                 let apart = (arc.center[a] - center[0]).abs().max((arc.center[b] - center[1]).abs());
-                let _ = c;
                 apart <= 0.51 * digit + 1e-6 && 0.0 < sign * turn
             }
             _ => false,
@@ -187,8 +181,14 @@ fn random_program(seed: u64) -> String {
     let plane = if is_zx { "G18" } else { "G17" };
     let side = if random.unit() < 0.5 { "G41" } else { "G42" };
     let d = 1 + (3.0 * random.unit()) as usize;
-    let mut text = format!("G21 G90 G64 {plane}\nG0 X-30 Y-30 Z-30\nF500\n{side} D{d}\nG1 {a}-20 {b}-20\n");
-    let (mut x, mut y, mut direction) = (-20.0f64, -20.0f64, 0.785f64);
+    let lead_in = match random.unit() {
+        kind if kind < 0.7 => format!("G1 {a}-20 {b}-20"),
+        kind if kind < 0.8 => format!("G2 {a}-20 {b}-20 {i}0 {j}10"),
+        kind if kind < 0.9 => format!("G3 {a}-20 {b}-20 {i}10 {j}0"),
+        _ => format!("G3 {a}-20 {b}-20 R{:.3}", random.between(8.0, 20.0)),
+    };
+    let mut text = format!("G21 G90 G64 {plane}\nG0 X-30 Y-30 Z-30\nF500\n{side} D{d}\n{lead_in}\n");
+    let (mut x, mut y, mut direction) = (-20.0f64, -20.0f64, random.between(-3.0, 3.0));
     for _ in 0..12 {
         direction += random.between(-3.2, 3.2) * if random.unit() < 0.3 { 0.0 } else { 1.0 };
         let turn = if random.unit() < 0.5 { 1.0 } else { -1.0 };
@@ -219,34 +219,48 @@ fn random_program(seed: u64) -> String {
     text
 }
 
+/// Where we find that the tool does not fit, LinuxCNC refuses, and the other way round; but it does
+/// not look at moves before a smooth joint, so that a few gouges escape it.
 #[test]
 fn random_contours_run_as_on_linuxcnc() {
     let path = std::env::temp_dir().join(format!("truefeed-compensation-{}.ngc", std::process::id()));
-    let (mut moves, mut whole, mut gouging, mut differing) = (0, 0, 0, Vec::new());
+    let (mut moves, mut gouging, mut overlooked, mut differing) = (0, 0, 0, Vec::new());
     let count: u64 =
         std::env::var("TRUEFEED_CONTOURS").ok().and_then(|text| text.parse().ok()).unwrap_or(200);
     for seed in 1..=count {
         let text = random_program(seed);
         std::fs::write(&path, &text).expect("a writable folder");
-        let Some(expected) = interpret(&path, "random") else { return };
-        let toolpath = trace(text.as_bytes());
-        if toolpath.diagnostics.iter().any(|found| found.message.starts_with("gouge")) {
+        let Some(mut expected) = interpret(&path, "random") else { return };
+        let mut toolpath = trace(text.as_bytes());
+        let gouges = toolpath.diagnostics.iter().filter(|found| found.message.starts_with("gouge"));
+        if let Some(first) = gouges.map(|found| found.line.0).min() {
             gouging += 1;
-            continue;
+            overlooked += usize::from(expected.has_ended);
+            let digit = expected.digit;
+            // It may change the end of the last move in the plane before it.
+            let normal = if text.contains("G18") { 1 } else { 2 };
+            let is_before = |segment: &&Segment| {
+                let mut way = segment.end - segment.start;
+                way[normal] = 0.0;
+                segment.line.0 < first && digit < way.norm()
+            };
+            let changed = toolpath.segments.iter().rfind(is_before).map_or(0, |segment| segment.line.0);
+            toolpath.segments.retain(|segment| segment.line.0 < changed);
+            let before = toolpath.segments.iter().filter(|segment| digit < segment.length).count();
+            expected.moves.truncate(before);
+        } else if !expected.has_ended {
+            differing.push(format!("seed {seed}\n{text}refused: {}", expected.complaint));
         }
         if let Some(difference) = difference(&toolpath, &expected) {
             differing.push(format!("seed {seed}\n{text}{difference}\n{}", expected.complaint));
         }
         moves += expected.moves.len();
-        whole += usize::from(expected.has_ended);
     }
     std::fs::remove_file(&path).expect("our own file");
-    if std::env::var_os("DBG").is_some() {
-        for d in &differing {
-            println!("{d}\n------");
-        }
-    }
-    println!("{moves} moves agree, {whole} of {count} contours to the end; {gouging} gouge");
+    assert!(overlooked <= gouging / 10, "{overlooked} of {gouging}");
+    println!(
+        "{moves} moves agree; {gouging} of {count} contours gouge, {overlooked} of them unnoticed by rs274"
+    );
     let first = differing.first().cloned().unwrap_or_default();
     assert!(differing.is_empty(), "{} of {count} differ, the first:\n{first}", differing.len());
 }

@@ -59,7 +59,7 @@ pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: 
     if turns_back {
         return meet(one.shape.meeting_ahead(&two.shape, in_ - out));
     }
-    if away < -STRAIGHT || PI + STRAIGHT < away {
+    if !(-STRAIGHT..=PI + STRAIGHT).contains(&away) {
         return inner(one, two, corner);
     }
     if away <= STRAIGHT {
