@@ -10,7 +10,7 @@
 //! Where a control would refuse, the path goes on, and a trouble says how.
 //!
 //! Words: G41 and G42 with D, the number of a tool in the machine's table; without D the tool in
-//! the spindle. G41.1 and G42.1 with D, a diameter in the unit of length in force; without D as
+//! the spindle, or, in a program with a `%` line or an O number, the tool of the last D. G41.1 and G42.1 with D, a diameter in the unit of length in force; without D as
 //! G41. G40 ends both. The words act on the move of their own block. A negative diameter changes
 //! the side; a diameter of 0 leaves the path as programmed.
 //!
@@ -81,10 +81,10 @@ impl Contour {
             self.set(Some(setting), out);
         }
         let mut next = Some(segment);
-        if let (Some(held), Some(segment)) = (&mut self.held, &next)
+        if let (Some(held), Some(segment)) = (&self.held, &next)
+            && let Some(treatment) = self.next_corner.or(self.every_corner)
+            && (self.next_corner.is_some() || is_contour(held, segment))
             && held.plane == plane
-            && let Some(treatment) =
-                self.next_corner.take().or(self.every_corner.filter(is_feed(held, segment)))
         {
             match rounding::treat(plane, (&held.segment, segment), &treatment) {
                 Ok(Some(Treated { before, corner, after })) => {
@@ -167,7 +167,10 @@ impl Contour {
     }
 }
 
-fn is_feed(held: &Held, next: &Segment) -> impl Fn(&CornerTreatment) -> bool {
-    let both = [held.segment.motion, next.motion].iter().all(|motion| matches!(motion, Motion::Feed { .. }));
-    move |_| both
+/// Two feed moves in their plane: what the treatment of every corner is meant for.
+fn is_contour(held: &Held, next: &Segment) -> bool {
+    [&held.segment, next].into_iter().all(|segment| {
+        let is_feed = matches!(segment.motion, Motion::Feed { .. });
+        is_feed && space::stroke(held.plane, segment).is_some()
+    })
 }

@@ -224,6 +224,10 @@ fn diameters_are_found() {
     for (found, expected) in next_is_ready.segments.iter().zip(&expected) {
         assert_eq!(found.end, expected.end);
     }
+    // A tape keeps its D.
+    let tape =
+        |again: &str| run(&format!("%\nT3 M6\nG41 D1 G1 X10 F100\nG40 X0\nG41 {again}\nX20\nX30\n%\n"));
+    assert_eq!(tape("").segments, tape("D1").segments);
     let inch = run(&program("G20 G41.1 D0.5 G21", &blocks, false));
     assert_ne!(inch.segments, expected);
     let none = run("G41\nG1 X10 F100\n");
@@ -426,4 +430,23 @@ fn outer_corners_can_be_prolonged() {
     assert_eq!(sharp[..3], [[20.0, -2.0], [42.0, -2.0], [42.0, 40.0]]);
     assert_eq!(sharp.len(), 5);
     assert_eq!(path(OuterCorner::Arc, text).len(), 6);
+}
+
+/// A rounding of every corner leaves the moves square to the plane and rapids alone, and ends.
+#[test]
+fn every_corner_is_treated_until_it_is_taken_back() {
+    let text = "F600\nG1 X20\nY20\nZ-5\nX0\nG0 Y40\nG1 X30\nY0\n";
+    let (mut contour, mut path) = (Contour::new(), Toolpath::default());
+    contour.treat_every_corner(rounding(3.0));
+    for (index, segment) in run(text).segments.into_iter().enumerate() {
+        contour.take(segment, Plane::Xy, &mut path);
+        if index == 5 {
+            contour.treat_every_corner(None);
+        }
+    }
+    contour.finish(&mut path);
+    check_laws(&path, text);
+    assert!(contour.troubles().is_empty());
+    let arcs = path.segments.iter().filter(|segment| matches!(segment.curve, Curve::Arc(_)));
+    assert_eq!(arcs.map(|segment| segment.line.0).collect::<Vec<_>>(), [2]);
 }

@@ -38,7 +38,9 @@ pub(in crate::simulation::toolpath) enum Trouble {
     #[error("a {name} of {size} mm is not possible: left out")]
     BadSize { name: &'static str, size: f64 },
 
-    #[error("the diameter of tool {tool} is unknown: path taken as programmed; set tools.{tool}.diameter_mm")]
+    #[error(
+        "cutter compensation: the diameter of tool {tool} is unknown: path taken as programmed; set tools.{tool}.diameter_mm"
+    )]
     UnknownDiameter { tool: u32 },
     #[error(
         "cutter compensation without a tool number: path taken as programmed; give D, and set tools.1.diameter_mm and so on"

@@ -54,6 +54,8 @@ pub(in crate::simulation::toolpath) struct CompensationWords {
     pub(in crate::simulation::toolpath) word: Option<CompensationWord>,
     /// The tool in the spindle, where there was a tool change.
     spindle: Option<u32>,
+    /// D of the last G41 or G42 on a tape, where it stays in force.
+    number: Option<u32>,
     /// The tools whose diameter was found missing.
     missing: BTreeSet<Option<u32>>,
 }
@@ -66,11 +68,13 @@ impl Tracer<'_> {
         match (word, number) {
             (CompensationWord::Off, _) => self.compensate(block, None),
             (CompensationWord::ByTool(side) | CompensationWord::ByDiameter(side), None) => {
-                self.compensate(block, Some((side, Diameter::Spindle)));
+                let known = self.compensation.number.map_or(Diameter::Spindle, Diameter::Tool);
+                self.compensate(block, Some((side, known)));
             }
             (CompensationWord::ByTool(side), Some(value)) => {
                 let is_number = (0.0..=LAST_TOOL).contains(&value) && value.fract() == 0.0;
                 if is_number {
+                    self.compensation.number = (self.is_tape && 0.0 < value).then_some(value as u32);
                     let diameter =
                         if value == 0.0 { Diameter::Given(0.0) } else { Diameter::Tool(value as u32) };
                     self.compensate(block, Some((side, diameter)));

@@ -293,7 +293,7 @@ fn what_is_left_out_is_said() {
         ("F-1", Severity::Error, "F-1"),
         ("G1 X1", Severity::Error, "1000 mm/min"),
         ("G0 X1e9\nG0 X100000000", Severity::Warning, "E words"),
-        ("G41 D1", Severity::Warning, "G41"),
+        ("G41 D1", Severity::Warning, "tools.1.diameter_mm"),
         ("G0 A5", Severity::Warning, "A words"),
         ("G81 X1 Y1 Z-1 R1", Severity::Warning, "G81 drilling is not timed yet: 1 hole "),
         ("G10 L2 P1 X0", Severity::Info, "G10"),
@@ -331,6 +331,6 @@ fn cycles_move_to_their_holes() {
 
 #[test]
 fn a_million_remarks_make_a_short_list() {
-    let text = "G5 X1\nG0 A1 X1\nG41\n".repeat(20_000);
+    let text = "G5 X1\nG0 A1 X1\nG41 D.5\n".repeat(20_000);
     assert_eq!(messages(&text).len(), 403);
 }
