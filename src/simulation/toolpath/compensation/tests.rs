@@ -206,7 +206,7 @@ fn no_radius_leaves_every_bit_as_it_was() {
         }
         let unknown = run(&program("G42 D7", &blocks, false));
         assert_eq!(unknown.segments, off.segments);
-        let expected = "the diameter of tool 7 is unknown: path taken as programmed; set tools.7.diameter_mm";
+        let expected = "cutter compensation: the diameter of tool 7 is unknown: path taken as programmed; set tools.7.diameter_mm";
         assert_eq!(messages(&unknown), [(3, expected)]);
     }
 }
