@@ -28,8 +28,8 @@ impl Tracer<'_> {
     pub(super) fn special(&mut self, block: Block, special: Special, code: Code) {
         match special {
             Special::Dwell => self.dwell(block, code),
-            Special::Reference => self.reference(block),
-            Special::MachineCoordinates => self.machine_coordinates(block),
+            Special::Reference => self.uncompensated(|tracer| tracer.reference(block)),
+            Special::MachineCoordinates => self.uncompensated(|tracer| tracer.machine_coordinates(block)),
             _ => self.change_frame(block, special, code),
         }
     }
@@ -245,7 +245,7 @@ impl Tracer<'_> {
 
     fn feed_to(&mut self, block: Block, end: Point) {
         let length = (end - self.position).norm();
-        if SHORTEST <= length {
+        if SHORTEST <= length || self.contour.is_beside() {
             let feedrate = self.feedrate_along(block, length);
             let feedrate = self.linear_share(block, length, feedrate);
             self.push(block, end, Curve::Line, length, Motion::Feed { feedrate });
@@ -253,14 +253,15 @@ impl Tracer<'_> {
     }
 
     pub(super) fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
-        if length < SHORTEST {
+        if length < SHORTEST && !self.contour.is_beside() {
             self.turn_alone(block, motion == Motion::Rapid);
             return;
         }
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
         let rotation = self.turned_along();
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, line };
-        self.toolpath.segments.push(segment);
+        self.contour.take(segment, self.modal.plane, &mut self.toolpath);
+        self.tell_troubles();
         self.position = end;
     }
 }

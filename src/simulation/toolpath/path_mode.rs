@@ -31,6 +31,7 @@
 use thiserror::Error;
 
 use crate::simulation::gcode::{LineNumber, Place, Severity};
+use crate::simulation::toolpath::Toolpath;
 use crate::simulation::toolpath::block::{AXIS_WORDS, CENTER_WORDS, bits};
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::Tracer;
@@ -61,6 +62,9 @@ pub enum Blending {
     /// A distance along the path before each corner at which its rounding may begin, mm.
     Distance(f64),
 }
+
+/// The most segments that moves kept back can become.
+const MOST_KEPT_BACK: usize = 100;
 
 /// The tolerances and distances that are taken at their word, mm.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-6..=10.0;
@@ -94,6 +98,8 @@ pub(super) enum PathWord {
 pub(super) struct InForce {
     exact_stop: Option<String>,
     tolerance: Option<(Blending, String, Keeper)>,
+    /// Modes of the toolpath that were set while compensation kept moves back, by index.
+    early: Vec<usize>,
 }
 
 impl InForce {
@@ -204,7 +210,24 @@ impl Tracer<'_> {
             None => blending == Blending::Machine,
         };
         if !is_in_force {
+            if self.contour.keeps_back() {
+                self.path_mode.early.push(modes.len());
+            }
             modes.push(PathMode { from, line, source: source.to_string(), blending });
+        }
+    }
+
+    /// Moves on the modes that were set while compensation kept moves back: such a move comes out
+    /// after the mode was noted, and is told by its line.
+    pub(super) fn settle_path_modes(&mut self) {
+        let Toolpath { segments, path_modes, .. } = &mut self.toolpath;
+        let mut least = 0;
+        for index in std::mem::take(&mut self.path_mode.early) {
+            let Some(mode) = path_modes.get_mut(index) else { continue };
+            let from = mode.from.max(least);
+            let kept_back = segments[from..].iter().take(MOST_KEPT_BACK);
+            mode.from = from + kept_back.take_while(|segment| segment.line < mode.line).count();
+            least = mode.from;
         }
     }
 

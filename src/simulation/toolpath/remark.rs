@@ -1,6 +1,7 @@
 //! What tracing has to say about a program.
 
 use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
+use crate::simulation::toolpath::compensation::Trouble;
 use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::path_mode::PathRemark;
@@ -62,8 +63,8 @@ pub(super) enum Untraced {
         "{name} (tool centre point control): the path of the tool tip and its feed are run as written; what the machine's own axes do to turn the head or table about it is not modelled"
     )]
     TipControl { name: &'static str },
-    #[error("{code} (cutter compensation) is not applied: path taken as programmed")]
-    Compensation { code: Code },
+    #[error("{0}")]
+    Contour(#[from] Trouble),
 
     #[error("arc without centre (I, J, K) or radius (R): taken as a straight line")]
     NoCenter,
@@ -211,6 +212,7 @@ fn dwell_text(milliseconds: bool) -> &'static str {
 impl Remark for Untraced {
     fn severity(&self) -> Severity {
         match self {
+            Untraced::Contour(trouble) => trouble.severity(),
             Untraced::NoValue(_)
             | Untraced::UnknownG { .. }
             | Untraced::UnknownM { .. }
@@ -248,7 +250,6 @@ impl Remark for Untraced {
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }
-            | Untraced::Compensation { .. }
             | Untraced::TipControl { .. }
             | Untraced::UnevenScale
             | Untraced::UnequalRadii { .. }

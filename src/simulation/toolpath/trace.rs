@@ -3,6 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
@@ -57,6 +58,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
+    tracer.end_contour();
     tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
@@ -146,6 +148,8 @@ pub(super) struct Tracer<'a> {
     pub(super) functions: Functions,
     pub(super) path_mode: InForce,
     ended: Option<Code>,
+    pub(super) compensation: CompensationWords,
+    pub(super) contour: Contour,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
 }
@@ -177,6 +181,8 @@ impl<'a> Tracer<'a> {
             functions: Functions::default(),
             path_mode: InForce::default(),
             ended: None,
+            compensation: CompensationWords::default(),
+            contour: Contour::new(),
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
         }
@@ -208,6 +214,7 @@ impl<'a> Tracer<'a> {
         if let Some(code) = request.tool_length {
             request.special = self.choose_tool_length(block, code).or(request.special);
         }
+        self.compensation_word(block);
         self.act(block, &request);
         if request.has_m_word {
             self.m_words(block, When::AfterMotion);
@@ -284,7 +291,7 @@ impl<'a> Tracer<'a> {
             Meaning::EndOf(kind) => self.frame.unset(kind),
             Meaning::Polar(is_on) => self.frame.polar = is_on.then(Polar::default),
             Meaning::TipControl(name) => self.remarks.add(place, Untraced::TipControl { name }),
-            Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
+            Meaning::Compensation(word) => self.compensation.word = Some(word),
             Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
             Meaning::TransformationAbout(name) => {
@@ -346,7 +353,7 @@ impl<'a> Tracer<'a> {
 
     pub(super) fn stop(&mut self, block: Block, cause: StopCause) {
         let after = self.toolpath.segments.len();
-        self.toolpath.stops.push(Stop { after, cause, line: block.line });
+        self.stop_in_contour(Stop { after, cause, line: block.line });
     }
 }
 
