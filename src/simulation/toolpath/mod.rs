@@ -52,6 +52,7 @@ mod random;
 mod remark;
 mod rotary;
 mod run;
+mod siemens;
 mod trace;
 mod words;
 

@@ -152,6 +152,18 @@ pub(super) enum Untraced {
     EndlessRun,
     #[error("the program raises an alarm (#3000) and ends here")]
     Alarm,
+    #[error("{name}: {what}")]
+    Statement { name: &'static str, what: &'static str },
+    #[error("{name} is a curve that is not modelled: its points are joined by straight lines")]
+    Curve { name: &'static str },
+    #[error("{name} (milling cycle) is not modelled: its moves are missing from the time")]
+    MillingCycle { name: &'static str },
+    #[error("{name}: {no_hole}: hole not made")]
+    NoSiemensHole { name: &'static str, no_hole: NoHole },
+    #[error("no arc goes through these three points: a straight move to the end")]
+    NoArcThrough,
+    #[error("G331 and G332 need a pitch (K) and a spindle speed (S): run at the feedrate in force")]
+    NoTapFeed,
     #[error("{text}: not run")]
     NotRun { text: String },
     #[error(
@@ -245,6 +257,9 @@ impl Remark for Untraced {
             | Untraced::DeepCall
             | Untraced::EndlessRun
             | Untraced::Alarm
+            | Untraced::MillingCycle { .. }
+            | Untraced::NoSiemensHole { .. }
+            | Untraced::NoArcThrough
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::UnusedCenter
@@ -259,6 +274,9 @@ impl Remark for Untraced {
             | Untraced::CycleWord { .. }
             | Untraced::NoCycleDwell { .. }
             | Untraced::ManualRetract { .. }
+            | Untraced::Statement { .. }
+            | Untraced::Curve { .. }
+            | Untraced::NoTapFeed
             | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::PathMode(remark) => remark.severity(),
             Untraced::NoMotionWord
@@ -282,6 +300,8 @@ impl Remark for Untraced {
         matches!(
             self,
             Untraced::Transformation { .. }
+                | Untraced::Statement { .. }
+                | Untraced::Curve { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
                 | Untraced::NoFeed { .. }

@@ -8,12 +8,14 @@ use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
+use crate::simulation::toolpath::motion::has_dwell_by_feed;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::path_mode::{InForce, PathWord};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::Rotary;
 use crate::simulation::toolpath::run::Run;
+use crate::simulation::toolpath::siemens::{self, Siemens, Statement};
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
 use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath};
 use crate::units::MM_PER_INCH;
@@ -22,6 +24,7 @@ use crate::units::MM_PER_INCH;
 pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     let mut tracer = Tracer::new(machine, program.is_tape);
     tracer.family = Family::of(program.dialect);
+    tracer.dialect = program.dialect;
     let mut parameters = Parameters::new(program.dialect);
     let mut run = Run::new(program);
     let mut values = Values::default();
@@ -87,13 +90,15 @@ pub(super) struct Modal {
 }
 
 /// What the G words of a block ask for beyond the modal state.
-struct Request {
-    special: Option<(Special, Code)>,
-    exact_stop: bool,
+pub(super) struct Request {
+    pub(super) special: Option<(Special, Code)>,
+    pub(super) exact_stop: bool,
+    /// What a statement of a SINUMERIK program asks for.
+    pub(super) statement: Option<Statement>,
     path_words: Vec<(PathWord, Code, Place)>,
     has_motion_word: bool,
     /// The axis words belong to a G word that is not run.
-    has_foreign_axis_words: bool,
+    pub(super) has_foreign_axis_words: bool,
     has_m_word: bool,
     work_offset: Option<(Code, Place)>,
     tool_length: Option<Code>,
@@ -143,6 +148,8 @@ pub(super) struct Tracer<'a> {
     pub(super) frame: Frame,
     pub(super) rotary: Rotary,
     pub(super) family: Family,
+    pub(super) dialect: Dialect,
+    pub(super) siemens: Siemens,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     pub(super) functions: Functions,
@@ -177,6 +184,8 @@ impl<'a> Tracer<'a> {
             frame: Frame::new(machine),
             rotary: Rotary::default(),
             family: Family::default(),
+            dialect: Dialect::default(),
+            siemens: Siemens::default(),
             exact_stop: false,
             functions: Functions::default(),
             path_mode: InForce::default(),
@@ -200,6 +209,9 @@ impl<'a> Tracer<'a> {
             }
         }
         self.exact_stop = self.path_mode.has_exact_stop() || request.exact_stop;
+        if matches!(request.special, Some((Special::Dwell, _))) && has_dwell_by_feed(self.dialect) {
+            self.given.take(b'F');
+        }
         self.take_feed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
@@ -226,6 +238,7 @@ impl<'a> Tracer<'a> {
         let mut request = Request {
             special: None,
             exact_stop: false,
+            statement: None,
             path_words: Vec::new(),
             has_motion_word: false,
             has_foreign_axis_words: false,
@@ -240,12 +253,16 @@ impl<'a> Tracer<'a> {
                 b'G' => self.g_word(block, word, &mut request),
                 b'M' => request.has_m_word = true,
                 address if address::ARGUMENT <= address => {}
+                address::STATEMENT if self.dialect == Dialect::Siemens => {
+                    self.siemens_statement(block, word, &mut request.statement);
+                }
                 letter => {
                     if letter.is_ascii_uppercase() && self.given.has(bits(&[letter])) {
                         let letter = letter as char;
                         self.remarks.add(block.place_of(word), Untraced::RepeatedWord { letter });
                     }
                     self.given.set(letter, word.value);
+                    self.given.refer(letter, word.reference);
                 }
             }
         }
@@ -256,7 +273,8 @@ impl<'a> Tracer<'a> {
         let code = Code { letter: 'G', value: word.value };
         let place = block.place_of(word);
         let tenths = tenths(word);
-        let Some((group, meaning)) = tenths.and_then(meaning) else {
+        let own = |tenths| if self.dialect == Dialect::Siemens { siemens::meaning(tenths) } else { None };
+        let Some((group, meaning)) = tenths.and_then(|tenths| own(tenths).or_else(|| meaning(tenths))) else {
             self.remarks.add(place, Untraced::UnknownG { code });
             request.has_foreign_axis_words = true;
             return;
@@ -298,6 +316,7 @@ impl<'a> Tracer<'a> {
                 self.remarks.add(place, Untraced::Transformation { code, name });
                 request.has_foreign_axis_words = true;
             }
+            Meaning::Siemens(word) => self.siemens_g_word(block, place, code, word, request),
             Meaning::Neutral => {}
         }
     }
@@ -340,6 +359,10 @@ impl<'a> Tracer<'a> {
                 self.remarks.add(block.place_of_letter(letter), remark);
             }
         }
+        if let Some(statement) = request.statement {
+            self.siemens_act(block, statement);
+            return;
+        }
         match special {
             Some((special, code)) => self.special(block, special, code),
             None if request.has_foreign_axis_words => {}
@@ -347,6 +370,8 @@ impl<'a> Tracer<'a> {
                 self.take_rotary(block);
                 self.motion(block, request.has_motion_word);
                 self.turn_the_rest(block);
+                self.corner_words(block);
+                self.siemens_after_move(block);
             }
         }
     }

@@ -9,6 +9,7 @@ use crate::simulation::toolpath::feed_mode::FeedMode;
 use crate::simulation::toolpath::frame::Kind;
 use crate::simulation::toolpath::path_mode::PathWord;
 use crate::simulation::toolpath::plane::{Plane, Turn};
+use crate::simulation::toolpath::siemens::SiemensWord;
 
 /// How axis words are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +92,8 @@ pub(super) enum Meaning {
     Transformation(&'static str),
     /// A change of coordinates by its name, which the axis words of its block belong to.
     TransformationAbout(&'static str),
+    /// A word of SINUMERIK controls.
+    Siemens(SiemensWord),
     /// It changes neither path nor time.
     Neutral,
 }

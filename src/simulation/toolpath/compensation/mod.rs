@@ -32,7 +32,7 @@ mod words;
 pub(super) use corner::OuterCorner;
 pub(super) use rounding::{CornerShape, CornerTreatment};
 pub(super) use trouble::Trouble;
-pub(super) use words::{CompensationWord, CompensationWords, Diameter, Side};
+pub(super) use words::{CompensationWord, CompensationWords, Side};
 
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::compensation::queue::{Queue, Setting};

@@ -1,10 +1,10 @@
 //! Where compensation and corner treatments meet the tracer: what G40 to G42.1 and D ask for, and
 //! the calls for words of other dialects.
 
-use crate::simulation::gcode::Place;
-use crate::simulation::toolpath::block::Block;
+use crate::simulation::gcode::{Dialect, Place, address};
+use crate::simulation::toolpath::block::{Block, bits};
 use crate::simulation::toolpath::compensation::queue::Setting;
-use crate::simulation::toolpath::compensation::{CornerTreatment, OuterCorner, Trouble};
+use crate::simulation::toolpath::compensation::{CornerShape, CornerTreatment, OuterCorner, Trouble};
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::{Stop, StopCause};
@@ -72,6 +72,11 @@ impl Tracer<'_> {
                 self.compensate(block, Some((side, known)));
             }
             (CompensationWord::ByTool(side), Some(value)) => {
+                // On SINUMERIK controls D chooses an edge of the tool in the spindle.
+                if self.dialect == Dialect::Siemens && value != 0.0 {
+                    self.compensate(block, Some((side, Diameter::Spindle)));
+                    return;
+                }
                 let is_number = (0.0..=LAST_TOOL).contains(&value) && value.fract() == 0.0;
                 if is_number {
                     self.compensation.number = (self.is_tape && 0.0 < value).then_some(value as u32);
@@ -135,6 +140,30 @@ impl Tracer<'_> {
             self.remarks.add(block.place(), trouble.into());
         }
         known.map(|tool| tool.diameter)
+    }
+
+    /// RND, CHF, CHR, RNDM, and `,R` and `,C`, once the move of their block was run.
+    pub(in crate::simulation::toolpath) fn corner_words(&mut self, block: Block) {
+        const WORDS: u64 =
+            bits(&[address::ROUNDING, address::CHAMFER_LEG, address::CHAMFER, address::MODAL_ROUNDING]);
+        if !self.given.has(WORDS) {
+            return;
+        }
+        let unit = self.modal.unit;
+        let size = |address: u8| self.given.get(address).map(|value| value * unit);
+        let feedrate =
+            size(address::CORNER_FEED).map(|feed| feed / 60.0).filter(|feed| (1e-6..=1e6).contains(feed));
+        let next = (size(address::ROUNDING).map(|radius| CornerShape::Rounding { radius }))
+            .or(size(address::CHAMFER_LEG).map(|leg| CornerShape::Chamfer { leg }))
+            .or(size(address::CHAMFER).map(|width| CornerShape::ChamferWidth { width }));
+        let every = size(address::MODAL_ROUNDING);
+        if let Some(shape) = next {
+            self.treat_next_corner(block, CornerTreatment { shape, feedrate });
+        }
+        if let Some(radius) = every {
+            let shape = CornerShape::Rounding { radius };
+            self.treat_every_corner(block, (radius != 0.0).then_some(CornerTreatment { shape, feedrate }));
+        }
     }
 
     /// Puts this in place of the corner between the last move given and the next one.
