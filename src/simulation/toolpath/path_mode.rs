@@ -313,3 +313,45 @@ impl Tracer<'_> {
 fn words(code: Code, letter: char, value: Option<f64>) -> String {
     value.map_or_else(|| code.to_string(), |value| format!("{code} {letter}{value}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    fn blendings(program: &str, machine: &Machine) -> Vec<(usize, Blending)> {
+        let modes = trace(&read(program.as_bytes()), machine).path_modes;
+        modes.into_iter().map(|mode| (mode.from, mode.blending)).collect()
+    }
+
+    #[test]
+    fn levels_are_those_of_the_machine() {
+        let mut machine = Machine::default();
+        machine.path_modes.finish = Some(0.002);
+        (machine.path_modes.level_1, machine.path_modes.level_10) = (Some(0.1), Some(0.01));
+        let found =
+            blendings("G1 F1 X1\nG187 P3\nX2\nG187 P1\nX3\nG5.1 Q1 R1\nX4\nG5.1 Q1 R10\nX5", &machine);
+        let within = Blending::Within;
+        assert_eq!(found, [(1, within(0.002)), (2, Blending::Machine), (3, within(0.1)), (4, within(0.01))]);
+    }
+
+    #[test]
+    fn a_mode_is_put_down_once_and_only_where_it_changes_something() {
+        let machine = Machine::default();
+        assert_eq!(blendings("G64\nG1 F1 X1\nG61\nG64\nX2\nG64 P0\nX3", &machine), []);
+        let twice = "G64 P.1\nG1 F1 X1\nG64 P.1\nX2\nG64 P.2\nG64 P.1\nX3";
+        assert_eq!(blendings(twice, &machine), [(0, Blending::Within(0.1))]);
+    }
+
+    #[test]
+    fn a_tolerance_of_its_own_word_outlives_exact_stop_and_g64() {
+        let program = "G187 E.02\nG1 F1 X1\nG61\nX2\nG64\nX3\nG187\nX4";
+        let toolpath = trace(&read(program.as_bytes()), &Machine::default());
+        let sources: Vec<&str> = toolpath.path_modes.iter().map(|mode| mode.source.as_str()).collect();
+        assert_eq!(sources, ["G187 E0.02", "G61", "G187 E0.02", "G187"]);
+        let stops: Vec<bool> = toolpath.segments.iter().map(|segment| segment.exact_stop).collect();
+        assert_eq!(stops, [false, true, false, false]);
+    }
+}
