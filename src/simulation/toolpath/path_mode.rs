@@ -289,7 +289,8 @@ impl Tracer<'_> {
         if !(1.0..=10.0).contains(&level) {
             return self.remark_on_path(place, PathRemark::BadLevel { source_words: source });
         }
-        let between = |(first, last): (f64, f64)| first + (last - first) * (level - 1.0) / 9.0;
+        let between =
+            |(first, last): (f64, f64)| first * ((10.0 - level) / 9.0) + last * ((level - 1.0) / 9.0);
         let known = levels.level_1.zip(levels.level_10).map(between);
         let blending =
             self.level(place, &source, (known, "path_modes.level_1_mm and path_modes.level_10_mm"));
