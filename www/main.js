@@ -9,6 +9,7 @@ import init, {
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
 import { Ended, Engine } from './engine.js'
+import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
 import * as machinePanel from './panels/machine.js'
@@ -231,6 +232,7 @@ const panels = [
   tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
   resultsPanel.mount(element('results'), form, actions),
   chart,
+  breakdownPanel.mount(element('breakdown'), actions),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

@@ -9,15 +9,15 @@
 
 mod parameters;
 mod presets;
+mod times;
 mod tolerance;
 
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
+pub use times::{Direction, Function, Spin, SpindleTimes, Times};
 pub use tolerance::{
     ToleranceError, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label,
 };
-
-use std::collections::BTreeMap;
 
 /// The axes a limit can belong to, in the order of the coordinates of a point.
 pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
@@ -37,8 +37,14 @@ pub struct Machine {
     pub path: PathLimits,
     /// Each axis X, Y, Z.
     pub axes: [Axis; 3],
+    /// Each rotary axis A, B, C.
+    pub rotary_axes: [RotaryAxis; 3],
+    /// Machine coordinates of the zero points of G54 to G59, mm; neutral none: zero, and unknown.
+    pub work_offsets: [Option<[f64; 3]>; 6],
     /// Override switches.
     pub overrides: Overrides,
+    /// What cycles leave to the control.
+    pub cycles: Cycles,
     /// Times that are not motion.
     pub times: Times,
     /// What an hour costs.
@@ -100,6 +106,8 @@ impl CornerMode {
 pub struct Rapid {
     /// Feedrate along the path, mm/s.
     pub feedrate: f64,
+    /// Rate at which a rotary axis turns in rapid, rad/s.
+    pub rotary_rate: f64,
     /// Full stop at both ends of a chain of rapid moves; neutral false: blended like feed moves.
     pub exact_stop: bool,
     /// Time constants of the filters during rapid moves; neutral none: those of feed moves.
@@ -150,6 +158,17 @@ pub struct Axis {
     pub mode: Option<Mode>,
 }
 
+/// One rotary axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotaryAxis {
+    /// Fastest the axis turns, rad/s; neutral infinite.
+    pub velocity: f64,
+}
+
+/// Rapid rate of rotary axes where the machine does not give one, rad/s: 9000 °/min, 25 rev/min,
+/// usual for tables and heads of machining centres.
+const RAPID_ROTARY_RATE: f64 = 50.0 * std::f64::consts::PI / 60.0;
+
 /// A lightly damped oscillation between drive and tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
@@ -168,22 +187,14 @@ pub struct Overrides {
     pub rapid: f64,
 }
 
-/// Times that are not motion.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Times {
-    /// Tool change at M6, s.
-    pub tool_change: f64,
-    /// Any other M-word without an entry of its own, s; neutral 0.
-    pub m_code: f64,
-    /// M-words with a time of their own, s, by number.
-    pub m_codes: BTreeMap<u32, f64>,
-}
-
-impl Times {
-    /// How long M`code` takes, s.
-    pub fn of_m_code(&self, code: u32) -> f64 {
-        self.m_codes.get(&code).copied().unwrap_or(self.m_code)
-    }
+/// What cycles leave to the control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycles {
+    /// How far chip breaking (G73) lifts the tool between pecks, mm; none: what is usual for the
+    /// dialect.
+    pub peck_retract: Option<f64>,
+    /// How far above the last depth pecking (G83) feeds again, mm; none: as above.
+    pub peck_clearance: Option<f64>,
 }
 
 /// What the machine costs.
@@ -208,14 +219,29 @@ impl Default for Machine {
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
             },
-            rapid: Rapid { feedrate: 200.0, exact_stop: false, time_constants: None },
+            rapid: Rapid {
+                feedrate: 200.0,
+                rotary_rate: RAPID_ROTARY_RATE,
+                exact_stop: false,
+                time_constants: None,
+            },
             path_modes: PathModes::default(),
             path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
             axes: [Axis::default(); 3],
+            rotary_axes: [RotaryAxis::default(); 3],
+            work_offsets: [None; 6],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
-            times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
+            cycles: Cycles { peck_retract: None, peck_clearance: None },
+            times: Times::default(),
             rates: Rates { hourly: 0.0 },
         }
+    }
+}
+
+/// A rotary axis without limits.
+impl Default for RotaryAxis {
+    fn default() -> RotaryAxis {
+        RotaryAxis { velocity: f64::INFINITY }
     }
 }
 

@@ -4,8 +4,12 @@
 //! A row's key is its place in the machine file, `[table]` and key joined by a dot. Values pass
 //! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
 
-use crate::machine::{CornerMode, Machine, Mode, TimeConstants};
+mod times;
+
+use crate::machine::parameters::times::TIMES;
+use crate::machine::{CornerMode, Machine, Mode, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
+use std::collections::BTreeMap;
 
 /// One machine parameter as people write it.
 pub struct Parameter {
@@ -44,6 +48,10 @@ pub enum Access {
         min: f64,
         /// Largest value allowed, in that unit.
         max: f64,
+        /// Only whole numbers.
+        whole: bool,
+        /// How many values there can be.
+        most: usize,
         /// Its values; none where the machine does not have them.
         get: fn(&Machine) -> Option<Vec<f64>>,
         /// Gives it values.
@@ -72,8 +80,15 @@ pub enum Access {
         /// Gives it a text.
         set: fn(&mut Machine, &str),
     },
-    /// A table of seconds by M-word, for example `M8 = 3.0`.
-    MCodes,
+    /// A table of seconds by word, for example `M8 = 3.0`.
+    Codes {
+        /// The letter of the words.
+        letter: char,
+        /// The seconds by number.
+        get: fn(&Machine) -> &BTreeMap<u32, f64>,
+        /// The same, to be changed.
+        get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
+    },
 }
 
 /// The row with this key.
@@ -176,6 +191,46 @@ macro_rules! axis {
     };
 }
 
+/// The row of one rotary axis.
+macro_rules! rotary_axis {
+    ($name:literal, $index:literal) => {
+        [Parameter {
+            key: concat!("axis.", $name, ".velocity_deg_min"),
+            label: concat!("Velocity limit ", $name),
+            doc: "Fastest the rotary axis turns, in feed and rapid; empty: no limit.",
+            access: number(
+                Unit::DegreePerMinute,
+                (1.0, 1e7),
+                |m| finite(m.rotary_axes[$index].velocity),
+                |m, v| m.rotary_axes[$index].velocity = v.unwrap_or(f64::INFINITY),
+            ),
+        }]
+    };
+}
+
+/// Rows of one work offset.
+macro_rules! work_offset {
+    ($name:literal, $index:literal) => {
+        [
+            work_offset!($name, $index, "x", 0),
+            work_offset!($name, $index, "y", 1),
+            work_offset!($name, $index, "z", 2),
+        ]
+    };
+    ($name:literal, $index:literal, $letter:literal, $axis:literal) => {
+        Parameter {
+            key: concat!("work_offsets.", $name, ".", $letter, "_mm"),
+            label: concat!($name, " ", $letter),
+            doc: "Machine coordinate of the zero point; empty: zero. Matters to moves between zero points and to G53 and G28.",
+            access: number(Unit::Millimetre, (-1e5, 1e5), |m| m.work_offsets[$index].map(|point| point[$axis]), |m, v| {
+                if let Some(value) = v {
+                    m.work_offsets[$index].get_or_insert_default()[$axis] = value
+                }
+            }),
+        }
+    };
+}
+
 /// Damping ratio of a structural mode for which none is given: typical of machine tools.
 const DAMPING: f64 = 0.03;
 
@@ -258,6 +313,8 @@ const GENERAL: [Parameter; 22] = [
             unit: Unit::Second,
             min: TIME_CONSTANT_S.0,
             max: TIME_CONSTANT_S.1,
+            whole: false,
+            most: 4,
             get: |m| match &m.interpolator.time_constants {
                 TimeConstants::Unequal(list) => Some(list.clone()),
                 _ => None,
@@ -331,6 +388,17 @@ const GENERAL: [Parameter; 22] = [
             (1.0, 1e6),
             |m| Some(m.rapid.feedrate),
             |m, v| m.rapid.feedrate = v.unwrap_or(200.0),
+        ),
+    },
+    Parameter {
+        key: "rapid.rotary_deg_min",
+        label: "Rapid rate of rotary axes",
+        doc: "Rate at which each of A, B and C turns in rapid; empty: 9000, that is 25 rev/min.",
+        access: number(
+            Unit::DegreePerMinute,
+            (1.0, 1e7),
+            |m| Some(m.rapid.rotary_rate),
+            |m, v| m.rapid.rotary_rate = v.unwrap_or(RAPID_ROTARY_RATE),
         ),
     },
     Parameter {
@@ -414,32 +482,26 @@ const GENERAL: [Parameter; 22] = [
         ),
     },
     Parameter {
-        key: "times.tool_change_s",
-        label: "Tool change",
-        doc: "Time of a tool change at M6, beyond stopping.",
+        key: "cycles.peck_retract_mm",
+        label: "Retract of chip breaking",
+        doc: "How far G73 lifts the tool between pecks; empty: 0.254 mm as LinuxCNC, 1 mm in programs with a % line or an O number.",
         access: number(
-            Unit::Second,
-            (0.0, 3600.0),
-            |m| Some(m.times.tool_change),
-            |m, v| m.times.tool_change = v.unwrap_or(4.0),
+            Unit::Millimetre,
+            (0.0, 100.0),
+            |m| m.cycles.peck_retract,
+            |m, v| m.cycles.peck_retract = v,
         ),
     },
     Parameter {
-        key: "times.m_code_s",
-        label: "Other M-words",
-        doc: "Time of every other M-word, beyond stopping; 0: none.",
+        key: "cycles.peck_clearance_mm",
+        label: "Clearance of pecking",
+        doc: "How far above the last depth G83 goes from rapid to feed; empty: 0.254 mm as LinuxCNC, 1 mm in programs with a % line or an O number.",
         access: number(
-            Unit::Second,
-            (0.0, 3600.0),
-            |m| Some(m.times.m_code),
-            |m, v| m.times.m_code = v.unwrap_or(0.0),
+            Unit::Millimetre,
+            (0.0, 100.0),
+            |m| m.cycles.peck_clearance,
+            |m, v| m.cycles.peck_clearance = v,
         ),
-    },
-    Parameter {
-        key: "times.m_codes",
-        label: "M-words with their own time",
-        doc: "Seconds by M-word, for example M3 = 4.0 for a spindle that needs 4 s to run up.",
-        access: Access::MCodes,
     },
     Parameter {
         key: "rates.hourly",
@@ -510,5 +572,19 @@ const LEVELS: [Parameter; 5] = [
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(LEVELS).chain(axis!("x", 0)).chain(axis!("y", 1)).chain(axis!("z", 2)).collect()
+    let axes = axis!("x", 0).into_iter().chain(axis!("y", 1)).chain(axis!("z", 2));
+    let rotary_axes =
+        rotary_axis!("a", 0).into_iter().chain(rotary_axis!("b", 1)).chain(rotary_axis!("c", 2));
+    let first =
+        work_offset!("G54", 0).into_iter().chain(work_offset!("G55", 1)).chain(work_offset!("G56", 2));
+    let last = work_offset!("G57", 3).into_iter().chain(work_offset!("G58", 4)).chain(work_offset!("G59", 5));
+    GENERAL
+        .into_iter()
+        .chain(LEVELS)
+        .chain(TIMES)
+        .chain(axes)
+        .chain(rotary_axes)
+        .chain(first)
+        .chain(last)
+        .collect()
 });

@@ -7,3 +7,4 @@ mod path_modes;
 mod paths;
 mod symmetry;
 mod table;
+mod times;

@@ -15,10 +15,17 @@
 //! on Fanuc controls. White space means nothing, not even within the name of a parameter, and
 //! lower case is upper case.
 //!
+//! Siemens and Klartext write the same with other signs: round brackets, other operators, and
+//! parameters without `#` (`R1`, `R[R2]`, names; `Q1`). Klartext lets a function stand before its value
+//! without brackets (`SIN Q1`). `EXISTS[#<name>]` is 1 if the parameter has a value; `POW[a,b]` and
+//! Siemens' `ATAN2(y,x)` take two values. Fanuc controls let a function be written by its first two letters.
+//!
 //! A fault ends the reading of its block. Brackets and `#` nest to a bounded depth, so that no
 //! text exhausts the stack, and every byte is looked at a bounded number of times.
 
-use crate::simulation::gcode::formula::{FUNCTIONS, Function, OPERATORS, Operator, Step};
+use crate::simulation::gcode::formula::{
+    FUNCTIONS, Function, KLARTEXT_OPERATORS, OPERATORS, Operator, SIEMENS_OPERATORS, Step, Written,
+};
 use crate::simulation::gcode::line::{character_length, excerpt, is_continuation};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
@@ -30,6 +37,33 @@ pub(super) const DEEPEST: usize = 64;
 /// The longest name of a parameter, bytes.
 const LONGEST_NAME: usize = 100;
 
+/// How a family of dialects writes expressions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Notation {
+    /// `[#1+2]`.
+    Iso,
+    /// `(R1+2)`.
+    Siemens,
+    /// `( Q1 + 2 )`.
+    Klartext,
+    /// `[VC1+2]`.
+    Okuma,
+}
+
+impl Notation {
+    fn brackets(self) -> (u8, u8) {
+        if matches!(self, Notation::Iso | Notation::Okuma) { (b'[', b']') } else { (b'(', b')') }
+    }
+
+    fn operators(self) -> &'static [Written] {
+        match self {
+            Notation::Iso | Notation::Okuma => OPERATORS,
+            Notation::Siemens => SIEMENS_OPERATORS,
+            Notation::Klartext => KLARTEXT_OPERATORS,
+        }
+    }
+}
+
 /// What is wrong, and the bytes it concerns.
 pub(super) type Fault = (Unread, std::ops::Range<usize>);
 
@@ -40,7 +74,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    fn index(&mut self, name: String) -> u32 {
+    pub(super) fn index(&mut self, name: String) -> u32 {
         let next = self.indices.len() as u32;
         *self.indices.entry(name).or_insert(next)
     }
@@ -68,6 +102,7 @@ pub(super) struct Expressions<'a> {
     pub(super) at: usize,
     pub(super) steps: &'a mut Vec<Step>,
     pub(super) names: &'a mut Names,
+    notation: Notation,
     depth: usize,
     /// Bytes read so far that belong to a character already counted.
     pub(super) continuation: usize,
@@ -75,22 +110,25 @@ pub(super) struct Expressions<'a> {
 
 impl<'a> Expressions<'a> {
     pub(super) fn new(
+        notation: Notation,
         text: &'a [u8],
         at: usize,
         steps: &'a mut Vec<Step>,
         names: &'a mut Names,
     ) -> Expressions<'a> {
-        Expressions { text, at, steps, names, depth: 0, continuation: 0 }
+        Expressions { text, at, steps, names, notation, depth: 0, continuation: 0 }
     }
 
-    /// Whether a value that is more than a number begins at `at`.
+    /// Whether a value of ISO that is more than a number begins at `at`.
     pub(super) fn begin_at(text: &[u8], at: usize) -> bool {
         let at = skip_blanks(text, at);
         let is_signed = matches!(text.get(at), Some(b'+' | b'-'));
         let at = skip_blanks(text, at + usize::from(is_signed));
         let is_function = || {
             let found = FUNCTIONS.iter().find_map(|(name, _)| after(text, at, name));
-            found.is_some_and(|end| text.get(skip_blanks(text, end)) == Some(&b'['))
+            let of_two = ["POW", "EXISTS"].iter().find_map(|name| after(text, at, name));
+            let end = found.or(of_two);
+            end.is_some_and(|end| text.get(skip_blanks(text, end)) == Some(&b'['))
         };
         match text.get(at) {
             Some(b'#' | b'[') => true,
@@ -132,8 +170,12 @@ impl<'a> Expressions<'a> {
                     Place::Named(name) => self.steps.push(Step::Named(name)),
                 }
             }
-            Some(b'[') => self.bracket()?,
-            Some(byte) if byte.is_ascii_alphabetic() => self.function()?,
+            Some(byte) if *byte == self.notation.brackets().0 => self.bracket()?,
+            Some(byte) if byte.is_ascii_alphabetic() || matches!(byte, b'_' | b'$') => {
+                if !self.variable()? {
+                    self.function()?;
+                }
+            }
             _ => return Err(self.missing("a value")),
         }
         if is_negative {
@@ -143,7 +185,7 @@ impl<'a> Expressions<'a> {
     }
 
     /// Leaves the value of all that binds at least as tightly as `tightness`.
-    fn expression(&mut self, tightness: u8) -> Result<(), Fault> {
+    pub(super) fn expression(&mut self, tightness: u8) -> Result<(), Fault> {
         self.value()?;
         while let Some((end, own, operator)) = self.operator()
             && tightness <= own
@@ -159,31 +201,118 @@ impl<'a> Expressions<'a> {
     fn operator(&self) -> Option<(usize, u8, Operator)> {
         let at = skip_blanks(self.text, self.at);
         let found = |(name, tightness, operator): &(&str, u8, Operator)| {
-            Some((after(self.text, at, name)?, *tightness, *operator))
+            let end = after(self.text, at, name)?;
+            // `OR` is not the beginning of `ORIWKS`.
+            let is_whole = self.notation == Notation::Iso
+                || !name.ends_with(|last: char| last.is_ascii_alphabetic())
+                || identifier(&self.text[end..]) == 0;
+            is_whole.then_some((end, *tightness, *operator))
         };
-        OPERATORS.iter().find_map(found)
+        self.notation.operators().iter().find_map(found)
     }
 
     fn bracket(&mut self) -> Result<(), Fault> {
-        self.expect(b'[')?;
+        let (open, close) = self.notation.brackets();
+        self.expect(open)?;
         self.nested(|inner| inner.expression(0))?;
-        self.expect(b']')
+        self.expect(close)
+    }
+
+    /// A parameter without `#`, where one stands next.
+    fn variable(&mut self) -> Result<bool, Fault> {
+        let letters = identifier(&self.text[self.at..]);
+        let name = &self.text[self.at..self.at + letters];
+        let prefix = match self.notation {
+            Notation::Iso => return Ok(false),
+            Notation::Siemens => b'R',
+            Notation::Klartext => b'Q',
+            Notation::Okuma => return Ok(self.okuma_variable(letters)),
+        };
+        let digits = name[1..].iter().all(u8::is_ascii_digit);
+        if name[0].eq_ignore_ascii_case(&prefix) && digits {
+            self.at += 1;
+            let is_indexed = letters == 1 && self.text.get(self.at) == Some(&b'[');
+            if letters == 1 && !is_indexed {
+                return Err(self.missing("the number of a parameter"));
+            }
+            if is_indexed {
+                self.at += 1;
+                self.nested(|inner| inner.expression(0))?;
+                self.expect(b']')?;
+            } else {
+                let found =
+                    number(&self.text[..self.at + letters - 1], self.at).map_or(0.0, |found| found.value);
+                self.steps.push(Step::Number(found));
+                self.at += letters - 1;
+            }
+            self.steps.push(Step::Numbered);
+            return Ok(true);
+        }
+        let is_function = FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()));
+        if self.notation == Notation::Klartext || is_function || name.eq_ignore_ascii_case(b"ATAN2") {
+            return Ok(false);
+        }
+        let is_system = name[0] == b'$';
+        let end = self.at + letters + index_of_array(&self.text[self.at + letters..], is_system);
+        let name = String::from_utf8_lossy(&self.text[self.at..end]).to_ascii_lowercase();
+        self.at = end;
+        let index = self.names.index(name);
+        self.steps.push(Step::Named(index));
+        Ok(true)
+    }
+
+    /// `VC1`, `V1` or a name of the program; not a function.
+    fn okuma_variable(&mut self, letters: usize) -> bool {
+        let name = &self.text[self.at..self.at + letters];
+        if FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes())) {
+            return false;
+        }
+        if let Some(number) = okuma_number(name) {
+            self.steps.extend([Step::Number(f64::from(number)), Step::Numbered]);
+        } else {
+            let index = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+            self.steps.push(Step::Named(index));
+        }
+        self.at += letters;
+        true
     }
 
     fn function(&mut self) -> Result<(), Fault> {
         let start = self.at;
+        let letters = identifier(&self.text[start..]);
+        let name = &self.text[start..start + letters];
+        if name.eq_ignore_ascii_case(b"EXISTS") {
+            return self.exists();
+        }
+        for (two, operator) in [(&b"POW"[..], Operator::Power), (b"ATAN2", Operator::Angle)] {
+            if name.eq_ignore_ascii_case(two) {
+                self.at = start + letters;
+                return self.of_two(operator);
+            }
+        }
+        if self.notation == Notation::Klartext && name.eq_ignore_ascii_case(b"PI") {
+            self.at = start + letters;
+            self.steps.push(Step::Number(std::f64::consts::PI));
+            return Ok(());
+        }
         let found = FUNCTIONS
             .iter()
-            .find_map(|(name, function)| after(self.text, start, name).map(|end| (end, *function)));
+            .find_map(|(name, function)| after(self.text, start, name).map(|end| (end, *function)))
+            .or_else(|| Some((start + 2, function_by_two_letters(name)?)));
         let Some((end, function)) = found else {
             let letters = self.text[start..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
             let text = excerpt(&self.text[start..start + letters]);
             return Err((Unread::Function { text }, start..start + letters));
         };
         self.at = end;
-        self.bracket()?;
+        if self.notation == Notation::Klartext {
+            self.nested(Self::value)?;
+        } else {
+            self.bracket()?;
+        }
         let slash = skip_blanks(self.text, self.at);
         if function == Function::Atan
+            && self.notation == Notation::Iso
             && self.text.get(slash) == Some(&b'/')
             && self.text.get(skip_blanks(self.text, slash + 1)) == Some(&b'[')
         {
@@ -196,8 +325,34 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
+    /// Two values between brackets.
+    fn of_two(&mut self, operator: Operator) -> Result<(), Fault> {
+        let (open, close) = self.notation.brackets();
+        self.expect(open)?;
+        self.nested(|inner| inner.expression(0))?;
+        self.expect(b',')?;
+        self.nested(|inner| inner.expression(0))?;
+        self.expect(close)?;
+        self.steps.push(Step::Operator(operator));
+        Ok(())
+    }
+
+    /// `EXISTS[#<name>]`.
+    fn exists(&mut self) -> Result<(), Fault> {
+        self.at += "EXISTS".len();
+        self.expect(b'[')?;
+        self.expect(b'#')?;
+        let start = self.at;
+        let Place::Named(name) = self.place()? else {
+            let text = excerpt(&self.text[start..self.at]);
+            return Err((Unread::Name { text }, start..self.at));
+        };
+        self.steps.push(Step::Exists(name));
+        self.expect(b']')
+    }
+
     /// What follows a `#`.
-    fn place(&mut self) -> Result<Place, Fault> {
+    pub(super) fn place(&mut self) -> Result<Place, Fault> {
         let start = skip_blanks(self.text, self.at);
         if self.text.get(start) != Some(&b'<') {
             self.nested(Self::value)?;
@@ -228,7 +383,7 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
-    fn expect(&mut self, sign: u8) -> Result<(), Fault> {
+    pub(super) fn expect(&mut self, sign: u8) -> Result<(), Fault> {
         self.at = skip_blanks(self.text, self.at);
         if self.text.get(self.at) == Some(&sign) {
             self.at += 1;
@@ -237,6 +392,10 @@ impl<'a> Expressions<'a> {
         Err(self.missing(match sign {
             b'[' => "`[`",
             b']' => "an operator or `]`",
+            b'(' => "`(`",
+            b')' => "an operator or `)`",
+            b',' => "`,`",
+            b'#' => "`#`",
             _ => "`=`",
         }))
     }
@@ -264,4 +423,38 @@ fn after(text: &[u8], at: usize, name: &str) -> Option<usize> {
         end += 1;
     }
     Some(end)
+}
+
+/// The number of a common or system variable of Okuma controls.
+pub(super) fn okuma_number(name: &[u8]) -> Option<u32> {
+    let upper = name.to_ascii_uppercase();
+    let digits = upper.strip_prefix(b"VC").or(upper.strip_prefix(b"V"))?;
+    std::str::from_utf8(digits).ok()?.parse().ok()
+}
+
+/// Length of the name that `text` begins with: letters, digits, `_` and a leading `$`.
+pub(super) fn identifier(text: &[u8]) -> usize {
+    let belongs = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$');
+    text.iter().take_while(|byte| belongs(byte)).count()
+}
+
+/// Length of an index such as `[2]` or `[1,3]` that `text` begins with; only plain numbers make a
+/// name, and names where the control's own variables are meant (`$AA_IM[X]`).
+fn index_of_array(text: &[u8], is_system: bool) -> usize {
+    if text.first() != Some(&b'[') {
+        return 0;
+    }
+    let belongs =
+        |byte: &u8| byte.is_ascii_digit() || *byte == b',' || (is_system && byte.is_ascii_alphanumeric());
+    let inner = text[1..].iter().take_while(|byte| belongs(byte)).count();
+    if 0 < inner && text.get(1 + inner) == Some(&b']') { inner + 2 } else { 0 }
+}
+
+/// The function that Fanuc controls take two letters for.
+fn function_by_two_letters(name: &[u8]) -> Option<Function> {
+    if name.len() != 2 {
+        return None;
+    }
+    let found = FUNCTIONS.iter().find(|(known, _)| known.as_bytes()[..2].eq_ignore_ascii_case(name));
+    found.map(|(_, function)| *function)
 }

@@ -5,14 +5,13 @@
 //! so that a program without formulas carries two empty lists. What the parameters hold is not
 //! known here: that is for the stage that runs the blocks.
 
-use crate::simulation::gcode::LineNumber;
 use std::ops::Range;
 
 /// A value of a block that has to be worked out when the block is run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
-    /// The line of its block.
-    pub line: LineNumber,
+    /// Index of its block.
+    pub block: u32,
     /// What gets the value.
     pub target: Target,
     /// Its steps in [`Program::steps`](crate::simulation::gcode::Program::steps).
@@ -30,6 +29,16 @@ pub enum Target {
     Numbered,
     /// The parameter with this index in [`Program::names`](crate::simulation::gcode::Program::names).
     Named(u32),
+    /// The condition of the block's jump.
+    Condition,
+    /// How often the block's loop or call is run.
+    Count,
+    /// The number of the label that the block goes to.
+    Destination,
+    /// The numbered parameter that a subprogram finds its argument in.
+    Argument(u32),
+    /// What a subprogram gives back.
+    Result,
 }
 
 /// One step of a formula, on a stack of values.
@@ -42,6 +51,8 @@ pub enum Step {
     Named(u32),
     /// Takes a number and puts down the parameter it numbers.
     Numbered,
+    /// Puts down 1 if the parameter with this index has a value, else 0.
+    Exists(u32),
     /// Takes a value and puts down its negative.
     Negate,
     /// Takes a value and puts down a function of it.
@@ -67,10 +78,15 @@ pub enum Function {
     Round,
     Fix,
     Fup,
+    Truncate,
+    Fraction,
+    Square,
+    Sign,
+    Not,
 }
 
 /// All functions as they are written.
-pub(super) const FUNCTIONS: [(&str, Function); 13] = [
+pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     ("SIN", Function::Sin),
     ("COS", Function::Cos),
     ("TAN", Function::Tan),
@@ -84,6 +100,14 @@ pub(super) const FUNCTIONS: [(&str, Function); 13] = [
     ("ROUND", Function::Round),
     ("FIX", Function::Fix),
     ("FUP", Function::Fup),
+    ("TRUNC", Function::Truncate),
+    ("FRAC", Function::Fraction),
+    ("SQ", Function::Square),
+    ("SGN", Function::Sign),
+    ("NOT", Function::Not),
+    // Other spellings of the same.
+    ("POT", Function::Square),
+    ("INT", Function::Truncate),
 ];
 
 impl Function {
@@ -112,13 +136,20 @@ pub enum Operator {
     And,
     Or,
     Xor,
-    /// `ATAN[left]/[right]`, which is written before its operands.
+    /// The whole part of the quotient.
+    Quotient,
+    /// The angle whose tangent is left over right: `ATAN[left]/[right]`, `FN 13: left ANG right`.
     Angle,
+    /// The root of the sum of both squares.
+    Length,
 }
 
-/// All operators that stand between their operands: as written, how tightly they bind. Of two
-/// that begin alike the longer one comes first.
-pub(super) const OPERATORS: [(&str, u8, Operator); 15] = [
+/// One operator as it is written, and how tightly it binds.
+pub(super) type Written = (&'static str, u8, Operator);
+
+/// The operators that stand between their operands in ISO programs. Of two that begin alike the
+/// longer one comes first.
+pub(super) const OPERATORS: &[Written] = &[
     ("**", 5, Operator::Power),
     ("*", 4, Operator::Times),
     ("/", 4, Operator::Over),
@@ -134,4 +165,40 @@ pub(super) const OPERATORS: [(&str, u8, Operator); 15] = [
     ("AND", 1, Operator::And),
     ("OR", 1, Operator::Or),
     ("XOR", 1, Operator::Xor),
+];
+
+/// The same in Siemens programs.
+pub(super) const SIEMENS_OPERATORS: &[Written] = &[
+    ("*", 4, Operator::Times),
+    ("/", 4, Operator::Over),
+    ("DIV", 4, Operator::Quotient),
+    ("MOD", 4, Operator::Modulo),
+    ("+", 3, Operator::Plus),
+    ("-", 3, Operator::Minus),
+    ("==", 2, Operator::Equal),
+    ("<>", 2, Operator::NotEqual),
+    (">=", 2, Operator::GreaterOrEqual),
+    ("<=", 2, Operator::LessOrEqual),
+    (">", 2, Operator::Greater),
+    ("<", 2, Operator::Less),
+    ("AND", 1, Operator::And),
+    ("XOR", 1, Operator::Xor),
+    ("OR", 1, Operator::Or),
+];
+
+/// The same in Klartext, with the words of the FN functions.
+pub(super) const KLARTEXT_OPERATORS: &[Written] = &[
+    ("^", 5, Operator::Power),
+    ("*", 4, Operator::Times),
+    ("/", 4, Operator::Over),
+    ("DIV", 4, Operator::Over),
+    ("%", 4, Operator::Modulo),
+    ("+", 3, Operator::Plus),
+    ("-", 3, Operator::Minus),
+    ("LEN", 3, Operator::Length),
+    ("ANG", 3, Operator::Angle),
+    ("EQU", 2, Operator::Equal),
+    ("NE", 2, Operator::NotEqual),
+    ("GT", 2, Operator::Greater),
+    ("LT", 2, Operator::Less),
 ];

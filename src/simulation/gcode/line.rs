@@ -30,6 +30,12 @@ pub(super) struct Line {
     pub(super) begun: bool,
     /// An O word stands before.
     pub(super) has_o_word: bool,
+    /// A word that calls or returns stands before.
+    pub(super) has_call_words: bool,
+    /// The jump over the rest of the line, as index of the flow.
+    pub(super) skips: Option<usize>,
+    /// The first comment without the signs around it, as bytes of the line.
+    pub(super) comment: Option<(usize, usize)>,
     /// A comment before had parentheses within that did not match.
     pub(super) is_unbalanced: bool,
 }

@@ -15,29 +15,42 @@
 //! Values and assignments (`#5=[1+2]`) are those of the expression module. A value that is more
 //! than a number is kept as a formula, for the stage that knows what the parameters hold.
 //!
+//! That is ISO, which Fanuc, Haas, LinuxCNC, grbl and most others read; the dialect is found by
+//! what stands in the text, or chosen. The other dialects have a reader of their own, and all
+//! give the same [`Program`]: words by address, formulas, and the flow of blocks.
+//!
 //! A line ends with LF, CR LF or a lone CR. White space within a block means nothing, not even
 //! inside a number; lower case is upper case; there is no exponent (`X1E3` is X1 and E3).
-//! N words, program numbers (`O1234`, `:1234`) and checksums are read and dropped. A `%` line
+//! N words, program numbers (`O1234`, `:1234`) and checksums are no words; what a jump or a call
+//! needs of them is kept as labels. A `%` line
 //! opens the program, or closes it where something to run came before and no other `%` follows.
 //! A word that is not a word is left out and the rest of its block kept; a block that holds
-//! anything else that is not understood (a broken expression, program flow, names) is left out as
-//! a whole.
+//! anything else that is not understood (a broken expression, names) is left out as a whole.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.3; expressions as on
 //! LinuxCNC; `%`, `/` and `:` as on
 //! Fanuc controls.
 
+pub mod address;
+mod dialect;
 mod diagnostic;
 mod expression;
+mod flow;
 mod formula;
+mod iso;
 mod line;
 mod number;
 mod reader;
 mod remark;
+mod siemens;
+mod structure;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
+pub use dialect::Dialect;
+pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, When};
 pub use formula::{Formula, Function, Operator, Step, Target};
 pub use reader::{Options, read, read_with};
+pub use siemens::STATEMENTS as SIEMENS_STATEMENTS;
 
 use std::ops::Range;
 
@@ -50,14 +63,24 @@ pub struct LineNumber(pub u32);
 pub struct Program {
     /// The words of all blocks, in order.
     pub words: Vec<Word>,
-    /// The blocks that hold at least one word or formula, in order.
+    /// The blocks that hold at least one word, formula or action, in order.
     pub blocks: Vec<Block>,
+    /// What blocks do apart from their words, by ascending block.
+    pub flow: Vec<Flow>,
+    /// The labels that jumps and calls may name, each with its block, ascending.
+    pub labels: Vec<(Label, u32)>,
     /// The formulas of all blocks, in order.
     pub formulas: Vec<Formula>,
     /// The steps of all formulas, in order.
     pub steps: Vec<Step>,
     /// The named parameters, lower case and without white space.
     pub names: Vec<String>,
+    /// Texts that words and actions refer to by index: tool names, messages.
+    pub texts: Vec<String>,
+    /// Comments that stand alone on their line or beside a tool, in order; bounded in number and length.
+    pub comments: Vec<Comment>,
+    /// The control it was written for.
+    pub dialect: Dialect,
     /// The text has a `%` line or a program number, as programs for Fanuc and its relatives do.
     pub is_tape: bool,
     /// What could not be read, in line order.
@@ -70,10 +93,11 @@ impl Program {
         &self.words[block.words.start as usize..block.words.end as usize]
     }
 
-    /// The formulas of `block`; a block does not carry them, so that plain ones stay small.
-    pub fn formulas(&self, block: &Block) -> &[Formula] {
-        let first = self.formulas.partition_point(|formula| formula.line < block.line);
-        let count = self.formulas[first..].partition_point(|formula| formula.line == block.line);
+    /// The formulas of the block with this index; a block does not carry them, so that plain ones
+    /// stay small.
+    pub fn formulas(&self, block: u32) -> &[Formula] {
+        let first = self.formulas.partition_point(|formula| formula.block < block);
+        let count = self.formulas[first..].partition_point(|formula| formula.block == block);
         &self.formulas[first..first + count]
     }
 
@@ -92,15 +116,40 @@ pub struct Block {
     pub words: Range<u32>,
 }
 
-/// A letter and its value.
+/// An address and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
     /// Finite, in whatever unit the program uses; NaN where a formula gives it.
     pub value: f64,
     /// Columns, 1-based, first and one past the last, counted in characters.
     pub columns: (u32, u32),
-    /// `A` to `Z`.
+    /// `A` to `Z`, or a longer address of [`address`].
     pub letter: u8,
     /// Written with a decimal point.
     pub has_point: bool,
+    /// What the value counts from, where the word says so itself (`X=IC(5)`, `IX+5`).
+    pub reference: Reference,
+}
+
+/// What the value of a word counts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// As the distance mode in force says.
+    #[default]
+    Modal,
+    /// The origin, whatever the distance mode.
+    Absolute,
+    /// Where the tool is, whatever the distance mode.
+    Incremental,
+}
+
+/// A comment that may name an operation or a tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comment {
+    /// Line of the program.
+    pub line: LineNumber,
+    /// Its text without the signs around it, shortened.
+    pub text: String,
+    /// It stands alone on its line; otherwise beside a T word.
+    pub is_alone: bool,
 }

@@ -1,19 +1,23 @@
-//! The reader: one pass over the bytes, line by line.
+//! The reader: one pass over the bytes, line by line, each line by the rules of its dialect.
 
-use crate::simulation::gcode::expression::{Expressions, Fault, Names, Place as Parameter};
-use crate::simulation::gcode::line::{
-    CommentEnd, Line, character_length, code_end, comment_end, excerpt, is_checksum, is_continuation, lines,
-    split_line,
-};
-use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
+use crate::simulation::gcode::dialect::detect;
+use crate::simulation::gcode::expression::{Expressions, Fault, Names, Notation};
+use crate::simulation::gcode::line::{Line, lines, split_line};
+use crate::simulation::gcode::number::{is_blank, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::{Block, Formula, LineNumber, Place, Program, Remarks, Target, Word};
+use crate::simulation::gcode::structure::{Open, Structures};
+use crate::simulation::gcode::{
+    Action, Block, Comment, Dialect, Formula, Label, LabelKind, LineNumber, Place, Program, Reference,
+    Remarks, Target, Word,
+};
 
-/// What the operator sets at the control before the program runs.
+/// What is chosen apart from the program itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// The block delete switch: blocks that begin with `/` are left out. Off by default.
     pub block_delete: bool,
+    /// The dialect; by default what the text shows.
+    pub dialect: Option<Dialect>,
 }
 
 /// Reads a program with the switches of the control at rest.
@@ -24,91 +28,88 @@ pub fn read(bytes: &[u8]) -> Program {
 /// Reads a program.
 pub fn read_with(bytes: &[u8], options: &Options) -> Program {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut reader = Reader::new(options);
+    let mut reader = Reader::new(options, text);
     let mut rest = text;
     while let Some((line, after)) = split_line(rest) {
         reader.line.0 = reader.line.0.saturating_add(1);
         rest = after;
-        if line.get(skip_blanks(line, 0)) != Some(&b'%') {
+        let is_percent = reader.has_percent_lines() && line.get(skip_blanks(line, 0)) == Some(&b'%');
+        if !is_percent {
             reader.block(line);
         } else if reader.percent_closes(rest) {
             reader.trailer(rest);
             break;
         }
     }
-    reader.finish()
+    reader.finish(text)
 }
 
-/// The words that begin or end jumps, loops and subroutines, on Fanuc controls and LinuxCNC.
-const FLOW: [&str; 20] = [
-    "IF",
-    "THEN",
-    "ELSE",
-    "ELSEIF",
-    "ENDIF",
-    "GOTO",
-    "WHILE",
-    "WH",
-    "ENDWHILE",
-    "DO",
-    "END",
-    "REPEAT",
-    "ENDREPEAT",
-    "BREAK",
-    "CONTINUE",
-    "SUB",
-    "ENDSUB",
-    "CALL",
-    "RETURN",
-    "ENDDO",
-];
-
 /// Why a block is not run, and the columns it concerns.
-type Refusal = (Unread, (u32, u32));
+pub(super) type Refusal = (Unread, (u32, u32));
 
-struct Reader<'a> {
-    options: &'a Options,
-    line: LineNumber,
-    program: Program,
-    names: Names,
-    remarks: Remarks<Unread>,
+/// The most comments that are kept, and the longest, in characters.
+const MOST_COMMENTS: usize = 20_000;
+const LONGEST_COMMENT: usize = 80;
+
+/// The most texts that are kept; a text more is taken as the last one.
+const MOST_TEXTS: usize = 100_000;
+
+pub(super) struct Reader<'a> {
+    pub(super) options: &'a Options,
+    pub(super) line: LineNumber,
+    pub(super) program: Program,
+    pub(super) names: Names,
+    pub(super) remarks: Remarks<Unread>,
+    pub(super) structures: Structures,
     /// How many blocks began with `/`, and the first of them.
-    optional: usize,
-    first_optional: LineNumber,
+    pub(super) optional: usize,
+    pub(super) first_optional: LineNumber,
+    /// Something may go to a block by its N number.
+    pub(super) names_sequence: bool,
     /// A `%` line was seen.
     opened: bool,
+    /// Words and formulas before the block being read.
+    before: [usize; 4],
 }
 
 impl<'a> Reader<'a> {
-    fn new(options: &'a Options) -> Reader<'a> {
+    fn new(options: &'a Options, text: &[u8]) -> Reader<'a> {
+        let dialect = options.dialect.unwrap_or_else(|| detect(text));
         Reader {
             options,
             line: LineNumber(0),
-            program: Program::default(),
+            program: Program { dialect, ..Program::default() },
             names: Names::default(),
             remarks: Remarks::default(),
+            structures: Structures::default(),
             optional: 0,
             first_optional: LineNumber(0),
+            names_sequence: false,
             opened: false,
+            before: [0; 4],
         }
+    }
+
+    fn has_percent_lines(&self) -> bool {
+        !matches!(self.program.dialect, Dialect::Siemens | Dialect::Klartext | Dialect::HeidenhainIso)
     }
 
     /// A `%` line: whether it ends the program. What was read before an opening one is leader.
     fn percent_closes(&mut self, rest: &[u8]) -> bool {
-        self.program.is_tape = true;
         let another_follows = || lines(rest).any(|line| line.get(skip_blanks(line, 0)) == Some(&b'%'));
         let is_first = self.program.blocks.is_empty() && self.remarks.is_empty();
+        self.program.is_tape = true;
         if self.opened || (!is_first && !another_follows()) {
             return true;
         }
         self.opened = true;
         let blocks = self.program.blocks.len();
-        self.program.blocks.clear();
-        self.program.words.clear();
-        self.program.formulas.clear();
-        self.program.steps.clear();
-        self.optional = 0;
+        self.program = Program { dialect: self.program.dialect, is_tape: true, ..Program::default() };
+        self.names = Names::default();
+        self.structures = Structures::default();
         self.remarks = Remarks::default();
+        self.optional = 0;
+        self.before = [0; 4];
         if 0 < blocks {
             self.remarks.add(Place::line(self.line), Unread::Leader { blocks });
         }
@@ -124,7 +125,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn finish(mut self) -> Program {
+    fn finish(mut self, text: &[u8]) -> Program {
         if 0 < self.optional {
             let blocks = self.optional;
             let remark = match self.options.block_delete {
@@ -133,151 +134,106 @@ impl<'a> Reader<'a> {
             };
             self.remarks.add(Place::line(self.first_optional), remark);
         }
+        for open in self.structures.finish() {
+            self.unclosed(&open);
+        }
+        if self.names_sequence {
+            self.label_sequence(text);
+        }
+        // LinuxCNC and its relatives know % lines too, but count dwells as they always do.
+        self.program.is_tape &=
+            !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Grbl | Dialect::Mach);
+        self.program.labels.sort_unstable();
+        self.program.labels.dedup();
         self.program.names = self.names.finish();
         self.program.diagnostics = self.remarks.finish();
         self.program
     }
 
+    /// An opening word without its closing one; the jumps that wait for it go to the end.
+    pub(super) fn unclosed(&mut self, open: &Open) {
+        let end = self.program.blocks.len() as u32;
+        let indices: Vec<usize> = open.next.iter().chain(&open.exits).chain(&open.to_end).copied().collect();
+        self.program.complete(&indices, end);
+        self.remarks.add(Place::line(open.line), Unread::Unclosed { word: open.kind.word() });
+    }
+
+    /// Index of the block being read.
+    pub(super) fn index(&self) -> u32 {
+        self.program.blocks.len() as u32
+    }
+
+    fn sizes(&self) -> [usize; 4] {
+        let program = &self.program;
+        [program.words.len(), program.formulas.len(), program.steps.len(), program.flow.len()]
+    }
+
     /// Reads one line; a block with a fault leaves nothing behind.
     fn block(&mut self, text: &[u8]) {
-        let program = &self.program;
-        let [words, formulas, steps] = [program.words.len(), program.formulas.len(), program.steps.len()];
-        if let Err((remark, columns)) = self.words(text) {
-            self.program.words.truncate(words);
-            self.program.formulas.truncate(formulas);
-            self.program.steps.truncate(steps);
+        let mut line = Line::default();
+        let outcome = match self.program.dialect {
+            Dialect::Siemens => self.siemens_line(text, &mut line),
+            _ => self.iso_line(text, &mut line),
+        };
+        if let Err((remark, columns)) = outcome {
+            self.drop_block();
             self.remarks.add(Place { line: self.line, columns }, remark);
         }
-        if words < self.program.words.len() || formulas < self.program.formulas.len() {
-            let words = words as u32..self.program.words.len() as u32;
+        self.keep_comment(text, &line);
+        self.end_block();
+        let next = self.index();
+        self.program.complete(line.skips.as_slice(), next);
+    }
+
+    /// Takes back what was read of the block.
+    fn drop_block(&mut self) {
+        let [words, formulas, steps, flow] = self.before;
+        self.program.words.truncate(words);
+        self.program.formulas.truncate(formulas);
+        self.program.steps.truncate(steps);
+        self.program.flow.truncate(flow);
+    }
+
+    /// Ends the block being read; what follows on the line is a block of its own.
+    pub(super) fn end_block(&mut self) {
+        let sizes = self.sizes();
+        if sizes != self.before {
+            let words = self.before[0] as u32..sizes[0] as u32;
             self.program.blocks.push(Block { line: self.line, words });
+            self.before = sizes;
         }
     }
 
-    fn words(&mut self, text: &[u8]) -> Result<(), Refusal> {
-        let mut line = Line::default();
-        let mut at = 0;
-        while let Some(&byte) = text.get(at) {
-            match byte {
-                b'a'..=b'z' | b'A'..=b'Z' => at = self.word(text, at, &mut line)?,
-                byte if is_blank(byte) => at += 1,
-                b'(' => at = self.comment(text, at, &mut line),
-                b';' => break,
-                b':' if !line.begun => {
-                    let end = number(text, at + 1).map_or(at + 1, |number| number.end);
-                    self.program.is_tape = true;
-                    line.begun = true;
-                    at = end;
-                }
-                b'/' if !line.begun => {
-                    self.optional += 1;
-                    if self.optional == 1 {
-                        self.first_optional = self.line;
-                    }
-                    if self.options.block_delete {
-                        break;
-                    }
-                    line.begun = true;
-                    at += 1 + usize::from(text.get(at + 1).is_some_and(u8::is_ascii_digit));
-                }
-                b'*' if is_checksum(&text[at + 1..]) => break,
-                b'#' => at = self.assignment(text, at, &mut line)?,
-                _ => {
-                    let text = excerpt(&text[at..at + character_length(&text[at..])]);
-                    return Err((Unread::Text { text }, line.columns(at, at + 1)));
-                }
-            }
-        }
-        self.program.is_tape |= line.has_o_word;
-        Ok(())
+    /// Adds a plain word.
+    pub(super) fn push_word(&mut self, letter: u8, value: f64, columns: (u32, u32)) {
+        let reference = Reference::Modal;
+        self.program.words.push(Word { value, columns, letter, has_point: true, reference });
     }
 
-    /// Reads the word whose letter stands at `at`; returns where it ends.
-    fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let letter = text[at].to_ascii_uppercase();
-        let Some(found) = number(text, at + 1) else {
-            return self.word_without_number(text, at, line);
-        };
-        let next = skip_blanks(text, found.end);
-        if matches!(text.get(next), Some(b'.' | b'+' | b'-')) {
-            return Ok(self.leave_out(text, at, line, |text| Unread::MalformedNumber { text }));
-        }
-        if !found.value.is_finite() {
-            return Ok(self.leave_out(text, at, line, |text| Unread::HugeNumber { text }));
-        }
-        match letter {
-            b'N' => return Ok(found.end),
-            b'O' => line.has_o_word = true,
-            _ => self.program.words.push(Word {
-                value: found.value,
-                columns: line.columns(at, found.end),
-                letter,
-                has_point: found.has_point,
-            }),
-        }
-        line.begun = true;
-        Ok(found.end)
+    /// Lets jumps and calls find the block being read, or the next one if it is empty.
+    pub(super) fn label(&mut self, kind: LabelKind, id: u32) {
+        let block = self.index();
+        self.program.labels.push((Label { kind, id }, block));
     }
 
-    /// A letter that no number follows: an expression, a name, or a slip of the pen.
-    fn word_without_number(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let letter = text[at].to_ascii_uppercase();
-        let length = text[at..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
-        let signs = |byte: &u8| matches!(byte, b'.' | b'+' | b'-') || is_blank(*byte);
-        let next = at + 1 + text[at + 1..].iter().take_while(|byte| signs(byte)).count();
-        if letter == b'O' && matches!(text.get(next), Some(b'<' | b'[' | b'#')) {
-            let end = code_end(text, at);
-            return Err((Unread::Flow { text: excerpt(&text[at..end]) }, line.columns(at, end)));
+    /// Keeps a text; returns its index.
+    pub(super) fn text(&mut self, text: String) -> u32 {
+        if self.program.texts.len() < MOST_TEXTS {
+            self.program.texts.push(text);
         }
-        if letter != b'N' && Expressions::begin_at(text, at + 1) {
-            return self.word_with_formula(text, at, line);
-        }
-        if 1 < length {
-            let (name, columns) = (&text[at..at + length], line.columns(at, at + length));
-            let text = excerpt(name);
-            let is_flow = FLOW.iter().any(|keyword| name.eq_ignore_ascii_case(keyword.as_bytes()));
-            return Err((if is_flow { Unread::Flow { text } } else { Unread::Text { text } }, columns));
-        }
-        if matches!(text.get(next), Some(b'#' | b'[' | b'=')) {
-            let end = code_end(text, at);
-            return Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)));
-        }
-        if text.get(next).is_some_and(u8::is_ascii_digit) {
-            return Ok(self.leave_out(text, at, line, |text| Unread::MalformedNumber { text }));
-        }
-        let end = at + text[at..next].trim_ascii_end().len();
-        let remark = Unread::MissingNumber { letter: letter as char };
-        self.remarks.add(Place { line: self.line, columns: line.columns(at, end) }, remark);
-        Ok(end)
+        self.program.texts.len() as u32 - 1
     }
 
-    /// Reads the word whose letter stands at `at` and whose value is to be worked out.
-    fn word_with_formula(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let target = Target::Word(self.program.words.len() as u32);
-        let (end, columns) = self.formula(text, (at, at + 1), line, |expressions| {
-            expressions.value()?;
-            Ok(target)
-        })?;
-        let letter = text[at].to_ascii_uppercase();
-        self.program.words.push(Word { value: f64::NAN, columns, letter, has_point: false });
-        Ok(end)
-    }
-
-    /// Reads the assignment whose `#` stands at `at`; returns where it ends.
-    fn assignment(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let (end, _) = self.formula(text, (at, at), line, |expressions| {
-            Ok(match expressions.assignment()? {
-                Parameter::Numbered => Target::Numbered,
-                Parameter::Named(name) => Target::Named(name),
-            })
-        })?;
-        Ok(end)
+    /// Enters what the block being read does apart from its words; returns its index in the flow.
+    pub(super) fn act(&mut self, action: Action) -> usize {
+        self.program.act(self.index(), action)
     }
 
     /// Keeps what `read` reads from the second of `starts` on as a formula whose columns begin at
     /// the first; returns where it ends, and its columns.
-    fn formula(
+    pub(super) fn formula(
         &mut self,
+        notation: Notation,
         text: &[u8],
         starts: (usize, usize),
         line: &mut Line,
@@ -285,7 +241,8 @@ impl<'a> Reader<'a> {
     ) -> Result<(usize, (u32, u32)), Refusal> {
         let first_step = self.program.steps.len() as u32;
         let (first, _) = line.columns(starts.0, starts.0);
-        let mut expressions = Expressions::new(text, starts.1, &mut self.program.steps, &mut self.names);
+        let mut expressions =
+            Expressions::new(notation, text, starts.1, &mut self.program.steps, &mut self.names);
         let outcome = read(&mut expressions);
         let end = expressions.at;
         line.continuation += expressions.continuation;
@@ -293,37 +250,28 @@ impl<'a> Reader<'a> {
         let target = outcome.map_err(|(remark, bytes)| (remark, line.columns(bytes.start, bytes.end)))?;
         let (past, _) = line.columns(end, end);
         let steps = first_step..self.program.steps.len() as u32;
-        self.program.formulas.push(Formula { line: self.line, target, steps, columns: (first, past) });
+        let block = self.index();
+        self.program.formulas.push(Formula { block, target, steps, columns: (first, past) });
         Ok((end, (first, past)))
     }
 
-    /// Leaves out the letter at `at` with all that looks like its number; returns where it ends.
-    fn leave_out(&mut self, text: &[u8], at: usize, line: &Line, remark: fn(String) -> Unread) -> usize {
-        let belongs = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_blank(*byte);
-        let length = text[at + 1..].iter().take_while(|byte| belongs(byte)).count();
-        let end = at + 1 + text[at + 1..at + 1 + length].trim_ascii_end().len();
-        let place = Place { line: self.line, columns: line.columns(at, end) };
-        self.remarks.add(place, remark(excerpt(&text[at..end])));
-        end
-    }
-
-    /// Skips the comment that opens at `at`; returns where it ends.
-    fn comment(&mut self, text: &[u8], at: usize, line: &mut Line) -> usize {
-        let end = match comment_end(&text[at..], line.is_unbalanced) {
-            CommentEnd::Matching(length) => at + length,
-            CommentEnd::First(length) => {
-                line.is_unbalanced = true;
-                at + length
+    /// Keeps the first comment of the line where it may name an operation or a tool.
+    fn keep_comment(&mut self, text: &[u8], line: &Line) {
+        let Some((start, end)) = line.comment else { return };
+        let words = &self.program.words[self.before[0].min(self.program.words.len())..];
+        let is_alone = self.sizes() == self.before;
+        if (is_alone || words.iter().any(|word| word.letter == b'T'))
+            && self.program.comments.len() < MOST_COMMENTS
+        {
+            let text = text[start..end].trim_ascii();
+            let text = text.get(..4 * LONGEST_COMMENT).unwrap_or(text);
+            let shown = |character: char| if character.is_control() { ' ' } else { character };
+            let text: String =
+                String::from_utf8_lossy(text).chars().take(LONGEST_COMMENT).map(shown).collect();
+            if !text.is_empty() {
+                self.program.comments.push(Comment { line: self.line, text, is_alone });
             }
-            CommentEnd::Missing => text.len(),
-        };
-        let (first, _) = line.columns(at, at);
-        line.continuation += text[at..end].iter().filter(|byte| is_continuation(**byte)).count();
-        if text[end - 1] != b')' {
-            let (past, _) = line.columns(end, end);
-            self.remarks.add(Place { line: self.line, columns: (first, past) }, Unread::OpenComment);
         }
-        end
     }
 }
 

@@ -1,6 +1,7 @@
 //! What reading has to say about a program.
 
 use crate::simulation::gcode::expression::DEEPEST;
+use crate::simulation::gcode::structure::MOST_OPEN;
 use crate::simulation::gcode::{Remark, Severity, counted};
 use thiserror::Error;
 
@@ -36,10 +37,25 @@ pub(super) enum Unread {
     /// More brackets within brackets than are followed.
     #[error("brackets and # are nested deeper than {DEEPEST}: block not run")]
     Nesting,
-    /// Jumps, loops, subroutines.
-    #[error("program flow (`{text}`) is not followed yet: block not run")]
-    Flow {
-        /// The word that says so.
+    /// A word that ends or divides what was never begun.
+    #[error("`{word}` without its beginning: left out")]
+    Unopened {
+        /// The word.
+        word: String,
+    },
+    /// A word that begins what never ends.
+    #[error("`{word}` is never ended: what follows is run once")]
+    Unclosed {
+        /// The word.
+        word: &'static str,
+    },
+    /// More loops and branches within each other than are followed.
+    #[error("loops and branches are nested deeper than {MOST_OPEN}: block not run")]
+    DeepFlow,
+    /// A line for the control itself, not for the machine.
+    #[error("`{text}` is a command to the control, not a move: left out")]
+    Command {
+        /// As written.
         text: String,
     },
     /// Letters or signs that are no word.
@@ -100,13 +116,18 @@ impl Remark for Unread {
             | Unread::Name { .. }
             | Unread::HugeValue { .. }
             | Unread::Nesting
-            | Unread::Flow { .. }
+            | Unread::Unopened { .. }
+            | Unread::Unclosed { .. }
+            | Unread::DeepFlow
             | Unread::Text { .. }
             | Unread::MissingNumber { .. }
             | Unread::MalformedNumber { .. }
             | Unread::HugeNumber { .. } => Severity::Error,
             Unread::OpenComment | Unread::Leader { .. } => Severity::Warning,
-            Unread::Trailer | Unread::OptionalRun { .. } | Unread::OptionalSkipped { .. } => Severity::Info,
+            Unread::Command { .. }
+            | Unread::Trailer
+            | Unread::OptionalRun { .. }
+            | Unread::OptionalSkipped { .. } => Severity::Info,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! One block as the tracer takes it: its words, and their values by letter.
 
-use crate::simulation::gcode::{LineNumber, Place, Word};
+use crate::simulation::gcode::{LineNumber, Place, Word, address};
 
 /// The block being run.
 #[derive(Clone, Copy)]
@@ -25,53 +25,66 @@ impl Block<'_> {
     }
 }
 
-/// The values of a block's words other than G and M, by letter.
-#[derive(Default)]
+/// The values of a block's words other than G and M, by address.
 pub(super) struct Given {
-    /// One bit a letter.
-    letters: u32,
-    values: [f64; 26],
+    /// One bit an address.
+    addresses: u64,
+    values: [f64; 64],
 }
 
 /// A set of letters, as one bit each.
-pub(super) const fn bits(letters: &[u8]) -> u32 {
+pub(super) const fn bits(letters: &[u8]) -> u64 {
     let (mut bits, mut index) = (0, 0);
     while index < letters.len() {
-        bits |= 1 << (letters[index] - b'A');
+        bits |= 1 << slot(letters[index]);
         index += 1;
     }
     bits
 }
 
+/// Letters first, then the longer addresses.
+const fn slot(address: u8) -> usize {
+    (if address < address::FIRST { address - b'A' } else { address - address::FIRST + 26 }) as usize
+}
+
 impl Given {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        self.letters = 0;
+        self.addresses = 0;
     }
 
-    pub(super) fn set(&mut self, letter: u8, value: f64) {
-        self.letters |= bits(&[letter]);
-        self.values[usize::from(letter - b'A')] = value;
+    /// Takes in a word; arguments of a call are not kept by address.
+    pub(super) fn set(&mut self, address: u8, value: f64) {
+        if slot(address) < self.values.len() {
+            self.addresses |= bits(&[address]);
+            self.values[slot(address)] = value;
+        }
     }
 
-    /// Its value; of a repeated letter the last one.
-    pub(super) fn get(&self, letter: u8) -> Option<f64> {
-        self.has(bits(&[letter])).then(|| self.values[usize::from(letter - b'A')])
+    /// Its value; of a repeated address the last one.
+    pub(super) fn get(&self, address: u8) -> Option<f64> {
+        self.has(bits(&[address])).then(|| self.values[slot(address)])
     }
 
     /// Its value, which no other word of the block sees from here on.
-    pub(super) fn take(&mut self, letter: u8) -> Option<f64> {
-        let value = self.get(letter);
-        self.letters &= !bits(&[letter]);
+    pub(super) fn take(&mut self, address: u8) -> Option<f64> {
+        let value = self.get(address);
+        self.addresses &= !bits(&[address]);
         value
     }
 
-    /// Whether any of the letters is given.
-    pub(super) fn has(&self, letters: u32) -> bool {
-        self.letters & letters != 0
+    /// Whether any of the addresses is given.
+    pub(super) fn has(&self, addresses: u64) -> bool {
+        self.addresses & addresses != 0
     }
 }
 
-pub(super) const AXIS_WORDS: u32 = bits(b"XYZ");
-pub(super) const CENTER_WORDS: u32 = bits(b"IJK");
-pub(super) const UNMODELLED_WORDS: u32 = bits(b"ABCEUVW");
+impl Default for Given {
+    fn default() -> Given {
+        Given { addresses: 0, values: [0.0; 64] }
+    }
+}
+
+pub(super) const AXIS_WORDS: u64 = bits(&[b'X', b'Y', b'Z', address::POLAR_RADIUS, address::POLAR_ANGLE]);
+pub(super) const CENTER_WORDS: u64 = bits(b"IJK");
+pub(super) const UNMODELLED_WORDS: u64 = bits(b"EUVW");

@@ -1,48 +1,66 @@
 //! Blocks → toolpath: where the tool is told to go, and where it has to stop.
 //!
 //! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in
-//! one coordinate system (the machine's; work offsets are already applied). Between segments
-//! lie the stops: dwells, tool changes and other M-words.
+//! one coordinate system (the machine's; work offsets, shifts, rotation, scaling and mirrors are
+//! already applied). Between segments lie the stops: dwells, tool changes and other M-words, and
+//! turns of rotary axes alone.
 //!
-//! Order of execution within a block: units, plane, distance and path modes; F; T; M-words that
-//! act before the motion (M6 and all not named below, as written); dwell, shift of coordinates,
-//! reference move or motion; M-words that act after it (M0, M1, M2, M5, M9, M30, M60). That is
-//! RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc controls.
+//! Order of execution within a block: units, plane, distance and path modes; F; S; T; M-words that
+//! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell,
+//! change of coordinates, reference move or motion; M-words that act after it (M0, M1, M2, M5, M9,
+//! M30, M60). That is RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc
+//! controls.
 //!
 //! Rules where controls differ or a program does not say:
-//! - The tool begins at X0 Y0 Z0, in mm, G17, G90, G91.1, G94, G64; axis words before the first
-//!   motion word move in rapid.
+//! - The tool begins at the machine's zero, in mm, G17, G54, G90, G91.1, G94, G64; axis words before
+//!   the first motion word move in rapid.
 //! - The values of expressions are worked out before their block is run, by the rules of the
 //!   parameters module; a value that is not whole counts as written with a decimal point.
 //! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
 //!   number, in milliseconds. X and U of G4 are in seconds.
-//! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
-//!   the machine knows; in the others the tool stays where it is.
+//! - Work offsets and tool lengths that neither program nor machine file gives are zero. G28, G30
+//!   and G53 are run in the axes whose reference point the machine knows; in the others the tool
+//!   stays where it is.
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike; what else a
 //!   program says about tolerances is told in the path mode module.
-//! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation and
-//!   changes of coordinates other than G52 and G92 are not applied. Each says so.
+//! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
+//!   F holds along X, Y and Z, or on Fanuc controls along all axes.
+//! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
+//! - Cutter compensation, tilted planes (G68.2) and cylindrical or polar interpolation are not
+//!   applied. Each says so.
+//!
+//! Where controls read a word in two ways, the dialect decides: Fanuc for ISO programs and Okuma's,
+//! RS274/NGC and LinuxCNC for the others.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod block;
+mod control;
 mod curve;
 mod cycle;
+mod functions;
+mod feed_mode;
+mod frame;
 mod motion;
+mod operations;
 mod parameters;
 mod path_mode;
 mod plane;
 #[cfg(test)]
 mod random;
 mod remark;
+mod rotary;
+mod run;
 mod trace;
 mod words;
 
 pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
+pub use operations::{MOST_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
 pub use trace::trace;
 
+use crate::machine::Spin;
 use crate::simulation::gcode::{Diagnostic, LineNumber};
 
 /// A position, mm.
@@ -75,6 +93,8 @@ pub struct Segment {
     pub length: f64,
     /// Feed or rapid.
     pub motion: Motion,
+    /// How far A, B and C turn along with it, rad.
+    pub rotation: Vector,
     /// The program asks for a full stop at its end (G9, G61).
     pub exact_stop: bool,
     /// Line of the program it comes from.
@@ -89,10 +109,31 @@ pub enum StopCause {
         /// Programmed waiting time, s.
         seconds: f64,
     },
+    /// A turn of rotary axes alone.
+    Rotary {
+        /// How far A, B and C turn, rad.
+        rotation: Vector,
+        /// At the programmed rate along all three, rad/s; none: in rapid.
+        rate: Option<f64>,
+    },
     /// M6.
     ToolChange {
         /// The tool that comes in, where a T-word says so.
         tool: Option<u32>,
+    },
+    /// M6 for the tool that is in the spindle already.
+    SameTool {
+        /// That tool.
+        tool: u32,
+    },
+    /// The spindle starts, stops or changes its speed.
+    Spindle {
+        /// What it did.
+        from: Spin,
+        /// What it is to do.
+        to: Spin,
+        /// The M-word that says so; none where it is an S word alone.
+        code: Option<u32>,
     },
     /// Any other M-word.
     MCode {
@@ -119,6 +160,8 @@ pub struct Toolpath {
     pub segments: Vec<Segment>,
     /// The stops, by ascending `after`; those with the same `after` in program order.
     pub stops: Vec<Stop>,
+    /// The parts of the program, in order; the first begins with the first move and stop.
+    pub operations: Vec<Operation>,
     /// The path modes that the program sets, by ascending `from`, each once; before the first, and
     /// where there is none, [`Blending::Machine`].
     pub path_modes: Vec<PathMode>,

@@ -3,12 +3,18 @@
 //! One rule for all controls: every value of a block is worked out with the parameters as they
 //! are before the block, from left to right; then its assignments are made, from left to right;
 //! then it is run. So `#3=6 G1 X#3` moves to the former `#3`, as RS274/NGC says, and Fanuc
-//! controls, which have one assignment a block and nothing beside it, agree.
+//! controls, which have one assignment a block and nothing beside it, agree. Siemens controls make
+//! each assignment where it stands.
 //!
 //! Rules where controls differ:
-//! - A parameter holds what the program assigned to it, and nothing before: neither zero nor an
-//!   empty value. Its number is whole (within 0.0001) and at least 1. The parameters of the
-//!   control itself (positions, offsets) hold nothing either.
+//! - A parameter holds what the program assigned to it. Before, it is vacant on Fanuc controls and
+//!   their relatives: 0 in arithmetic, equal only to another vacant one, and a word of it is as if
+//!   it were not written (`#0` is always vacant). Elsewhere a numbered parameter is 0 before, and
+//!   a named one a fault. The first such parameter is said.
+//! - Its number is whole (within 0.0001). Of the control's own parameters, position, tool, feed
+//!   and the like are known; the others hold nothing.
+//! - A call with arguments has parameters 1 to 33 of its own (1 to 30 on LinuxCNC, and all names
+//!   without `_`).
 //! - Comparisons are exact and give 1 or 0; AND, OR and XOR take any value but 0 as true.
 //! - MOD is at least 0, FIX rounds down, FUP up, ROUND to the nearest, halves away from 0.
 //! - Angles are in degrees, arctangents in −180 to 180.
@@ -18,7 +24,9 @@
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.3.2; comparisons as on
 //! LinuxCNC.
 
-use crate::simulation::gcode::{Block, Formula, Function, Operator, Program, Step, Target, Word};
+use crate::simulation::gcode::{
+    Block, Dialect, Formula, Function, LineNumber, Operator, Program, Step, Target, Word,
+};
 use std::collections::HashMap;
 use thiserror::Error;
 
@@ -42,95 +50,268 @@ pub(super) enum NoValue {
     TooLarge,
 }
 
-/// What the parameters hold, and room to work.
-#[derive(Default)]
-pub(super) struct Parameters {
-    numbered: HashMap<u32, f64>,
-    /// By index in [`Program::names`].
-    named: HashMap<u32, f64>,
-    stack: Vec<f64>,
-    words: Vec<Word>,
-    assignments: Vec<(Name, f64)>,
+/// What the control itself knows, by the number or the name that programs ask for it with.
+pub(super) trait Control {
+    /// The parameter with this number.
+    fn numbered(&self, number: u32) -> Option<f64>;
+    /// The parameter with this name, lower case.
+    fn named(&self, name: &str) -> Option<f64>;
 }
 
+/// A parameter without a value that is a value all the same (vacant, on Fanuc controls).
+const VACANT: f64 = f64::NAN;
+
+/// What the parameters hold, and room to work.
+pub(super) struct Parameters {
+    dialect: Dialect,
+    globals: HashMap<Name, f64>,
+    /// Of the main program and of each call within calls.
+    locals: Vec<HashMap<Name, f64>>,
+    stack: Vec<f64>,
+    assignments: Vec<(Name, f64)>,
+    /// The first parameter that was read before anything was assigned to it.
+    pub(super) unassigned: Option<(LineNumber, String)>,
+    line: LineNumber,
+}
+
+/// The values of one block.
+#[derive(Default)]
+pub(super) struct Values {
+    /// Its words with all their values; those that are vacant are left out.
+    pub(super) words: Vec<Word>,
+    pub(super) condition: Option<f64>,
+    pub(super) count: Option<f64>,
+    pub(super) destination: Option<f64>,
+    /// Arguments of a call, by the number of their parameter.
+    pub(super) arguments: Vec<(u32, f64)>,
+    /// The program raises an alarm (`#3000=1`).
+    pub(super) alarm: bool,
+}
+
+impl Values {
+    fn clear(&mut self) {
+        self.words.clear();
+        self.arguments.clear();
+        (self.condition, self.count, self.destination, self.alarm) = (None, None, None, false);
+    }
+}
+
+/// The parameter that raises an alarm when something is assigned to it.
+const ALARM: u32 = 3000;
+
 /// A parameter.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Name {
     Number(u32),
     Index(u32),
 }
 
 impl Parameters {
-    /// Works out the formulas of `block` and makes its assignments; returns its words with all
-    /// their values, or the first formula that has no value, after which nothing is assigned.
-    pub(super) fn words_of<'a>(
+    pub(super) fn new(dialect: Dialect) -> Parameters {
+        Parameters {
+            dialect,
+            globals: HashMap::new(),
+            locals: vec![HashMap::new()],
+            stack: Vec::new(),
+            assignments: Vec::new(),
+            unassigned: None,
+            line: LineNumber(0),
+        }
+    }
+
+    /// Begins a call: numbered parameters and, on LinuxCNC, names without `_` are its own.
+    pub(super) fn enter(&mut self, arguments: &[(u32, f64)]) {
+        let given = arguments.iter().map(|(number, value)| (Name::Number(*number), *value));
+        self.locals.push(given.filter(|(_, value)| !value.is_nan()).collect());
+    }
+
+    /// Ends a call.
+    pub(super) fn leave(&mut self) {
+        if 1 < self.locals.len() {
+            self.locals.pop();
+        }
+    }
+
+    /// Works out the formulas of a block into `values` and makes its assignments; returns the first
+    /// formula that has no value, after which nothing is assigned.
+    pub(super) fn values_of<'a>(
         &mut self,
         program: &Program,
         block: &Block,
         formulas: &'a [Formula],
-    ) -> Result<&[Word], (&'a Formula, NoValue)> {
-        self.words.clear();
-        self.words.extend_from_slice(program.words(block));
+        control: &dyn Control,
+        values: &mut Values,
+    ) -> Result<(), (&'a Formula, NoValue)> {
+        values.clear();
+        if formulas.is_empty() {
+            return Ok(());
+        }
+        values.words.extend_from_slice(program.words(block));
+        self.line = block.line;
         self.assignments.clear();
         for formula in formulas {
-            self.take(program, block, formula).map_err(|no_value| (formula, no_value))?;
-        }
-        for (name, value) in self.assignments.drain(..) {
-            match name {
-                Name::Number(number) => self.numbered.insert(number, value),
-                Name::Index(index) => self.named.insert(index, value),
-            };
-        }
-        Ok(&self.words)
-    }
-
-    /// Works out one formula and keeps its value for its word or for after the block's last one.
-    fn take(&mut self, program: &Program, block: &Block, formula: &Formula) -> Result<(), NoValue> {
-        let value = self.evaluate(program, formula)?;
-        match formula.target {
-            Target::Word(index) => {
-                let word = &mut self.words[(index - block.words.start) as usize];
-                word.value = value;
-                word.has_point = value.fract() != 0.0;
+            self.take(program, block, formula, control, values).map_err(|no_value| (formula, no_value))?;
+            if self.dialect == Dialect::Siemens {
+                while let Some((name, value)) = self.assignments.pop() {
+                    self.assign(program, name, value);
+                }
             }
-            Target::Numbered => {
-                let number = parameter_number(pop(&mut self.stack))?;
-                self.assignments.push((Name::Number(number), value));
-            }
-            Target::Named(index) => self.assignments.push((Name::Index(index), value)),
+        }
+        values.words.retain(|word| !word.value.is_nan());
+        let is_macro = matches!(self.dialect, Dialect::Iso | Dialect::Mach);
+        for index in 0..self.assignments.len() {
+            let (name, value) = self.assignments[index];
+            values.alarm |= is_macro && name == Name::Number(ALARM);
+            self.assign(program, name, value);
         }
         Ok(())
     }
 
-    /// The value of `formula`; where it has a numbered target, its number is left on the stack.
-    fn evaluate(&mut self, program: &Program, formula: &Formula) -> Result<f64, NoValue> {
+    fn is_local(&self, program: &Program, name: Name) -> bool {
+        match name {
+            Name::Number(number) => match self.dialect {
+                Dialect::LinuxCnc => number <= 30,
+                Dialect::Iso | Dialect::Mach | Dialect::Okuma => number <= 33,
+                _ => false,
+            },
+            Name::Index(_) if self.dialect != Dialect::LinuxCnc => false,
+            Name::Index(index) => {
+                !program.names.get(index as usize).is_some_and(|name| name.starts_with('_'))
+            }
+        }
+    }
+
+    fn assign(&mut self, program: &Program, name: Name, value: f64) {
+        let holder = match self.is_local(program, name) {
+            true => self.locals.last_mut().expect("the main program has its own"),
+            false => &mut self.globals,
+        };
+        if value.is_nan() {
+            holder.remove(&name);
+        } else {
+            holder.insert(name, value);
+        }
+    }
+
+    fn held(&self, program: &Program, name: Name, control: &dyn Control) -> Option<f64> {
+        let holder = match self.is_local(program, name) {
+            true => self.locals.last().expect("the main program has its own"),
+            false => &self.globals,
+        };
+        holder.get(&name).copied().or_else(|| match name {
+            Name::Number(number) => control.numbered(number),
+            Name::Index(index) => control.named(program.names.get(index as usize)?),
+        })
+    }
+
+    /// What a parameter holds, or what its dialect takes for nothing.
+    fn value(&mut self, program: &Program, name: Name, control: &dyn Control) -> Result<f64, NoValue> {
+        if let Some(value) = self.held(program, name, control) {
+            return Ok(value);
+        }
+        let parameter = match name {
+            Name::Number(number) => number.to_string(),
+            Name::Index(index) => {
+                let name = program.names.get(index as usize).map_or("", String::as_str);
+                return Err(NoValue::Unassigned { parameter: format!("<{name}>") });
+            }
+        };
+        let sign = match self.dialect {
+            Dialect::Siemens => 'R',
+            Dialect::Klartext | Dialect::HeidenhainIso => 'Q',
+            _ => '#',
+        };
+        if name != Name::Number(0) {
+            self.unassigned.get_or_insert((self.line, format!("{sign}{parameter}")));
+        }
+        let is_vacant = matches!(self.dialect, Dialect::Iso | Dialect::Mach | Dialect::Okuma);
+        Ok(if is_vacant { VACANT } else { 0.0 })
+    }
+
+    /// Works out one formula and keeps its value for its word or for after the block's last one.
+    fn take(
+        &mut self,
+        program: &Program,
+        block: &Block,
+        formula: &Formula,
+        control: &dyn Control,
+        values: &mut Values,
+    ) -> Result<(), NoValue> {
+        let value = self.evaluate(program, formula, control)?;
+        match formula.target {
+            Target::Word(index) => {
+                let word = &mut values.words[(index - block.words.start) as usize];
+                word.value = value;
+                word.has_point = value.fract() != 0.0;
+            }
+            Target::Numbered => {
+                let number = parameter_number(zero_if_vacant(pop(&mut self.stack)))?;
+                self.assignments.push((Name::Number(number), value));
+            }
+            Target::Named(index) => self.assignments.push((Name::Index(index), value)),
+            Target::Condition => values.condition = Some(zero_if_vacant(value)),
+            Target::Count => values.count = Some(zero_if_vacant(value)),
+            Target::Destination => values.destination = Some(zero_if_vacant(value)),
+            Target::Argument(number) => values.arguments.push((number, value)),
+            Target::Result => {
+                let name = program.names.iter().position(|name| name == "_value");
+                if let Some(index) = name {
+                    self.assignments.push((Name::Index(index as u32), value));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of `formula`; where it has a numbered target, its number is left on the stack. It
+    /// is vacant only where the formula is one vacant parameter and nothing else.
+    fn evaluate(
+        &mut self,
+        program: &Program,
+        formula: &Formula,
+        control: &dyn Control,
+    ) -> Result<f64, NoValue> {
         self.stack.clear();
         for step in program.steps(formula) {
             let value = match *step {
                 Step::Number(value) => value,
-                Step::Named(index) => *self.named.get(&index).ok_or_else(|| {
-                    let name = program.names.get(index as usize).map_or("", String::as_str);
-                    NoValue::Unassigned { parameter: format!("<{name}>") }
-                })?,
+                Step::Named(index) => self.value(program, Name::Index(index), control)?,
                 Step::Numbered => {
-                    let number = parameter_number(pop(&mut self.stack))?;
-                    let held = self.numbered.get(&number).copied();
-                    held.ok_or_else(|| NoValue::Unassigned { parameter: number.to_string() })?
+                    let number = zero_if_vacant(pop(&mut self.stack));
+                    let number = if number == 0.0 { 0 } else { parameter_number(number)? };
+                    self.value(program, Name::Number(number), control)?
                 }
-                Step::Negate => -pop(&mut self.stack),
-                Step::Function(function) => apply(function, pop(&mut self.stack))?,
+                Step::Exists(index) => {
+                    let is_there = self.held(program, Name::Index(index), control).is_some();
+                    if is_there { 1.0 } else { 0.0 }
+                }
+                Step::Negate => -zero_if_vacant(pop(&mut self.stack)),
+                Step::Function(function) => apply(function, zero_if_vacant(pop(&mut self.stack)))?,
                 Step::Operator(operator) => {
                     let right = pop(&mut self.stack);
-                    combine(operator, pop(&mut self.stack), right)?
+                    combine_vacant(operator, pop(&mut self.stack), right)?
                 }
             };
-            if !value.is_finite() {
+            if value.is_infinite() {
                 return Err(NoValue::TooLarge);
             }
             self.stack.push(value);
         }
         Ok(pop(&mut self.stack))
     }
+}
+
+fn zero_if_vacant(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value }
+}
+
+/// Nothing is 0 in arithmetic, but equal only to nothing.
+fn combine_vacant(operator: Operator, left: f64, right: f64) -> Result<f64, NoValue> {
+    if (left.is_nan() || right.is_nan()) && matches!(operator, Operator::Equal | Operator::NotEqual) {
+        let is_same = left.is_nan() && right.is_nan();
+        return Ok(if is_same == (operator == Operator::Equal) { 1.0 } else { 0.0 });
+    }
+    combine(operator, zero_if_vacant(left), zero_if_vacant(right))
 }
 
 fn pop(stack: &mut Vec<f64>) -> f64 {
@@ -167,6 +348,13 @@ fn apply(function: Function, value: f64) -> Result<f64, NoValue> {
         Function::Round => value.round(),
         Function::Fix => value.floor(),
         Function::Fup => value.ceil(),
+        Function::Truncate => value.trunc(),
+        Function::Fraction => value.fract(),
+        Function::Square => value * value,
+        Function::Sign if value == 0.0 => 0.0,
+        Function::Sign => value.signum(),
+        Function::Not if value == 0.0 => 1.0,
+        Function::Not => 0.0,
     })
 }
 
@@ -174,7 +362,9 @@ fn combine(operator: Operator, left: f64, right: f64) -> Result<f64, NoValue> {
     let truth = |is_true: bool| if is_true { 1.0 } else { 0.0 };
     let (is_left, is_right) = (left != 0.0, right != 0.0);
     Ok(match operator {
-        Operator::Over | Operator::Modulo if right == 0.0 => return Err(NoValue::DivisionByZero { left }),
+        Operator::Over | Operator::Modulo | Operator::Quotient if right == 0.0 => {
+            return Err(NoValue::DivisionByZero { left });
+        }
         Operator::Power if left == 0.0 && right < 0.0 => return Err(NoValue::DivisionByZero { left: 1.0 }),
         Operator::Power if left < 0.0 && right.fract() != 0.0 => {
             return Err(NoValue::NoPower { left, right });
@@ -194,6 +384,8 @@ fn combine(operator: Operator, left: f64, right: f64) -> Result<f64, NoValue> {
         Operator::And => truth(is_left && is_right),
         Operator::Or => truth(is_left || is_right),
         Operator::Xor => truth(is_left != is_right),
+        Operator::Quotient => (left / right).trunc(),
+        Operator::Length => left.hypot(right),
         Operator::Angle => left.atan2(right).to_degrees(),
     })
 }

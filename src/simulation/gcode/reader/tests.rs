@@ -38,7 +38,7 @@ fn lines_count_as_in_an_editor() {
 
 #[test]
 fn numbers_names_and_checksums_are_dropped() {
-    check("O0001 (NAME)\nN10 G0 X1 *71\n:1234\nO5 G1", &[(2, "G0 X1"), (4, "G1")]);
+    check("O0001 (NAME)\nN10 G0 X1 *71\n:1234\nO5 G1", &[(2, "G0 X1"), (3, ""), (4, ""), (4, "G1")]);
     check("X1E3", &[(1, "X1 E3")]);
     assert!(read(b":12\nG0").is_tape && read(b"o5\nG0").is_tape && read(b"%\nG0\n%").is_tape);
     assert!(!read(b"N10 G0 X1").is_tape);
@@ -74,7 +74,7 @@ fn percent_lines_frame_the_program() {
 fn block_delete_follows_the_switch() {
     let text = b"G0\n/G1\n/2 G2\nN5/G3\nN6 /4 X1";
     assert_eq!(read(text).blocks.len(), 5);
-    let switched = read_with(text, &Options { block_delete: true });
+    let switched = read_with(text, &Options { block_delete: true, ..Options::default() });
     assert_eq!(shown(&switched), [(1, "G0".to_string())]);
     for program in [read(text), switched] {
         assert_eq!(program.diagnostics.len(), 1);
@@ -90,11 +90,17 @@ fn what_is_not_understood_is_said() {
         ("G1 X[1+] Y3", "", (8, 9)),
         ("G1 X-#5 Y-#", "", (12, 13)),
         ("N#5 G1", "", (1, 7)),
-        ("IF [1 EQ 1] GOTO 5", "", (1, 3)),
-        ("o<drill> call (x)", "", (1, 14)),
-        ("o100 while [1]", "", (6, 11)),
-        ("G0 SUPA Z0", "", (4, 8)),
-        ("G1 X1 , C2", "", (7, 8)),
+        ("IF [1 EQ 1] GO 5 X", "", (18, 19)),
+        ("IF [1 EQ 1] X5", "", (12, 13)),
+        ("GOTO", "", (5, 6)),
+        ("WHILE [1] D1", "", (10, 11)),
+        ("END 1", "", (1, 6)),
+        ("o<drill> cal (x)", "", (1, 13)),
+        ("o100 while [1", "", (14, 15)),
+        ("o100 endwhile", "", (1, 14)),
+        ("o100 while [1]", "", (1, 1)),
+        ("G0 QUUX Z0", "", (4, 8)),
+        ("G1 X1 , D2", "", (7, 8)),
         ("(\u{e4}\u{f6}) G0 \u{fc}", "", (9, 10)),
         ("G1 M. X2", "G1 X2", (4, 6)),
         ("G1 X1..2 Y3", "G1 Y3", (4, 9)),

@@ -164,11 +164,9 @@ fn assignments_act_after_their_block() {
 #[test]
 fn what_has_no_value_is_said() {
     let cases: &[(&str, (u32, u32), &str)] = &[
-        ("X#5 Y3", (1, 4), "#5 has no value"),
         ("Y3 X#<scale>", (4, 13), "#<scale> has no value"),
-        ("#7=1 X#6", (6, 9), "#6 has no value"),
-        ("#7=#7", (1, 6), "#7 has no value"),
-        ("##7=1", (1, 6), "#7 has no value"),
+        ("#7=1 X#<b>", (6, 11), "#<b> has no value"),
+        ("#[0]=1", (1, 7), "0 is not the number"),
         ("#0=1", (1, 5), "0 is not the number"),
         ("X#-1", (1, 5), "-1 is not the number"),
         ("X#1.5", (1, 6), "1.5 is not the number"),
@@ -202,9 +200,23 @@ fn what_has_no_value_is_said() {
         assert!(found[0].2.contains(part) && found[0].2.ends_with("block not run"), "{text}: {found:?}");
         assert_eq!(run(&format!("G0 #90=1\n{text}\nX#90")).segments.len(), 1, "{text}");
     }
-    assert_eq!(errors("#7=1 X#6\nX#7").len(), 2, "nothing is assigned by a block that is not run");
+    let twice = errors("#<a>=1 X#<b>\nX#<a>");
+    assert_eq!(twice.len(), 2, "nothing is assigned by a block that is not run");
     let huge = format!("X[{}]", "9".repeat(400));
     assert!(errors(&huge)[0].2.contains("too large"));
+}
+
+/// On Fanuc controls nothing is 0 in arithmetic, equal to nothing but itself, and no word.
+#[test]
+fn nothing_is_a_value_of_its_own() {
+    let x = |text: &str| run(text).segments.last().map_or(0.0, |segment| segment.end.x);
+    assert_eq!(x("%\nG0 X7 Y#5\n%"), 7.0);
+    assert_eq!(x("%\nG0 X3\nX#5 Y1\n%"), 3.0, "a vacant word is not there");
+    assert_eq!(x("%\n#5=4 #6=#5\n#5=#0\nG0 X[#5+1]\n%"), 1.0);
+    assert_eq!(x("%\nG0 X[1+[#5 EQ #0]+2*[#5 EQ 0]+4*[#5 NE 0]]\n%"), 6.0);
+    let warned = run("%\nG0 X[1+#5]\n%").diagnostics;
+    assert!(warned[0].message.contains("the first is #5"), "{warned:?}");
+    assert_eq!(x("#<a>=1\nG0 X[1+#<a>]\nX#5"), 0.0, "on LinuxCNC it is 0");
 }
 
 /// No depth of nesting exhausts the stack, and no length takes more than linear time.

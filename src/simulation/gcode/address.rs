@@ -1,0 +1,87 @@
+//! Addresses of more than one letter, as codes beyond those of the letters.
+//!
+//! A word carries its address in one byte: `A` to `Z` as they are, the others by the codes of this
+//! table. Arguments of a call with parentheses (`CYCLE81(10, 0, 2)`) are words too, numbered from
+//! [`ARGUMENT`]; one that is left out has no word.
+//!
+//! Sources: SINUMERIK 840D sl programming manual; TNC 640 Klartext manual; LinuxCNC 2.9.
+
+/// The first code that is no letter.
+pub const FIRST: u8 = 128;
+
+macro_rules! addresses {
+    ($($(#[$doc:meta])* $name:ident = $code:literal $written:literal,)*) => {
+        $($(#[$doc])* pub const $name: u8 = $code;)*
+
+        /// All of them as they are written.
+        pub const WRITTEN: &[(u8, &str)] = &[$(($code, $written)),*];
+    };
+}
+
+addresses! {
+    /// Radius of an arc.
+    CIRCLE_RADIUS = 128 "CR",
+    /// Rounding radius of the corner that follows.
+    ROUNDING = 129 "RND",
+    /// Modal rounding radius.
+    MODAL_ROUNDING = 130 "RNDM",
+    /// Chamfer by the length of its legs.
+    CHAMFER_LEG = 131 "CHR",
+    /// Chamfer by its own length.
+    CHAMFER = 132 "CHF",
+    /// Feedrate of roundings and chamfers.
+    CORNER_FEED = 133 "FRC",
+    /// Polar radius.
+    POLAR_RADIUS = 134 "RP",
+    /// Polar angle.
+    POLAR_ANGLE = 135 "AP",
+    /// Full turns of an arc beyond the first.
+    TURNS = 136 "TURN",
+    /// Opening angle of an arc.
+    OPENING_ANGLE = 137 "AR",
+    /// First coordinate of an intermediate point of an arc.
+    MIDDLE_X = 138 "I1",
+    /// Second coordinate of an intermediate point of an arc.
+    MIDDLE_Y = 139 "J1",
+    /// Third coordinate of an intermediate point of an arc.
+    MIDDLE_Z = 140 "K1",
+    /// Spindle position.
+    SPINDLE_POSITION = 141 "SPOS",
+    /// Smoothing distance along the path.
+    SMOOTHING = 142 "ADIS",
+    /// Smoothing distance of rapid moves.
+    RAPID_SMOOTHING = 143 "ADISPOS",
+    /// A tool by name: index of the text.
+    TOOL_NAME = 144 "T",
+    /// Sense of rotation of an arc: 1 counter-clockwise, −1 clockwise.
+    SENSE = 145 "DR",
+    /// Block of a dialect's own, by the number its module gives it.
+    STATEMENT = 146 "",
+    /// A message for the operator: index of the text.
+    MESSAGE = 147 "MSG",
+    /// Radius of the tool, given in the program.
+    TOOL_RADIUS = 148 "R",
+    /// Length of the tool, given in the program.
+    TOOL_LENGTH = 149 "L",
+    /// Length of approach or departure.
+    APPROACH_LENGTH = 150 "LEN",
+    /// Repetitions.
+    REPETITIONS = 151 "REP",
+}
+
+/// The first argument of a call; the others follow in order.
+pub const ARGUMENT: u8 = 192;
+
+/// How many arguments a call may have.
+pub const ARGUMENTS: u8 = 63;
+
+/// As it is written.
+pub fn written(address: u8) -> String {
+    if address.is_ascii_uppercase() {
+        return char::from(address).to_string();
+    }
+    if ARGUMENT <= address {
+        return format!("argument {}", address - ARGUMENT + 1);
+    }
+    WRITTEN.iter().find(|(code, _)| *code == address).map_or(String::new(), |(_, name)| name.to_string())
+}

@@ -1,0 +1,252 @@
+//! Which control a program was written for, by what stands in it.
+//!
+//! Every line is looked at for marks that only one family of controls reads. The dialect with the
+//! most lines so marked is taken; where there are none it is plain ISO, which Fanuc, Haas and
+//! most others read. The marks of a dialect and what they are worth are one table below.
+//!
+//! Sources: the programming manuals of SINUMERIK 840D sl (2013), TNC 640 (Klartext and DIN/ISO),
+//! Fanuc 30i, OSP-P300M, LinuxCNC 2.9, grbl 1.1 and Mach3.
+
+use crate::simulation::gcode::line::lines;
+
+/// A family of controls that read the same words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Dialect {
+    /// ISO 6983 as on Fanuc, Haas and their relatives, with custom macro B.
+    #[default]
+    Iso,
+    /// RS274/NGC as on LinuxCNC.
+    LinuxCnc,
+    /// SINUMERIK 840D.
+    Siemens,
+    /// Heidenhain conversational.
+    Klartext,
+    /// Heidenhain DIN/ISO.
+    HeidenhainIso,
+    /// grbl.
+    Grbl,
+    /// Mach3 and Mach4.
+    Mach,
+    /// Okuma OSP.
+    Okuma,
+}
+
+impl Dialect {
+    /// All dialects, with the word they are chosen by and the name people know.
+    pub const WORDS: [(&'static str, Dialect, &'static str); 8] = [
+        ("iso", Dialect::Iso, "ISO, Fanuc, Haas"),
+        ("linuxcnc", Dialect::LinuxCnc, "LinuxCNC (RS274/NGC)"),
+        ("siemens", Dialect::Siemens, "Siemens SINUMERIK"),
+        ("klartext", Dialect::Klartext, "Heidenhain Klartext"),
+        ("heidenhain-iso", Dialect::HeidenhainIso, "Heidenhain DIN/ISO"),
+        ("grbl", Dialect::Grbl, "grbl"),
+        ("mach", Dialect::Mach, "Mach3, Mach4"),
+        ("okuma", Dialect::Okuma, "Okuma OSP"),
+    ];
+
+    /// The word it is chosen by.
+    pub fn word(self) -> &'static str {
+        Dialect::WORDS.iter().find(|(_, dialect, _)| *dialect == self).expect("every dialect has a word").0
+    }
+
+    /// The name people know.
+    pub fn name(self) -> &'static str {
+        Dialect::WORDS.iter().find(|(_, dialect, _)| *dialect == self).expect("every dialect has a name").2
+    }
+
+    /// The dialect chosen by `word`.
+    pub fn from_word(word: &str) -> Option<Dialect> {
+        Dialect::WORDS.iter().find(|(own, ..)| own.eq_ignore_ascii_case(word)).map(|(_, dialect, _)| *dialect)
+    }
+}
+
+/// The dialect of `text`.
+pub(super) fn detect(text: &[u8]) -> Dialect {
+    let mut scores = [0_usize; Dialect::WORDS.len()];
+    let mut code = Vec::new();
+    for line in lines(text).take(LOOKED_AT) {
+        plain(line, &mut code);
+        for (dialect, worth, is_mark) in MARKS {
+            if is_mark(&code) {
+                scores[dialect as usize] += worth;
+            }
+        }
+    }
+    let best = Dialect::WORDS
+        .iter()
+        .max_by_key(|(_, dialect, _)| (scores[*dialect as usize], *dialect == Dialect::Iso));
+    best.map_or(Dialect::Iso, |(_, dialect, _)| *dialect)
+}
+
+/// How many lines are looked at: enough to pass any header.
+const LOOKED_AT: usize = 3_000;
+
+/// The longest part of a line that is looked at, bytes.
+const WIDTH: usize = 200;
+
+/// `line` in upper case, without a block number, runs of blanks as one, without comments in
+/// parentheses where they open the line.
+fn plain(line: &[u8], into: &mut Vec<u8>) {
+    into.clear();
+    for byte in line.iter().take(WIDTH).map(u8::to_ascii_uppercase) {
+        let byte = if byte <= b' ' { b' ' } else { byte };
+        if byte != b' ' || into.last().is_some_and(|last| *last != b' ') {
+            into.push(byte);
+        }
+    }
+    let start = match into.first() {
+        Some(b'N') if into.get(1).is_some_and(u8::is_ascii_digit) => 1,
+        Some(byte) if byte.is_ascii_digit() => 0,
+        _ => return,
+    };
+    let digits = into[start..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    // A number alone at the head of a line is Klartext's own way of counting blocks.
+    let end = start + digits;
+    let end = end + into[end..].iter().take_while(|byte| **byte == b' ').count();
+    into.drain(..end);
+}
+
+type Mark = (Dialect, usize, fn(&[u8]) -> bool);
+
+/// What marks a line, and how much it is worth.
+const MARKS: [Mark; 12] = [
+    (Dialect::Klartext, 100, |code| code.starts_with(b"BEGIN PGM ")),
+    (Dialect::Klartext, 2, |code| begins_with_any(code, KLARTEXT)),
+    (Dialect::Siemens, 50, |code| code.starts_with(b"%_N_") || code.starts_with(b";$PATH=")),
+    (Dialect::Siemens, 2, is_siemens),
+    (Dialect::LinuxCnc, 3, is_linuxcnc),
+    (Dialect::HeidenhainIso, 100, |code| {
+        code.starts_with(b"%") && (contains(code, b" G71 *") || contains(code, b" G70 *"))
+    }),
+    (Dialect::HeidenhainIso, 2, |code| {
+        code.ends_with(b"*") && (code.starts_with(b"G") || code.starts_with(b"X"))
+    }),
+    (Dialect::Okuma, 50, |code| code.starts_with(b"$") && contains(code, b".MIN%")),
+    (Dialect::Okuma, 3, |code| begins_with_any(code, OKUMA) || is_numbered(code, b"VC", b"=")),
+    (Dialect::Iso, 3, |code| {
+        code.starts_with(b"IF[") || code.starts_with(b"IF [") || code.starts_with(b"WHILE[")
+    }),
+    (Dialect::Grbl, 5, |code| code.starts_with(b"$H") || code.starts_with(b"$J=") || contains(code, b"GRBL")),
+    (Dialect::Mach, 5, |code| contains(code, b"MACH3") || contains(code, b"MACH4")),
+];
+
+const KLARTEXT: &[&[u8]] = &[
+    b"L X",
+    b"L Y",
+    b"L Z",
+    b"L IX",
+    b"L IY",
+    b"L IZ",
+    b"CC X",
+    b"CC Y",
+    b"CC IX",
+    b"C X",
+    b"C IX",
+    b"CR X",
+    b"CT X",
+    b"LP PR",
+    b"CP IPA",
+    b"CP PA",
+    b"TOOL CALL",
+    b"TOOL DEF",
+    b"CYCL DEF",
+    b"CYCL CALL",
+    b"CALL LBL",
+    b"LBL ",
+    b"BLK FORM",
+    b"FN 0:",
+    b"FN0:",
+    b"APPR ",
+    b"DEP ",
+    b"END PGM",
+];
+
+const OKUMA: &[&[u8]] = &[b"CALL O", b"NOEX", b"DEF WORK", b"MODIN", b"MODOUT", b"CALL OO"];
+
+const SIEMENS: &[&[u8]] = &[
+    b"DEF REAL",
+    b"DEF INT",
+    b"DEF BOOL",
+    b"MCALL",
+    b"CYCLE",
+    b"MSG(",
+    b"MSG (",
+    b"TRANS ",
+    b"ATRANS",
+    b"AROT",
+    b"ROT ",
+    b"SUPA",
+    b"GOTOF",
+    b"GOTOB",
+    b"TRAORI",
+    b"TRAFOOF",
+    b"STOPRE",
+    b"FFWON",
+    b"PROC ",
+    b"EXTERN",
+    b"WORKPIECE(",
+    b"POCKET",
+    b"HOLES1",
+    b"HOLES2",
+    b"ENDIF",
+    b"ENDFOR",
+    b"ENDWHILE",
+    b"SOFT",
+    b"COMPCAD",
+    b"COMPOF",
+    b"G500",
+    b"WHILE R",
+    b"FOR R",
+    b"IF R",
+    b"IF $",
+    b"UNTIL ",
+];
+
+fn is_siemens(code: &[u8]) -> bool {
+    if code.starts_with(b"(") || code.starts_with(b";") {
+        return false;
+    }
+    begins_with_any(code, SIEMENS)
+        || is_numbered(code, b"R", b"=")
+        || [&b" CR="[..], b"=AC(", b"=IC(", b" SUPA", b" TURN=", b" RND=", b" CHF=", b"$P_", b"$A"]
+            .iter()
+            .any(|mark| contains(code, mark))
+        || code.starts_with(b"T=\"")
+}
+
+fn is_linuxcnc(code: &[u8]) -> bool {
+    let is_o_word = || {
+        let rest = code.strip_prefix(b"O").unwrap_or_default();
+        let name = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let rest = rest[name..].trim_ascii_start();
+        0 < name
+            && begins_with_any(
+                rest,
+                &[b"SUB", b"CALL", b"IF", b"WHILE", b"DO", b"REPEAT", b"ENDSUB", b"ENDIF"],
+            )
+    };
+    code.starts_with(b"O<")
+        || is_o_word()
+        || (!code.starts_with(b"(") && contains(code, b"#<"))
+        || (!code.starts_with(b"(")
+            && !code.starts_with(b";")
+            && code.iter().any(|byte| matches!(byte, b'@' | b'^')))
+        || contains(code, b"(DEBUG,")
+        || contains(code, b"(PRINT,")
+        || (contains(code, b"G64 P") || contains(code, b"G64P"))
+}
+
+fn begins_with_any(code: &[u8], marks: &[&[u8]]) -> bool {
+    marks.iter().any(|mark| code.starts_with(mark))
+}
+
+/// Begins with `name`, digits and `then`.
+fn is_numbered(code: &[u8], name: &[u8], then: &[u8]) -> bool {
+    let Some(rest) = code.strip_prefix(name) else { return false };
+    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    0 < digits && rest[digits..].trim_ascii_start().starts_with(then)
+}
+
+fn contains(code: &[u8], mark: &[u8]) -> bool {
+    code.windows(mark.len()).any(|window| window == mark)
+}

@@ -1,0 +1,257 @@
+//! O words of LinuxCNC: loops, branches and subroutines by number or name.
+//!
+//! ```text
+//! o100 sub … [return [value]] … endsub [value]     o100 call [argument] …
+//! o1 if [c] … o1 elseif [c] … o1 else … o1 endif
+//! o2 while [c] … o2 endwhile     o3 do … o3 while [c]     o4 repeat [n] … o4 endrepeat
+//! o2 break     o2 continue
+//! ```
+//!
+//! Source: LinuxCNC 2.9, G-code → O codes.
+
+use crate::simulation::gcode::expression::{Notation, Place as Parameter};
+use crate::simulation::gcode::iso::macro_word::whole;
+use crate::simulation::gcode::line::{Line, code_end, excerpt};
+use crate::simulation::gcode::number::{number, skip_blanks};
+use crate::simulation::gcode::reader::{Reader, Refusal};
+use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::structure::Kind;
+use crate::simulation::gcode::{Action, Destination, Direction, Label, LabelKind, Target, When};
+
+const KEYWORDS: [&str; 14] = [
+    "SUB",
+    "ENDSUB",
+    "CALL",
+    "RETURN",
+    "IF",
+    "ELSEIF",
+    "ELSE",
+    "ENDIF",
+    "WHILE",
+    "ENDWHILE",
+    "DO",
+    "REPEAT",
+    "ENDREPEAT",
+    "BREAK",
+];
+
+/// Keys of named O words, apart from those of numbered ones.
+const NAMED: u32 = 1 << 31;
+
+const LOOPS: &[Kind] = &[Kind::While, Kind::Do, Kind::Repeat];
+
+impl Reader<'_> {
+    /// The keyword after an O number, in upper case, and where it ends.
+    pub(super) fn o_word_keyword(&self, text: &[u8], at: usize) -> Option<(&'static str, usize)> {
+        let start = skip_blanks(text, at);
+        let letters = text[start..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+        let word = &text[start..start + letters];
+        let known =
+            KEYWORDS.iter().chain(&["CONTINUE"]).find(|known| word.eq_ignore_ascii_case(known.as_bytes()));
+        known.map(|known| (*known, start + letters))
+    }
+
+    /// Reads the O word at `at` and all that follows it; returns where it ends.
+    pub(super) fn o_word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let (destination, key, next) = self.o_name(text, at, line)?;
+        let Some((keyword, next)) = self.o_word_keyword(text, next) else {
+            let end = code_end(text, at).max(at + 1);
+            return Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)));
+        };
+        line.begun = true;
+        let columns = line.columns(at, next);
+        let unopened = || (Unread::Unopened { word: excerpt(&text[at..next]) }, columns);
+        let (number, index) = (self.line, self.index());
+        match keyword {
+            "SUB" => {
+                let skip = self.program.jump_later(index, When::Always);
+                let open = self.structures.push(Kind::Sub, key, number, index);
+                open.ok_or((Unread::DeepFlow, columns))?.exits.push(skip);
+                self.end_block();
+                if let Destination::Label(label, _) = destination {
+                    self.label(label.kind, label.id);
+                }
+                Ok(next)
+            }
+            "ENDSUB" => {
+                let (open, within) = self.structures.close(&[Kind::Sub], key).ok_or_else(unopened)?;
+                let next = self.o_value(text, next, line, Target::Result, false)?;
+                for inner in within {
+                    self.unclosed(&inner);
+                }
+                self.act(Action::Return);
+                self.end_block();
+                let past = self.index();
+                self.program.complete(&open.exits, past);
+                Ok(next)
+            }
+            "RETURN" => {
+                let next = self.o_value(text, next, line, Target::Result, false)?;
+                self.act(Action::Return);
+                Ok(next)
+            }
+            "CALL" => {
+                let mut next = next;
+                let mut argument = 0;
+                while text.get(skip_blanks(text, next)) == Some(&b'[') {
+                    argument += 1;
+                    next = self.o_value(text, next, line, Target::Argument(argument), true)?;
+                }
+                self.act(Action::Call { to: destination, has_own_parameters: true });
+                Ok(next)
+            }
+            "IF" => {
+                let next = self.o_value(text, next, line, Target::Condition, true)?;
+                let jump = self.program.jump_later(index, When::False);
+                let open = self.structures.push(Kind::If, key, number, index);
+                open.ok_or((Unread::DeepFlow, columns))?.next = Some(jump);
+                Ok(next)
+            }
+            "ELSE" | "ELSEIF" => {
+                let exit = self.program.jump_later(index, When::Always);
+                let open = self.structures.find(&[Kind::If], key).ok_or_else(unopened)?;
+                open.exits.push(exit);
+                let jump = open.next.take();
+                self.end_block();
+                self.program.complete(jump.as_slice(), index + 1);
+                if keyword == "ELSE" {
+                    return Ok(next);
+                }
+                let next = self.o_value(text, next, line, Target::Condition, true)?;
+                let jump = self.program.jump_later(index + 1, When::False);
+                if let Some(open) = self.structures.find(&[Kind::If], key) {
+                    open.next = Some(jump);
+                }
+                Ok(next)
+            }
+            "ENDIF" => {
+                let (open, within) = self.structures.close(&[Kind::If], key).ok_or_else(unopened)?;
+                for inner in within {
+                    self.unclosed(&inner);
+                }
+                let jumps: Vec<usize> = open.next.into_iter().chain(open.exits).collect();
+                self.program.complete(&jumps, index);
+                Ok(next)
+            }
+            "WHILE" if self.structures.find(&[Kind::Do], key).is_some() => {
+                let next = self.o_value(text, next, line, Target::Condition, true)?;
+                let (open, within) = self.structures.close(&[Kind::Do], key).ok_or_else(unopened)?;
+                for inner in within {
+                    self.unclosed(&inner);
+                }
+                self.act(Action::Jump { to: Destination::Block(open.head), when: When::True });
+                self.end_block();
+                self.end_loop(&open.exits, &open.to_end, index);
+                Ok(next)
+            }
+            "WHILE" => {
+                let next = self.o_value(text, next, line, Target::Condition, true)?;
+                let exit = self.program.jump_later(index, When::False);
+                let open = self.structures.push(Kind::While, key, number, index);
+                open.ok_or((Unread::DeepFlow, columns))?.exits.push(exit);
+                Ok(next)
+            }
+            "DO" => {
+                self.structures.push(Kind::Do, key, number, index).ok_or((Unread::DeepFlow, columns))?;
+                Ok(next)
+            }
+            "REPEAT" => {
+                let next = self.o_value(text, next, line, Target::Count, true)?;
+                let repeat = self.act(Action::Repeat { end: u32::MAX });
+                let open = self.structures.push(Kind::Repeat, key, number, index);
+                open.ok_or((Unread::DeepFlow, columns))?.to_end.push(repeat);
+                Ok(next)
+            }
+            "ENDWHILE" | "ENDREPEAT" => {
+                let kind = if keyword == "ENDWHILE" { Kind::While } else { Kind::Repeat };
+                let (open, within) = self.structures.close(&[kind], key).ok_or_else(unopened)?;
+                for inner in within {
+                    self.unclosed(&inner);
+                }
+                let to = Destination::Block(if kind == Kind::While { open.head } else { open.head + 1 });
+                self.act(match kind {
+                    Kind::While => Action::Jump { to, when: When::Always },
+                    _ => Action::Again { to },
+                });
+                self.end_block();
+                self.end_loop(&open.exits, &open.to_end, index);
+                Ok(next)
+            }
+            _ => {
+                let jump = self.program.jump_later(index, When::Always);
+                let open = self.structures.find(LOOPS, key).ok_or_else(unopened)?;
+                if keyword == "BREAK" {
+                    open.exits.push(jump)
+                } else {
+                    open.to_end.push(jump)
+                }
+                Ok(next)
+            }
+        }
+    }
+
+    /// Completes what leaves a loop, and what goes on with its closing word in the block `end`.
+    fn end_loop(&mut self, exits: &[usize], to_end: &[usize], end: u32) {
+        self.program.complete(exits, end + 1);
+        self.program.complete(to_end, end);
+    }
+
+    /// The name of an O word: where it leads, its key, and where it ends.
+    fn o_name(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &mut Line,
+    ) -> Result<(Destination, u32, usize), Refusal> {
+        let start = skip_blanks(text, at + 1);
+        let label = |kind, id| Destination::Label(Label { kind, id }, Direction::Either);
+        if let Some(found) = number(text, start) {
+            let id = whole(found.value).unwrap_or(u32::MAX >> 1);
+            return Ok((label(LabelKind::Numbered, id), id, found.end));
+        }
+        if text.get(start) == Some(&b'<') {
+            let mut name = None;
+            let steps = self.program.steps.len();
+            let mut expressions = crate::simulation::gcode::expression::Expressions::new(
+                Notation::Iso,
+                text,
+                start,
+                &mut self.program.steps,
+                &mut self.names,
+            );
+            let outcome = expressions.place();
+            let (end, continuation) = (expressions.at, expressions.continuation);
+            line.continuation += continuation;
+            self.program.steps.truncate(steps);
+            match outcome {
+                Ok(Parameter::Named(index)) => name = Some(index),
+                Ok(Parameter::Numbered) => {}
+                Err((remark, bytes)) => return Err((remark, line.columns(bytes.start, bytes.end))),
+            }
+            let id = name.unwrap_or(0);
+            return Ok((label(LabelKind::Named, id), NAMED | id, end));
+        }
+        let next = self.o_value(text, start, line, Target::Destination, true)?;
+        Ok((Destination::Computed(LabelKind::Numbered), u32::MAX, next))
+    }
+
+    /// Reads a value for `target`; returns where it ends.
+    fn o_value(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &mut Line,
+        target: Target,
+        is_needed: bool,
+    ) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        if !is_needed && text.get(start) != Some(&b'[') {
+            return Ok(at);
+        }
+        let (end, _) = self.formula(Notation::Iso, text, (start, start), line, |expressions| {
+            expressions.value()?;
+            Ok(target)
+        })?;
+        Ok(end)
+    }
+}

@@ -1,0 +1,59 @@
+//! What a program may ask the control for: where the tool is, which tool, which modes.
+//!
+//! | Fanuc | LinuxCNC | value |
+//! |---|---|---|
+//! | #5001–#5003, #5041–#5043 | #5420–#5422, `_x` `_y` `_z` | position in the program's coordinates and unit |
+//! | #4109 | `_feed` | feedrate, unit of the program per minute |
+//! | #4120 | #5400, `_current_tool` | tool |
+//! | #4003 | `_incremental` | 90 or 91; 1 under G91 |
+//! | #4006 | `_metric`, `_imperial` | 20 or 21; 1 under it |
+//!
+//! Sources: Fanuc B-63944EN, Sect. 16.2; LinuxCNC 2.9, Parameters.
+
+use crate::simulation::toolpath::parameters::Control;
+use crate::simulation::toolpath::trace::Tracer;
+use crate::units::{MM_PER_INCH, mm_per_min};
+
+impl Control for Tracer<'_> {
+    fn numbered(&self, number: u32) -> Option<f64> {
+        match number {
+            5001..=5003 => Some(self.program_position((number - 5001) as usize)),
+            5041..=5043 => Some(self.program_position((number - 5041) as usize)),
+            5420..=5422 => Some(self.program_position((number - 5420) as usize)),
+            4109 => Some(self.feed_of_program()),
+            4120 | 5400 => Some(self.modal.tool.map_or(0.0, f64::from)),
+            4003 => Some(if self.modal.is_incremental { 91.0 } else { 90.0 }),
+            4006 => Some(if self.modal.unit == MM_PER_INCH { 20.0 } else { 21.0 }),
+            _ => None,
+        }
+    }
+
+    fn named(&self, name: &str) -> Option<f64> {
+        let truth = |is_true: bool| Some(if is_true { 1.0 } else { 0.0 });
+        match name {
+            "_x" => Some(self.program_position(0)),
+            "_y" => Some(self.program_position(1)),
+            "_z" => Some(self.program_position(2)),
+            "_feed" => Some(self.feed_of_program()),
+            "_current_tool" | "_selected_tool" => Some(self.modal.tool.map_or(0.0, f64::from)),
+            "_incremental" => truth(self.modal.is_incremental),
+            "_absolute" => truth(!self.modal.is_incremental),
+            "_metric" => truth(self.modal.unit != MM_PER_INCH),
+            "_imperial" => truth(self.modal.unit == MM_PER_INCH),
+            "_value" => Some(0.0),
+            _ => None,
+        }
+    }
+}
+
+impl Tracer<'_> {
+    /// Where the tool is on an axis, in the program's coordinates and unit.
+    fn program_position(&self, axis: usize) -> f64 {
+        self.frame.to_program(&self.position)[axis] / self.modal.unit
+    }
+
+    /// The feedrate in force, in the program's unit per minute.
+    fn feed_of_program(&self) -> f64 {
+        mm_per_min(self.modal.feedrate.unwrap_or(0.0)) / self.modal.unit
+    }
+}
