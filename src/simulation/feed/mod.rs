@@ -219,10 +219,10 @@ fn turn_delay(machine: &Machine) -> f64 {
 fn wait(stop: &Stop, machine: &Machine) -> Wait {
     let duration = match stop.cause {
         StopCause::Dwell { seconds } => seconds,
+        StopCause::Rotary { rotation, rate } => limits::rotary_time(&rotation, rate, machine),
         StopCause::ToolChange { tool } => machine.times.of_tool_change(tool),
         StopCause::SameTool { .. } => 0.0,
         StopCause::Spindle { from, to, code } => machine.times.of_spindle(from, to, code),
-        StopCause::Rotary { rotation, rate } => limits::rotary_time(&rotation, rate, machine),
         StopCause::MCode { code } => machine.times.of_m_code(code),
     };
     Wait { duration, cause: stop.cause, line: stop.line }

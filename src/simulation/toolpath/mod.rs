@@ -5,7 +5,7 @@
 //! already applied). Between segments lie the stops: dwells, tool changes and other M-words, and
 //! turns of rotary axes alone.
 //!
-//! Order of execution within a block: units, plane, distance and path modes; F; S; T; M-words that
+//! Order of execution within a block: units, plane, distance and path modes; F; T; S; M-words that
 //! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell,
 //! change of coordinates, reference move or motion; M-words that act after it (M0, M1, M2, M5, M9,
 //! M30, M60). That is RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc
@@ -38,9 +38,9 @@ mod block;
 mod control;
 mod curve;
 mod cycle;
-mod functions;
 mod feed_mode;
 mod frame;
+mod functions;
 mod motion;
 mod operations;
 mod parameters;

@@ -49,8 +49,6 @@ pub(super) enum Untraced {
     NoInverseTime { assumed: Option<f64> },
     #[error("G95 needs a spindle speed S: feed moves are taken at {assumed:.0} mm/min until there is one")]
     NoSpindleSpeed { assumed: f64 },
-    #[error("S{value} is not a spindle speed: the former stays in force")]
-    BadSpindleSpeed { value: f64 },
     #[error(
         "G96 (constant surface speed) is not modelled, since the diameter is unknown: feeds in mm/min are right, feeds per revolution (G95) go on with the last S in rev/min"
     )]
@@ -225,7 +223,6 @@ impl Remark for Untraced {
             | Untraced::NoFeed { .. }
             | Untraced::NoInverseTime { .. }
             | Untraced::NoSpindleSpeed { .. }
-            | Untraced::BadSpindleSpeed { .. }
             | Untraced::BadAngle { .. }
             | Untraced::NoOffsetNumber { .. }
             | Untraced::NoAngle
@@ -268,11 +265,11 @@ impl Remark for Untraced {
             | Untraced::CycleDwellUnit
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
-            | Untraced::SameTool { .. }
-            | Untraced::ManyOperations { .. }
             | Untraced::DataSetting { .. }
             | Untraced::NoToolLength { .. }
             | Untraced::RotaryFeed { .. }
+            | Untraced::SameTool { .. }
+            | Untraced::ManyOperations { .. }
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }

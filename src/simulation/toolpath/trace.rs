@@ -79,8 +79,6 @@ pub(super) struct Modal {
     pub(super) feed: Feed,
     /// By F under G94, mm/s.
     pub(super) feedrate: Option<f64>,
-    /// rev/min.
-    pub(super) spindle_speed: Option<f64>,
     pub(super) tool: Option<u32>,
     pub(super) has_work_offset: bool,
     pub(super) has_several_offsets: bool,
@@ -165,7 +163,6 @@ impl<'a> Tracer<'a> {
                 has_incremental_center: true,
                 feed: Feed::default(),
                 feedrate: None,
-                spindle_speed: None,
                 tool: None,
                 has_work_offset: false,
                 has_several_offsets: false,
@@ -198,7 +195,6 @@ impl<'a> Tracer<'a> {
         }
         self.exact_stop = self.path_mode.has_exact_stop() || request.exact_stop;
         self.take_feed(block);
-        self.take_spindle_speed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         }
@@ -289,12 +285,7 @@ impl<'a> Tracer<'a> {
             Meaning::Polar(is_on) => self.frame.polar = is_on.then(Polar::default),
             Meaning::TipControl(name) => self.remarks.add(place, Untraced::TipControl { name }),
             Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
-            Meaning::SurfaceSpeed(is_on) => {
-                self.modal.feed.has_surface_speed = is_on;
-                if is_on {
-                    self.remarks.add(place, Untraced::SurfaceSpeed);
-                }
-            }
+            Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
             Meaning::TransformationAbout(name) => {
                 self.remarks.add(place, Untraced::Transformation { code, name });

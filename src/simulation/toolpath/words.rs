@@ -85,8 +85,7 @@ pub(super) enum Meaning {
     /// Tool centre point control by its name.
     TipControl(&'static str),
     Compensation,
-    /// G96 and G97.
-    SurfaceSpeed(bool),
+    SurfaceSpeed,
     /// A change of coordinates by its name.
     Transformation(&'static str),
     /// A change of coordinates by its name, which the axis words of its block belong to.
@@ -148,8 +147,8 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 | 1540 => (12, WorkOffset),
         610 | 611 => (13, Path(PathWord::ExactStop)),
         640 => (13, Path(PathWord::Continuous)),
-        960 => (14, SurfaceSpeed(true)),
-        970 => (14, SurfaceSpeed(false)),
+        960 => (14, SurfaceSpeed),
+        970 => (14, Neutral),
 
         90 => (NO_GROUP, ExactStopHere),
         50 | 80 => (NO_GROUP, Path(PathWord::LookAhead)),
