@@ -22,11 +22,11 @@
 //! infinitely far: here it is the tolerance that the machine was found, or set, to run with. Its
 //! naive CAM detector, which merges lines within Q (or else P) of one line, is not modelled.
 //!
-//! Sources differ on whether G187 P1 or P3 is rough; the manual's order (1 rough, 3 finish) is
-//! taken, and an E beside it counts alone.
+//! Sources differ on whether G187 P1 or P3 is rough: 1 rough, 2 medium, 3 finish is taken, and an E
+//! beside it counts alone.
 //!
-//! Sources: LinuxCNC manual, G64, and what its interpreter does with P0 and without Q; Haas mill
-//! operator's manual, G187 and Setting 85; Fanuc, machining condition selecting function.
+//! Sources: LinuxCNC manual, G64, and what its interpreter does with P0 and without Q; Haas,
+//! G187 and Setting 85; Fanuc, machining condition selecting function.
 
 use thiserror::Error;
 
