@@ -3,6 +3,7 @@
 use crate::simulation::gcode::Place;
 use crate::simulation::gcode::address;
 use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::compensation::OuterCorner;
 use crate::simulation::toolpath::frame::ADDITIONAL;
 use crate::simulation::toolpath::path_mode::Blending;
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -25,6 +26,8 @@ pub(in crate::simulation::toolpath) enum SiemensWord {
     SoftApproach,
     /// G331 and G332: a tap's stroke.
     Tap,
+    /// G450 and G451: around outer corners by an arc, or to where the offset paths meet.
+    OuterCorner,
 }
 
 /// Modal group and meaning of a G word, given ten times its number; none where ISO's holds.
@@ -40,9 +43,10 @@ pub(in crate::simulation::toolpath) fn meaning(tenths: u16) -> Option<(usize, Me
         5000 | 5050..=5990 => (12, Siemens(SiemensWord::Offset)),
         250 | 260 => (NO_GROUP, Siemens(SiemensWord::Limits)),
         1470 | 1480 | 2470 | 2480 | 3470 | 3480 => (NO_GROUP, Siemens(SiemensWord::SoftApproach)),
+        4500 | 4510 => (NO_GROUP, Siemens(SiemensWord::OuterCorner)),
         3310 | 3320 => (1, Siemens(SiemensWord::Tap)),
-        6010 | 6020 | 6030 | 3400 | 3410 | 4500 | 4510 | 4600 | 4610 | 4620 | 1400 | 1410 | 1420 | 1430
-        | 2900 | 9610 | 9710 | 9620 | 9720 | 8100 | 8110 | 8200 | 8210 => (NO_GROUP, Neutral),
+        6010 | 6020 | 6030 | 3400 | 3410 | 4600 | 4610 | 4620 | 1400 | 1410 | 1420 | 1430 | 2900 | 9610
+        | 9710 | 9620 | 9720 | 8100 | 8110 | 8200 | 8210 => (NO_GROUP, Neutral),
         2910 => (NO_GROUP, Transformation("ISO mode")),
         _ => return None,
     })
@@ -84,10 +88,18 @@ impl Tracer<'_> {
                 let what = "the soft approach is not modelled: a straight move to its end";
                 self.remarks.add(place, Untraced::Statement { name: "G147 to G348", what });
             }
+            SiemensWord::OuterCorner => self.go_around_corners(match code.value as u16 {
+                451 => OuterCorner::Intersection { reach: FARTHEST },
+                _ => OuterCorner::Arc,
+            }),
             SiemensWord::Tap => request.statement = Some(Statement::Tap(code.value == 331.0)),
         }
     }
 }
+
+/// How far beyond an outer corner offset paths may meet, as a multiple of the tool radius: an acute
+/// corner is cut off by an arc.
+const FARTHEST: f64 = 2.0;
 
 /// The number of a work offset that nobody can give.
 const NONE: u16 = 0;
