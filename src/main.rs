@@ -14,17 +14,19 @@ use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::feed::{Held, Tolerances};
-use truefeed::simulation::gcode::read;
+use truefeed::simulation::gcode::{Dialect, Options, read_with};
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::{Blending, Toolpath, trace};
 
 const USAGE: &str = "\
-truefeed predict PROGRAM --machine M.toml [--tolerance MM]... [--json] [--profile OUT.csv]
+truefeed predict PROGRAM --machine M.toml [--tolerance MM]... [--dialect D] [--json] [--profile OUT.csv]
 
 What the machine will do with a G-code program: cycle time for each contour tolerance.
 PROGRAM is a G-code file, or - for standard input. Without --tolerance the program's own tolerances
 hold (G64 P, G187 E and so on), and the machine's where it sets none; a --tolerance replaces all of
 them, but for exact stops.
+The control the program was written for is found by what stands in it; --dialect chooses it: iso,
+linuxcnc, siemens, klartext, heidenhain-iso, grbl, mach or okuma.
 --json prints the result as JSON; --profile writes time, distance, feedrate, position and line
 for the first tolerance.";
 
@@ -61,6 +63,7 @@ struct Request {
     program: Option<PathBuf>,
     machine: Option<PathBuf>,
     tolerances: Vec<f64>,
+    dialect: Option<Dialect>,
     json: bool,
     profile: Option<PathBuf>,
 }
@@ -74,7 +77,10 @@ fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     })?;
     let machine =
         machine_from_toml(&machine_text).map_err(|fault| format!("{}: {fault}", machine_path.display()))?;
-    let toolpath = trace(&read(&bytes_of(&program)?), &machine);
+    let toolpath = {
+        let options = Options { dialect: request.dialect, ..Options::default() };
+        trace(&read_with(&bytes_of(&program)?, &options), &machine)
+    };
 
     let tolerances = match request.tolerances {
         none if none.is_empty() => vec![Tolerances::Programmed],
@@ -92,7 +98,7 @@ fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     let programmed = programmed_time(&toolpath, &machine);
     let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy();
     if request.json {
-        print(&Prediction::new(&name, programmed, &quotes, &toolpath.diagnostics).to_json())
+        print(&Prediction::new(&name, &toolpath, programmed, &quotes).to_json())
     } else {
         print(&table(&name, programmed, &quotes, &toolpath))
     }
@@ -111,6 +117,13 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
             Long("machine") => once(&mut request.machine, value(parser)?, "--machine")?,
             Long("profile") => once(&mut request.profile, value(parser)?, "--profile")?,
             Long("json") => request.json = true,
+            Long("dialect") => {
+                let word = value(parser)?.to_string_lossy().into_owned();
+                let known = Dialect::WORDS.map(|(word, ..)| word).join(", ");
+                let dialect = Dialect::from_word(&word);
+                request.dialect =
+                    Some(dialect.ok_or_else(|| format!("--dialect {word}: expected one of {known}"))?);
+            }
             Long("tolerance") => {
                 let text = value(parser)?.to_string_lossy().into_owned();
                 let tolerance: f64 = text.parse().unwrap_or(f64::NAN);
@@ -159,8 +172,11 @@ fn print(text: &str) -> Result<(), Refusal> {
 
 /// The result for people.
 fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> String {
-    let mut text =
-        format!("{name}: {} blocks of motion, programmed time {programmed:.2} s\n", toolpath.segments.len());
+    let mut text = format!(
+        "{name} ({}): {} blocks of motion, programmed time {programmed:.2} s\n",
+        toolpath.dialect.name(),
+        toolpath.segments.len()
+    );
     text += "tolerance mm   cycle time s   difference   cutting s    rapid s    dwell s   changes s    other s   error mm";
     for quote in quotes {
         let difference = 100.0 * (quote.cycle_time / programmed - 1.0);

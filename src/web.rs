@@ -29,6 +29,12 @@ pub fn form() -> String {
     project::form()
 }
 
+/// The dialects a program can be read in, as JSON: a list of word and name.
+#[wasm_bindgen]
+pub fn dialects() -> String {
+    project::dialects()
+}
+
 /// What is wrong with the values of a machine form, as JSON: a list of key and message.
 #[wasm_bindgen]
 pub fn faults(machine: &str) -> String {

@@ -1,6 +1,7 @@
 // Starts the page: owns the one state object, queues simulations and tells the panels what changed.
 
 import init, {
+  dialects,
   faults,
   form as formOfModule,
   mostCurves,
@@ -68,7 +69,7 @@ export const actions = {
   /** @param {{name: string, bytes: Uint8Array}[]} files */
   addPrograms(files) {
     for (const { name, bytes } of files) {
-      state.programs.push({ id: nextId++, name, bytes, lines: linesOf(bytes), outcome: null, failure: null })
+      state.programs.push({ id: nextId++, name, bytes, lines: linesOf(bytes), dialect: null, outcome: null, failure: null })
     }
     state.selected = state.programs[state.programs.length - files.length]?.id ?? state.selected
     changed()
@@ -91,6 +92,17 @@ export const actions = {
       if (wasSelected) state.selected = id
       changed()
     }
+  },
+  /** Reads a program as another control would. @param {number} id @param {string | null} dialect */
+  setDialect(id, dialect) {
+    const program = state.programs.find((program) => program.id === id)
+    if (!program || program.dialect === dialect) return
+    program.dialect = dialect
+    // Nothing of the former reading holds.
+    program.outcome = null
+    program.failure = null
+    if (state.progress?.program === id) engine.cancel()
+    changed()
   },
   /** @param {number} index */
   choosePreset(index) {
@@ -212,7 +224,7 @@ async function simulate(program, motion) {
   try {
     update()
     const labels = columns.map(columnLabel)
-    await engine.simulate({ program: program.bytes, machine, columns, labels }, listener)
+    await engine.simulate({ program: program.bytes, machine, dialect: program.dialect, columns, labels }, listener)
     program.outcome = outcome
     program.failure = null
   } catch (error) {
@@ -227,7 +239,7 @@ const progress = progressPanel.mount(element('progress'), actions)
 const chart = chartPanel.mount(element('chart'))
 const panels = [
   progress,
-  programPanel.mount(element('program'), actions),
+  programPanel.mount(element('program'), JSON.parse(dialects()), actions),
   machinePanel.mount(element('machine'), form, actions),
   tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
   resultsPanel.mount(element('results'), form, actions),

@@ -9,6 +9,7 @@
 
 /**
  * @typedef {object} ProgramSummary
+ * @property {string} dialect  the word of the control it was read for
  * @property {number} programmed_time_s
  * @property {Diagnostic[]} diagnostics
  */
@@ -36,6 +37,7 @@
  * What a part of a program takes.
  * @typedef {object} Part
  * @property {number} time_s
+ * @property {string} dialect  the word of the control it was read for
  * @property {number} programmed_time_s
  * @property {number} lost_s  time less programmed time
  * @property {Breakdown} breakdown
@@ -89,6 +91,7 @@
  * @property {string} name
  * @property {Uint8Array} bytes
  * @property {() => string[]} lines
+ * @property {string | null} dialect  the word of the control that was chosen; null: found by what stands in it
  * @property {Outcome | null} outcome
  * @property {string | null} failure  why the last run of it ended
  */

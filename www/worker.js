@@ -4,12 +4,12 @@ import init, { Job } from './pkg/truefeed.js'
 
 /** @import { Columns, Steps } from "./types.js" */
 
-self.onmessage = async ({ data: { module, program, machine, columns, labels } }) => {
+self.onmessage = async ({ data: { module, program, machine, dialect, columns, labels } }) => {
   try {
     const of = columns.length + 1
     stage('Reading the program', 0, of)
     await init({ module_or_path: module })
-    const job = new Job(program, machine)
+    const job = new Job(program, machine, dialect ?? undefined)
     const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
     const held = job.tolerances()
     post({ type: 'program', summary: job.summary(), steps, held }, Object.values(steps))

@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 
 use crate::machine::{Access, Machine, PARAMETERS, parameter, presets};
 use crate::project::{Fault, TIME_CONSTANTS, Written, contradiction, position, rivals, set, written};
+use crate::simulation::gcode::Dialect;
 
 #[derive(Serialize)]
 struct Form {
@@ -35,6 +36,12 @@ struct Preset {
     name: String,
     source: &'static str,
     values: Map<String, Value>,
+}
+
+/// The dialects a program can be read in, as JSON text: a list of word and name.
+pub fn dialects() -> String {
+    let named = Dialect::WORDS.map(|(word, _, name)| serde_json::json!({ "word": word, "name": name }));
+    serde_json::Value::from(named.to_vec()).to_string()
 }
 
 /// The parameter table and the presets as JSON text.

@@ -8,7 +8,7 @@ mod form;
 mod machine_file;
 mod results;
 
-pub use form::{faults_to_json, form, machine_from_form};
+pub use form::{dialects, faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};
 

@@ -7,15 +7,17 @@ use serde::Serialize;
 use crate::quote::{self, OperationShare, Quote, Share, ToolShare};
 use crate::simulation::contour::Region;
 use crate::simulation::feed::Held;
-use crate::simulation::gcode::{Diagnostic, Severity};
+use crate::simulation::gcode::Severity;
 use crate::simulation::profile::Samples;
-use crate::simulation::toolpath::Blending;
+use crate::simulation::toolpath::{Blending, Toolpath};
 use crate::units::mm_per_min;
 
 /// What `predict --json` prints.
 #[derive(Clone, Debug, Serialize)]
 pub struct Prediction {
     program: String,
+    /// The control it was read for, by the word that chooses it.
+    dialect: &'static str,
     programmed_time_s: f64,
     runs: Vec<Run>,
     diagnostics: Vec<Remark>,
@@ -225,12 +227,7 @@ pub fn severity_word(severity: Severity) -> &'static str {
 impl Prediction {
     /// The prediction for a program: its name, what CAM would say (s), one quote a tolerance, and
     /// what there is to say about the program.
-    pub fn new(
-        program: &str,
-        programmed_time: f64,
-        quotes: &[Quote],
-        diagnostics: &[Diagnostic],
-    ) -> Prediction {
+    pub fn new(program: &str, toolpath: &Toolpath, programmed_time: f64, quotes: &[Quote]) -> Prediction {
         let runs = quotes.iter().map(|quote| Run {
             tolerance_mm: quote.tolerance,
             tolerances: quote.held.iter().map(HeldTolerance::from).collect(),
@@ -242,13 +239,14 @@ impl Prediction {
             beyond_tolerance: quote.beyond_tolerance.iter().map(Place::from).collect(),
             price: quote.price,
         });
-        let remarks = diagnostics.iter().map(|diagnostic| Remark {
+        let remarks = toolpath.diagnostics.iter().map(|diagnostic| Remark {
             line: diagnostic.line.0,
             severity: severity_word(diagnostic.severity),
             message: diagnostic.message.clone(),
         });
         Prediction {
             program: program.to_string(),
+            dialect: toolpath.dialect.word(),
             programmed_time_s: programmed_time,
             runs: runs.collect(),
             diagnostics: remarks.collect(),

@@ -11,7 +11,7 @@ use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_for
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
-use crate::simulation::gcode::read;
+use crate::simulation::gcode::{Dialect, Options, read_with};
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::{Toolpath, trace};
 
@@ -24,17 +24,20 @@ pub struct Job {
 
 #[wasm_bindgen]
 impl Job {
-    /// Reads a program for a machine given as a filled form; throws the form's faults as JSON.
+    /// Reads a program for a machine given as a filled form, in the dialect of this word or in the
+    /// one the program shows; throws the form's faults as JSON.
     #[wasm_bindgen(constructor)]
-    pub fn new(program: &[u8], machine: &str) -> Result<Job, String> {
+    pub fn new(program: &[u8], machine: &str, dialect: Option<String>) -> Result<Job, String> {
         let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
-        let toolpath = trace(&read(program), &machine);
+        let dialect = dialect.as_deref().and_then(Dialect::from_word);
+        let options = Options { dialect, ..Options::default() };
+        let toolpath = trace(&read_with(program, &options), &machine);
         Ok(Job { machine, toolpath })
     }
 
     /// What is known before any simulation: a prediction without runs.
     pub fn summary(&self) -> Result<JsValue, JsError> {
-        object(&Prediction::new("", self.programmed_time(), &[], &self.toolpath.diagnostics))
+        object(&Prediction::new("", &self.toolpath, self.programmed_time(), &[]))
     }
 
     /// The programmed feedrate over distance.
@@ -59,7 +62,7 @@ impl Job {
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
         let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
         Ok(Run {
-            summary: object(&Prediction::new("", self.programmed_time(), &[quote], &[]))?,
+            summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
             columns: Columns {
                 distance: samples.distance,
                 feedrate: samples.feedrate,

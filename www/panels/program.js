@@ -13,11 +13,20 @@ const UNDO_MS = 10_000
  * @typedef {object} Actions
  * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addPrograms
  * @property {(id: number) => void} select
+ * @property {(id: number, dialect: string | null) => void} setDialect
  * @property {(id: number) => () => void} removeProgram
  */
 
-/** @param {HTMLElement} root @param {Actions} actions */
-export function mount(root, actions) {
+/** @param {HTMLElement} root @param {{word: string, name: string}[]} dialects @param {Actions} actions */
+export function mount(root, dialects, actions) {
+  const dialect = /** @type {HTMLSelectElement} */ (find(root, '.dialect select'))
+  const automatic = make('option', { value: '' })
+  dialect.append(automatic, ...dialects.map(({ word, name }) => make('option', { value: word }, name)))
+  /** @type {number | null} */
+  let selected = null
+  dialect.addEventListener('change', () => {
+    if (selected !== null) actions.setDialect(selected, dialect.value || null)
+  })
   const list = find(root, '.programs')
   const input = /** @type {HTMLInputElement} */ (find(document.body, '#files'))
   const undo = find(root, '.undo')
@@ -73,6 +82,11 @@ export function mount(root, actions) {
   return {
     /** @param {State} state */
     update(state) {
+      const current = state.programs.find(({ id }) => id === state.selected)
+      selected = current?.id ?? null
+      const found = dialects.find(({ word }) => word === current?.outcome?.summary.dialect)
+      if (!current?.dialect) automatic.textContent = found ? `Automatic: ${found.name}` : 'Automatic'
+      dialect.value = current?.dialect ?? ''
       for (const [id, { item }] of entries) {
         if (state.programs.some((program) => program.id === id)) continue
         item.remove()

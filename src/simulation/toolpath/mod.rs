@@ -63,7 +63,7 @@ pub use path_mode::{Blending, PathMode};
 pub use trace::trace;
 
 use crate::machine::Spin;
-use crate::simulation::gcode::{Diagnostic, LineNumber};
+use crate::simulation::gcode::{Diagnostic, Dialect, LineNumber};
 
 /// A position, mm.
 pub type Point = nalgebra::Point3<f64>;
@@ -160,6 +160,8 @@ pub struct Stop {
 pub struct Toolpath {
     /// The moves; each begins where the one before ends.
     pub segments: Vec<Segment>,
+    /// The control the program was read for.
+    pub dialect: Dialect,
     /// The stops, by ascending `after`; those with the same `after` in program order.
     pub stops: Vec<Stop>,
     /// The parts of the program, in order; the first begins with the first move and stop.

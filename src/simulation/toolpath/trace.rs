@@ -67,6 +67,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
     }
     let mut toolpath = tracer.toolpath;
+    toolpath.dialect = program.dialect;
     toolpath.diagnostics = program.diagnostics.clone();
     toolpath.diagnostics.append(&mut tracer.remarks.finish());
     toolpath.diagnostics.sort_by_key(|diagnostic| diagnostic.line);

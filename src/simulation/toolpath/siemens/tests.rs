@@ -24,8 +24,13 @@ fn values_are_worked_out() {
     assert_eq!(ends("DEF REAL _A, B=2\n_A=B+1\nG0 X=_A\nX=SQRT(B*8)\nX=(1+2)*3"), [3.0, 4.0, 9.0]);
     assert_eq!(ends("R1=2\nR[R1+1]=7\nG0 X=R3\nX=R[3]-1"), [7.0, 6.0]);
     assert_eq!(ends("G0 X1EX1\nX=7 DIV 2\nY=7 MOD 4\nX=-POT(3)+TRUNC(2.7)"), [10.0, 3.0, 3.0, -7.0]);
-    assert_eq!(ends("G0 X5 ; X6
-N10 X7"), [5.0, 7.0]);
+    assert_eq!(
+        ends(
+            "G0 X5 ; X6
+N10 X7"
+        ),
+        [5.0, 7.0]
+    );
 }
 
 #[test]
