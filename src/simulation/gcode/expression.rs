@@ -199,7 +199,12 @@ impl<'a> Expressions<'a> {
     fn operator(&self) -> Option<(usize, u8, Operator)> {
         let at = skip_blanks(self.text, self.at);
         let found = |(name, tightness, operator): &(&str, u8, Operator)| {
-            Some((after(self.text, at, name)?, *tightness, *operator))
+            let end = after(self.text, at, name)?;
+            // `OR` is not the beginning of `ORIWKS`.
+            let is_whole = self.notation == Notation::Iso
+                || !name.ends_with(|last: char| last.is_ascii_alphabetic())
+                || identifier(&self.text[end..]) == 0;
+            is_whole.then_some((end, *tightness, *operator))
         };
         self.notation.operators().iter().find_map(found)
     }
@@ -244,7 +249,8 @@ impl<'a> Expressions<'a> {
         if self.notation == Notation::Klartext || is_function || name.eq_ignore_ascii_case(b"ATAN2") {
             return Ok(false);
         }
-        let end = self.at + letters + index_of_array(&self.text[self.at + letters..]);
+        let is_system = name[0] == b'$';
+        let end = self.at + letters + index_of_array(&self.text[self.at + letters..], is_system);
         let name = String::from_utf8_lossy(&self.text[self.at..end]).to_ascii_lowercase();
         self.at = end;
         let index = self.names.index(name);
@@ -406,12 +412,15 @@ pub(super) fn identifier(text: &[u8]) -> usize {
     text.iter().take_while(|byte| belongs(byte)).count()
 }
 
-/// Length of an index such as `[2]` or `[1,3]` that `text` begins with; only plain numbers make a name.
-fn index_of_array(text: &[u8]) -> usize {
+/// Length of an index such as `[2]` or `[1,3]` that `text` begins with; only plain numbers make a
+/// name, and names where the control's own variables are meant (`$AA_IM[X]`).
+fn index_of_array(text: &[u8], is_system: bool) -> usize {
     if text.first() != Some(&b'[') {
         return 0;
     }
-    let inner = text[1..].iter().take_while(|byte| byte.is_ascii_digit() || **byte == b',').count();
+    let belongs =
+        |byte: &u8| byte.is_ascii_digit() || *byte == b',' || (is_system && byte.is_ascii_alphanumeric());
+    let inner = text[1..].iter().take_while(|byte| belongs(byte)).count();
     if 0 < inner && text.get(1 + inner) == Some(&b']') { inner + 2 } else { 0 }
 }
 

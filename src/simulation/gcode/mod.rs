@@ -42,6 +42,7 @@ mod line;
 mod number;
 mod reader;
 mod remark;
+mod siemens;
 mod structure;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
@@ -49,6 +50,7 @@ pub use dialect::Dialect;
 pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, When};
 pub use formula::{Formula, Function, Operator, Step, Target};
 pub use reader::{Options, read, read_with};
+pub use siemens::STATEMENTS as SIEMENS_STATEMENTS;
 
 use std::ops::Range;
 

@@ -28,7 +28,8 @@ pub(super) fn is_blank(byte: u8) -> bool {
 
 /// Where the first byte that is not blank stands, from `at` on.
 pub(super) fn skip_blanks(text: &[u8], at: usize) -> usize {
-    text[at..].iter().position(|byte| !is_blank(*byte)).map_or(text.len(), |offset| at + offset)
+    let rest = text.get(at..).unwrap_or_default();
+    rest.iter().position(|byte| !is_blank(*byte)).map_or(text.len(), |offset| at + offset)
 }
 
 /// The number that begins at `at`, if one with at least one digit does.

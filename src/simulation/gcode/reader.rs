@@ -169,6 +169,7 @@ impl<'a> Reader<'a> {
     fn block(&mut self, text: &[u8]) {
         let mut line = Line::default();
         let outcome = match self.program.dialect {
+            Dialect::Siemens => self.siemens_line(text, &mut line),
             _ => self.iso_line(text, &mut line),
         };
         if let Err((remark, columns)) = outcome {

@@ -5,7 +5,7 @@
 //! whose opening is missing, and an opening that is never closed, are said and do nothing, so that
 //! the blocks between are run once.
 
-use crate::simulation::gcode::{Action, Destination, Flow, LineNumber, Program, When};
+use crate::simulation::gcode::{Action, Destination, Flow, LineNumber, Program, Step, When};
 
 /// What is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub(super) enum Kind {
     If,
     /// A subprogram.
     Sub,
+    /// Counted by a variable.
+    For,
 }
 
 impl Kind {
@@ -31,6 +33,26 @@ impl Kind {
             Kind::Repeat => "REPEAT",
             Kind::If => "IF",
             Kind::Sub => "SUB",
+            Kind::For => "FOR",
+        }
+    }
+}
+
+/// The variable that counts a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Counter {
+    /// The parameter with this number.
+    Number(u32),
+    /// The parameter with this index of its name.
+    Name(u32),
+}
+
+impl Counter {
+    /// Leaves its value.
+    pub(super) fn load(self, steps: &mut Vec<Step>) {
+        match self {
+            Counter::Number(number) => steps.extend([Step::Number(f64::from(number)), Step::Numbered]),
+            Counter::Name(index) => steps.push(Step::Named(index)),
         }
     }
 }
@@ -50,6 +72,7 @@ pub(super) struct Open {
     pub(super) exits: Vec<usize>,
     /// Jumps to the closing word, as indices of the flow.
     pub(super) to_end: Vec<usize>,
+    pub(super) counter: Option<Counter>,
 }
 
 /// The most that may be open at once.
@@ -70,7 +93,16 @@ impl Structures {
         if self.open.len() == MOST_OPEN {
             return None;
         }
-        self.open.push(Open { kind, key, line, head, next: None, exits: Vec::new(), to_end: Vec::new() });
+        self.open.push(Open {
+            kind,
+            key,
+            line,
+            head,
+            next: None,
+            exits: Vec::new(),
+            to_end: Vec::new(),
+            counter: None,
+        });
         self.open.last_mut()
     }
 

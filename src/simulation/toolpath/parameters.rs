@@ -3,7 +3,8 @@
 //! One rule for all controls: every value of a block is worked out with the parameters as they
 //! are before the block, from left to right; then its assignments are made, from left to right;
 //! then it is run. So `#3=6 G1 X#3` moves to the former `#3`, as RS274/NGC says, and Fanuc
-//! controls, which have one assignment a block and nothing beside it, agree.
+//! controls, which have one assignment a block and nothing beside it, agree. Siemens controls make
+//! each assignment where it stands.
 //!
 //! Rules where controls differ:
 //! - A parameter holds what the program assigned to it. Before, it is vacant on Fanuc controls and
@@ -150,6 +151,11 @@ impl Parameters {
         self.assignments.clear();
         for formula in formulas {
             self.take(program, block, formula, control, values).map_err(|no_value| (formula, no_value))?;
+            if self.dialect == Dialect::Siemens {
+                while let Some((name, value)) = self.assignments.pop() {
+                    self.assign(program, name, value);
+                }
+            }
         }
         values.words.retain(|word| !word.value.is_nan());
         let is_macro = matches!(self.dialect, Dialect::Iso | Dialect::Mach);

@@ -1,0 +1,411 @@
+//! Lines of SINUMERIK programs.
+//!
+//! ```text
+//! line       = [ "/" ] [ N number ] [ label ":" ] { item } [ ";" comment ]
+//! item       = word | assignment | statement | flow
+//! word       = letter number  |  address "=" value
+//! value      = expression  |  ( "AC" | "IC" | "DC" | "ACP" | "ACN" ) "(" expression ")"  |  text
+//! assignment = ( "R" number | name ) "=" expression
+//! statement  = keyword [ "(" [ value ] { "," [ value ] } ")" ]
+//! ```
+//!
+//! A statement (`SUPA`, `CYCLE81(10, 0, 2)`, `TRANS`) becomes a word with the address
+//! [`STATEMENT`](address::STATEMENT), its value the place of its name in [`STATEMENTS`]; its
+//! arguments follow as words. `MCALL` before it is a statement of its own. A name that is none
+//! of these calls a subprogram. `DEF` gives a variable its value; a variable of type AXIS, STRING
+//! or FRAME is not followed.
+//!
+//! Source: SINUMERIK 840D sl, Programming Manual Fundamentals and Job Planning, 2013.
+
+mod flow;
+mod names;
+
+pub use names::STATEMENTS;
+
+use crate::simulation::gcode::expression::{Notation, identifier};
+use crate::simulation::gcode::line::{Line, character_length, excerpt};
+use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
+use crate::simulation::gcode::reader::{Reader, Refusal};
+use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, statement};
+use crate::simulation::gcode::{Action, LabelKind, Reference, Target, Word, address};
+
+impl Reader<'_> {
+    /// Reads one line of a SINUMERIK program.
+    pub(super) fn siemens_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
+        if text.trim_ascii_start().starts_with(b"%") {
+            self.siemens_program(text.trim_ascii());
+            return Ok(());
+        }
+        let mut at = 0;
+        while let Some(&byte) = text.get(at) {
+            match byte {
+                byte if is_blank(byte) => at += 1,
+                b';' => {
+                    if at + 1 < text.len() && !text[at..].starts_with(b";$PATH=") {
+                        line.comment.get_or_insert((at + 1, text.len()));
+                    }
+                    break;
+                }
+                b'/' if !line.begun => {
+                    self.optional += 1;
+                    if self.optional == 1 {
+                        self.first_optional = self.line;
+                    }
+                    if self.options.block_delete {
+                        break;
+                    }
+                    at += 1 + usize::from(text.get(at + 1).is_some_and(u8::is_ascii_digit));
+                }
+                b':' if !line.begun => at = number(text, at + 1).map_or(at + 1, |found| found.end),
+                b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'$' => at = self.siemens_item(text, at, line)?,
+                _ => {
+                    let shown = excerpt(&text[at..at + character_length(&text[at..])]);
+                    return Err((Unread::Text { text: shown }, line.columns(at, at + 1)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `%_N_BORE_SPF` begins a program of its own.
+    fn siemens_program(&mut self, text: &[u8]) {
+        let name = text.strip_prefix(b"%_N_").unwrap_or(text.strip_prefix(b"%").unwrap_or(text));
+        let length = identifier(name);
+        let name = String::from_utf8_lossy(&name[..length]).to_ascii_lowercase();
+        let name = name.strip_suffix("_spf").or(name.strip_suffix("_mpf")).unwrap_or(&name);
+        if 0 < self.index() {
+            self.act(Action::Border);
+            self.end_block();
+        }
+        self.siemens_label(name.as_bytes());
+    }
+
+    /// Lets jumps and calls find the next block by a name; `L100` is found by its number too.
+    fn siemens_label(&mut self, name: &[u8]) {
+        let lower = String::from_utf8_lossy(name).to_ascii_lowercase();
+        if let Some(number) = lower.strip_prefix('l').and_then(|digits| digits.parse().ok()) {
+            self.label(LabelKind::Numbered, number);
+        }
+        let id = self.names.index(lower);
+        self.label(LabelKind::Named, id);
+    }
+
+    /// Reads what begins with a letter at `at`; returns where it ends.
+    fn siemens_item(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let length = identifier(&text[at..]);
+        let end = at + length;
+        let name = &text[at..end];
+        let next = skip_blanks(text, end);
+        let is_assigned = text.get(next) == Some(&b'=') && text.get(next + 1) != Some(&b'=');
+        if !line.begun && text.get(end) == Some(&b':') && text.get(end + 1) != Some(&b'=') {
+            self.siemens_label(name);
+            return Ok(end + 1);
+        }
+        let is_word = name[0].is_ascii_alphabetic() && name[1..].iter().all(u8::is_ascii_digit);
+        if is_word && !is_assigned && !(name[0].eq_ignore_ascii_case(&b'R') && 1 < length) {
+            return self.siemens_word(text, at, line);
+        }
+        line.begun = true;
+        if is_assigned {
+            return self.siemens_assignment(text, (at, end), next + 1, line);
+        }
+        if text.get(end) == Some(&b'[') {
+            return self.siemens_indexed(text, (at, end), line);
+        }
+        if let Some(end) = self.siemens_flow(text, (at, end), line)? {
+            return Ok(end);
+        }
+        self.siemens_statement(text, (at, end), line)
+    }
+
+    /// A letter and its number: `G1`, `X-10.5`, `L100`.
+    fn siemens_word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let letter = text[at].to_ascii_uppercase();
+        let Some(found) = number(text, at + 1) else {
+            let columns = line.columns(at, at + 1);
+            if letter == b'R' || identifier(&text[at..]) == 1 && matches!(text.get(at + 1), Some(b'(' | b'['))
+            {
+                return Err((Unread::Text { text: excerpt(&text[at..]) }, columns));
+            }
+            self.remarks.add(
+                crate::simulation::gcode::Place { line: self.line, columns },
+                Unread::MissingNumber { letter: char::from(letter) },
+            );
+            return Ok(at + 1);
+        };
+        let (value, end) = exponent(text, found.value, found.end);
+        let columns = line.columns(at, end);
+        if !value.is_finite() {
+            return Err((Unread::HugeNumber { text: excerpt(&text[at..end]) }, columns));
+        }
+        match letter {
+            b'N' if !line.begun => return Ok(end),
+            b'L' => {
+                line.begun = true;
+                return self.siemens_call_by_number(text, value, end, line);
+            }
+            b'M' if value == 17.0 => {
+                self.act(Action::Return);
+            }
+            _ => {
+                let (has_point, reference) = (found.has_point, Reference::Modal);
+                self.program.words.push(Word { value, columns, letter, has_point, reference });
+            }
+        }
+        line.begun = true;
+        Ok(end)
+    }
+
+    /// `X=…`, `CR=…`, `R1=…`, `_DEPTH=…`, `T="MILL"`, `S1=…`.
+    fn siemens_assignment(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        value: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let name = text[at..end].to_ascii_uppercase();
+        let address = match &name[..] {
+            [letter] => Some(*letter),
+            // The number of a spindle, or of an axis.
+            [letter @ (b'S' | b'M' | b'T'), digits @ ..] if digits.iter().all(u8::is_ascii_digit) => {
+                Some(*letter)
+            }
+            [letter @ (b'A'..=b'C' | b'X'..=b'Z'), b'1'] => Some(*letter),
+            _ => ADDRESSES.iter().find(|(known, _)| known.as_bytes() == name).map(|(_, address)| *address),
+        };
+        let start = skip_blanks(text, value);
+        if text.get(start) == Some(&b'"') {
+            let end = quoted(text, start);
+            let index =
+                self.text(String::from_utf8_lossy(&text[start + 1..end.max(start + 2) - 1]).into_owned());
+            let columns = line.columns(at, end);
+            if address == Some(b'T') {
+                self.push_word(address::TOOL_NAME, f64::from(index), columns);
+            }
+            return Ok(end);
+        }
+        let Some(address) = address else {
+            return self.siemens_variable(text, (at, end), value, line);
+        };
+        let (reference, start) = reference(text, start);
+        let target = Target::Word(self.program.words.len() as u32);
+        let (end, columns) = self.formula(Notation::Siemens, text, (at, start), line, |expressions| {
+            expressions.expression(0)?;
+            Ok(target)
+        })?;
+        let word = Word { value: f64::NAN, columns, letter: address, has_point: false, reference };
+        self.program.words.push(word);
+        if address == b'M' {
+            line.has_call_words = false;
+        }
+        Ok(end)
+    }
+
+    /// Gives R parameters and variables their values.
+    fn siemens_variable(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        value: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let name = &text[at..end];
+        let digits = &name[1..];
+        let number = std::str::from_utf8(digits).ok().and_then(|digits| digits.parse::<u32>().ok());
+        let is_parameter = name[0].eq_ignore_ascii_case(&b'R') && !digits.is_empty() && number.is_some();
+        if is_parameter {
+            self.program.steps.push(crate::simulation::gcode::Step::Number(f64::from(number.unwrap_or(0))));
+        }
+        let index = if is_parameter { 0 } else { self.names.index(lower(name)) };
+        let first_step = self.program.steps.len() - usize::from(is_parameter);
+        let outcome = self.formula(Notation::Siemens, text, (at, value), line, |expressions| {
+            expressions.expression(0)?;
+            Ok(if is_parameter { Target::Numbered } else { Target::Named(index) })
+        });
+        let (end, _) = outcome?;
+        if let Some(formula) = self.program.formulas.last_mut() {
+            formula.steps.start = first_step as u32;
+        }
+        Ok(end)
+    }
+
+    /// `R[R1+1]=…`, `_LIST[2]=…`, `$P_UIFR[1,X,TR]=…`.
+    fn siemens_indexed(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let name = &text[at..end];
+        let close =
+            text[end..].iter().position(|byte| *byte == b']').map_or(text.len(), |length| end + length + 1);
+        let equals = skip_blanks(text, close);
+        let columns = line.columns(at, close);
+        if text.get(equals) != Some(&b'=') {
+            // Settings of an axis such as ACC[X] or FGREF[A].
+            return self.siemens_setting(name, columns, close);
+        }
+        if name.eq_ignore_ascii_case(b"R") {
+            let (end, _) = self.formula(Notation::Siemens, text, (at, end + 1), line, |expressions| {
+                expressions.expression(0)?;
+                expressions.expect(b']')?;
+                expressions.expect(b'=')?;
+                expressions.expression(0)?;
+                Ok(Target::Numbered)
+            })?;
+            return Ok(end);
+        }
+        if IGNORED.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())) {
+            let (end, _) = self.formula(Notation::Siemens, text, (at, equals + 1), line, |expressions| {
+                expressions.expression(0)?;
+                Ok(Target::Result)
+            })?;
+            return Ok(end);
+        }
+        let index = self.names.index(lower(&text[at..close]));
+        let (end, _) = self.formula(Notation::Siemens, text, (at, equals + 1), line, |expressions| {
+            expressions.expression(0)?;
+            Ok(Target::Named(index))
+        })?;
+        Ok(end)
+    }
+
+    fn siemens_setting(&mut self, name: &[u8], columns: (u32, u32), end: usize) -> Result<usize, Refusal> {
+        if IGNORED.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())) {
+            return Ok(end);
+        }
+        Err((Unread::Text { text: excerpt(name) }, columns))
+    }
+
+    /// A keyword with its arguments, or the call of a subprogram.
+    fn siemens_statement(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let name = text[at..end].to_ascii_uppercase();
+        let columns = line.columns(at, end);
+        let open = skip_blanks(text, end);
+        let has_arguments = text.get(open) == Some(&b'(');
+        if IGNORED.iter().any(|known| known.as_bytes() == name) {
+            return Ok(if has_arguments { closing(text, open) } else { end });
+        }
+        let Some(code) = statement(&name) else {
+            return self.siemens_call(text, (at, end), line);
+        };
+        self.push_word(address::STATEMENT, f64::from(code), columns);
+        if !has_arguments {
+            return Ok(end);
+        }
+        let mut argument = 0;
+        let mut at = open + 1;
+        loop {
+            at = skip_blanks(text, at);
+            match text.get(at) {
+                None => {
+                    return Err((
+                        Unread::Expected { expected: "`)`", found: "the end of the line".into() },
+                        columns,
+                    ));
+                }
+                Some(b')') => return Ok(at + 1),
+                Some(b',') => {
+                    argument += 1;
+                    at += 1;
+                }
+                Some(b'"') => {
+                    let end = quoted(text, at);
+                    let index =
+                        self.text(String::from_utf8_lossy(&text[at + 1..end.max(at + 2) - 1]).into_owned());
+                    self.argument(argument, f64::from(index), line.columns(at, end));
+                    at = end;
+                }
+                Some(_) => {
+                    let target = Target::Word(self.program.words.len() as u32);
+                    let (end, columns) =
+                        self.formula(Notation::Siemens, text, (at, at), line, |expressions| {
+                            expressions.expression(0)?;
+                            Ok(target)
+                        })?;
+                    self.argument(argument, f64::NAN, columns);
+                    at = end;
+                    if !matches!(text.get(skip_blanks(text, at)), Some(b',' | b')')) {
+                        let found = excerpt(&text[at..]);
+                        return Err((
+                            Unread::Expected { expected: "`,` or `)`", found },
+                            line.columns(at, at + 1),
+                        ));
+                    }
+                }
+            }
+        }
+    }
+
+    fn argument(&mut self, index: u8, value: f64, columns: (u32, u32)) {
+        if index < address::ARGUMENTS {
+            self.push_word(address::ARGUMENT + index, value, columns);
+        } else {
+            self.program
+                .formulas
+                .pop_if(|formula| formula.target == Target::Word(self.program.words.len() as u32));
+        }
+    }
+}
+
+/// A name as it is kept.
+fn lower(name: &[u8]) -> String {
+    String::from_utf8_lossy(name)
+        .chars()
+        .filter(|c| !c.is_whitespace())
+        .collect::<String>()
+        .to_ascii_lowercase()
+}
+
+/// `AC(`, `IC(` and the like before a value: what it counts from, and where the value begins.
+fn reference(text: &[u8], at: usize) -> (Reference, usize) {
+    let length = identifier(&text[at..]);
+    if text.get(at + length) != Some(&b'(') {
+        return (Reference::Modal, at);
+    }
+    let reference = match text[at..at + length].to_ascii_uppercase().as_slice() {
+        b"AC" | b"DC" | b"ACP" | b"ACN" => Reference::Absolute,
+        b"IC" => Reference::Incremental,
+        _ => return (Reference::Modal, at),
+    };
+    (reference, at + length)
+}
+
+/// Where the text that opens at `at` ends: past its closing quotation mark.
+fn quoted(text: &[u8], at: usize) -> usize {
+    text[at + 1..].iter().position(|byte| *byte == b'"').map_or(text.len(), |length| at + length + 2)
+}
+
+/// Where the parentheses that open at `at` end: past the closing one.
+fn closing(text: &[u8], at: usize) -> usize {
+    let mut depth = 0;
+    for (index, byte) in text.iter().enumerate().skip(at) {
+        match byte {
+            b'(' => depth += 1,
+            b')' if depth == 1 => return index + 1,
+            b')' => depth -= 1,
+            b';' => return index,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// The exponent of `1.5EX-3`, where there is one.
+fn exponent(text: &[u8], value: f64, end: usize) -> (f64, usize) {
+    let is_exponent = text.get(end..end + 2).is_some_and(|ex| ex.eq_ignore_ascii_case(b"EX"));
+    match number(text, end + 2).filter(|_| is_exponent) {
+        Some(found) if found.value.abs() <= 300.0 => (value * 10f64.powf(found.value), found.end),
+        _ => (value, end),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,473 @@
+//! Flow of SINUMERIK programs.
+//!
+//! ```text
+//! IF c … ELSE … ENDIF      IF c GOTOF label     GOTOF, GOTOB, GOTO, GOTOC label
+//! WHILE c … ENDWHILE       FOR i = a TO b … ENDFOR       LOOP … ENDLOOP
+//! REPEAT … UNTIL c         REPEAT label P=n     REPEAT from to P=n     REPEATB label P=n
+//! L100 P3     NAME     NAME(1, 2)     CALL "NAME"     PROC NAME(REAL A)     RET     M17
+//! DEF REAL A, B=2
+//! ```
+//!
+//! Arguments go through parameters beyond all R numbers, from which `PROC` gives them to its own
+//! names. CASE is not followed.
+
+use crate::simulation::gcode::expression::{Notation, identifier};
+use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::number::skip_blanks;
+use crate::simulation::gcode::reader::{Reader, Refusal};
+use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::structure::{Counter, Kind};
+use crate::simulation::gcode::{
+    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, When,
+};
+
+/// The key of structures without a number.
+const PLAIN: u32 = 0;
+
+/// Where arguments of calls are put: beyond all R numbers.
+const ARGUMENTS: u32 = 3_000_000_000;
+
+/// How many labels before a REPEAT are searched for its own.
+const NEAREST: usize = 1000;
+
+impl Reader<'_> {
+    /// Reads what a word of flow begins; returns where it ends, or none if it is no such word.
+    pub(super) fn siemens_flow(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        line: &mut Line,
+    ) -> Result<Option<usize>, Refusal> {
+        let word = text[at..end].to_ascii_uppercase();
+        let columns = line.columns(at, end);
+        let (number, index) = (self.line, self.index());
+        let unopened = |word: &[u8]| (Unread::Unopened { word: excerpt(word) }, columns);
+        let next = match &word[..] {
+            b"IF" => {
+                let end = self.siemens_condition(text, end, line)?;
+                if let Some((direction, end)) = goto(text, end) {
+                    self.siemens_goto(text, end, line, direction, When::True)?
+                } else {
+                    let jump = self.program.jump_later(index, When::False);
+                    let open = self.structures.push(Kind::If, PLAIN, number, index);
+                    open.ok_or((Unread::DeepFlow, columns))?.next = Some(jump);
+                    end
+                }
+            }
+            b"ELSE" => {
+                let exit = self.program.jump_later(index, When::Always);
+                let open = self.structures.find(&[Kind::If], PLAIN).ok_or_else(|| unopened(&word))?;
+                open.exits.push(exit);
+                let jump = open.next.take();
+                self.end_block();
+                self.program.complete(jump.as_slice(), index + 1);
+                end
+            }
+            b"ENDIF" => {
+                let open = self.siemens_close(Kind::If).ok_or_else(|| unopened(&word))?;
+                let jumps: Vec<usize> = open.next.into_iter().chain(open.exits).collect();
+                self.program.complete(&jumps, index);
+                end
+            }
+            b"WHILE" => {
+                let end = self.siemens_condition(text, end, line)?;
+                let exit = self.program.jump_later(index, When::False);
+                let open = self.structures.push(Kind::While, PLAIN, number, index);
+                open.ok_or((Unread::DeepFlow, columns))?.exits.push(exit);
+                end
+            }
+            b"LOOP" => {
+                self.structures.push(Kind::Do, PLAIN, number, index).ok_or((Unread::DeepFlow, columns))?;
+                end
+            }
+            b"FOR" => self.siemens_for(text, end, line)?,
+            b"ENDWHILE" | b"ENDLOOP" | b"ENDFOR" => {
+                let kind = match &word[..] {
+                    b"ENDWHILE" => Kind::While,
+                    b"ENDLOOP" => Kind::Do,
+                    _ => Kind::For,
+                };
+                let open = self.siemens_close(kind).ok_or_else(|| unopened(&word))?;
+                if let Some(counter) = open.counter {
+                    self.count_up(counter, columns);
+                }
+                self.act(Action::Jump { to: Destination::Block(open.head), when: When::Always });
+                self.end_block();
+                let past = self.index();
+                self.program.complete(&open.exits, past);
+                end
+            }
+            b"REPEAT" | b"REPEATB" => self.siemens_repeat(text, end, &word, line)?,
+            b"UNTIL" => {
+                let end = self.siemens_condition(text, end, line)?;
+                let open = self.siemens_close(Kind::Repeat).ok_or_else(|| unopened(&word))?;
+                self.act(Action::Jump { to: Destination::Block(open.head), when: When::False });
+                end
+            }
+            b"GOTOF" | b"GOTOB" | b"GOTO" | b"GOTOC" => {
+                let (direction, end) = goto(text, at).ok_or_else(|| unopened(&word))?;
+                self.siemens_goto(text, end, line, direction, When::Always)?
+            }
+            b"RET" => {
+                self.act(Action::Return);
+                text.len()
+            }
+            b"PROC" => self.siemens_proc(text, end, line)?,
+            b"DEF" => self.siemens_definition(text, end, line)?,
+            b"CALL" => {
+                let start = skip_blanks(text, end);
+                let name: Vec<u8> = text[start..].iter().filter(|byte| **byte != b'"').copied().collect();
+                let length = identifier(&name);
+                self.siemens_call_by_name(&name[..length]);
+                text.len()
+            }
+            b"CASE" => return Err((Unread::Text { text: "CASE".to_string() }, columns)),
+            _ => return Ok(None),
+        };
+        Ok(Some(next))
+    }
+
+    fn siemens_close(&mut self, kind: Kind) -> Option<crate::simulation::gcode::structure::Open> {
+        let (open, within) = self.structures.close(&[kind], PLAIN)?;
+        for inner in within {
+            self.unclosed(&inner);
+        }
+        Some(open)
+    }
+
+    fn siemens_condition(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        self.siemens_value(text, at, line, Target::Condition)
+    }
+
+    fn siemens_value(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &mut Line,
+        target: Target,
+    ) -> Result<usize, Refusal> {
+        let (end, _) = self.formula(Notation::Siemens, text, (at, at), line, |expressions| {
+            expressions.expression(0)?;
+            Ok(target)
+        })?;
+        Ok(end)
+    }
+
+    fn siemens_goto(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &Line,
+        direction: Direction,
+        when: When,
+    ) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let length = identifier(&text[start..]);
+        if length == 0 {
+            let found = excerpt(&text[start..]);
+            return Err((Unread::Expected { expected: "a label", found }, line.columns(start, start + 1)));
+        }
+        let name = &text[start..start + length];
+        let number = std::str::from_utf8(&name[1..]).ok().and_then(|digits| digits.parse().ok());
+        let label = match number {
+            Some(id) if name[0].eq_ignore_ascii_case(&b'N') => {
+                self.names_sequence = true;
+                Label { kind: LabelKind::Sequence, id }
+            }
+            _ => {
+                let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+                Label { kind: LabelKind::Named, id }
+            }
+        };
+        self.act(Action::Jump { to: Destination::Label(label, direction), when });
+        Ok(start + length)
+    }
+
+    /// `FOR i = a TO b`: a block that sets the counter, and one that tests it.
+    fn siemens_for(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let length = identifier(&text[start..]);
+        let name = &text[start..start + length];
+        let equals = skip_blanks(text, start + length);
+        if length == 0 || text.get(equals) != Some(&b'=') {
+            let found = excerpt(&text[start..]);
+            return Err((
+                Unread::Expected { expected: "a counter and `=`", found },
+                line.columns(start, start + 1),
+            ));
+        }
+        let counter = match std::str::from_utf8(&name[1..]).ok().and_then(|digits| digits.parse().ok()) {
+            Some(number) if name[0].eq_ignore_ascii_case(&b'R') => Counter::Number(number),
+            _ => Counter::Name(self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase())),
+        };
+        let end = self.siemens_variable(text, (start, start + length), equals + 1, line)?;
+        let to = skip_blanks(text, end);
+        if !text.get(to..to + 2).is_some_and(|word| word.eq_ignore_ascii_case(b"TO")) {
+            return Err((
+                Unread::Expected { expected: "TO", found: excerpt(&text[to..]) },
+                line.columns(to, to + 1),
+            ));
+        }
+        self.end_block();
+        let (number, index) = (self.line, self.index());
+        let (end, _) = self.formula(Notation::Siemens, text, (start, to + 2), line, |expressions| {
+            counter.load(expressions.steps);
+            expressions.expression(0)?;
+            expressions.steps.push(Step::Operator(Operator::LessOrEqual));
+            Ok(Target::Condition)
+        })?;
+        let exit = self.program.jump_later(index, When::False);
+        let open = self.structures.push(Kind::For, PLAIN, number, index);
+        let open = open.ok_or((Unread::DeepFlow, line.columns(start, end)))?;
+        open.exits.push(exit);
+        open.counter = Some(counter);
+        Ok(end)
+    }
+
+    /// Adds one to the counter of a FOR.
+    fn count_up(&mut self, counter: Counter, columns: (u32, u32)) {
+        let first = self.program.steps.len() as u32;
+        let target = match counter {
+            Counter::Number(number) => {
+                self.program.steps.push(Step::Number(f64::from(number)));
+                Target::Numbered
+            }
+            Counter::Name(index) => Target::Named(index),
+        };
+        counter.load(&mut self.program.steps);
+        self.program.steps.extend([Step::Number(1.0), Step::Operator(Operator::Plus)]);
+        let steps = first..self.program.steps.len() as u32;
+        let block = self.index();
+        self.program.formulas.push(Formula { block, target, steps, columns });
+    }
+
+    /// `REPEAT` alone opens a loop; with labels it runs what stands between them once more.
+    fn siemens_repeat(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        word: &[u8],
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let length = identifier(&text[start..]);
+        let (number, index) = (self.line, self.index());
+        if length == 0 {
+            let open = self.structures.push(Kind::Repeat, PLAIN, number, index);
+            open.ok_or((Unread::DeepFlow, line.columns(start, start + 1)))?;
+            return Ok(at);
+        }
+        let from = self.siemens_known_label(text, start, length, line)?;
+        let mut end = start + length;
+        let mut blocks = from..index;
+        let second = skip_blanks(text, end);
+        let length = identifier(&text[second..]);
+        let is_count = text.get(second).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P'))
+            && text
+                .get(skip_blanks(text, second + 1))
+                .is_some_and(|byte| *byte == b'=' || byte.is_ascii_digit());
+        if word == b"REPEATB" {
+            blocks.end = from + 1;
+        } else if 0 < length && !is_count {
+            blocks.end = self.siemens_known_label(text, second, length, line)?.max(from);
+            end = second + length;
+        }
+        let count = skip_blanks(text, end);
+        if text.get(count).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P')) {
+            let equals = skip_blanks(text, count + 1);
+            let value = if text.get(equals) == Some(&b'=') { equals + 1 } else { count + 1 };
+            end = self.siemens_value(text, value, line, Target::Count)?;
+        }
+        self.act(Action::Section { blocks });
+        Ok(end)
+    }
+
+    /// The block of a label that stands before.
+    fn siemens_known_label(
+        &mut self,
+        text: &[u8],
+        start: usize,
+        length: usize,
+        line: &Line,
+    ) -> Result<u32, Refusal> {
+        let name = String::from_utf8_lossy(&text[start..start + length]).to_ascii_lowercase();
+        let id = self.names.index(name.clone());
+        let label = Label { kind: LabelKind::Named, id };
+        let found = self.program.labels.iter().rev().take(NEAREST).find(|(known, _)| *known == label);
+        let missing = || (Unread::Unopened { word: name.clone() }, line.columns(start, start + length));
+        found.map(|(_, block)| *block).ok_or_else(missing)
+    }
+
+    /// `L100 P3`.
+    pub(super) fn siemens_call_by_number(
+        &mut self,
+        text: &[u8],
+        value: f64,
+        end: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let end = self.siemens_times(text, end, line)?;
+        let label = Label { kind: LabelKind::Numbered, id: value.abs().min(1e9) as u32 };
+        let to = Destination::Label(label, Direction::Either);
+        self.act(Action::Call { to, has_own_parameters: false });
+        Ok(end)
+    }
+
+    /// `P3` or `P=3` after a call.
+    fn siemens_times(&mut self, text: &[u8], end: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, end);
+        if !text.get(start).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P')) {
+            return Ok(end);
+        }
+        let next = skip_blanks(text, start + 1);
+        match text.get(next) {
+            Some(b'=') => self.siemens_value(text, next + 1, line, Target::Count),
+            Some(byte) if byte.is_ascii_digit() => self.siemens_value(text, next, line, Target::Count),
+            _ => Ok(end),
+        }
+    }
+
+    fn siemens_call_by_name(&mut self, name: &[u8]) {
+        let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+        let to = Destination::Label(Label { kind: LabelKind::Named, id }, Direction::Either);
+        self.act(Action::Call { to, has_own_parameters: false });
+    }
+
+    /// `NAME`, `NAME(1, R2)`.
+    pub(super) fn siemens_call(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let open = skip_blanks(text, end);
+        let mut next = end;
+        if text.get(open) == Some(&b'(') {
+            next = open + 1;
+            let mut argument = ARGUMENTS;
+            loop {
+                next = skip_blanks(text, next);
+                match text.get(next) {
+                    None => {
+                        let found = "the end of the line".to_string();
+                        return Err((
+                            Unread::Expected { expected: "`)`", found },
+                            line.columns(open, open + 1),
+                        ));
+                    }
+                    Some(b')') => break,
+                    Some(b',') => {
+                        argument += 1;
+                        next += 1;
+                    }
+                    Some(b'"') => {
+                        let length = text[next + 1..].iter().position(|byte| *byte == b'"');
+                        next = length.map_or(text.len(), |length| next + length + 2);
+                    }
+                    Some(_) => {
+                        (next, _) =
+                            self.formula(Notation::Siemens, text, (next, next), line, |expressions| {
+                                expressions.steps.push(Step::Number(f64::from(argument)));
+                                expressions.expression(0)?;
+                                Ok(Target::Numbered)
+                            })?;
+                    }
+                }
+            }
+            next += 1;
+        }
+        let next = self.siemens_times(text, next, line)?;
+        self.siemens_call_by_name(&text[at..end]);
+        Ok(next)
+    }
+
+    /// `PROC NAME(REAL A, INT B)`: a label, and the arguments by their names.
+    fn siemens_proc(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let length = identifier(&text[start..]);
+        self.siemens_label(&text[start..start + length]);
+        let open = skip_blanks(text, start + length);
+        if text.get(open) != Some(&b'(') {
+            return Ok(text.len());
+        }
+        let close =
+            text[open..].iter().position(|byte| *byte == b')').map_or(text.len(), |length| open + length);
+        let columns = line.columns(start, close);
+        for (argument, parameter) in text[open + 1..close].split(|byte| *byte == b',').enumerate() {
+            let words = parameter.split(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_');
+            let Some(name) = words.filter(|word| !word.is_empty()).nth(1) else { continue };
+            let index = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+            let first = self.program.steps.len() as u32;
+            let number = f64::from(ARGUMENTS) + argument as f64;
+            self.program.steps.extend([Step::Number(number), Step::Numbered]);
+            let steps = first..self.program.steps.len() as u32;
+            let block = self.index();
+            self.program.formulas.push(Formula { block, target: Target::Named(index), steps, columns });
+        }
+        Ok(text.len())
+    }
+
+    /// `DEF REAL A, B=2, C[3]`: variables with their first values, 0 where none is given.
+    fn siemens_definition(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let mut next = skip_blanks(text, at);
+        let mut length = identifier(&text[next..]);
+        let mut kind = text[next..next + length].to_ascii_uppercase();
+        while matches!(&kind[..], b"NCK" | b"CHAN" | b"SYNR" | b"SYNW" | b"SYNRW") {
+            next = skip_blanks(text, next + length);
+            length = identifier(&text[next..]);
+            kind = text[next..next + length].to_ascii_uppercase();
+        }
+        if !matches!(&kind[..], b"REAL" | b"INT" | b"BOOL") {
+            return Ok(code_end(text));
+        }
+        next += length;
+        loop {
+            let start = skip_blanks(text, next);
+            let length = identifier(&text[start..]);
+            if length == 0 {
+                let found = excerpt(&text[start..]);
+                return Err((Unread::Expected { expected: "a name", found }, line.columns(start, start + 1)));
+            }
+            let end = start + length;
+            let mut after = skip_blanks(text, end);
+            if text.get(after) == Some(&b'[') {
+                let close = text[after..].iter().position(|byte| *byte == b']');
+                after = skip_blanks(text, close.map_or(text.len(), |length| after + length + 1));
+                next = after;
+            } else if text.get(after) == Some(&b'=') {
+                next = self.siemens_variable(text, (start, end), after + 1, line)?;
+            } else {
+                let index = self.names.index(String::from_utf8_lossy(&text[start..end]).to_ascii_lowercase());
+                let first = self.program.steps.len() as u32;
+                self.program.steps.push(Step::Number(0.0));
+                let (block, columns) = (self.index(), line.columns(start, end));
+                let steps = first..first + 1;
+                self.program.formulas.push(Formula { block, target: Target::Named(index), steps, columns });
+                next = end;
+            }
+            next = skip_blanks(text, next);
+            if text.get(next) != Some(&b',') {
+                return Ok(next);
+            }
+            next += 1;
+        }
+    }
+}
+
+/// The direction of a jump word at `at`, and where the word ends.
+fn goto(text: &[u8], at: usize) -> Option<(Direction, usize)> {
+    let start = skip_blanks(text, at);
+    let length = identifier(&text[start..]);
+    let direction = match text[start..start + length].to_ascii_uppercase().as_slice() {
+        b"GOTOF" => Direction::Forward,
+        b"GOTOB" => Direction::Backward,
+        b"GOTO" | b"GOTOC" => Direction::Either,
+        _ => return None,
+    };
+    Some((direction, start + length))
+}
+
+/// Where the code of a line ends.
+fn code_end(text: &[u8]) -> usize {
+    text.iter().position(|byte| *byte == b';').unwrap_or(text.len())
+}
