@@ -49,6 +49,8 @@ pub fn run(program: &[u8]) -> Run {
     let output = Command::new("rs274")
         .args(["-g", "-t", "tools.tbl", "-v", "parameters.var", "program.ngc"])
         .current_dir(&folder)
+        // It keeps its tool table in a file there, which two runs at a time would share.
+        .env("HOME", &folder)
         .stdin(Stdio::null())
         .output()
         .expect("rs274 starts");
@@ -81,6 +83,7 @@ struct Control {
     is_per_revolution: bool,
     is_exact: bool,
     is_changing_tool: bool,
+    is_shuttling: bool,
     /// How many events there were when G5x was last set.
     before_offset: usize,
     rounding: f64,
@@ -102,6 +105,7 @@ impl Default for Control {
             is_per_revolution: false,
             is_exact: false,
             is_changing_tool: false,
+            is_shuttling: false,
             before_offset: 0,
             rounding: 0.0,
             events: Vec::new(),
@@ -179,7 +183,8 @@ impl Control {
                 self.is_changing_tool = false;
                 Some(Deed::ToolChange(Some(number(0) as u32)))
             }
-            "PROGRAM_STOP" => Some(Deed::MWord(0)),
+            // M60 is printed as PALLET_SHUTTLE and PROGRAM_STOP.
+            "PROGRAM_STOP" => (!self.is_shuttling).then_some(Deed::MWord(0)),
             "OPTIONAL_PROGRAM_STOP" => Some(Deed::MWord(1)),
             "PROGRAM_END" => {
                 self.events.truncate(self.before_offset);
@@ -195,6 +200,7 @@ impl Control {
             "PALLET_SHUTTLE" => Some(Deed::MWord(60)),
             _ => None,
         };
+        self.is_shuttling = name == "PALLET_SHUTTLE";
         self.events.extend(deed.map(|deed| Event { deed, line }));
     }
 

@@ -2,7 +2,7 @@
 //! M-words in order, in mm, mm/min and machine coordinates.
 
 use truefeed::machine::Machine;
-use truefeed::simulation::gcode;
+use truefeed::simulation::gcode::{Dialect, Options, read_with};
 use truefeed::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Toolpath, trace};
 
 /// The M-words that both report: stops, end, spindle, coolant, pallet. M30 counts as M2, since
@@ -91,12 +91,13 @@ impl std::fmt::Display for Deed {
     }
 }
 
-/// Our toolpath of a program, on a machine whose reference point is its zero point, as it is for
+/// Our toolpath of a program for LinuxCNC, on a machine whose reference point is its zero point, as it is for
 /// LinuxCNC when no parameter file says otherwise.
 pub fn traced(program: &[u8]) -> Toolpath {
     let mut machine = Machine::default();
     machine.axes.iter_mut().for_each(|axis| axis.home = Some(0.0));
-    trace(&gcode::read(program), &machine)
+    let options = Options { dialect: Some(Dialect::LinuxCnc), ..Options::default() };
+    trace(&read_with(program, &options), &machine)
 }
 
 /// What happens on it.
