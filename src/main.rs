@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use lexopt::prelude::*;
 use truefeed::project::{Prediction, machine_from_toml, profile_csv, severity_word};
-use truefeed::quote::{Quote, programmed_time, quote};
+use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::gcode::read;
@@ -175,9 +175,52 @@ fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> 
             quote.max_contour_error
         );
     }
+    // What functions and whole changes take is the same for all tolerances.
+    text += &quotes.first().map_or(String::new(), |quote| other_parts(&quote.breakdown.functions));
+    for quote in quotes {
+        text += &parts(quote);
+    }
     for diagnostic in &toolpath.diagnostics {
         let severity = severity_word(diagnostic.severity);
         text += &format!("\n{severity}: line {}: {}", diagnostic.line.0, diagnostic.message);
+    }
+    text
+}
+
+/// What the other time is made of, a line for each part that takes any.
+fn other_parts(functions: &Functions) -> String {
+    let Functions { spindle, coolant, stops, pallet, clamp, m_words } = *functions;
+    let names = ["spindle", "coolant", "program stops", "pallet changes", "clamping", "other M-words"];
+    let times = [spindle, coolant, stops, pallet, clamp, m_words];
+    let parts = names.into_iter().zip(times).filter(|(_, seconds)| *seconds != 0.0);
+    parts.map(|(name, seconds)| format!("\nother: {name} {seconds:.2} s")).collect()
+}
+
+/// Operations and tools of one tolerance, where there is more than one.
+fn parts(quote: &Quote) -> String {
+    const TITLES: &str = "     time s     lost s  cutting s    rapid s    dwell s  changes s    other s    feed mm   rapid mm  blocks";
+    let mut text = String::new();
+    let row = |share: &Share| {
+        let b = &share.breakdown;
+        let times = [share.time(), share.lost(), b.cutting, b.rapid, b.dwell, b.tool_change, b.other];
+        let columns = times.into_iter().chain([share.feed_length, share.rapid_length]);
+        columns.map(|value| format!(" {value:10.2}")).collect::<String>() + &format!(" {:7}", share.moves)
+    };
+    let number = |tool: Option<u32>| tool.map_or("-".to_string(), |tool| format!("T{tool}"));
+    if 1 < quote.operations.len() {
+        text += &format!("\noperations at {} mm\n    line  tool{TITLES}  name", quote.tolerance);
+        for found in &quote.operations {
+            let (line, tool) = (found.operation.line.0, number(found.operation.tool));
+            let name = found.operation.name.as_deref().unwrap_or("");
+            text += format!("\n{line:8} {tool:>5}{}  {name}", row(&found.share)).trim_end();
+        }
+    }
+    if 1 < quote.tools.len() {
+        text += &format!("\ntools at {} mm\n          tool{TITLES}  name", quote.tolerance);
+        for found in &quote.tools {
+            let (tool, name) = (number(found.tool), found.name.as_deref().unwrap_or(""));
+            text += format!("\n         {tool:>5}{}  {name}", row(&found.share)).trim_end();
+        }
     }
     text
 }

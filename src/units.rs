@@ -62,6 +62,8 @@ pub enum Unit {
     Degree,
     /// Cycles per second.
     Hertz,
+    /// Second for each 1000 revolutions per minute.
+    SecondPerThousandRpm,
 }
 
 impl Unit {
@@ -70,6 +72,7 @@ impl Unit {
         match self {
             Unit::MillimetrePerMinute => mm_per_s(value),
             Unit::Degree => value.to_radians(),
+            Unit::SecondPerThousandRpm => value / 1000.0,
             _ => value,
         }
     }
@@ -79,6 +82,7 @@ impl Unit {
         match self {
             Unit::MillimetrePerMinute => mm_per_min(value),
             Unit::Degree => value.to_degrees(),
+            Unit::SecondPerThousandRpm => value * 1000.0,
             _ => value,
         }
     }
@@ -94,6 +98,7 @@ impl Unit {
             Unit::MillimetrePerSecond3 => "mm/s³",
             Unit::Degree => "°",
             Unit::Hertz => "Hz",
+            Unit::SecondPerThousandRpm => "s per 1000 rpm",
         }
     }
 }

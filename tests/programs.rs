@@ -63,7 +63,9 @@ fn summary(toolpath: &Toolpath) -> String {
             StopCause::Dwell { seconds } => format!("dwell {seconds} s"),
             StopCause::ToolChange { tool: Some(tool) } => format!("tool change to {tool}"),
             StopCause::ToolChange { tool: None } => "tool change".to_string(),
-            StopCause::MCode { code } => format!("M{code}"),
+            StopCause::SameTool { tool } => format!("tool {tool} is there already"),
+            StopCause::MCode { code } | StopCause::Spindle { code: Some(code), .. } => format!("M{code}"),
+            StopCause::Spindle { to, .. } => format!("spindle to {} rpm", to.signed_speed()),
         };
         writeln!(text, "stop after {}: {cause}, line {}", stop.after, stop.line.0).expect("text grows");
     }

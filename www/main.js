@@ -9,6 +9,7 @@ import init, {
   usualTolerances,
 } from './pkg/truefeed.js'
 import { Ended, Engine } from './engine.js'
+import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
 import * as machinePanel from './panels/machine.js'
@@ -105,7 +106,7 @@ export const actions = {
   setParameter(key, value) {
     actions.setMachine(state.machine.preset, { ...state.machine.values, [key]: value })
   },
-  /** @param {Place} place */
+  /** @param {Pick<Place, "distance_mm">} place */
   show(place) {
     chart.show(place)
   },
@@ -222,6 +223,7 @@ const panels = [
   tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
   resultsPanel.mount(element('results'), form, actions),
   chart,
+  breakdownPanel.mount(element('breakdown'), actions),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

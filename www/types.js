@@ -17,11 +17,35 @@
  * @typedef {object} RunSummary
  * @property {number} tolerance_mm
  * @property {number} cycle_time_s
- * @property {{cutting_s: number, rapid_s: number, dwell_s: number, tool_change_s: number, other_s: number}} breakdown
+ * @property {Breakdown} breakdown
+ * @property {Operation[]} operations  in the order they are run
+ * @property {Tool[]} tools  in the order of first use
  * @property {number} max_contour_error_mm
  * @property {Place[]} beyond_tolerance
  * @property {number} price  0 where there is no hourly rate
  */
+
+/** What machine functions take. @typedef {{spindle_s: number, coolant_s: number, stops_s: number, pallet_s: number, clamp_s: number, m_words_s: number}} Functions */
+
+/**
+ * Where the time goes; `other` is what `other_s` is made of.
+ * @typedef {{cutting_s: number, rapid_s: number, dwell_s: number, tool_change_s: number, other_s: number, other: Functions}} Breakdown
+ */
+
+/**
+ * What a part of a program takes.
+ * @typedef {object} Part
+ * @property {number} time_s
+ * @property {number} programmed_time_s
+ * @property {number} lost_s  time less programmed time
+ * @property {Breakdown} breakdown
+ * @property {number} feed_mm
+ * @property {number} rapid_mm
+ * @property {number} blocks
+ */
+
+/** @typedef {Part & {line: number, lines: [number, number], distance_mm: [number, number], tool: number | null, tool_name: string | null, name: string | null}} Operation */
+/** @typedef {Part & {tool: number | null, tool_name: string | null, operations: number}} Tool */
 
 /**
  * Where the contour error is above the tolerance.
@@ -66,7 +90,7 @@
  * @property {string} key
  * @property {string} label
  * @property {string} doc
- * @property {"number" | "list" | "choice" | "flag" | "text" | "m_codes"} kind
+ * @property {"number" | "list" | "choice" | "flag" | "text" | "codes"} kind
  * @property {string | null} unit
  * @property {number | null} min
  * @property {number | null} max

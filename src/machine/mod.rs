@@ -9,15 +9,15 @@
 
 mod parameters;
 mod presets;
+mod times;
 mod tolerance;
 
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
+pub use times::{Direction, Function, Spin, SpindleTimes, Times};
 pub use tolerance::{
     ToleranceError, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label,
 };
-
-use std::collections::BTreeMap;
 
 /// The axes a limit can belong to, in the order of the coordinates of a point.
 pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
@@ -37,6 +37,8 @@ pub struct Machine {
     pub axes: [Axis; 3],
     /// Override switches.
     pub overrides: Overrides,
+    /// What cycles leave to the control.
+    pub cycles: Cycles,
     /// Times that are not motion.
     pub times: Times,
     /// What an hour costs.
@@ -150,22 +152,14 @@ pub struct Overrides {
     pub rapid: f64,
 }
 
-/// Times that are not motion.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Times {
-    /// Tool change at M6, s.
-    pub tool_change: f64,
-    /// Any other M-word without an entry of its own, s; neutral 0.
-    pub m_code: f64,
-    /// M-words with a time of their own, s, by number.
-    pub m_codes: BTreeMap<u32, f64>,
-}
-
-impl Times {
-    /// How long M`code` takes, s.
-    pub fn of_m_code(&self, code: u32) -> f64 {
-        self.m_codes.get(&code).copied().unwrap_or(self.m_code)
-    }
+/// What cycles leave to the control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycles {
+    /// How far chip breaking (G73) lifts the tool between pecks, mm; none: what is usual for the
+    /// dialect.
+    pub peck_retract: Option<f64>,
+    /// How far above the last depth pecking (G83) feeds again, mm; none: as above.
+    pub peck_clearance: Option<f64>,
 }
 
 /// What the machine costs.
@@ -194,7 +188,8 @@ impl Default for Machine {
             path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
             axes: [Axis::default(); 3],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
-            times: Times { tool_change: 4.0, m_code: 0.0, m_codes: BTreeMap::new() },
+            cycles: Cycles { peck_retract: None, peck_clearance: None },
+            times: Times::default(),
             rates: Rates { hourly: 0.0 },
         }
     }

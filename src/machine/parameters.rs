@@ -4,8 +4,12 @@
 //! A row's key is its place in the machine file, `[table]` and key joined by a dot. Values pass
 //! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
 
+mod times;
+
+use crate::machine::parameters::times::TIMES;
 use crate::machine::{CornerMode, Machine, Mode, TimeConstants};
 use crate::units::Unit;
+use std::collections::BTreeMap;
 
 /// One machine parameter as people write it.
 pub struct Parameter {
@@ -44,6 +48,10 @@ pub enum Access {
         min: f64,
         /// Largest value allowed, in that unit.
         max: f64,
+        /// Only whole numbers.
+        whole: bool,
+        /// How many values there can be.
+        most: usize,
         /// Its values; none where the machine does not have them.
         get: fn(&Machine) -> Option<Vec<f64>>,
         /// Gives it values.
@@ -72,8 +80,15 @@ pub enum Access {
         /// Gives it a text.
         set: fn(&mut Machine, &str),
     },
-    /// A table of seconds by M-word, for example `M8 = 3.0`.
-    MCodes,
+    /// A table of seconds by word, for example `M8 = 3.0`.
+    Codes {
+        /// The letter of the words.
+        letter: char,
+        /// The seconds by number.
+        get: fn(&Machine) -> &BTreeMap<u32, f64>,
+        /// The same, to be changed.
+        get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
+    },
 }
 
 /// The row with this key.
@@ -210,7 +225,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 22] = [
+const GENERAL: [Parameter; 21] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -257,6 +272,8 @@ const GENERAL: [Parameter; 22] = [
             unit: Unit::Second,
             min: TIME_CONSTANT_S.0,
             max: TIME_CONSTANT_S.1,
+            whole: false,
+            most: 4,
             get: |m| match &m.interpolator.time_constants {
                 TimeConstants::Unequal(list) => Some(list.clone()),
                 _ => None,
@@ -413,32 +430,26 @@ const GENERAL: [Parameter; 22] = [
         ),
     },
     Parameter {
-        key: "times.tool_change_s",
-        label: "Tool change",
-        doc: "Time of a tool change at M6, beyond stopping.",
+        key: "cycles.peck_retract_mm",
+        label: "Retract of chip breaking",
+        doc: "How far G73 lifts the tool between pecks; empty: 0.254 mm as LinuxCNC, 1 mm in programs with a % line or an O number.",
         access: number(
-            Unit::Second,
-            (0.0, 3600.0),
-            |m| Some(m.times.tool_change),
-            |m, v| m.times.tool_change = v.unwrap_or(4.0),
+            Unit::Millimetre,
+            (0.0, 100.0),
+            |m| m.cycles.peck_retract,
+            |m, v| m.cycles.peck_retract = v,
         ),
     },
     Parameter {
-        key: "times.m_code_s",
-        label: "Other M-words",
-        doc: "Time of every other M-word, beyond stopping; 0: none.",
+        key: "cycles.peck_clearance_mm",
+        label: "Clearance of pecking",
+        doc: "How far above the last depth G83 goes from rapid to feed; empty: 0.254 mm as LinuxCNC, 1 mm in programs with a % line or an O number.",
         access: number(
-            Unit::Second,
-            (0.0, 3600.0),
-            |m| Some(m.times.m_code),
-            |m, v| m.times.m_code = v.unwrap_or(0.0),
+            Unit::Millimetre,
+            (0.0, 100.0),
+            |m| m.cycles.peck_clearance,
+            |m, v| m.cycles.peck_clearance = v,
         ),
-    },
-    Parameter {
-        key: "times.m_codes",
-        label: "M-words with their own time",
-        doc: "Seconds by M-word, for example M3 = 4.0 for a spindle that needs 4 s to run up.",
-        access: Access::MCodes,
     },
     Parameter {
         key: "rates.hourly",
@@ -455,5 +466,5 @@ const GENERAL: [Parameter; 22] = [
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(axis!("x", 0)).chain(axis!("y", 1)).chain(axis!("z", 2)).collect()
+    GENERAL.into_iter().chain(TIMES).chain(axis!("x", 0)).chain(axis!("y", 1)).chain(axis!("z", 2)).collect()
 });

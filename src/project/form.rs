@@ -21,7 +21,7 @@ struct Field {
     key: &'static str,
     label: &'static str,
     doc: &'static str,
-    /// `number`, `list`, `choice`, `flag`, `text` or `m_codes`.
+    /// `number`, `list`, `choice`, `flag`, `text` or `codes`.
     kind: &'static str,
     unit: Option<&'static str>,
     min: Option<f64>,
@@ -60,13 +60,18 @@ pub fn form() -> String {
                 whole: *whole,
                 ..empty
             },
-            Access::List { unit, min, max, .. } => {
-                Field { kind: "list", unit: Some(unit.symbol()), min: Some(*min), max: Some(*max), ..empty }
-            }
+            Access::List { unit, min, max, whole, .. } => Field {
+                kind: "list",
+                unit: Some(unit.symbol()),
+                min: Some(*min),
+                max: Some(*max),
+                whole: *whole,
+                ..empty
+            },
             Access::Choice { words, .. } => Field { kind: "choice", words, ..empty },
             Access::Flag { .. } => Field { kind: "flag", ..empty },
             Access::Text { .. } => Field { kind: "text", ..empty },
-            Access::MCodes => Field { kind: "m_codes", ..empty },
+            Access::Codes { .. } => Field { kind: "codes", ..empty },
         }
     });
     let presets = presets().into_iter().map(|preset| Preset {
@@ -87,7 +92,7 @@ fn values(machine: &Machine) -> Map<String, Value> {
             Some(Written::Text(text)) => Value::from(text),
             Some(Written::Flag(flag)) => Value::from(flag),
             Some(Written::List(values)) => Value::from(values),
-            Some(Written::MCodes(codes)) => {
+            Some(Written::Codes(codes)) => {
                 Value::from_iter(codes.into_iter().map(|(code, seconds)| (code, Value::from(seconds))))
             }
         };
@@ -146,7 +151,7 @@ fn value_as_written(value: &Value) -> Option<Written> {
         Value::Array(values) => values.iter().map(Value::as_f64).collect::<Option<_>>().map(Written::List),
         Value::Object(codes) => {
             let codes = codes.iter().map(|(code, seconds)| Some((code.clone(), seconds.as_f64()?)));
-            codes.collect::<Option<_>>().map(Written::MCodes)
+            codes.collect::<Option<_>>().map(Written::Codes)
         }
     }
 }

@@ -76,14 +76,16 @@ pub fn motion_of_machine(machine: &Machine) -> String {
 }
 
 fn toml_value(value: &Written) -> String {
-    let number = |value: &f64| toml::Value::Float(*value).to_string();
+    let number = |value: &f64| match *value {
+        whole if whole.fract() == 0.0 && whole.abs() < 1e15 => format!("{whole:.0}"),
+        other => toml::Value::Float(other).to_string(),
+    };
     match value {
-        Written::Number(value) if value.fract() == 0.0 && value.abs() < 1e15 => format!("{value:.0}"),
         Written::Number(value) => number(value),
         Written::Text(text) => toml::Value::String(text.clone()).to_string(),
         Written::Flag(value) => value.to_string(),
         Written::List(values) => format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", ")),
-        Written::MCodes(codes) => {
+        Written::Codes(codes) => {
             let entries = codes.iter().map(|(code, seconds)| format!("{code} = {}", number(seconds)));
             format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
         }
@@ -136,7 +138,7 @@ fn value_as_written(value: &Spanned<DeValue>) -> Result<Written, &'static str> {
         DeValue::Table(table) => {
             let codes =
                 table.iter().map(|(code, seconds)| Ok((code.get_ref().to_string(), number(seconds)?)));
-            codes.collect::<Result<_, _>>().map(Written::MCodes)
+            codes.collect::<Result<_, _>>().map(Written::Codes)
         }
         DeValue::Datetime(_) => Err("a date is not expected here"),
     }
@@ -154,7 +156,7 @@ fn number(value: &Spanned<DeValue>) -> Result<f64, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{Mode, TimeConstants};
+    use crate::machine::{Mode, SpindleTimes, TimeConstants};
 
     const SMALL: &str = r#"
 name = "DMG Mori eVo 40, TNC640"
@@ -194,6 +196,10 @@ tool_change_s = 4.0
         machine.rapid.time_constants = Some(TimeConstants::Equal(0.05));
         machine.interpolator.exact_stop_angle = 35f64.to_radians();
         machine.times.m_codes = [(3, 4.0), (8, 2.5)].into();
+        machine.times.tools = [(12, 9.0)].into();
+        machine.times.spindle = SpindleTimes { start: Some(1.5), stop: None, ramp: 2.5e-4 };
+        machine.times.pallet_words = vec![60, 150];
+        machine.times.takes_optional_stop = true;
         machine.name = "a \"quoted\" name\nin two lines".to_string();
         assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine));
     }
@@ -256,8 +262,15 @@ tool_change_s = 4.0
         assert!(fault("name = ").starts_with("line 1, column 8: "));
         assert!(
             fault(&SMALL.replace("tool_change_s = 4.0", "tool_change_s = 4.0\nm_codes = { X3 = 1.0 }"))
-                .contains("X3 is not an M-word")
+                .contains("X3 is not a word such as M3")
         );
+        let with = |line: &str| {
+            fault(&SMALL.replace("tool_change_s = 4.0", &format!("tool_change_s = 4.0\n{line}")))
+        };
+        assert!(with("tools = { M3 = 1.0 }").ends_with("times.tools: M3 is not a word such as T3"));
+        assert!(with("clamp_words = [10, 10.5]").ends_with("expected whole numbers from 0 to 9999"));
+        assert!(with("pallet_words = []").ends_with("expected one to 20 numbers"));
+        assert!(with("pallet_words = 60").ends_with("expected a list of numbers, such as [10, 11]"));
     }
 
     #[test]

@@ -47,7 +47,7 @@ enum Written {
     Text(String),
     Flag(bool),
     List(Vec<f64>),
-    MCodes(Vec<(String, f64)>),
+    Codes(Vec<(String, f64)>),
     /// The field was left empty.
     Empty,
 }
@@ -92,17 +92,24 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
         }
         (Access::Number { set, .. }, Written::Empty) => set(machine, None),
         (Access::Number { unit, .. }, _) => return expected(format!("a number in {}", unit.symbol())),
-        (Access::List { unit, min, max, set, .. }, Written::List(values)) => {
-            if values.is_empty() || 4 < values.len() {
-                return expected("one to four numbers".to_string());
+        (Access::List { unit, min, max, whole, most, set, .. }, Written::List(values)) => {
+            if values.is_empty() || *most < values.len() {
+                return expected(format!("one to {most} numbers"));
             }
             for &value in &values {
                 within(value, *min, *max, unit.symbol())?;
+                if *whole && value.fract() != 0.0 {
+                    return expected(format!("whole numbers from {min} to {max}"));
+                }
             }
             set(machine, values.into_iter().map(|value| unit.to_core(value)).collect());
         }
         (Access::List { .. }, Written::Empty) => {}
-        (Access::List { unit, .. }, _) => return expected(format!("a list of numbers in {}", unit.symbol())),
+        (Access::List { unit, .. }, _) => {
+            let unit =
+                if unit.symbol().is_empty() { String::new() } else { format!(" in {}", unit.symbol()) };
+            return expected(format!("a list of numbers{unit}, such as [10, 11]"));
+        }
         (Access::Choice { words, set, .. }, Written::Text(word)) if words.contains(&word.as_str()) => {
             set(machine, &word);
         }
@@ -111,19 +118,22 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
         (Access::Flag { .. }, _) => return expected("true or false".to_string()),
         (Access::Text { set, .. }, Written::Text(text)) => set(machine, &text),
         (Access::Text { .. }, _) => return expected("text".to_string()),
-        (Access::MCodes, Written::MCodes(codes)) => {
-            machine.times.m_codes.clear();
+        (Access::Codes { letter, get_mut, .. }, Written::Codes(codes)) => {
+            let table = get_mut(machine);
+            table.clear();
             for (code, seconds) in codes {
-                let number = code.strip_prefix(['M', 'm']).and_then(|digits| digits.parse().ok());
-                let Some(number) = number else {
-                    return Err(Fault::at_key(key, format!("{code} is not an M-word such as M3")));
+                let digits = code.strip_prefix([*letter, letter.to_ascii_lowercase()]);
+                let Some(number) = digits.and_then(|digits| digits.parse().ok()) else {
+                    return Err(Fault::at_key(key, format!("{code} is not a word such as {letter}3")));
                 };
                 within(seconds, 0.0, 3600.0, "s")?;
-                machine.times.m_codes.insert(number, seconds);
+                table.insert(number, seconds);
             }
         }
-        (Access::MCodes, Written::Empty) => machine.times.m_codes.clear(),
-        (Access::MCodes, _) => return expected("a table of seconds by M-word, such as M3 = 4.0".to_string()),
+        (Access::Codes { get_mut, .. }, Written::Empty) => get_mut(machine).clear(),
+        (Access::Codes { letter, .. }, _) => {
+            return expected(format!("a table of seconds by word, such as {letter}3 = 4.0"));
+        }
     }
     Ok(())
 }
@@ -139,10 +149,10 @@ fn written(machine: &Machine, row: &Parameter) -> Option<Written> {
         Access::Choice { get, .. } => Some(Written::Text(get(machine).to_string())),
         Access::Flag { get, .. } => Some(Written::Flag(get(machine))),
         Access::Text { get, .. } => Some(Written::Text(get(machine).to_string())),
-        Access::MCodes if machine.times.m_codes.is_empty() => None,
-        Access::MCodes => {
-            let codes = machine.times.m_codes.iter().map(|(code, seconds)| (format!("M{code}"), *seconds));
-            Some(Written::MCodes(codes.collect()))
+        Access::Codes { get, .. } if get(machine).is_empty() => None,
+        Access::Codes { letter, get, .. } => {
+            let codes = get(machine).iter().map(|(code, seconds)| (format!("{letter}{code}"), *seconds));
+            Some(Written::Codes(codes.collect()))
         }
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::quote::Quote;
+use crate::quote::{self, OperationShare, Quote, Share, ToolShare};
 use crate::simulation::contour::Region;
 use crate::simulation::gcode::{Diagnostic, Severity};
 use crate::simulation::profile::Samples;
@@ -25,6 +25,10 @@ struct Run {
     tolerance_mm: f64,
     cycle_time_s: f64,
     breakdown: Breakdown,
+    /// In the order they are run; they add up to the breakdown.
+    operations: Vec<Operation>,
+    /// In the order of first use; they add up to the breakdown.
+    tools: Vec<Tool>,
     max_contour_error_mm: f64,
     /// Where the contour error is above the tolerance.
     beyond_tolerance: Vec<Place>,
@@ -45,6 +49,54 @@ struct Breakdown {
     dwell_s: f64,
     tool_change_s: f64,
     other_s: f64,
+    /// What `other_s` is made of.
+    other: Functions,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Functions {
+    spindle_s: f64,
+    coolant_s: f64,
+    stops_s: f64,
+    pallet_s: f64,
+    clamp_s: f64,
+    m_words_s: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Operation {
+    /// Line that begins it.
+    line: u32,
+    /// Least and greatest line that it runs.
+    lines: [u32; 2],
+    distance_mm: [f64; 2],
+    tool: Option<u32>,
+    tool_name: Option<String>,
+    name: Option<String>,
+    #[serde(flatten)]
+    part: Part,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Tool {
+    tool: Option<u32>,
+    tool_name: Option<String>,
+    operations: usize,
+    #[serde(flatten)]
+    part: Part,
+}
+
+/// What a part of a program takes.
+#[derive(Clone, Debug, Serialize)]
+struct Part {
+    time_s: f64,
+    programmed_time_s: f64,
+    /// Time less programmed time.
+    lost_s: f64,
+    breakdown: Breakdown,
+    feed_mm: f64,
+    rapid_mm: f64,
+    blocks: usize,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -61,6 +113,61 @@ impl From<&Region> for Place {
             distance_mm: [region.distance.0, region.distance.1],
             max_contour_error_mm: region.largest,
         }
+    }
+}
+
+impl From<&quote::Breakdown> for Breakdown {
+    fn from(breakdown: &quote::Breakdown) -> Breakdown {
+        let functions = &breakdown.functions;
+        Breakdown {
+            cutting_s: breakdown.cutting,
+            rapid_s: breakdown.rapid,
+            dwell_s: breakdown.dwell,
+            tool_change_s: breakdown.tool_change,
+            other_s: breakdown.other,
+            other: Functions {
+                spindle_s: functions.spindle,
+                coolant_s: functions.coolant,
+                stops_s: functions.stops,
+                pallet_s: functions.pallet,
+                clamp_s: functions.clamp,
+                m_words_s: functions.m_words,
+            },
+        }
+    }
+}
+
+impl From<&Share> for Part {
+    fn from(share: &Share) -> Part {
+        Part {
+            time_s: share.time(),
+            programmed_time_s: share.programmed,
+            lost_s: share.lost(),
+            breakdown: Breakdown::from(&share.breakdown),
+            feed_mm: share.feed_length,
+            rapid_mm: share.rapid_length,
+            blocks: share.moves,
+        }
+    }
+}
+
+impl From<&OperationShare> for Operation {
+    fn from(OperationShare { operation, lines, distance, share }: &OperationShare) -> Operation {
+        Operation {
+            line: operation.line.0,
+            lines: [lines.0.0, lines.1.0],
+            distance_mm: [distance.0, distance.1],
+            tool: operation.tool,
+            tool_name: operation.tool_name.clone(),
+            name: operation.name.clone(),
+            part: Part::from(share),
+        }
+    }
+}
+
+impl From<&ToolShare> for Tool {
+    fn from(ToolShare { tool, name, operations, share }: &ToolShare) -> Tool {
+        Tool { tool: *tool, tool_name: name.clone(), operations: *operations, part: Part::from(share) }
     }
 }
 
@@ -85,13 +192,9 @@ impl Prediction {
         let runs = quotes.iter().map(|quote| Run {
             tolerance_mm: quote.tolerance,
             cycle_time_s: quote.cycle_time,
-            breakdown: Breakdown {
-                cutting_s: quote.breakdown.cutting,
-                rapid_s: quote.breakdown.rapid,
-                dwell_s: quote.breakdown.dwell,
-                tool_change_s: quote.breakdown.tool_change,
-                other_s: quote.breakdown.other,
-            },
+            breakdown: Breakdown::from(&quote.breakdown),
+            operations: quote.operations.iter().map(Operation::from).collect(),
+            tools: quote.tools.iter().map(Tool::from).collect(),
             max_contour_error_mm: quote.max_contour_error,
             beyond_tolerance: quote.beyond_tolerance.iter().map(Place::from).collect(),
             price: quote.price,

@@ -6,3 +6,4 @@ mod limits;
 mod paths;
 mod symmetry;
 mod table;
+mod times;

@@ -228,7 +228,7 @@ export function mount(root) {
   colors()
 
   return {
-    /** Shows a place of the program and takes the keys. @param {Place} place */
+    /** Shows a place of the program and takes the keys. @param {Pick<Place, "distance_mm">} place */
     show({ distance_mm: [from, to] }) {
       chart.show(from, to)
       redraw()

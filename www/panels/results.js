@@ -6,7 +6,7 @@ import { clock, count, difference, millimetres, money, percent, seconds } from '
 
 /** @import { Form, Outcome, Place, RunSummary, State, Value } from "../types.js" */
 
-/** @type {[keyof import("../types.js").RunSummary["breakdown"], string][]} */
+/** @type {[Exclude<keyof import("../types.js").Breakdown, "other">, string][]} */
 const PARTS = [
   ['cutting_s', 'Cutting'],
   ['rapid_s', 'Rapid'],

@@ -170,7 +170,9 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
 fn wait(stop: &Stop, machine: &Machine) -> Wait {
     let duration = match stop.cause {
         StopCause::Dwell { seconds } => seconds,
-        StopCause::ToolChange { .. } => machine.times.tool_change,
+        StopCause::ToolChange { tool } => machine.times.of_tool_change(tool),
+        StopCause::SameTool { .. } => 0.0,
+        StopCause::Spindle { from, to, code } => machine.times.of_spindle(from, to, code),
         StopCause::MCode { code } => machine.times.of_m_code(code),
     };
     Wait { duration, cause: stop.cause, line: stop.line }

@@ -46,16 +46,18 @@ pub(super) enum Notation {
     Siemens,
     /// `( Q1 + 2 )`.
     Klartext,
+    /// `[VC1+2]`.
+    Okuma,
 }
 
 impl Notation {
     fn brackets(self) -> (u8, u8) {
-        if self == Notation::Iso { (b'[', b']') } else { (b'(', b')') }
+        if matches!(self, Notation::Iso | Notation::Okuma) { (b'[', b']') } else { (b'(', b')') }
     }
 
     fn operators(self) -> &'static [Written] {
         match self {
-            Notation::Iso => OPERATORS,
+            Notation::Iso | Notation::Okuma => OPERATORS,
             Notation::Siemens => SIEMENS_OPERATORS,
             Notation::Klartext => KLARTEXT_OPERATORS,
         }
@@ -224,6 +226,7 @@ impl<'a> Expressions<'a> {
             Notation::Iso => return Ok(false),
             Notation::Siemens => b'R',
             Notation::Klartext => b'Q',
+            Notation::Okuma => return Ok(self.okuma_variable(letters)),
         };
         let digits = name[1..].iter().all(u8::is_ascii_digit);
         if name[0].eq_ignore_ascii_case(&prefix) && digits {
@@ -256,6 +259,22 @@ impl<'a> Expressions<'a> {
         let index = self.names.index(name);
         self.steps.push(Step::Named(index));
         Ok(true)
+    }
+
+    /// `VC1`, `V1` or a name of the program; not a function.
+    fn okuma_variable(&mut self, letters: usize) -> bool {
+        let name = &self.text[self.at..self.at + letters];
+        if FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes())) {
+            return false;
+        }
+        if let Some(number) = okuma_number(name) {
+            self.steps.extend([Step::Number(f64::from(number)), Step::Numbered]);
+        } else {
+            let index = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+            self.steps.push(Step::Named(index));
+        }
+        self.at += letters;
+        true
     }
 
     fn function(&mut self) -> Result<(), Fault> {
@@ -404,6 +423,13 @@ fn after(text: &[u8], at: usize, name: &str) -> Option<usize> {
         end += 1;
     }
     Some(end)
+}
+
+/// The number of a common or system variable of Okuma controls.
+pub(super) fn okuma_number(name: &[u8]) -> Option<u32> {
+    let upper = name.to_ascii_uppercase();
+    let digits = upper.strip_prefix(b"VC").or(upper.strip_prefix(b"V"))?;
+    std::str::from_utf8(digits).ok()?.parse().ok()
 }
 
 /// Length of the name that `text` begins with: letters, digits, `_` and a leading `$`.

@@ -1,6 +1,7 @@
 //! Lines of ISO programs: words, assignments and comments.
 
 mod o_word;
+mod okuma;
 mod macro_word;
 
 use crate::simulation::gcode::expression::{Expressions, Notation, Place as Parameter};
@@ -11,7 +12,7 @@ use crate::simulation::gcode::line::{
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::{Action, Place, Reference, Target, Word, address};
+use crate::simulation::gcode::{Action, Dialect, Place, Reference, Target, Word, address};
 
 /// M words that call or return, by their values.
 const CALLING_M: &[f64] = &[97.0, 98.0, 99.0, 198.0];
@@ -22,6 +23,9 @@ const CALLING_G: &[f64] = &[65.0, 66.0, 66.1, 67.0];
 impl Reader<'_> {
     /// Reads one line of an ISO program.
     pub(super) fn iso_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
+        if self.is_command_of_sender(text) {
+            return Ok(());
+        }
         let mut at = 0;
         while let Some(&byte) = text.get(at) {
             match byte {
@@ -71,6 +75,18 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// `$H`, `$110=500`: what is said to a grbl control or by the file of an Okuma control, not run.
+    fn is_command_of_sender(&mut self, text: &[u8]) -> bool {
+        let start = skip_blanks(text, 0);
+        let is_command = text.get(start) == Some(&b'$');
+        if is_command && self.program.dialect == Dialect::Grbl {
+            let end = code_end(text, start);
+            let place = Place { line: self.line, columns: Line::default().columns(start, end) };
+            self.remarks.add(place, Unread::Command { text: excerpt(&text[start..end]) });
+        }
+        is_command && matches!(self.program.dialect, Dialect::Grbl | Dialect::Okuma)
+    }
+
     /// Reads the word whose letter stands at `at`; returns where it ends.
     fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
@@ -113,6 +129,11 @@ impl Reader<'_> {
         let next = at + 1 + text[at + 1..].iter().take_while(|byte| signs(byte)).count();
         if letter == b'O' && matches!(text.get(next), Some(b'<' | b'[' | b'#')) {
             return self.o_word(text, at, line);
+        }
+        if self.program.dialect == Dialect::Okuma
+            && let Some(end) = self.okuma_item(text, at, line)?
+        {
+            return Ok(end);
         }
         if let Some(keyword) = Keyword::of(&text[at..at + length]) {
             return self.macro_word(text, (at, at + length), keyword, line);

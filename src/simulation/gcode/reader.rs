@@ -140,6 +140,9 @@ impl<'a> Reader<'a> {
         if self.names_sequence {
             self.label_sequence(text);
         }
+        // LinuxCNC and its relatives know % lines too, but count dwells as they always do.
+        self.program.is_tape &=
+            !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Grbl | Dialect::Mach);
         self.program.labels.sort_unstable();
         self.program.labels.dedup();
         self.program.names = self.names.finish();

@@ -52,6 +52,12 @@ pub(super) enum Unread {
     /// More loops and branches within each other than are followed.
     #[error("loops and branches are nested deeper than {MOST_OPEN}: block not run")]
     DeepFlow,
+    /// A line for the control itself, not for the machine.
+    #[error("`{text}` is a command to the control, not a move: left out")]
+    Command {
+        /// As written.
+        text: String,
+    },
     /// Letters or signs that are no word.
     #[error("`{text}` is not understood: block not run")]
     Text {
@@ -118,7 +124,10 @@ impl Remark for Unread {
             | Unread::MalformedNumber { .. }
             | Unread::HugeNumber { .. } => Severity::Error,
             Unread::OpenComment | Unread::Leader { .. } => Severity::Warning,
-            Unread::Trailer | Unread::OptionalRun { .. } | Unread::OptionalSkipped { .. } => Severity::Info,
+            Unread::Command { .. }
+            | Unread::Trailer
+            | Unread::OptionalRun { .. }
+            | Unread::OptionalSkipped { .. } => Severity::Info,
         }
     }
 }

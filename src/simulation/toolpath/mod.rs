@@ -4,7 +4,7 @@
 //! one coordinate system (the machine's; work offsets are already applied). Between segments
 //! lie the stops: dwells, tool changes and other M-words.
 //!
-//! Order of execution within a block: units, plane, distance and path modes; F; T; M-words that
+//! Order of execution within a block: units, plane, distance and path modes; F; T; S; M-words that
 //! act before the motion (M6 and all not named below, as written); dwell, shift of coordinates,
 //! reference move or motion; M-words that act after it (M0, M1, M2, M5, M9, M30, M60). That is
 //! RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc controls.
@@ -19,8 +19,9 @@
 //! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
 //!   the machine knows; in the others the tool stays where it is.
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
-//! - A cycle (G73 to G89) moves to its holes and does not drill; cutter compensation and
-//!   changes of coordinates other than G52 and G92 are not applied. Each says so.
+//! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
+//! - Cutter compensation and changes of coordinates other than G52 and G92 are not applied. Each
+//!   says so.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
@@ -28,7 +29,9 @@ mod block;
 mod control;
 mod curve;
 mod cycle;
+mod functions;
 mod motion;
+mod operations;
 mod parameters;
 mod plane;
 #[cfg(test)]
@@ -40,8 +43,10 @@ mod words;
 
 pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
+pub use operations::{MOST_OPERATIONS, Operation};
 pub use trace::trace;
 
+use crate::machine::Spin;
 use crate::simulation::gcode::{Diagnostic, LineNumber};
 
 /// A position, mm.
@@ -93,6 +98,20 @@ pub enum StopCause {
         /// The tool that comes in, where a T-word says so.
         tool: Option<u32>,
     },
+    /// M6 for the tool that is in the spindle already.
+    SameTool {
+        /// That tool.
+        tool: u32,
+    },
+    /// The spindle starts, stops or changes its speed.
+    Spindle {
+        /// What it did.
+        from: Spin,
+        /// What it is to do.
+        to: Spin,
+        /// The M-word that says so; none where it is an S word alone.
+        code: Option<u32>,
+    },
     /// Any other M-word.
     MCode {
         /// Its number.
@@ -118,6 +137,8 @@ pub struct Toolpath {
     pub segments: Vec<Segment>,
     /// The stops, by ascending `after`; those with the same `after` in program order.
     pub stops: Vec<Stop>,
+    /// The parts of the program, in order; the first begins with the first move and stop.
+    pub operations: Vec<Operation>,
     /// What was left out or assumed, of reading and tracing together, in line order.
     pub diagnostics: Vec<Diagnostic>,
 }

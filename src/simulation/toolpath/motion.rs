@@ -19,7 +19,7 @@ const REACH: f64 = 1e7;
 const SHORTEST: f64 = 1e-9;
 
 /// The longest dwell that is taken at its word, s: some 11 days.
-const LONGEST_DWELL: f64 = 1e6;
+pub(super) const LONGEST_DWELL: f64 = 1e6;
 
 /// The most turns of one arc.
 const MOST_TURNS: f64 = 10_000.0;
@@ -126,10 +126,8 @@ impl Tracer<'_> {
     /// The move of a block, where it has one.
     pub(super) fn motion(&mut self, block: Block, has_motion_word: bool) {
         let has_axis_words = self.given.has(AXIS_WORDS);
-        if self.cycle.is_some() {
-            if has_axis_words {
-                self.hole(block);
-            }
+        if self.cycle.is_active() {
+            self.hole(block);
             return;
         }
         let is_arc = matches!(self.modal.mode, Some(Mode::Arc(_)));
@@ -171,7 +169,7 @@ impl Tracer<'_> {
         Some(target)
     }
 
-    fn is_within_reach(&mut self, block: Block, letter: char, coordinate: f64) -> bool {
+    pub(super) fn is_within_reach(&mut self, block: Block, letter: char, coordinate: f64) -> bool {
         let is_within = coordinate.abs() <= REACH;
         if !is_within {
             self.remarks.add(block.place_of_letter(letter as u8), Untraced::OutOfReach { letter });
@@ -256,7 +254,7 @@ impl Tracer<'_> {
     }
 
     /// The feedrate in force, mm/s.
-    fn feedrate(&mut self, block: Block) -> f64 {
+    pub(super) fn feedrate(&mut self, block: Block) -> f64 {
         self.modal.feedrate.unwrap_or_else(|| {
             let assumed = mm_per_min(ASSUMED_FEEDRATE);
             self.remarks.add(block.place(), Untraced::NoFeed { assumed });
@@ -264,7 +262,7 @@ impl Tracer<'_> {
         })
     }
 
-    fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
+    pub(super) fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
         if length < SHORTEST {
             return;
         }

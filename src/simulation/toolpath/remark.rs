@@ -1,6 +1,7 @@
 //! What tracing has to say about a program.
 
 use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
+use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::plane::NoCircle;
 use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_RUN};
@@ -80,10 +81,30 @@ pub(super) enum Untraced {
     #[error("G10 settings are not applied")]
     DataSetting,
 
-    #[error("{code} {name} is not timed yet: {} counted as rapid moves only", counted(*.holes, "hole"))]
-    Cycle { code: Code, name: &'static str, holes: usize },
+    #[error("{code}: {no_hole}: hole not made")]
+    NoHole { code: Code, no_hole: NoHole },
+    #[error("more than {most} pecks in one hole: made with {most}")]
+    DeeperPecks { most: u32 },
+    #[error("{letter} of {code} is not modelled: the hole is made without it")]
+    CycleWord { code: Code, letter: char },
+    #[error("{code} without P: no dwell")]
+    NoCycleDwell { code: Code },
+    #[error(
+        "P of cycles without a decimal point is read as milliseconds, since the program has a % line or an O number"
+    )]
+    CycleDwellUnit,
+    #[error("{code} waits for the tool to be taken out by hand: only the move out in rapid is timed")]
+    ManualRetract { code: Code },
     #[error("a hole cannot be repeated {value} times: it is made once")]
     BadRepeats { value: f64 },
+    #[error("S{value} is not a speed that a spindle can run: the former stays in force")]
+    BadSpeed { value: f64 },
+    #[error("no S before M{code}: the spindle's start is timed without its ramp")]
+    NoSpeed { code: u32 },
+    #[error("tool {tool} is in the spindle already: the change takes no time")]
+    SameTool { tool: u32 },
+    #[error("from here on all is taken as one operation: there would be {} more", counted(*.beyond, "operation"))]
+    ManyOperations { beyond: usize },
     #[error("{} is not in this file: its moves are missing from the time", label_text(*.kind, .name))]
     NoLabel { kind: LabelKind, name: String },
     #[error("M98, M97 and G65 need a P with the number of a program: not called")]
@@ -158,8 +179,10 @@ impl Remark for Untraced {
             | Untraced::NoCircle(_)
             | Untraced::BadTurns { .. }
             | Untraced::BadRepeats { .. }
+            | Untraced::NoHole { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }
+            | Untraced::BadSpeed { .. }
             | Untraced::NoLabel { .. }
             | Untraced::NoSubprogram
             | Untraced::ExternalProgram
@@ -175,14 +198,21 @@ impl Remark for Untraced {
             | Untraced::Compensation { .. }
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
-            | Untraced::Cycle { .. }
+            | Untraced::NoSpeed { .. }
+            | Untraced::DeeperPecks { .. }
+            | Untraced::CycleWord { .. }
+            | Untraced::NoCycleDwell { .. }
+            | Untraced::ManualRetract { .. }
             | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::ControlSetting { .. }
             | Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }
+            | Untraced::CycleDwellUnit
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
             | Untraced::DataSetting
+            | Untraced::SameTool { .. }
+            | Untraced::ManyOperations { .. }
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }
@@ -199,6 +229,8 @@ impl Remark for Untraced {
                 | Untraced::SurfaceSpeed
                 | Untraced::FasterThanRapid { .. }
                 | Untraced::DwellUnit { .. }
+                | Untraced::CycleDwellUnit
+                | Untraced::ManualRetract { .. }
                 | Untraced::UnknownHome { .. }
                 | Untraced::DataSetting
         )

@@ -3,7 +3,8 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::cycle::Cycle;
+use crate::simulation::toolpath::cycle::Cycles;
+use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -56,7 +57,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
-    tracer.end_cycle();
+    tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
     }
@@ -110,9 +111,7 @@ pub(super) struct Tracer<'a> {
     pub(super) is_tape: bool,
     pub(super) modal: Modal,
     pub(super) given: Given,
-    pub(super) cycle: Option<Cycle>,
-    /// How many holes were repeated by L or K.
-    pub(super) repeats: usize,
+    pub(super) cycle: Cycles,
     /// Where the tool is, mm.
     pub(super) position: Point,
     /// Position less program coordinate, by G92 and by G52, mm.
@@ -121,6 +120,7 @@ pub(super) struct Tracer<'a> {
     pub(super) suspended_shift: Vector,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
+    pub(super) functions: Functions,
     ended: Option<Code>,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
@@ -145,13 +145,13 @@ impl<'a> Tracer<'a> {
                 has_several_offsets: false,
             },
             given: Given::default(),
-            cycle: None,
-            repeats: 0,
+            cycle: Cycles::default(),
             position: Point::origin(),
             shift: Vector::zeros(),
             local_shift: Vector::zeros(),
             suspended_shift: Vector::zeros(),
             exact_stop: false,
+            functions: Functions::default(),
             ended: None,
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
@@ -166,6 +166,7 @@ impl<'a> Tracer<'a> {
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         }
+        self.take_speed(block);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
@@ -222,7 +223,7 @@ impl<'a> Tracer<'a> {
         }
         match meaning {
             Meaning::Motion(mode) => {
-                self.end_cycle();
+                self.cycle.end();
                 self.modal.mode = Some(mode);
                 request.has_motion_word = true;
             }
@@ -239,11 +240,9 @@ impl<'a> Tracer<'a> {
             Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
-            Meaning::Cycle(name) => {
-                self.end_cycle();
-                self.cycle = Some(Cycle { code, name, place, holes: 0 });
-            }
-            Meaning::CycleEnd => self.end_cycle(),
+            Meaning::Cycle => self.begin_cycle(code, tenths.unwrap_or_default()),
+            Meaning::CycleEnd => self.cycle.end(),
+            Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = Some(is_so),
             Meaning::WorkOffset => {
                 let before = self.modal.work_offset.replace(tenths.unwrap_or_default());
                 let is_another = before.is_some() && before != self.modal.work_offset;
@@ -290,12 +289,14 @@ impl<'a> Tracer<'a> {
             if acts != when {
                 continue;
             }
+            self.cycle.m_word(number);
             let cause = match number {
                 None => {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });
                     continue;
                 }
-                Some(6) => StopCause::ToolChange { tool: self.modal.tool },
+                Some(6) => self.change_tool(block),
+                Some(number @ (3 | 4 | 5 | 19)) => self.turn_spindle(block, number),
                 Some(number) => StopCause::MCode { code: number },
             };
             self.stop(block, cause);

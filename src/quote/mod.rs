@@ -1,0 +1,66 @@
+//! Feed plan → quote: where the time goes, and what it costs.
+//!
+//! The breakdown is of the whole program, of each operation and of each tool; see [`Breakdown`].
+
+mod breakdown;
+mod shares;
+
+pub use breakdown::{Breakdown, Functions, breakdown};
+pub use shares::{OperationShare, Share, ToolShare, programmed_time};
+
+use crate::machine::Machine;
+use crate::simulation::contour::{ContourErrors, Region, regions_above};
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::toolpath::Toolpath;
+use crate::units::{MINUTES_PER_HOUR, SECONDS_PER_MINUTE};
+
+/// What is said about one program at one tolerance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quote {
+    /// Contour tolerance, mm.
+    pub tolerance: f64,
+    /// Cycle time, s.
+    pub cycle_time: f64,
+    /// Where it goes.
+    pub breakdown: Breakdown,
+    /// Where it goes by operation, in the order they are run; together the whole.
+    pub operations: Vec<OperationShare>,
+    /// Where it goes by tool, in the order of first use; together the whole.
+    pub tools: Vec<ToolShare>,
+    /// Largest distance of the filtered path from the programmed one, mm.
+    pub max_contour_error: f64,
+    /// Where the contour error is above the tolerance by more than a hundredth of it.
+    pub beyond_tolerance: Vec<Region>,
+    /// Price of one part without set-up, in the currency of the hourly rate.
+    pub price: f64,
+}
+
+/// An isolated corner takes the whole tolerance; what is above it by rounding is not worth a word.
+const ABOVE_TOLERANCE: f64 = 1.01;
+
+/// The quote of a plan.
+pub fn quote(
+    toolpath: &Toolpath,
+    machine: &Machine,
+    plan: &FeedPlan,
+    tolerance: f64,
+    errors: &ContourErrors,
+) -> Quote {
+    let cycle_time = plan.cycle_time();
+    let operations = shares::of_operations(toolpath, machine, plan);
+    Quote {
+        tolerance,
+        cycle_time,
+        breakdown: breakdown(toolpath, machine, plan),
+        tools: shares::of_tools(&operations),
+        operations,
+        max_contour_error: errors.largest(),
+        beyond_tolerance: regions_above(toolpath, errors, ABOVE_TOLERANCE * tolerance),
+        price: price(cycle_time, machine),
+    }
+}
+
+/// Price of one part without set-up, in the currency of the hourly rate.
+pub fn price(cycle_time: f64, machine: &Machine) -> f64 {
+    machine.rates.hourly * cycle_time / (MINUTES_PER_HOUR * SECONDS_PER_MINUTE)
+}

@@ -1,0 +1,120 @@
+//! What Okuma OSP controls write otherwise than ISO.
+//!
+//! ```text
+//! variables    VC1=5     V1=2     DIA=10 (a name of the program)     X=VC1+2     X=[VC1*2]
+//! flow         IF [VC1 EQ 2] N100     GOTO N100     CALL O1000 Q3     RTS
+//! ```
+//!
+//! `CALL O1000` may give the subprogram names of its own (`CALL O1000 DIA=10`). NOEX, which hides
+//! a block, is passed over. MODIN and MODOUT, calls after every move, are named in a diagnostic.
+//!
+//! Source: Okuma OSP-P300M programming manual, ch. 12 and 13.
+
+use crate::simulation::gcode::expression::{Notation, identifier, okuma_number};
+use crate::simulation::gcode::line::{Line, code_end, excerpt};
+use crate::simulation::gcode::number::{number, skip_blanks};
+use crate::simulation::gcode::reader::{Reader, Refusal};
+use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::{
+    Action, Destination, Direction, Label, LabelKind, Reference, Step, Target, Word,
+};
+
+impl Reader<'_> {
+    /// Reads what stands at `at` where it is Okuma's own; returns where it ends.
+    pub(super) fn okuma_item(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &mut Line,
+    ) -> Result<Option<usize>, Refusal> {
+        let length = identifier(&text[at..]);
+        let end = at + length;
+        let name = text[at..end].to_ascii_uppercase();
+        let equals = skip_blanks(text, end);
+        if text.get(equals) == Some(&b'=') {
+            return self.okuma_assignment(text, (at, end), equals + 1, line).map(Some);
+        }
+        match &name[..] {
+            b"NOEX" => Ok(Some(end)),
+            b"RTS" => {
+                line.begun = true;
+                self.act(Action::Return);
+                Ok(Some(end))
+            }
+            b"CALL" => self.okuma_call(text, end, line).map(Some),
+            b"MODIN" | b"MODOUT" => {
+                let end = code_end(text, at);
+                Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// `X=VC1+2` is a word, `VC1=2` and `DIA=2` are variables.
+    fn okuma_assignment(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        value: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let name = &text[at..end];
+        let index = self.program.words.len() as u32;
+        let (target, number) = match okuma_number(name) {
+            _ if name.len() == 1 => (Target::Word(index), None),
+            Some(number) => (Target::Numbered, Some(number)),
+            None => {
+                let name = String::from_utf8_lossy(name).to_ascii_lowercase();
+                (Target::Named(self.names.index(name)), None)
+            }
+        };
+        let (end, columns) = self.formula(Notation::Okuma, text, (at, value), line, |expressions| {
+            expressions.steps.extend(number.map(|number| Step::Number(f64::from(number))));
+            expressions.expression(0)?;
+            Ok(target)
+        })?;
+        if name.len() == 1 {
+            let letter = name[0].to_ascii_uppercase();
+            let (has_point, reference) = (false, Reference::Modal);
+            self.program.words.push(Word { value: f64::NAN, columns, letter, has_point, reference });
+        }
+        Ok(end)
+    }
+
+    /// `CALL O1000 Q3 DIA=10`.
+    fn okuma_call(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let length = identifier(&text[start..]);
+        let name = text[start..start + length].to_ascii_uppercase();
+        let Some(id) = name.strip_prefix(b"O") else {
+            let found = excerpt(&text[start..]);
+            let expected = "the O name of a program";
+            return Err((Unread::Expected { expected, found }, line.columns(start, start + 1)));
+        };
+        let number: Option<u32> = std::str::from_utf8(id).ok().and_then(|digits| digits.parse().ok());
+        let label = match number {
+            Some(id) => Label { kind: LabelKind::Program, id },
+            None => {
+                let id = self.names.index(String::from_utf8_lossy(&name).to_ascii_lowercase());
+                Label { kind: LabelKind::Named, id }
+            }
+        };
+        line.begun = true;
+        let mut end = start + length;
+        let next = skip_blanks(text, end);
+        let is_count = text.get(next).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'Q'));
+        if is_count && number_follows(text, next + 1) {
+            (end, _) = self.formula(Notation::Okuma, text, (next, next + 1), line, |expressions| {
+                expressions.value()?;
+                Ok(Target::Count)
+            })?;
+        }
+        let to = Destination::Label(label, Direction::Either);
+        self.act(Action::Call { to, has_own_parameters: false });
+        Ok(end)
+    }
+}
+
+fn number_follows(text: &[u8], at: usize) -> bool {
+    number(text, at).is_some()
+}

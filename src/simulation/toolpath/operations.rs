@@ -1,0 +1,290 @@
+//! Toolpath → operations: the parts that a person sees a program in.
+//!
+//! A new operation begins
+//!
+//! - at a tool change, also at one to the tool that is in the spindle already;
+//! - at a heading: comments alone on their lines, where the tool is free: the next move is a
+//!   rapid, and the one before is a rapid as well or followed by a machine function. A heading just
+//!   before or just after a tool change names the operation of the change.
+//!
+//! What follows a heading without a cut, such as the way home, belongs to the operation before; what
+//! comes before the first change and the first cut belongs to the first operation.
+//!
+//! Of several comments in line the last uninterrupted run of lines is the heading, by its first line
+//! that holds a letter or a digit. A comment that begins with a tool (`T5 D=10. FLAT END MILL`,
+//! `TOOL 5 - END MILL`) names the tool, and so does one in the line of a change.
+//!
+//! Comments are found by line number. Where a program jumps back, the lines in between are not run,
+//! and their comments begin nothing; where it jumps ahead, the last heading passed over counts.
+
+use std::collections::BTreeMap;
+
+use crate::simulation::gcode::{Comment, LineNumber};
+use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause};
+
+/// The most operations of a program; the last one takes all the rest.
+pub const MOST_OPERATIONS: usize = 500;
+
+/// The longest name of an operation or a tool, in characters.
+const LONGEST_NAME: usize = 80;
+
+/// A part of a program; it ends where the next one begins.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Operation {
+    /// Its first segment, or the number of all where it has none.
+    pub first_segment: usize,
+    /// Its first stop, or the number of all where it has none.
+    pub first_stop: usize,
+    /// Line of the program that begins it.
+    pub line: LineNumber,
+    /// The tool in the spindle, where a T word says so.
+    pub tool: Option<u32>,
+    /// What a comment calls the tool.
+    pub tool_name: Option<String>,
+    /// What its heading calls it.
+    pub name: Option<String>,
+}
+
+/// The operations of a toolpath with the comments of its program by ascending line, and how many more there would be beyond the most.
+pub(super) fn operations(
+    segments: &[Segment],
+    stops: &[Stop],
+    comments: &[Comment],
+) -> (Vec<Operation>, usize) {
+    let mut cutter = Cutter {
+        headings: headings(comments),
+        tool_names: tool_names(comments),
+        beside: comments
+            .iter()
+            .filter(|note| !note.is_alone)
+            .map(|note| (note.line, bare(&note.text)))
+            .collect(),
+        operations: vec![Operation::default()],
+        beyond: 0,
+        heading: None,
+        is_free: true,
+        has_change: false,
+        has_feed: false,
+        previous: LineNumber(0),
+    };
+    let mut stop = 0;
+    for (index, segment) in segments.iter().enumerate() {
+        while let Some(next) = stops.get(stop).filter(|next| next.after <= index) {
+            cutter.stop(next, index, stop);
+            stop += 1;
+        }
+        cutter.segment(segment, index, stop);
+    }
+    for (index, next) in stops.iter().enumerate().skip(stop) {
+        cutter.stop(next, segments.len(), index);
+    }
+    if cutter.beyond == 0 {
+        cutter.settle();
+    }
+    let first_line = segments.first().map(|s| s.line).into_iter().chain(stops.first().map(|s| s.line)).min();
+    if let (LineNumber(0), Some(line)) = (cutter.operations[0].line, first_line) {
+        cutter.operations[0].line = line;
+    }
+    let is_empty = segments.is_empty() && stops.is_empty();
+    (if is_empty { Vec::new() } else { cutter.operations }, cutter.beyond)
+}
+
+/// A heading that waits for the move after it: where it stands and what it says.
+struct Heading<'a> {
+    first_segment: usize,
+    first_stop: usize,
+    line: LineNumber,
+    name: &'a str,
+}
+
+/// Goes through moves and stops in order and cuts them into operations; the last one is open.
+struct Cutter<'a> {
+    /// Last line of each heading, the line of its name and its name, by ascending line.
+    headings: Vec<(LineNumber, LineNumber, &'a str)>,
+    tool_names: BTreeMap<u32, &'a str>,
+    /// What stands beside words, by ascending line.
+    beside: Vec<(LineNumber, &'a str)>,
+    operations: Vec<Operation>,
+    beyond: usize,
+    heading: Option<Heading<'a>>,
+    /// The tool does not cut: nothing or a rapid came last, or a machine function.
+    is_free: bool,
+    /// The open operation holds a tool change.
+    has_change: bool,
+    /// The open operation holds a feed move.
+    has_feed: bool,
+    /// Line of the last move or stop.
+    previous: LineNumber,
+}
+
+impl<'a> Cutter<'a> {
+    /// Takes up a heading that stands before this line.
+    fn pass_to(&mut self, line: LineNumber, first_segment: usize, first_stop: usize) {
+        if !self.headings.is_empty() && self.previous < line {
+            let before = self.headings.partition_point(|&(last, ..)| last < line);
+            let found = before.checked_sub(1).map(|index| self.headings[index]);
+            if let Some((_, line, name)) = found.filter(|(last, ..)| self.previous < *last) {
+                self.heading = Some(Heading { first_segment, first_stop, line, name });
+            }
+        }
+        self.previous = line;
+    }
+
+    fn stop(&mut self, stop: &Stop, segment: usize, index: usize) {
+        let came_from = self.previous;
+        self.pass_to(stop.line, segment, index);
+        let tool = match stop.cause {
+            StopCause::Dwell { .. } => return,
+            StopCause::ToolChange { tool } => tool,
+            StopCause::SameTool { tool } => Some(tool),
+            StopCause::Spindle { .. } | StopCause::MCode { .. } => {
+                self.is_free = true;
+                return;
+            }
+        };
+        self.is_free = true;
+        let heading = self.heading.take().unwrap_or(Heading {
+            first_segment: segment,
+            first_stop: index,
+            line: stop.line,
+            name: "",
+        });
+        if self.has_change || self.has_begun(heading.first_segment) {
+            self.begin(&heading);
+        }
+        if 0 < self.beyond {
+            return;
+        }
+        let before = self.beside.partition_point(|(line, _)| *line <= stop.line);
+        let beside = before.checked_sub(1).map(|index| self.beside[index]);
+        let beside = beside.filter(|(line, _)| *line == stop.line || came_from < *line).map(|(_, name)| name);
+        let tool_name = tool.and_then(|tool| self.tool_names.get(&tool).copied()).or(beside);
+        self.has_change = true;
+        let open = self.open();
+        (open.tool, open.tool_name) = (tool, tool_name.filter(|name| !name.is_empty()).map(shortened));
+        if open.line == LineNumber(0) || !heading.name.is_empty() {
+            open.line = heading.line;
+        }
+        if !heading.name.is_empty() {
+            open.name = Some(shortened(heading.name));
+        }
+    }
+
+    fn segment(&mut self, segment: &Segment, index: usize, first_stop: usize) {
+        self.pass_to(segment.line, index, first_stop);
+        let is_rapid = segment.motion == Motion::Rapid;
+        if let Some(heading) = self.heading.take().filter(|_| is_rapid && self.is_free) {
+            let is_next = self.has_begun(index);
+            if is_next {
+                self.begin(&heading);
+            }
+            if self.beyond == 0 && (is_next || !self.has_change || self.open().name.is_none()) {
+                let has_change = self.has_change;
+                let open = self.open();
+                open.name = Some(shortened(heading.name));
+                if !has_change {
+                    open.line = heading.line;
+                }
+            }
+        }
+        self.is_free = is_rapid;
+        self.has_feed |= !is_rapid;
+    }
+
+    /// The open operation holds moves; before the first cut and change they are only the way there.
+    fn has_begun(&mut self, segment: usize) -> bool {
+        let is_way_there = self.operations.len() == 1 && !self.has_change && !self.has_feed;
+        self.open().first_segment < segment && !is_way_there
+    }
+
+    fn open(&mut self) -> &mut Operation {
+        self.operations.last_mut().expect("there is always an open operation")
+    }
+
+    /// Gives what a heading began to the operation before, where nothing was cut in it: a way home.
+    fn settle(&mut self) {
+        if 1 < self.operations.len() && !self.has_change && !self.has_feed {
+            self.operations.pop();
+        }
+    }
+
+    /// Opens a new operation with the tool of the one before; beyond the most, none.
+    fn begin(&mut self, heading: &Heading) {
+        self.settle();
+        if self.operations.len() == MOST_OPERATIONS {
+            self.beyond += 1;
+            let open = self.open();
+            (open.tool, open.tool_name, open.name) = (None, None, None);
+            return;
+        }
+        (self.has_change, self.has_feed) = (false, false);
+        let Operation { tool, tool_name, .. } = self.open();
+        let next = Operation {
+            first_segment: heading.first_segment,
+            first_stop: heading.first_stop,
+            line: heading.line,
+            tool: *tool,
+            tool_name: tool_name.clone(),
+            name: None,
+        };
+        self.operations.push(next);
+    }
+}
+
+/// Uninterrupted runs of comments that name no tool: last line, line of the name, name.
+fn headings(comments: &[Comment]) -> Vec<(LineNumber, LineNumber, &str)> {
+    let mut headings: Vec<(LineNumber, LineNumber, &str)> = Vec::new();
+    for note in comments.iter().filter(|note| note.is_alone && tool_and_name(&note.text).is_none()) {
+        let text = bare(&note.text);
+        match headings.last_mut() {
+            _ if text.is_empty() => {}
+            Some((last, ..)) if last.0 + 1 == note.line.0 => *last = note.line,
+            _ => headings.push((note.line, note.line, text)),
+        }
+    }
+    headings
+}
+
+/// What comments that begin with a tool call it; the first one counts.
+fn tool_names(comments: &[Comment]) -> BTreeMap<u32, &str> {
+    let mut names = BTreeMap::new();
+    for note in comments {
+        let mut found = tool_and_name(&note.text);
+        while let Some((tool, rest)) = found {
+            // One comment may list several tools: `T1 END MILL, T2 DRILL`.
+            let next = |(comma, _): (usize, &str)| Some((comma, tool_and_name(&rest[comma..])?));
+            let next = rest.match_indices([',', ';']).find_map(next);
+            let name = bare(next.map_or(rest, |(comma, _)| &rest[..comma]));
+            if !name.is_empty() {
+                names.entry(tool).or_insert(name);
+            }
+            found = next.map(|(_, next)| next);
+        }
+    }
+    names
+}
+
+/// The tool that a comment begins with, and the rest of the comment.
+fn tool_and_name(text: &str) -> Option<(u32, &str)> {
+    let text = bare(text);
+    let rest = ["TOOL", "T"].iter().find_map(|word| {
+        let head = text.get(..word.len()).filter(|head| head.eq_ignore_ascii_case(word))?;
+        Some(text[head.len()..].trim_start_matches([' ', '#', '=', ':']))
+    })?;
+    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    let tool = rest[..digits].parse().ok()?;
+    let is_word = !rest[digits..].starts_with(|c: char| c.is_alphanumeric());
+    is_word.then(|| (tool, bare(&rest[digits..])))
+}
+
+/// A text without the ornaments around it.
+fn bare(text: &str) -> &str {
+    text.trim_matches(|c: char| c.is_whitespace() || "-=*#_~|/:;,.<>+".contains(c))
+}
+
+fn shortened(name: &str) -> String {
+    name.chars().take(LONGEST_NAME).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,154 @@
+// Where the time goes: by kind for every tolerance, by operation and by tool for one of them.
+
+import { toleranceLabel } from '../pkg/truefeed.js'
+import { find, make } from '../dom.js'
+import { count, difference, millimetres, seconds } from '../format.js'
+
+/** @import { Breakdown, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
+
+/** @type {[keyof import("../types.js").Functions, string][]} */
+const FUNCTIONS = [
+  ['spindle_s', 'Spindle'],
+  ['coolant_s', 'Coolant'],
+  ['stops_s', 'Program stops'],
+  ['pallet_s', 'Pallet changes'],
+  ['clamp_s', 'Clamping'],
+  ['m_words_s', 'Other M-words'],
+]
+
+/** The kinds of time in the order of a breakdown; machine functions are the parts of what is other. @type {[string, (breakdown: Breakdown) => number][]} */
+const KINDS = [
+  ['Cutting', ({ cutting_s }) => cutting_s],
+  ['Rapid', ({ rapid_s }) => rapid_s],
+  ['Dwell', ({ dwell_s }) => dwell_s],
+  ['Tool changes', ({ tool_change_s }) => tool_change_s],
+  ...FUNCTIONS.map(
+    ([key, title]) =>
+      /** @type {[string, (breakdown: Breakdown) => number]} */ ([title, ({ other }) => other[key]]),
+  ),
+]
+
+/** What is told of an operation or a tool. @type {[string, (part: Part) => string][]} */
+const COLUMNS = [
+  ['Time', ({ time_s }) => seconds(time_s)],
+  ['Programmed', ({ programmed_time_s }) => seconds(programmed_time_s)],
+  ['Lost', ({ lost_s }) => difference(lost_s)],
+  ['Cutting', ({ breakdown }) => seconds(breakdown.cutting_s)],
+  ['Rapid', ({ breakdown }) => seconds(breakdown.rapid_s)],
+  ['Dwell', ({ breakdown }) => seconds(breakdown.dwell_s)],
+  ['Tool change', ({ breakdown }) => seconds(breakdown.tool_change_s)],
+  ['Other', ({ breakdown }) => seconds(breakdown.other_s)],
+  ['Feed path', ({ feed_mm }) => millimetres(feed_mm)],
+  ['Rapid path', ({ rapid_mm }) => millimetres(rapid_mm)],
+  ['Blocks', ({ blocks }) => count(blocks)],
+]
+
+/**
+ * @param {HTMLElement} root
+ * @param {{show(place: Pick<Place, "distance_mm">): void}} actions
+ */
+export function mount(root, actions) {
+  const kinds = find(root, '.kinds')
+  const parts = find(root, '.parts')
+  const chosen = /** @type {HTMLSelectElement} */ (find(root, 'select'))
+  /** The runs in sight, which are told apart by being other objects. @type {RunSummary[]} */
+  let runs = []
+
+  chosen.addEventListener('change', fill)
+
+  /** Operations and tools at the chosen tolerance. */
+  function fill() {
+    const run = runs[chosen.selectedIndex]
+    if (!run) return parts.replaceChildren()
+    const operations = run.operations.map((operation) => row(begin(operation), name(operation), operation))
+    const tools = run.tools.map((tool) => row(toolTitle(tool), toolName(tool), tool))
+    parts.replaceChildren(
+      table('Operations', ['Line', 'Operation'], operations),
+      ...(run.tools.length > 1 ? [table('Tools', ['Tool', 'Name'], tools)] : []),
+    )
+  }
+
+  /** The line that begins an operation, and the way to it in the chart. @param {Operation} operation */
+  function begin(operation) {
+    const line = String(operation.line)
+    if (operation.blocks === 0) return line
+    const go = make('button', { type: 'button', title: 'Show it in the chart' }, line)
+    go.setAttribute('aria-label', `Line ${line}: show it in the chart`)
+    go.addEventListener('click', () => actions.show(operation))
+    return go
+  }
+
+  return {
+    /** @param {State} state */
+    update(state) {
+      const outcome = state.programs.find(({ id }) => id === state.selected)?.outcome
+      const now = state.tolerances.flatMap((tolerance) => outcome?.runs.get(tolerance)?.summary ?? [])
+      root.hidden = now.length === 0
+      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
+      if (now.length === runs.length && now.every((run, index) => run === runs[index])) return
+      const before = chosen.value
+      runs = now
+      kinds.replaceChildren(kindsTable(runs, state.tolerances))
+      chosen.replaceChildren(...runs.map(({ tolerance_mm }) => make('option', {}, toleranceLabel(tolerance_mm))))
+      if (runs.some(({ tolerance_mm }) => toleranceLabel(tolerance_mm) === before)) chosen.value = before
+      fill()
+    },
+  }
+}
+
+/** Seconds by kind, a column a tolerance; kinds that take no time at any are left out. @param {RunSummary[]} runs @param {number[]} tolerances */
+function kindsTable(runs, tolerances) {
+  const swatch = (/** @type {RunSummary} */ { tolerance_mm }) =>
+    make('span', { className: `swatch curve-${tolerances.indexOf(tolerance_mm)}` })
+  const titles = runs.map((run) =>
+    make('th', { scope: 'col' }, swatch(run), toleranceLabel(run.tolerance_mm)),
+  )
+  const head = make('tr', {}, make('th', { scope: 'col' }, 'Time by kind'), ...titles)
+  const rows = KINDS.filter(([, time]) => runs.some(({ breakdown }) => time(breakdown) !== 0)).map(([title, time]) =>
+    make(
+      'tr',
+      {},
+      make('th', { scope: 'row' }, title),
+      ...runs.map(({ breakdown }) => make('td', {}, seconds(time(breakdown)))),
+    ),
+  )
+  return scrolling(make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows)))
+}
+
+/** @param {string} caption @param {[string, string]} first @param {HTMLElement[]} rows */
+function table(caption, [first, second], rows) {
+  const titles = [first, second, ...COLUMNS.map(([title]) => title)].map((title) => make('th', { scope: 'col' }, title))
+  const head = make('thead', {}, make('tr', {}, ...titles))
+  return scrolling(make('table', {}, make('caption', {}, caption), head, make('tbody', {}, ...rows)))
+}
+
+/** @param {HTMLTableElement} table */
+function scrolling(table) {
+  const caption = table.caption?.textContent ?? 'Time by kind'
+  const place = make('div', { className: 'scroll', tabIndex: 0 }, table)
+  // Focus lets the keys scroll what is wider than the page.
+  place.setAttribute('role', 'group')
+  place.setAttribute('aria-label', caption)
+  return place
+}
+
+/** @param {Node | string} first @param {string} name @param {Part} part */
+function row(first, name, part) {
+  const cells = COLUMNS.map(([, text]) => make('td', {}, text(part)))
+  return make('tr', {}, make('th', { scope: 'row' }, first), make('td', { className: 'name' }, name), ...cells)
+}
+
+/** @param {Tool} tool */
+const toolTitle = ({ tool }) => (tool === null ? 'None named' : `T${tool}`)
+
+/** @param {Tool} tool */
+function toolName({ tool_name, operations }) {
+  const number = `${count(operations)} ${operations === 1 ? 'operation' : 'operations'}`
+  return tool_name ? `${tool_name} – ${number}` : number
+}
+
+/** @param {Operation} operation */
+function name({ name, tool, tool_name }) {
+  const titled = tool === null ? '' : `T${tool}${tool_name ? ` ${tool_name}` : ''}`
+  return [name ?? '', titled].filter(Boolean).join(' – ') || 'Before the first tool'
+}
