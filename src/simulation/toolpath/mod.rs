@@ -14,7 +14,7 @@
 //!   motion word move in rapid.
 //! - The values of expressions are worked out before their block is run, by the rules of the
 //!   parameters module; a value that is not whole counts as written with a decimal point.
-//! - P of G4 is in seconds; without a decimal point, in an ISO program with a `%` line or an O
+//! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
 //!   number, in milliseconds. X and U of G4 are in seconds.
 //! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
 //!   the machine knows; in the others the tool stays where it is.

@@ -1,7 +1,7 @@
 //! The tracer: runs block after block under the modal state.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
+use crate::simulation::gcode::{Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::functions::Functions;
@@ -18,9 +18,7 @@ const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// Runs `program` on the geometry of `machine`.
 pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
-    // Of the controls that read P of G4, only Fanuc and its relatives count in milliseconds.
-    let is_tape = program.is_tape && program.dialect == Dialect::Iso;
-    let mut tracer = Tracer::new(machine, is_tape);
+    let mut tracer = Tracer::new(machine, program.is_tape);
     let mut parameters = Parameters::new(program.dialect);
     let mut run = Run::new(program);
     let mut values = Values::default();
