@@ -9,7 +9,7 @@ use mutate::Random;
 use std::path::{Path, PathBuf};
 
 /// How many files are made of each kind; more by `TRUEFEED_EXECUTIONS=100000`.
-const EXECUTIONS: usize = 4_000;
+const EXECUTIONS: usize = 2_000;
 
 fn executions() -> usize {
     let asked = std::env::var("TRUEFEED_EXECUTIONS").ok();
@@ -76,4 +76,17 @@ fn programs_cut_off_anywhere_hold_the_laws() {
         }
     }
     println!("{executions} executions");
+}
+
+/// A block that opened a loop and was then found faulty left its jump behind.
+#[test]
+fn a_faulty_block_opens_nothing() {
+    laws::program(b"o1 repeat [10] ?\nG1 X1\nM2\n\n");
+    laws::program(b"o1 while [#1 LT 3] ?\nG1 X1\no1 endwhile\nM2");
+}
+
+/// A program that ran into its bound within a subprogram went back from there and on.
+#[test]
+fn an_endless_subprogram_ends_the_program() {
+    laws::program(b"o1 sub\no2 while [1]\nG4 P0\no2 endwhile\no1 endsub\no1 call\nM2\n");
 }
