@@ -16,6 +16,12 @@ const MOST_DIAGNOSTICS: usize = 40_000;
 pub fn program(bytes: &[u8]) {
     let other = Dialect::WORDS[bytes.len() / 2 % Dialect::WORDS.len()].1;
     let dialect = (bytes.len() % 2 == 1).then_some(other);
+    program_in(bytes, dialect);
+}
+
+/// The same in a dialect that is chosen.
+#[allow(dead_code)]
+pub fn program_in(bytes: &[u8], dialect: Option<Dialect>) {
     let program = read_with(bytes, &Options { dialect, ..Options::default() });
     check(bytes, &trace(&program, &Machine::default()));
 }

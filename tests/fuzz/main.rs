@@ -78,15 +78,20 @@ fn programs_cut_off_anywhere_hold_the_laws() {
     println!("{executions} executions");
 }
 
+/// Reads one that fuzzing found, in the dialect that it was found in.
+fn in_linuxcnc(bytes: &[u8]) {
+    laws::program_in(bytes, Some(truefeed::simulation::gcode::Dialect::LinuxCnc));
+}
+
 /// A block that opened a loop and was then found faulty left its jump behind.
 #[test]
 fn a_faulty_block_opens_nothing() {
-    laws::program(b"o1 repeat [10] ?\nG1 X1\nM2\n\n");
-    laws::program(b"o1 while [#1 LT 3] ?\nG1 X1\no1 endwhile\nM2");
+    in_linuxcnc(b"o1 repeat [10] ?\nG1 X1\nM2\n");
+    in_linuxcnc(b"o1 while [#1 LT 3] ?\nG1 X1\no1 endwhile\nM2");
 }
 
 /// A program that ran into its bound within a subprogram went back from there and on.
 #[test]
 fn an_endless_subprogram_ends_the_program() {
-    laws::program(b"o1 sub\no2 while [1]\nG4 P0\no2 endwhile\no1 endsub\no1 call\nM2\n");
+    in_linuxcnc(b"o1 sub\no2 while [1]\nG4 P0\no2 endwhile\no1 endsub\no1 call\nM2\n");
 }
