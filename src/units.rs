@@ -8,6 +8,7 @@
 //! | acceleration | mm/s²  | mm/s²                 |
 //! | jerk         | mm/s³  | mm/s³                 |
 //! | angle        | rad    | degree                |
+//! | turning rate | rad/s  | degree/min            |
 //!
 //! Borders are G-code words, the machine file, the command line's output and the page.
 
@@ -60,6 +61,8 @@ pub enum Unit {
     MillimetrePerSecond3,
     /// Degree of angle.
     Degree,
+    /// Degree of angle per minute.
+    DegreePerMinute,
     /// Cycles per second.
     Hertz,
     /// Second for each 1000 revolutions per minute.
@@ -73,6 +76,7 @@ impl Unit {
             Unit::MillimetrePerMinute => mm_per_s(value),
             Unit::Degree => value.to_radians(),
             Unit::SecondPerThousandRpm => value / 1000.0,
+            Unit::DegreePerMinute => value.to_radians() / SECONDS_PER_MINUTE,
             _ => value,
         }
     }
@@ -83,6 +87,7 @@ impl Unit {
             Unit::MillimetrePerMinute => mm_per_min(value),
             Unit::Degree => value.to_degrees(),
             Unit::SecondPerThousandRpm => value * 1000.0,
+            Unit::DegreePerMinute => (value * SECONDS_PER_MINUTE).to_degrees(),
             _ => value,
         }
     }
@@ -97,6 +102,7 @@ impl Unit {
             Unit::MillimetrePerSecond2 => "mm/s²",
             Unit::MillimetrePerSecond3 => "mm/s³",
             Unit::Degree => "°",
+            Unit::DegreePerMinute => "°/min",
             Unit::Hertz => "Hz",
             Unit::SecondPerThousandRpm => "s per 1000 rpm",
         }

@@ -61,6 +61,12 @@ fn summary(toolpath: &Toolpath) -> String {
     for stop in &toolpath.stops {
         let cause = match stop.cause {
             StopCause::Dwell { seconds } => format!("dwell {seconds} s"),
+            StopCause::Rotary { rotation, rate } => {
+                let [a, b, c] = rotation.map(f64::to_degrees).into();
+                let rate = rate
+                    .map_or("rapid".to_string(), |rate| format!("{:.4} deg/min", 60.0 * rate.to_degrees()));
+                format!("turn by A{a:.4} B{b:.4} C{c:.4}, {rate}")
+            }
             StopCause::ToolChange { tool: Some(tool) } => format!("tool change to {tool}"),
             StopCause::ToolChange { tool: None } => "tool change".to_string(),
             StopCause::SameTool { tool } => format!("tool {tool} is there already"),

@@ -65,6 +65,7 @@ impl Pen {
                 curve: Curve::Line,
                 length: (end - pair[0]).norm(),
                 motion: Motion::Feed { feedrate: mm_per_s(feedrate) },
+                rotation: Vector::zeros(),
                 exact_stop: false,
                 line: LineNumber(index as u32 + 1),
             });

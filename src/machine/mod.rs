@@ -35,6 +35,10 @@ pub struct Machine {
     pub path: PathLimits,
     /// Each axis X, Y, Z.
     pub axes: [Axis; 3],
+    /// Each rotary axis A, B, C.
+    pub rotary_axes: [RotaryAxis; 3],
+    /// Machine coordinates of the zero points of G54 to G59, mm; neutral none: zero, and unknown.
+    pub work_offsets: [Option<[f64; 3]>; 6],
     /// Override switches.
     pub overrides: Overrides,
     /// What cycles leave to the control.
@@ -100,6 +104,8 @@ impl CornerMode {
 pub struct Rapid {
     /// Feedrate along the path, mm/s.
     pub feedrate: f64,
+    /// Rate at which a rotary axis turns in rapid, rad/s.
+    pub rotary_rate: f64,
     /// Full stop at both ends of a chain of rapid moves; neutral false: blended like feed moves.
     pub exact_stop: bool,
     /// Time constants of the filters during rapid moves; neutral none: those of feed moves.
@@ -133,6 +139,17 @@ pub struct Axis {
     /// First structural mode; neutral none.
     pub mode: Option<Mode>,
 }
+
+/// One rotary axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotaryAxis {
+    /// Fastest the axis turns, rad/s; neutral infinite.
+    pub velocity: f64,
+}
+
+/// Rapid rate of rotary axes where the machine does not give one, rad/s: 9000 °/min, 25 rev/min,
+/// usual for tables and heads of machining centres.
+const RAPID_ROTARY_RATE: f64 = 50.0 * std::f64::consts::PI / 60.0;
 
 /// A lightly damped oscillation between drive and tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -184,14 +201,28 @@ impl Default for Machine {
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
             },
-            rapid: Rapid { feedrate: 200.0, exact_stop: false, time_constants: None },
+            rapid: Rapid {
+                feedrate: 200.0,
+                rotary_rate: RAPID_ROTARY_RATE,
+                exact_stop: false,
+                time_constants: None,
+            },
             path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
             axes: [Axis::default(); 3],
+            rotary_axes: [RotaryAxis::default(); 3],
+            work_offsets: [None; 6],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
             cycles: Cycles { peck_retract: None, peck_clearance: None },
             times: Times::default(),
             rates: Rates { hourly: 0.0 },
         }
+    }
+}
+
+/// A rotary axis without limits.
+impl Default for RotaryAxis {
+    fn default() -> RotaryAxis {
+        RotaryAxis { velocity: f64::INFINITY }
     }
 }
 

@@ -7,7 +7,7 @@
 mod times;
 
 use crate::machine::parameters::times::TIMES;
-use crate::machine::{CornerMode, Machine, Mode, TimeConstants};
+use crate::machine::{CornerMode, Machine, Mode, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
 use std::collections::BTreeMap;
 
@@ -191,6 +191,46 @@ macro_rules! axis {
     };
 }
 
+/// The row of one rotary axis.
+macro_rules! rotary_axis {
+    ($name:literal, $index:literal) => {
+        [Parameter {
+            key: concat!("axis.", $name, ".velocity_deg_min"),
+            label: concat!("Velocity limit ", $name),
+            doc: "Fastest the rotary axis turns, in feed and rapid; empty: no limit.",
+            access: number(
+                Unit::DegreePerMinute,
+                (1.0, 1e7),
+                |m| finite(m.rotary_axes[$index].velocity),
+                |m, v| m.rotary_axes[$index].velocity = v.unwrap_or(f64::INFINITY),
+            ),
+        }]
+    };
+}
+
+/// Rows of one work offset.
+macro_rules! work_offset {
+    ($name:literal, $index:literal) => {
+        [
+            work_offset!($name, $index, "x", 0),
+            work_offset!($name, $index, "y", 1),
+            work_offset!($name, $index, "z", 2),
+        ]
+    };
+    ($name:literal, $index:literal, $letter:literal, $axis:literal) => {
+        Parameter {
+            key: concat!("work_offsets.", $name, ".", $letter, "_mm"),
+            label: concat!($name, " ", $letter),
+            doc: "Machine coordinate of the zero point; empty: zero. Matters to moves between zero points and to G53 and G28.",
+            access: number(Unit::Millimetre, (-1e5, 1e5), |m| m.work_offsets[$index].map(|point| point[$axis]), |m, v| {
+                if let Some(value) = v {
+                    m.work_offsets[$index].get_or_insert_default()[$axis] = value
+                }
+            }),
+        }
+    };
+}
+
 /// Damping ratio of a structural mode for which none is given: typical of machine tools.
 const DAMPING: f64 = 0.03;
 
@@ -225,7 +265,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 21] = [
+const GENERAL: [Parameter; 22] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -350,6 +390,17 @@ const GENERAL: [Parameter; 21] = [
         ),
     },
     Parameter {
+        key: "rapid.rotary_deg_min",
+        label: "Rapid rate of rotary axes",
+        doc: "Rate at which each of A, B and C turns in rapid; empty: 9000, that is 25 rev/min.",
+        access: number(
+            Unit::DegreePerMinute,
+            (1.0, 1e7),
+            |m| Some(m.rapid.rotary_rate),
+            |m, v| m.rapid.rotary_rate = v.unwrap_or(RAPID_ROTARY_RATE),
+        ),
+    },
+    Parameter {
         key: "rapid.exact_stop",
         label: "Stop around rapids",
         doc: "Full stop where feed changes to rapid and back, and between rapids.",
@@ -466,5 +517,11 @@ const GENERAL: [Parameter; 21] = [
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(TIMES).chain(axis!("x", 0)).chain(axis!("y", 1)).chain(axis!("z", 2)).collect()
+    let axes = axis!("x", 0).into_iter().chain(axis!("y", 1)).chain(axis!("z", 2));
+    let rotary_axes =
+        rotary_axis!("a", 0).into_iter().chain(rotary_axis!("b", 1)).chain(rotary_axis!("c", 2));
+    let first =
+        work_offset!("G54", 0).into_iter().chain(work_offset!("G55", 1)).chain(work_offset!("G56", 2));
+    let last = work_offset!("G57", 3).into_iter().chain(work_offset!("G58", 4)).chain(work_offset!("G59", 5));
+    GENERAL.into_iter().chain(TIMES).chain(axes).chain(rotary_axes).chain(first).chain(last).collect()
 });

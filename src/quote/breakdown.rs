@@ -127,6 +127,11 @@ impl<'a> Ledger<'a> {
                     breakdown.dwell += wait.duration;
                     continue;
                 }
+                StopCause::Rotary { rate, .. } => {
+                    let is_feed = rate.is_some();
+                    *(if is_feed { &mut breakdown.cutting } else { &mut breakdown.rapid }) += wait.duration;
+                    continue;
+                }
                 StopCause::ToolChange { .. } | StopCause::SameTool { .. } => {
                     breakdown.tool_change += wait.duration;
                     continue;

@@ -89,6 +89,8 @@ fn programmed_time_of(segments: &[Segment], stops: &[Stop], machine: &Machine) -
     });
     let dwells = stops.iter().map(|stop| match stop.cause {
         StopCause::Dwell { seconds } => seconds,
+        StopCause::Rotary { rotation, rate: Some(rate) } => rotation.norm() / rate,
+        StopCause::Rotary { rotation, rate: None } => rotation.amax() / machine.rapid.rotary_rate,
         _ => 0.0,
     });
     running_sum(moves.chain(dwells)).last().unwrap_or(0.0)

@@ -1,9 +1,10 @@
 // The page says where the time goes, as the command line does, and leads from an operation to its place in the chart.
 
 import assert from 'node:assert/strict'
-import { writeFileSync } from 'node:fs'
+import { rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
+import { after } from 'node:test'
 import { computed, pageTest, predicted, shot, span, TOLERANCES_MM } from './steps.mjs'
 
 const PROGRAM = join(tmpdir(), `truefeed-operations-${process.pid}.nc`)
@@ -28,6 +29,7 @@ writeFileSync(
     'M30',
   ].join('\n'),
 )
+after(() => rmSync(PROGRAM))
 
 const text = (page, selector) =>
   page.$$eval(selector, (all) => all.map((element) => element.textContent.replace(/\s+/g, ' ').trim()))

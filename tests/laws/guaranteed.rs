@@ -48,7 +48,16 @@ fn path(random: &mut Random) -> Toolpath {
         };
         let line = LineNumber(segments.len() as u32 + 1);
         let motion = Motion::Feed { feedrate };
-        segments.push(Segment { start, end, curve, length, motion, exact_stop: false, line });
+        segments.push(Segment {
+            start,
+            end,
+            curve,
+            length,
+            motion,
+            rotation: Vector::zeros(),
+            exact_stop: false,
+            line,
+        });
         start = end;
     }
     Toolpath { segments, ..Toolpath::default() }

@@ -121,6 +121,7 @@ pub fn line(start: Point, end: Point, motion: Motion) -> Segment {
         curve: Curve::Line,
         length: (end - start).norm(),
         motion,
+        rotation: Vector::zeros(),
         exact_stop: false,
         line: LineNumber(1),
     }

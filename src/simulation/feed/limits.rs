@@ -4,6 +4,7 @@
 //!
 //! - the programmed (or rapid) feedrate times its override;
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it;
+//! - L Ω_k / |Δ_k|: no rotary axis k, which turns along by Δ_k, above its limit Ω_k (rad/s);
 //! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ the filtered path runs inside by
 //!   v² ΣTi² κ / 24, to first order, and that much is within the tolerance ε. The first order is
 //!   an upper bound of the true r (1 − Π sinc(ωTi/2));
@@ -27,12 +28,35 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
         Motion::Rapid => machine.rapid.feedrate * machine.overrides.rapid,
         Motion::Feed { feedrate } => feedrate * machine.overrides.feed,
     };
+    let feedrate = feedrate.min(rotary_feedrate(segment, machine));
     if machine.axes.iter().all(|axis| axis.velocity == f64::INFINITY) {
         return feedrate;
     }
     let share = largest_share(segment);
     let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.velocity / share[k]);
     limits.fold(feedrate, f64::min)
+}
+
+/// The feedrate at which no rotary axis that turns along is above its limit, mm/s.
+fn rotary_feedrate(segment: &Segment, machine: &Machine) -> f64 {
+    if segment.rotation == Vector::zeros() {
+        return f64::INFINITY;
+    }
+    segment.length / shortest_turn(&segment.rotation, segment.motion == Motion::Rapid, machine)
+}
+
+/// The time that rotary axes need for a turn (rad) within their limits, s.
+fn shortest_turn(rotation: &Vector, is_rapid: bool, machine: &Machine) -> f64 {
+    let rapid = if is_rapid { machine.rapid.rotary_rate * machine.overrides.rapid } else { f64::INFINITY };
+    let axes = machine.rotary_axes.iter().enumerate();
+    axes.map(|(k, axis)| rotation[k].abs() / axis.velocity.min(rapid)).fold(0.0, f64::max)
+}
+
+/// The time of a command that turns rotary axes (rad) alone, at `rate` (rad/s) along all of them or
+/// in rapid, s.
+pub fn rotary_time(rotation: &Vector, rate: Option<f64>, machine: &Machine) -> f64 {
+    let programmed = rate.map_or(0.0, |rate| rotation.norm() / (rate * machine.overrides.feed));
+    programmed.max(shortest_turn(rotation, rate.is_none(), machine))
 }
 
 /// The largest feedrate at which the filtered path stays within `tolerance` (mm) of an arc that

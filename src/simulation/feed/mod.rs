@@ -5,6 +5,9 @@
 //! and needs no time step: a stretch lasts the sum of its pulses plus the filter delay D, because
 //! the filters have to run empty before the machine stands.
 //!
+//! A turn of rotary axes alone has no length along the path: it is a wait of its time, and a chain of
+//! turns costs the filter delay once.
+//!
 //! What ends a stretch, each costing a full D:
 //!
 //! - the beginning and the end of the program;
@@ -150,7 +153,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut begin = 0;
     while begin < segments.len() {
         while let Some(stop) = stops.next_if(|stop| stop.after <= begin) {
-            plan.phases.push(Phase::Wait(wait(stop, machine)));
+            add_wait(&mut plan, stop, machine);
         }
         let next_stop = stops.peek().map_or(usize::MAX, |stop| stop.after);
         let mut end = begin + 1;
@@ -163,8 +166,30 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
         add_stretch(&mut plan, begin..end, segments, machine, rule);
         begin = end;
     }
-    plan.phases.extend(stops.map(|stop| Phase::Wait(wait(stop, machine))));
+    for stop in stops {
+        add_wait(&mut plan, stop, machine);
+    }
     plan
+}
+
+fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine) {
+    let is_turn = |cause: &StopCause| matches!(cause, StopCause::Rotary { .. });
+    let goes_on = matches!(plan.phases.last(), Some(Phase::Wait(wait)) if is_turn(&wait.cause));
+    let mut wait = wait(stop, machine);
+    if is_turn(&wait.cause) && !goes_on {
+        wait.duration += turn_delay(machine);
+    }
+    plan.phases.push(Phase::Wait(wait));
+}
+
+/// How much longer than its command a turn of rotary axes alone lasts, s: the filters run empty. A
+/// jerk limit is one along X, Y and Z, and says nothing of it.
+fn turn_delay(machine: &Machine) -> f64 {
+    match &machine.interpolator.time_constants {
+        TimeConstants::Equal(constant) => machine.interpolator.filters as f64 * constant,
+        TimeConstants::Unequal(constants) => constants.iter().sum(),
+        TimeConstants::FromJerk(_) => 0.0,
+    }
 }
 
 fn wait(stop: &Stop, machine: &Machine) -> Wait {
@@ -173,6 +198,7 @@ fn wait(stop: &Stop, machine: &Machine) -> Wait {
         StopCause::ToolChange { tool } => machine.times.of_tool_change(tool),
         StopCause::SameTool { .. } => 0.0,
         StopCause::Spindle { from, to, code } => machine.times.of_spindle(from, to, code),
+        StopCause::Rotary { rotation, rate } => limits::rotary_time(&rotation, rate, machine),
         StopCause::MCode { code } => machine.times.of_m_code(code),
     };
     Wait { duration, cause: stop.cause, line: stop.line }

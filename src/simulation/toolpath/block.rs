@@ -78,6 +78,6 @@ impl Default for Given {
     }
 }
 
-pub(super) const AXIS_WORDS: u64 = bits(b"XYZ");
+pub(super) const AXIS_WORDS: u64 = bits(&[b'X', b'Y', b'Z', address::POLAR_RADIUS, address::POLAR_ANGLE]);
 pub(super) const CENTER_WORDS: u64 = bits(b"IJK");
-pub(super) const UNMODELLED_WORDS: u64 = bits(b"ABCEUVW");
+pub(super) const UNMODELLED_WORDS: u64 = bits(b"EUVW");

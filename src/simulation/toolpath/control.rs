@@ -49,7 +49,7 @@ impl Control for Tracer<'_> {
 impl Tracer<'_> {
     /// Where the tool is on an axis, in the program's coordinates and unit.
     fn program_position(&self, axis: usize) -> f64 {
-        (self.position[axis] - self.shift[axis] - self.local_shift[axis]) / self.modal.unit
+        self.frame.to_program(&self.position)[axis] / self.modal.unit
     }
 
     /// The feedrate in force, in the program's unit per minute.

@@ -1,27 +1,35 @@
 //! Blocks → toolpath: where the tool is told to go, and where it has to stop.
 //!
 //! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in
-//! one coordinate system (the machine's; work offsets are already applied). Between segments
-//! lie the stops: dwells, tool changes and other M-words.
+//! one coordinate system (the machine's; work offsets, shifts, rotation, scaling and mirrors are
+//! already applied). Between segments lie the stops: dwells, tool changes and other M-words, and
+//! turns of rotary axes alone.
 //!
-//! Order of execution within a block: units, plane, distance and path modes; F; T; S; M-words that
-//! act before the motion (M6 and all not named below, as written); dwell, shift of coordinates,
-//! reference move or motion; M-words that act after it (M0, M1, M2, M5, M9, M30, M60). That is
-//! RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc controls.
+//! Order of execution within a block: units, plane, distance and path modes; F; S; T; M-words that
+//! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell,
+//! change of coordinates, reference move or motion; M-words that act after it (M0, M1, M2, M5, M9,
+//! M30, M60). That is RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc
+//! controls.
 //!
 //! Rules where controls differ or a program does not say:
-//! - The tool begins at X0 Y0 Z0, in mm, G17, G90, G91.1, G94, G64; axis words before the first
-//!   motion word move in rapid.
+//! - The tool begins at the machine's zero, in mm, G17, G54, G90, G91.1, G94, G64; axis words before
+//!   the first motion word move in rapid.
 //! - The values of expressions are worked out before their block is run, by the rules of the
 //!   parameters module; a value that is not whole counts as written with a decimal point.
 //! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
 //!   number, in milliseconds. X and U of G4 are in seconds.
-//! - Work offsets are taken as zero. G28, G30 and G53 are run in the axes whose reference point
-//!   the machine knows; in the others the tool stays where it is.
+//! - Work offsets and tool lengths that neither program nor machine file gives are zero. G28, G30
+//!   and G53 are run in the axes whose reference point the machine knows; in the others the tool
+//!   stays where it is.
 //! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
+//! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
+//!   F holds along X, Y and Z, or on Fanuc controls along all axes.
 //! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
-//! - Cutter compensation and changes of coordinates other than G52 and G92 are not applied. Each
-//!   says so.
+//! - Cutter compensation, tilted planes (G68.2) and cylindrical or polar interpolation are not
+//!   applied. Each says so.
+//!
+//! Where controls read a word in two ways, the dialect decides: Fanuc for ISO programs and Okuma's,
+//! RS274/NGC and LinuxCNC for the others.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
@@ -30,6 +38,8 @@ mod control;
 mod curve;
 mod cycle;
 mod functions;
+mod feed_mode;
+mod frame;
 mod motion;
 mod operations;
 mod parameters;
@@ -37,6 +47,7 @@ mod plane;
 #[cfg(test)]
 mod random;
 mod remark;
+mod rotary;
 mod run;
 mod trace;
 mod words;
@@ -79,6 +90,8 @@ pub struct Segment {
     pub length: f64,
     /// Feed or rapid.
     pub motion: Motion,
+    /// How far A, B and C turn along with it, rad.
+    pub rotation: Vector,
     /// The program asks for a full stop at its end (G9, G61).
     pub exact_stop: bool,
     /// Line of the program it comes from.
@@ -92,6 +105,13 @@ pub enum StopCause {
     Dwell {
         /// Programmed waiting time, s.
         seconds: f64,
+    },
+    /// A turn of rotary axes alone.
+    Rotary {
+        /// How far A, B and C turn, rad.
+        rotation: Vector,
+        /// At the programmed rate along all three, rad/s; none: in rapid.
+        rate: Option<f64>,
     },
     /// M6.
     ToolChange {

@@ -4,16 +4,16 @@ use crate::machine::AXES;
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
 use crate::simulation::toolpath::plane::{Turn, tolerated_difference};
 use crate::simulation::toolpath::remark::{Code, Untraced};
+use crate::simulation::toolpath::rotary::ROTARY_WORDS;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::words::{Mode, Special};
-use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Vector};
-use crate::units::mm_per_min;
+use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause};
 
 /// Feedrate of feed moves before the first F, mm/s: 1000 mm/min.
 pub const ASSUMED_FEEDRATE: f64 = 1000.0 / 60.0;
 
 /// Coordinates and radii beyond this are slips of the pen, mm.
-const REACH: f64 = 1e7;
+pub(super) const REACH: f64 = 1e7;
 
 /// Moves shorter than this are rounding, mm.
 const SHORTEST: f64 = 1e-9;
@@ -28,35 +28,9 @@ impl Tracer<'_> {
     pub(super) fn special(&mut self, block: Block, special: Special, code: Code) {
         match special {
             Special::Dwell => self.dwell(block, code),
-            Special::DataSetting => self.remarks.add(block.place(), Untraced::DataSetting),
             Special::Reference => self.reference(block),
             Special::MachineCoordinates => self.machine_coordinates(block),
-            Special::SetPosition => {
-                for (axis, letter) in AXES.into_iter().enumerate() {
-                    if let Some(value) = self.given.get(letter as u8) {
-                        let shift = self.position[axis] - value * self.modal.unit - self.local_shift[axis];
-                        if self.is_within_reach(block, letter, shift) {
-                            self.shift[axis] = shift;
-                        }
-                    }
-                }
-            }
-            Special::LocalShift => {
-                for (axis, letter) in AXES.into_iter().enumerate() {
-                    if let Some(value) = self.given.get(letter as u8) {
-                        let shift = value * self.modal.unit;
-                        if self.is_within_reach(block, letter, shift) {
-                            self.local_shift[axis] = shift;
-                        }
-                    }
-                }
-            }
-            Special::ForgetShift => {
-                self.shift = Vector::zeros();
-                self.suspended_shift = Vector::zeros();
-            }
-            Special::SuspendShift => self.suspended_shift = std::mem::take(&mut self.shift),
-            Special::RestoreShift => self.shift = self.suspended_shift,
+            _ => self.change_frame(block, special, code),
         }
     }
 
@@ -86,14 +60,20 @@ impl Tracer<'_> {
     /// given, or in all where none is. One reference point serves both.
     fn reference(&mut self, block: Block) {
         let Some(over) = self.target(block) else { return };
+        self.take_rotary(block);
         self.rapid_to(block, over);
-        let goes = |letter: char| !self.given.has(AXIS_WORDS) || self.given.get(letter as u8).is_some();
+        self.turn_alone(block, true);
+        let goes = |letter: char| {
+            !self.given.has(AXIS_WORDS | ROTARY_WORDS) || self.given.get(letter as u8).is_some()
+        };
         let axes = AXES.map(goes);
         let mut home = self.position;
         for (axis, _) in axes.into_iter().enumerate().filter(|(_, goes)| *goes) {
             home[axis] = self.home(block, axis).unwrap_or(home[axis]);
         }
+        self.turn_home(!self.given.has(AXIS_WORDS | ROTARY_WORDS));
         self.rapid_to(block, home);
+        self.turn_alone(block, true);
     }
 
     /// G53: absolute machine coordinates, at the feedrate under G1 and in rapid otherwise.
@@ -107,10 +87,12 @@ impl Tracer<'_> {
                 return;
             }
         }
+        self.take_machine_rotary(block);
         match self.modal.mode {
             Some(Mode::Straight) => self.feed_to(block, target),
             _ => self.rapid_to(block, target),
         }
+        self.turn_the_rest(block);
     }
 
     /// Reference point of an axis, mm, or a remark that it is not known.
@@ -155,12 +137,15 @@ impl Tracer<'_> {
     /// Where the axis words point, mm; none where that is out of reach.
     pub(super) fn target(&mut self, block: Block) -> Option<Point> {
         let mut target = self.position;
+        let values = self.axis_values();
+        if let Some(chain) = self.frame.turned().copied() {
+            return self.turned_target(block, &chain, values);
+        }
         for (axis, letter) in AXES.into_iter().enumerate() {
-            let Some(value) = self.given.get(letter as u8) else { continue };
-            let value = value * self.modal.unit;
+            let Some(value) = values[axis] else { continue };
             target[axis] = match self.modal.is_incremental {
                 true => self.position[axis] + value,
-                false => value + self.shift[axis] + self.local_shift[axis],
+                false => self.frame.coordinate(axis, value),
             };
             if !self.is_within_reach(block, letter, target[axis]) {
                 return None;
@@ -185,15 +170,22 @@ impl Tracer<'_> {
             }
         }
         let (ends, turns) = ((self.position, end), self.turns(block));
-        let center = self.center(block, ends, turn);
-        match center.and_then(|center| Ok(self.modal.plane.arc(ends, center, turn, turns)?)) {
+        let arc = match self.frame.turned().copied() {
+            Some(chain) => self.turned_arc(block, chain, ends, turn, turns),
+            None => {
+                let center = self.center(block, ends, turn);
+                center.and_then(|center| Ok(self.modal.plane.arc(ends, center, turn, turns)?))
+            }
+        };
+        match arc {
             Ok(arc) => {
                 let (start, end_radius) = (arc.start_radius, arc.end_radius);
                 if tolerated_difference(start) < (start - end_radius).abs() {
                     self.remarks.add(block.place(), Untraced::UnequalRadii { start, end: end_radius });
                 }
                 let length = arc.length();
-                let feedrate = self.feedrate(block);
+                let feedrate = self.feedrate_along(block, length);
+                let feedrate = self.linear_share(block, length, feedrate);
                 self.push(block, end, Curve::Arc(Box::new(arc)), length, Motion::Feed { feedrate });
             }
             Err(no_circle) => {
@@ -204,7 +196,12 @@ impl Tracer<'_> {
     }
 
     /// The centre by R, or by two of I, J and K; one that is left out is that of the start.
-    fn center(&mut self, block: Block, ends: (Point, Point), turn: Turn) -> Result<Point, Untraced> {
+    pub(super) fn center(
+        &mut self,
+        block: Block,
+        ends: (Point, Point),
+        turn: Turn,
+    ) -> Result<Point, Untraced> {
         let [a, b, _] = self.modal.plane.axes();
         let axes = [(a, self.given.get(b"IJK"[a])), (b, self.given.get(b"IJK"[b]))];
         let has_center = axes.iter().any(|(_, value)| value.is_some());
@@ -222,7 +219,8 @@ impl Tracer<'_> {
             let Some(value) = value.map(|value| value * self.modal.unit) else { continue };
             center[axis] = match self.modal.has_incremental_center {
                 true => ends.0[axis] + value,
-                false => value + self.shift[axis] + self.local_shift[axis],
+                false if self.frame.turned().is_some() => value,
+                false => self.frame.coordinate(axis, value),
             };
         }
         Ok(center)
@@ -248,26 +246,21 @@ impl Tracer<'_> {
     fn feed_to(&mut self, block: Block, end: Point) {
         let length = (end - self.position).norm();
         if SHORTEST <= length {
-            let feedrate = self.feedrate(block);
+            let feedrate = self.feedrate_along(block, length);
+            let feedrate = self.linear_share(block, length, feedrate);
             self.push(block, end, Curve::Line, length, Motion::Feed { feedrate });
         }
     }
 
-    /// The feedrate in force, mm/s.
-    pub(super) fn feedrate(&mut self, block: Block) -> f64 {
-        self.modal.feedrate.unwrap_or_else(|| {
-            let assumed = mm_per_min(ASSUMED_FEEDRATE);
-            self.remarks.add(block.place(), Untraced::NoFeed { assumed });
-            ASSUMED_FEEDRATE
-        })
-    }
-
     pub(super) fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
         if length < SHORTEST {
+            self.turn_alone(block, motion == Motion::Rapid);
             return;
         }
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
-        self.toolpath.segments.push(Segment { start, end, curve, length, motion, exact_stop, line });
+        let rotation = self.turned_along();
+        let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, line };
+        self.toolpath.segments.push(segment);
         self.position = end;
     }
 }

@@ -134,7 +134,7 @@ impl<'a> Cutter<'a> {
         let came_from = self.previous;
         self.pass_to(stop.line, segment, index);
         let tool = match stop.cause {
-            StopCause::Dwell { .. } => return,
+            StopCause::Dwell { .. } | StopCause::Rotary { .. } => return,
             StopCause::ToolChange { tool } => tool,
             StopCause::SameTool { tool } => Some(tool),
             StopCause::Spindle { .. } | StopCause::MCode { .. } => {

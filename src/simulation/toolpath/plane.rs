@@ -35,6 +35,16 @@ pub(super) enum Turn {
     Counterclockwise,
 }
 
+impl Turn {
+    /// The other sense.
+    pub(super) fn reversed(self) -> Turn {
+        match self {
+            Turn::Clockwise => Turn::Counterclockwise,
+            Turn::Counterclockwise => Turn::Clockwise,
+        }
+    }
+}
+
 /// Why no circle goes through the programmed points.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub(super) enum NoCircle {

@@ -25,7 +25,7 @@ pub(super) enum Untraced {
     Conflict { first: Code, second: Code },
     #[error("{letter} is given twice in one block: the last one counts")]
     RepeatedWord { letter: char },
-    #[error("{letter} words are not modelled: only X, Y and Z moves are timed")]
+    #[error("{letter} words are not modelled: only moves in X, Y, Z, A, B and C are timed")]
     UnmodelledWord { letter: char },
     #[error("no G0 to G3 before the first axis words: taken as G0")]
     NoMotionWord,
@@ -44,10 +44,25 @@ pub(super) enum Untraced {
     FasterThanRapid { feedrate: f64, rapid: f64 },
     #[error("no F before this move: feed moves are taken at {assumed:.0} mm/min until there is one")]
     NoFeed { assumed: f64 },
-    #[error("{code} ({name}) is not understood: moves are taken at the last feed in mm/min or inch/min")]
-    FeedMode { code: Code, name: &'static str },
-    #[error("G96 (constant surface speed) is not modelled: feedrates are taken as written")]
+    #[error("{}", inverse_time_text(*.assumed))]
+    NoInverseTime { assumed: Option<f64> },
+    #[error("G95 needs a spindle speed S: feed moves are taken at {assumed:.0} mm/min until there is one")]
+    NoSpindleSpeed { assumed: f64 },
+    #[error("S{value} is not a spindle speed: the former stays in force")]
+    BadSpindleSpeed { value: f64 },
+    #[error(
+        "G96 (constant surface speed) is not modelled, since the diameter is unknown: feeds in mm/min are right, feeds per revolution (G95) go on with the last S in rev/min"
+    )]
     SurfaceSpeed,
+
+    #[error("{letter}{degrees} is beyond 10 million degrees: the axis is not turned")]
+    BadAngle { letter: char, degrees: f64 },
+    #[error("{}", rotary_feed_text(*.is_combined))]
+    RotaryFeed { is_combined: bool },
+    #[error(
+        "{name} (tool centre point control): the path of the tool tip and its feed are run as written; what the machine's own axes do to turn the head or table about it is not modelled"
+    )]
+    TipControl { name: &'static str },
     #[error("{code} (cutter compensation) is not applied: path taken as programmed")]
     Compensation { code: Code },
 
@@ -75,11 +90,29 @@ pub(super) enum Untraced {
     )]
     UnknownHome { axis: char, key: char },
     #[error(
-        "{code} is a second work offset: all are taken as zero, so that moves between them are timed too short or too long"
+        "{code} is a second work offset: those that neither G10 nor the machine file gives are taken as zero, so that moves between them are timed too short or too long"
     )]
     WorkOffsets { code: Code },
-    #[error("G10 settings are not applied")]
-    DataSetting,
+    #[error("{code} needs P with the number of an offset: left out")]
+    NoOffsetNumber { code: Code },
+    #[error("the setting of this {code} is not applied: work offsets (L2, L20) and tool lengths (L1) are")]
+    DataSetting { code: Code },
+    #[error(
+        "{code}: the length of this tool is not known and taken as zero; length offsets shift the whole program and change no time"
+    )]
+    NoToolLength { code: Code },
+    #[error("G68 without an angle R: coordinates stay as they are")]
+    NoAngle,
+    #[error("G51 without a scale P, or I, J and K, other than 0: coordinates stay as they are")]
+    BadScale,
+    #[error(
+        "an arc under a scale that differs from axis to axis: end and I, J, K are scaled each on its own axis and R by the larger scale, as Fanuc controls do"
+    )]
+    UnevenScale,
+    #[error(
+        "an arc in a tilted plane cannot be run under a scale that differs from axis to axis: taken as a straight line"
+    )]
+    TiltedUnevenScale,
 
     #[error("{code}: {no_hole}: hole not made")]
     NoHole { code: Code, no_hole: NoHole },
@@ -144,6 +177,21 @@ impl std::fmt::Display for Code {
     }
 }
 
+fn inverse_time_text(assumed: Option<f64>) -> String {
+    let instead = assumed.map_or("that of the block before is taken".to_string(), |assumed| {
+        format!("this one is taken at {assumed:.0} mm/min")
+    });
+    format!("every feed move under G93 needs its own F: {instead}")
+}
+
+fn rotary_feed_text(is_combined: bool) -> &'static str {
+    if is_combined {
+        "F holds along linear and rotary axes together, a degree counting as a unit of length"
+    } else {
+        "F holds along X, Y and Z, and rotary axes turn along (RS274/NGC); controls that count degrees as lengths are slower"
+    }
+}
+
 fn label_text(kind: LabelKind, name: &str) -> String {
     match kind {
         LabelKind::Sequence => format!("block N{name}"),
@@ -174,7 +222,14 @@ impl Remark for Untraced {
             | Untraced::UnusedAxisWords { .. }
             | Untraced::BadFeed { .. }
             | Untraced::NoFeed { .. }
-            | Untraced::FeedMode { .. }
+            | Untraced::NoInverseTime { .. }
+            | Untraced::NoSpindleSpeed { .. }
+            | Untraced::BadSpindleSpeed { .. }
+            | Untraced::BadAngle { .. }
+            | Untraced::NoOffsetNumber { .. }
+            | Untraced::NoAngle
+            | Untraced::BadScale
+            | Untraced::TiltedUnevenScale
             | Untraced::NoCenter
             | Untraced::NoCircle(_)
             | Untraced::BadTurns { .. }
@@ -196,6 +251,8 @@ impl Remark for Untraced {
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }
             | Untraced::Compensation { .. }
+            | Untraced::TipControl { .. }
+            | Untraced::UnevenScale
             | Untraced::UnequalRadii { .. }
             | Untraced::RadiusAndCenter
             | Untraced::NoSpeed { .. }
@@ -210,9 +267,11 @@ impl Remark for Untraced {
             | Untraced::CycleDwellUnit
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
-            | Untraced::DataSetting
             | Untraced::SameTool { .. }
             | Untraced::ManyOperations { .. }
+            | Untraced::DataSetting { .. }
+            | Untraced::NoToolLength { .. }
+            | Untraced::RotaryFeed { .. }
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }
@@ -225,14 +284,18 @@ impl Remark for Untraced {
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
                 | Untraced::NoFeed { .. }
-                | Untraced::FeedMode { .. }
+                | Untraced::NoSpindleSpeed { .. }
+                | Untraced::RotaryFeed { .. }
+                | Untraced::TipControl { .. }
+                | Untraced::UnevenScale
+                | Untraced::NoToolLength { .. }
                 | Untraced::SurfaceSpeed
                 | Untraced::FasterThanRapid { .. }
                 | Untraced::DwellUnit { .. }
                 | Untraced::CycleDwellUnit
                 | Untraced::ManualRetract { .. }
                 | Untraced::UnknownHome { .. }
-                | Untraced::DataSetting
+                | Untraced::DataSetting { .. }
         )
     }
 }

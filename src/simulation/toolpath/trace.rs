@@ -1,24 +1,25 @@
 //! The tracer: runs block after block under the modal state.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Place, Program, Remarks, Word, address};
+use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::functions::Functions;
+use crate::simulation::toolpath::feed_mode::Feed;
+use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
+use crate::simulation::toolpath::rotary::Rotary;
 use crate::simulation::toolpath::run::Run;
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
-use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath, Vector};
-use crate::units::{MM_PER_INCH, mm_per_min, mm_per_s};
-
-/// The feedrates that are taken at their word, mm/s.
-const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath};
+use crate::units::MM_PER_INCH;
 
 /// Runs `program` on the geometry of `machine`.
 pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     let mut tracer = Tracer::new(machine, program.is_tape);
+    tracer.family = Family::of(program.dialect);
     let mut parameters = Parameters::new(program.dialect);
     let mut run = Run::new(program);
     let mut values = Values::default();
@@ -74,13 +75,15 @@ pub(super) struct Modal {
     pub(super) unit: f64,
     pub(super) is_incremental: bool,
     pub(super) has_incremental_center: bool,
-    has_feed_per_minute: bool,
+    pub(super) feed: Feed,
     has_exact_stop: bool,
-    /// mm/s.
+    /// By F under G94, mm/s.
     pub(super) feedrate: Option<f64>,
+    /// rev/min.
+    pub(super) spindle_speed: Option<f64>,
     pub(super) tool: Option<u32>,
-    work_offset: Option<u16>,
-    has_several_offsets: bool,
+    pub(super) has_work_offset: bool,
+    pub(super) has_several_offsets: bool,
 }
 
 /// What the G words of a block ask for beyond the modal state.
@@ -91,6 +94,8 @@ struct Request {
     /// The axis words belong to a G word that is not run.
     has_foreign_axis_words: bool,
     has_m_word: bool,
+    work_offset: Option<(Code, Place)>,
+    tool_length: Option<Code>,
     /// The word of each modal group so far.
     groups: [Option<Code>; 15],
 }
@@ -100,6 +105,27 @@ struct Request {
 enum When {
     BeforeMotion,
     AfterMotion,
+}
+
+/// Whose rules hold where controls read the same word in two ways.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Family {
+    /// RS274/NGC and LinuxCNC: G10 L20 names the position, G10 L2 R turns X Y, G52 is a G92 by
+    /// its values, F holds along X Y Z.
+    #[default]
+    Rs274,
+    /// Fanuc and Haas: G10 L20 gives the values of G54.1 Pn, G10 under G91 adds, F counts a degree
+    /// of a rotary axis as a unit of length.
+    Fanuc,
+}
+
+impl Family {
+    fn of(dialect: Dialect) -> Family {
+        match dialect {
+            Dialect::Iso | Dialect::Okuma => Family::Fanuc,
+            _ => Family::Rs274,
+        }
+    }
 }
 
 /// The modal state, and what came out so far.
@@ -112,10 +138,10 @@ pub(super) struct Tracer<'a> {
     pub(super) cycle: Cycles,
     /// Where the tool is, mm.
     pub(super) position: Point,
-    /// Position less program coordinate, by G92 and by G52, mm.
-    pub(super) shift: Vector,
-    pub(super) local_shift: Vector,
-    pub(super) suspended_shift: Vector,
+    /// From program coordinates to the machine's.
+    pub(super) frame: Frame,
+    pub(super) rotary: Rotary,
+    pub(super) family: Family,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     pub(super) functions: Functions,
@@ -125,7 +151,7 @@ pub(super) struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    fn new(machine: &'a Machine, is_tape: bool) -> Tracer<'a> {
+    pub(super) fn new(machine: &'a Machine, is_tape: bool) -> Tracer<'a> {
         Tracer {
             machine,
             is_tape,
@@ -135,19 +161,20 @@ impl<'a> Tracer<'a> {
                 unit: 1.0,
                 is_incremental: false,
                 has_incremental_center: true,
-                has_feed_per_minute: true,
+                feed: Feed::default(),
                 has_exact_stop: false,
                 feedrate: None,
+                spindle_speed: None,
                 tool: None,
-                work_offset: None,
+                has_work_offset: false,
                 has_several_offsets: false,
             },
             given: Given::default(),
             cycle: Cycles::default(),
             position: Point::origin(),
-            shift: Vector::zeros(),
-            local_shift: Vector::zeros(),
-            suspended_shift: Vector::zeros(),
+            frame: Frame::new(machine),
+            rotary: Rotary::default(),
+            family: Family::default(),
             exact_stop: false,
             functions: Functions::default(),
             ended: None,
@@ -157,16 +184,23 @@ impl<'a> Tracer<'a> {
     }
 
     /// Runs one block in the order of execution of the module's head.
-    fn block(&mut self, block: Block) {
-        let request = self.take_words(block);
+    pub(super) fn block(&mut self, block: Block) {
+        let mut request = self.take_words(block);
         self.exact_stop = self.modal.has_exact_stop || request.exact_stop;
         self.take_feed(block);
+        self.take_spindle_speed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         }
         self.take_speed(block);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
+        }
+        if let Some((code, place)) = request.work_offset {
+            self.choose_work_offset(code, place);
+        }
+        if let Some(code) = request.tool_length {
+            request.special = self.choose_tool_length(block, code).or(request.special);
         }
         self.act(block, &request);
         if request.has_m_word {
@@ -182,6 +216,8 @@ impl<'a> Tracer<'a> {
             has_motion_word: false,
             has_foreign_axis_words: false,
             has_m_word: false,
+            work_offset: None,
+            tool_length: None,
             groups: [None; 15],
         };
         self.given.clear();
@@ -229,28 +265,25 @@ impl<'a> Tracer<'a> {
             Meaning::Inch(is_inch) => self.modal.unit = if is_inch { MM_PER_INCH } else { 1.0 },
             Meaning::Incremental(is_incremental) => self.modal.is_incremental = is_incremental,
             Meaning::IncrementalCenter(is_incremental) => self.modal.has_incremental_center = is_incremental,
-            Meaning::FeedPerMinute(is_so) => {
-                self.modal.has_feed_per_minute = is_so.is_ok();
-                if let Err(name) = is_so {
-                    self.remarks.add(place, Untraced::FeedMode { code, name });
-                }
-            }
+            Meaning::FeedMode(mode) => self.modal.feed.mode = mode,
             Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
             Meaning::Cycle => self.begin_cycle(code, tenths.unwrap_or_default()),
             Meaning::CycleEnd => self.cycle.end(),
             Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = Some(is_so),
-            Meaning::WorkOffset => {
-                let before = self.modal.work_offset.replace(tenths.unwrap_or_default());
-                let is_another = before.is_some() && before != self.modal.work_offset;
-                if is_another && !self.modal.has_several_offsets {
-                    self.modal.has_several_offsets = true;
-                    self.remarks.add(place, Untraced::WorkOffsets { code });
+            Meaning::WorkOffset => request.work_offset = Some((code, place)),
+            Meaning::ToolLength => request.tool_length = Some(code),
+            Meaning::EndOf(kind) => self.frame.unset(kind),
+            Meaning::Polar(is_on) => self.frame.polar = is_on.then(Polar::default),
+            Meaning::TipControl(name) => self.remarks.add(place, Untraced::TipControl { name }),
+            Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
+            Meaning::SurfaceSpeed(is_on) => {
+                self.modal.feed.has_surface_speed = is_on;
+                if is_on {
+                    self.remarks.add(place, Untraced::SurfaceSpeed);
                 }
             }
-            Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
-            Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::ControlSetting => self.remarks.add(place, Untraced::ControlSetting { code }),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
             Meaning::TransformationAbout(name) => {
@@ -258,21 +291,6 @@ impl<'a> Tracer<'a> {
                 request.has_foreign_axis_words = true;
             }
             Meaning::Neutral => {}
-        }
-    }
-
-    /// F, under G94 only: what it means in the other modes is not understood.
-    fn take_feed(&mut self, block: Block) {
-        let Some(value) = self.given.get(b'F').filter(|_| self.modal.has_feed_per_minute) else { return };
-        let feedrate = mm_per_s(value * self.modal.unit);
-        if FEEDRATES.contains(&feedrate) {
-            self.modal.feedrate = Some(feedrate);
-            if self.machine.rapid.feedrate < feedrate {
-                let (feedrate, rapid) = (mm_per_min(feedrate), mm_per_min(self.machine.rapid.feedrate));
-                self.remarks.add(block.place_of_letter(b'F'), Untraced::FasterThanRapid { feedrate, rapid });
-            }
-        } else {
-            self.remarks.add(block.place_of_letter(b'F'), Untraced::BadFeed { value });
         }
     }
 
@@ -317,7 +335,11 @@ impl<'a> Tracer<'a> {
         match special {
             Some((special, code)) => self.special(block, special, code),
             None if request.has_foreign_axis_words => {}
-            None => self.motion(block, request.has_motion_word),
+            None => {
+                self.take_rotary(block);
+                self.motion(block, request.has_motion_word);
+                self.turn_the_rest(block);
+            }
         }
     }
 

@@ -4,6 +4,8 @@
 //! controls, so that a safe-start line may hold both G0 and G80.
 
 use crate::simulation::gcode::Word;
+use crate::simulation::toolpath::feed_mode::FeedMode;
+use crate::simulation::toolpath::frame::Kind;
 use crate::simulation::toolpath::plane::{Plane, Turn};
 
 /// How axis words are run.
@@ -38,6 +40,16 @@ pub(super) enum Special {
     SuspendShift,
     /// G92.3.
     RestoreShift,
+    /// G68.
+    Rotate,
+    /// G51.
+    Scale,
+    /// G51.1.
+    Mirror,
+    /// G50.1.
+    Unmirror,
+    /// G43.1 with axis words.
+    ToolOffset,
 }
 
 /// What a G word asks for.
@@ -51,8 +63,7 @@ pub(super) enum Meaning {
     Incremental(bool),
     /// I, J and K are increments from the start of the arc.
     IncrementalCenter(bool),
-    /// F is mm/min or inch/min, as only G94 says.
-    FeedPerMinute(Result<(), &'static str>),
+    FeedMode(FeedMode),
     /// G61 and G64.
     ExactStop(bool),
     /// G9.
@@ -65,8 +76,17 @@ pub(super) enum Meaning {
     /// Cycles end at R, as only G99 says.
     ReturnToReference(bool),
     WorkOffset,
+    /// G43 and its like, and G49.
+    ToolLength,
+    /// G69 or G50: the end of an operation on coordinates.
+    EndOf(Kind),
+    /// G16 and G15.
+    Polar(bool),
+    /// Tool centre point control by its name.
+    TipControl(&'static str),
     Compensation,
-    SurfaceSpeed,
+    /// G96 and G97.
+    SurfaceSpeed(bool),
     ControlSetting,
     /// A change of coordinates by its name.
     Transformation(&'static str),
@@ -112,38 +132,43 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         910 => (3, Incremental(true)),
         901 => (4, IncrementalCenter(false)),
         911 => (4, IncrementalCenter(true)),
-        930 => (5, FeedPerMinute(Err("inverse time feed"))),
-        940 => (5, FeedPerMinute(Ok(()))),
-        950 => (5, FeedPerMinute(Err("feed per revolution"))),
+        930 => (5, FeedMode(self::FeedMode::InverseTime)),
+        940 => (5, FeedMode(self::FeedMode::PerMinute)),
+        950 => (5, FeedMode(self::FeedMode::PerRevolution)),
         200 => (6, Inch(true)),
         210 => (6, Inch(false)),
         400 => (7, Neutral),
         410 | 411 | 420 | 421 => (7, Compensation),
-        430 | 431 | 440 | 490 => (8, Neutral),
+        430..=432 | 440 | 490 => (8, ToolLength),
 
         730 | 740 | 760 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => (9, Cycle),
         800 => (9, CycleEnd),
 
         980 => (10, ReturnToReference(false)),
         990 => (10, ReturnToReference(true)),
-        540 | 541 | 550 | 560 | 570 | 580 | 590..=593 => (12, WorkOffset),
+        540 | 541 | 550 | 560 | 570 | 580 | 590..=593 | 1540 => (12, WorkOffset),
         610 | 611 => (13, ExactStop(true)),
         640 => (13, ExactStop(false)),
-        960 => (14, SurfaceSpeed),
-        970 => (14, Neutral),
+        960 => (14, SurfaceSpeed(true)),
+        970 => (14, SurfaceSpeed(false)),
 
         90 => (NO_GROUP, ExactStopHere),
         80 | 51 | 1870 => (NO_GROUP, ControlSetting),
         71 | 1070 => (NO_GROUP, Transformation("cylindrical interpolation")),
         121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
-        160 => (NO_GROUP, Transformation("polar coordinates")),
-        434 | 435 => (NO_GROUP, Transformation("tool centre point control")),
-        510 => (NO_GROUP, TransformationAbout("scaling")),
-        511 => (NO_GROUP, TransformationAbout("mirror image")),
-        680 => (NO_GROUP, TransformationAbout("rotation of coordinates")),
+        150 => (NO_GROUP, Polar(false)),
+        160 => (NO_GROUP, Polar(true)),
+        434 => (8, TipControl("G43.4")),
+        435 => (8, TipControl("G43.5")),
+        500 => (NO_GROUP, EndOf(Kind::Scaling)),
+        510 => (NO_GROUP, Special(self::Special::Scale)),
+        240 | 511 => (NO_GROUP, Special(self::Special::Mirror)),
+        250 | 501 => (NO_GROUP, Special(self::Special::Unmirror)),
+        680 => (NO_GROUP, Special(self::Special::Rotate)),
+        690 => (NO_GROUP, EndOf(Kind::Rotation)),
         682 => (NO_GROUP, TransformationAbout("tilted working plane")),
         // What cancels a mode that is not in force, or that does not touch the path.
-        110 | 131 | 1130 | 150 | 220 | 230 | 250 | 260 | 500 | 501 | 670 | 690 | 691 => (NO_GROUP, Neutral),
+        110 | 131 | 1130 | 220 | 230 | 260 | 670 | 691 => (NO_GROUP, Neutral),
         _ => return None,
     })
 }

@@ -48,6 +48,7 @@ use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, Turn};
 use crate::simulation::toolpath::cycle::{Hole, NoHole};
 use crate::simulation::toolpath::motion::LONGEST_DWELL;
 use crate::simulation::toolpath::remark::{Code, Untraced};
+use crate::simulation::toolpath::rotary::ROTARY_WORDS;
 use crate::simulation::toolpath::trace::Tracer;
 
 /// The most often one block repeats its hole.
@@ -105,7 +106,8 @@ impl Tracer<'_> {
     /// Runs a block under a cycle: takes in its words, and makes its hole as often as L or K says.
     /// In a block without a hole P, Q and others belong to something else, such as M98.
     pub(in crate::simulation::toolpath) fn hole(&mut self, block: Block) {
-        let asks = if self.is_tape { AXIS_WORDS | bits(b"R") } else { AXIS_WORDS };
+        let axis_words = AXIS_WORDS | ROTARY_WORDS;
+        let asks = if self.is_tape { axis_words | bits(b"R") } else { axis_words };
         if !self.given.has(asks) {
             return;
         }
@@ -326,7 +328,7 @@ impl Tracer<'_> {
         let is_incremental = if self.is_tape { level.is_incremental } else { self.modal.is_incremental };
         match is_incremental {
             true => from + level.value,
-            false => level.value + self.shift[normal] + self.local_shift[normal],
+            false => self.frame.coordinate_at(&self.position, normal, level.value),
         }
     }
 }

@@ -1,0 +1,97 @@
+//! Points by radius r and angle φ in the plane: pole + r (cos φ, sin φ) along its two axes.
+//!
+//! - G16 … G15 (Fanuc, Haas): the word of the plane's first axis is r (in units of length), that of
+//!   the second φ (degrees). The pole is the origin of program coordinates; a radius under G91 makes
+//!   the position its pole. An angle under G91 adds to the angle before. What is left out stays.
+//! - `@` and `^` (LinuxCNC): r and φ about the origin, under G91 added to those of the position.
+
+use crate::machine::AXES;
+use crate::simulation::gcode::address;
+use crate::simulation::toolpath::Point;
+use crate::simulation::toolpath::block::bits;
+use crate::simulation::toolpath::trace::Tracer;
+
+/// A direction of polar coordinates: its pole in the plane, mm, and its angle, rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Ray {
+    pole: [f64; 2],
+    angle: f64,
+}
+
+/// Polar coordinates in force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::simulation::toolpath) struct Polar {
+    last: Ray,
+    /// The ray of the point that was worked out last, and that point in program coordinates: it
+    /// becomes `last` once the tool is there.
+    ahead: Option<(Ray, [f64; 2])>,
+}
+
+/// How far the tool may be from a point and be there, mm.
+const THERE: f64 = 1e-6;
+
+impl Tracer<'_> {
+    /// The words for X, Y and Z in mm, increments under G91; those of a point given by radius and
+    /// angle are worked out from it.
+    pub(in crate::simulation::toolpath) fn axis_values(&mut self) -> [Option<f64>; 3] {
+        let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
+        let [a, b, _] = self.modal.plane.axes();
+        let has_polar_words = self.given.has(bits(&[address::POLAR_RADIUS, address::POLAR_ANGLE]));
+        if !has_polar_words && self.frame.polar.is_none() {
+            return values;
+        }
+        let at = self.frame.to_program(&self.position);
+        let point = if has_polar_words {
+            let radius = self.given.get(address::POLAR_RADIUS).map(|value| value * self.modal.unit);
+            let angle = self.given.get(address::POLAR_ANGLE).map(f64::to_radians);
+            about_origin([at[a], at[b]], radius, angle, self.modal.is_incremental)
+        } else if values[a].is_some() || values[b].is_some() {
+            let angle = self.given.get(AXES[b] as u8).map(f64::to_radians);
+            self.modal_polar(&at, values[a], angle)
+        } else {
+            return values;
+        };
+        for (axis, value) in [a, b].into_iter().zip(point) {
+            values[axis] = Some(if self.modal.is_incremental { value - at[axis] } else { value });
+        }
+        values
+    }
+
+    /// The point of G16 in the plane, program coordinates, mm.
+    fn modal_polar(&mut self, at: &Point, radius: Option<f64>, angle: Option<f64>) -> [f64; 2] {
+        let is_incremental = self.modal.is_incremental;
+        let [a, b, _] = self.modal.plane.axes();
+        let at = [at[a], at[b]];
+        let polar = self.frame.polar.get_or_insert_default();
+        if let Some((ray, there)) = polar.ahead
+            && (at[0] - there[0]).hypot(at[1] - there[1]) < THERE
+        {
+            polar.last = ray;
+        }
+        let pole = match radius {
+            Some(_) if is_incremental => at,
+            Some(_) => [0.0; 2],
+            None => polar.last.pole,
+        };
+        let angle = match angle {
+            Some(angle) if is_incremental => polar.last.angle + angle,
+            Some(angle) => angle,
+            None => polar.last.angle,
+        };
+        let radius = radius.unwrap_or((at[0] - pole[0]).hypot(at[1] - pole[1]));
+        let point = [pole[0] + radius * angle.cos(), pole[1] + radius * angle.sin()];
+        polar.ahead = Some((Ray { pole, angle }, point));
+        point
+    }
+}
+
+/// The point of `@` and `^` about the origin of the plane.
+fn about_origin(at: [f64; 2], radius: Option<f64>, angle: Option<f64>, is_incremental: bool) -> [f64; 2] {
+    let (now, heading) = (at[0].hypot(at[1]), at[1].atan2(at[0]));
+    let (radius, angle) = if is_incremental {
+        (now + radius.unwrap_or_default(), heading + angle.unwrap_or_default())
+    } else {
+        (radius.unwrap_or(now), angle.unwrap_or(heading))
+    };
+    [radius * angle.cos(), radius * angle.sin()]
+}

@@ -1,0 +1,65 @@
+(COORDINATES: WORK OFFSETS, SHIFTS, ROTATION, SCALING, MIRRORS, POLAR POINTS)
+G21 G17 G90 G94
+G10 L2 P1 X100 Y50 Z-10
+G10 L2 P2 X-100 Y50
+(A square of 20 at the first zero point)
+G54 G0 X0 Y0 Z5
+G1 F600 X20
+Y20
+X0
+Y0
+(The same at the second, then shifted by G52)
+G55 G0 X0 Y0
+G52 X200
+G1 X20
+G52 X0
+(Turned by a quarter about X10 Y10: to X20 Y0, at the machine X120 Y50)
+G54
+G68 X10 Y10 R90
+G0 X0 Y0
+G2 X10 Y10 I10
+G69
+(Twice the size, by a factor and by thousandths)
+G51 X0 Y0 P2.
+G1 X20 Y0
+G3 X10 Y10 R10
+G50
+G51 X0 Y0 P2000
+G1 X20 Y0
+G50
+(An arc under unequal scales)
+G51 X0 Y0 I2 J1 K1
+G2 X30 Y0 R10
+G50
+(A mirror at X0)
+G51.1 X0
+G0 X10 Y0
+G3 X0 Y10 R10
+G50.1 X0
+(A bolt circle)
+G16
+G0 X30 Y0
+Y120
+Y240
+G15
+(Named positions)
+G92 X0 Y0
+G0 X10
+G92.1
+G10 L20 P1 X0 Y0
+G0 X10 Y0
+(Tool lengths)
+G10 L1 P3 Z42
+G43 H3
+G0 Z0
+G43 H4
+G49
+G0 Z0
+(What is not modelled)
+G10 L3 P1 T1
+G68 X1 Y1
+G51 X0
+G54.1 X1
+G43.4 H3
+G0 U3
+M30
