@@ -15,6 +15,10 @@
 //! in the plane in force: XY, ZX (first is Z) or YZ; turns are positive counter-clockwise, and
 //! ±1 is at most one full turn.
 //!
+//! Tapping, which is known by its disabling the override of the speed, turns the spindle round
+//! (M5 and M4) before the dwell at the bottom; our toolpath has the dwell first, as other controls
+//! do. That takes the same time, and is compared as if it were in our order.
+//!
 //! Of what it does by itself at M2 and M30 (offsets back to G54, spindle off), and at M6 (spindle
 //! off), nothing counts but the word.
 
@@ -84,6 +88,7 @@ struct Control {
     is_exact: bool,
     is_changing_tool: bool,
     is_shuttling: bool,
+    is_tapping: bool,
     /// How many events there were when G5x was last set.
     before_offset: usize,
     rounding: f64,
@@ -106,6 +111,7 @@ impl Default for Control {
             is_exact: false,
             is_changing_tool: false,
             is_shuttling: false,
+            is_tapping: false,
             before_offset: 0,
             rounding: 0.0,
             events: Vec::new(),
@@ -174,6 +180,11 @@ impl Control {
                 Some(self.step(Point::from(vector(0)), Some(self.feedrate()), None))
             }
             "ARC_FEED" => Some(self.arc(&numbers)),
+            "DWELL" if self.is_tapping => {
+                let before_turning = self.events.len().saturating_sub(2);
+                self.events.insert(before_turning, Event { deed: Deed::Dwell(number(0)), line });
+                None
+            }
             "DWELL" => Some(Deed::Dwell(number(0))),
             "START_CHANGE" => {
                 self.is_changing_tool = true;
@@ -192,7 +203,16 @@ impl Control {
             }
             "START_SPINDLE_CLOCKWISE" => Some(Deed::MWord(3)),
             "START_SPINDLE_COUNTERCLOCKWISE" => Some(Deed::MWord(4)),
+            "DISABLE_SPEED_OVERRIDE" | "ENABLE_SPEED_OVERRIDE" => {
+                self.is_tapping = name.starts_with('D');
+                None
+            }
             "STOP_SPINDLE_TURNING" => (!self.is_changing_tool).then_some(Deed::MWord(5)),
+            // Cycles stop the spindle before they orient it, which with us is one deed.
+            "ORIENT_SPINDLE" => {
+                self.events.pop_if(|event| event.deed == Deed::MWord(5) && event.line + 1 == line);
+                Some(Deed::MWord(19))
+            }
             "MIST_ON" => Some(Deed::MWord(7)),
             "FLOOD_ON" => Some(Deed::MWord(8)),
             // M9 is printed as MIST_OFF and FLOOD_OFF.

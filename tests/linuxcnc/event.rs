@@ -1,5 +1,5 @@
 //! What a program does, in one form for both interpreters: moves, dwells, tool changes and
-//! M-words in order, in mm, mm/min and machine coordinates.
+//! M-words in order, in mm, mm/min and machine coordinates. Rotary axes are left out.
 
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{Dialect, Options, read_with};
@@ -7,7 +7,7 @@ use truefeed::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, T
 
 /// The M-words that both report: stops, end, spindle, coolant, pallet. M30 counts as M2, since
 /// LinuxCNC reports the end of a program in one way.
-const M_WORDS: &[u32] = &[0, 1, 2, 3, 4, 5, 7, 8, 9, 30, 60];
+const M_WORDS: &[u32] = &[0, 1, 2, 3, 4, 5, 7, 8, 9, 19, 30, 60];
 
 /// One thing that happens.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,17 +116,15 @@ pub fn events(toolpath: &Toolpath) -> Vec<Event> {
 }
 
 fn deed_of_stop(cause: StopCause) -> Option<Deed> {
-    if let StopCause::Dwell { seconds } = cause {
-        return Some(Deed::Dwell(seconds));
-    }
-    if let StopCause::ToolChange { tool } = cause {
-        return Some(Deed::ToolChange(tool));
-    }
     match cause {
+        StopCause::Dwell { seconds } => Some(Deed::Dwell(seconds)),
+        StopCause::ToolChange { tool } => Some(Deed::ToolChange(tool)),
+        StopCause::SameTool { tool } => Some(Deed::ToolChange(Some(tool))),
+        StopCause::Spindle { code, .. } => code.map(Deed::MWord),
         StopCause::MCode { code } if M_WORDS.contains(&code) => {
             Some(Deed::MWord(if code == 30 { 2 } else { code }))
         }
-        _ => None,
+        StopCause::MCode { .. } | StopCause::Rotary { .. } => None,
     }
 }
 
