@@ -1,9 +1,9 @@
 //! Whether two interpreters do the same: the same deeds in the same order.
 //!
 //! Positions agree within 1e-4 mm, or within the rounding of what LinuxCNC prints where that is
-//! coarser (inches, sums of offsets). Moves of zero length are left out on both sides, since our
-//! toolpath has none; one that may be rounding (a few last digits) is left out where only one
-//! side has it.
+//! coarser (inches, sums of offsets). Moves of zero length, of which our toolpath has none, and
+//! dwells of no time are left out on both sides; a move that may be rounding (a few last digits) is
+//! left out where only one side has it.
 
 use crate::canonical::Run;
 use crate::event::{Circle, Deed, Event, Move};
@@ -33,7 +33,12 @@ impl std::ops::AddAssign for Count {
 pub fn compare(ours: &[Event], theirs: &Run) -> Result<Count, String> {
     let tolerance = APART.max(1.01 * theirs.rounding);
     let is_short = |event: &Event| matches!(&event.deed, Deed::Move(step) if step.size() < 4.0 * tolerance);
-    let is_nothing = |event: &Event| matches!(&event.deed, Deed::Move(step) if step.size() == 0.0);
+    let is_nothing = |event: &Event| match &event.deed {
+        Deed::Move(step) => step.size() == 0.0,
+        Deed::Dwell(seconds) => *seconds == 0.0,
+        _ => false,
+    };
+    let ours: Vec<&Event> = ours.iter().filter(|event| !is_nothing(event)).collect();
     let mut count = Count::default();
     let (mut left, mut right) = (0, 0);
     let expected: Vec<&Event> = theirs.events.iter().filter(|event| !is_nothing(event)).collect();
@@ -53,12 +58,17 @@ pub fn compare(ours: &[Event], theirs: &Run) -> Result<Count, String> {
             (left, right) = (left + 1, right + 1);
             continue;
         };
-        if ours.get(left).is_some_and(is_short) {
+        if ours.get(left).is_some_and(|event| is_short(event)) {
             left += 1;
         } else if expected.get(right).is_some_and(|event| is_short(event)) {
             right += 1;
         } else {
-            return Err(described(&difference, ours.get(left), expected.get(right).copied(), theirs));
+            return Err(described(
+                &difference,
+                ours.get(left).copied(),
+                expected.get(right).copied(),
+                theirs,
+            ));
         }
     }
 }

@@ -57,6 +57,9 @@ struct Writer {
     plane: [usize; 3],
     /// How many parameters hold a value.
     parameters: usize,
+    /// The work offset in force, 0 for G54, and which of them are turned.
+    system: usize,
+    is_turned: [bool; 6],
     /// The shift of G92 is in force, suspended or neither; then by how much on each axis.
     shift: Option<[f64; 3]>,
 }
@@ -72,6 +75,8 @@ pub fn program(seed: u64) -> String {
         has_incremental_center: true,
         plane: [0, 1, 2],
         parameters: 0,
+        system: 0,
+        is_turned: [false; 6],
         shift: None,
     };
     let blocks = 5 + writer.random.below(55);
@@ -89,7 +94,7 @@ impl Writer {
     }
 
     fn block(&mut self) {
-        match self.random.below(100) {
+        match self.random.below(108) {
             0..30 => self.straight(),
             30..50 => self.arc_by_center(),
             50..65 => self.arc_by_radius(),
@@ -102,7 +107,7 @@ impl Writer {
                 self.has_incremental_center = !self.has_incremental_center;
                 self.line(if self.has_incremental_center { "G91.1" } else { "G90.1" });
             }
-            76..81 => {
+            76..81 if !self.is_turned[self.system] => {
                 let (word, plane) =
                     [("G17", [0, 1, 2]), ("G18", [2, 0, 1]), ("G19", [1, 2, 0])][self.random.below(3)];
                 self.plane = plane;
@@ -118,10 +123,14 @@ impl Writer {
             }
             88..91 => self.assignment(),
             91..96 => self.shift(),
-            96..98 => {
+            96 => self.cycle(),
+            97 => {
                 let word = ["M3 S1000", "M4 S200", "M5", "M7", "M8", "M9", "M0", "M1"][self.random.below(8)];
                 self.line(word);
             }
+            100..104 => self.offset(),
+            104..106 => self.feed_mode(),
+            106..108 => self.cycle(),
             98 => {
                 let word = ["G61", "G61.1", "G64", "G64 P0.01"][self.random.below(4)];
                 self.line(word);
@@ -259,6 +268,83 @@ impl Writer {
         self.parameters = (self.parameters + 1).min(20);
         let (number, value) = (self.parameters, self.number(-9.0, 9.0, 3));
         self.line(&format!("#{number}={value}"));
+    }
+
+    /// One canned cycle of a few holes, in absolute coordinates, ended by G80.
+    fn cycle(&mut self) {
+        let [first, second, normal] = self.plane;
+        let was_incremental = std::mem::take(&mut self.is_incremental);
+        let retract = self.number(10.0, 20.0, 2);
+        let bottom = self.number(-20.0, 5.0, 2);
+        let code = [73, 81, 82, 83, 85, 86, 89][self.random.below(7)];
+        let back = if self.random.chance(0.5) { "G98" } else { "G99" };
+        let mut text = String::from("G90 M3 S1000\n");
+        for hole in 0..1 + self.random.below(4) {
+            self.position[first] = self.number(-50.0, 50.0, 2);
+            self.position[second] = self.number(-50.0, 50.0, 2);
+            if hole == 0 {
+                write!(text, "{back} G{code} {}{bottom} R{retract} ", AXES[normal]).expect("text grows");
+                match code {
+                    73 | 83 => write!(text, "Q{} ", self.number(1.0, 9.0, 2).max(0.02)),
+                    82 | 86 | 89 => write!(text, "P{} ", self.random.below(10) as f64 / 10.0),
+                    _ => Ok(()),
+                }
+                .expect("text grows");
+            }
+            let (x, y) = (self.position[first], self.position[second]);
+            writeln!(text, "{}{x} {}{y}", AXES[first], AXES[second]).expect("text grows");
+        }
+        // Where the tool is now depends on G98 and on how high it was; a move says it.
+        self.position[normal] = self.number(25.0, 30.0, 2);
+        write!(text, "G80\nG0 {}{}", AXES[normal], self.position[normal]).expect("text grows");
+        if was_incremental {
+            text.push_str("\nG91");
+        }
+        self.is_incremental = was_incremental;
+        self.line(&text);
+    }
+
+    /// A work offset, turned now and then, and a move that makes the position known again. Only
+    /// arcs in X Y are written under a rotation: the others would lie in no plane of axes.
+    fn offset(&mut self) {
+        let system = self.random.below(6);
+        let is_xy = self.plane == [0, 1, 2];
+        let mut text = String::new();
+        if self.random.chance(0.6) || (self.is_turned[system] && !is_xy) {
+            let [x, y] = [0; 2].map(|_| self.number(-40.0, 40.0, 2));
+            let z = self.number(-9.0, 9.0, 2);
+            self.is_turned[system] = is_xy && self.random.chance(0.4);
+            let degrees = if self.is_turned[system] { self.random.between(1.0, 360.0).floor() } else { 0.0 };
+            writeln!(text, "G10 L2 P{} X{x} Y{y} Z{z} R{degrees}", system + 1).expect("text grows");
+        }
+        self.system = system;
+        self.position = [0; 3].map(|_| self.number(-50.0, 50.0, 2));
+        let ([x, y, z], word) = (self.position, ["G54", "G55", "G56", "G57", "G58", "G59"][system]);
+        write!(text, "{word}\nG90 G1 X{x} Y{y} Z{z}").expect("text grows");
+        if self.is_incremental {
+            text.push_str("\nG91");
+        }
+        self.line(&text);
+    }
+
+    /// Inverse time for a few lines, each with its F, or feed per revolution.
+    fn feed_mode(&mut self) {
+        let is_inverse = self.random.chance(0.5);
+        let was_incremental = std::mem::take(&mut self.is_incremental);
+        let mut text = String::from(if is_inverse { "G90 G93" } else { "G90 G95 M3 S500\nF0.25" });
+        for _ in 0..1 + self.random.below(4) {
+            let target = [0; 3].map(|_| self.number(-80.0, 80.0, 2));
+            let words = self.words(target, &[0, 1, 2]);
+            let feed = if is_inverse { format!(" F{}", 1 + self.random.below(20)) } else { String::new() };
+            write!(text, "\nG1{words}{feed}").expect("text grows");
+        }
+        let feed = self.number(50.0, 3000.0, 1);
+        write!(text, "\nG94 F{feed}").expect("text grows");
+        if was_incremental {
+            text.push_str("\nG91");
+        }
+        self.is_incremental = was_incremental;
+        self.line(&text);
     }
 
     /// G92 and its relatives.

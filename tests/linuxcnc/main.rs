@@ -122,20 +122,25 @@ fn random_programs_agree() {
     }
     let asked = std::env::var("TRUEFEED_PROGRAMS").ok();
     let programs = asked.map_or(PROGRAMS, |asked| asked.parse().expect("TRUEFEED_PROGRAMS is a number"));
-    let mut total = Count::default();
+    let (mut total, mut faults) = (Count::default(), Vec::new());
     for seed in 0..programs {
         let text = generate::program(seed);
         let run = canonical::run(text.as_bytes());
-        let refusal = &run.refusal;
-        assert!(refusal.is_none(), "program {seed} is no program for LinuxCNC: {refusal:?}\n{text}");
-        match compare::compare(&event::events(&event::traced(text.as_bytes())), &run) {
+        let result = match &run.refusal {
+            Some(refusal) => Err(format!("it is no program for LinuxCNC: {refusal}")),
+            None => compare::compare(&event::events(&event::traced(text.as_bytes())), &run),
+        };
+        match result {
             Ok(count) => total += count,
-            Err(difference) => panic!("program {seed}: {difference}\n{}", numbered(&text)),
+            Err(fault) => faults.push((seed, fault, text)),
         }
     }
-    println!("{programs} random programs agree: {total:?}");
-}
-
-fn numbered(text: &str) -> String {
-    text.lines().enumerate().map(|(index, line)| format!("{:4}  {line}\n", index + 1)).collect()
+    println!("{} of {programs} random programs agree: {total:?}", programs as usize - faults.len());
+    let shortest = faults.iter().min_by_key(|(.., text)| text.len());
+    if let Some((seed, fault, text)) = shortest {
+        let path = std::env::temp_dir().join(format!("truefeed-random-{seed}.ngc"));
+        std::fs::write(&path, text).expect("a writable folder");
+        let seeds: Vec<u64> = faults.iter().map(|(seed, ..)| *seed).collect();
+        panic!("programs {seeds:?} differ; the shortest of them, {}: {fault}", path.display());
+    }
 }
