@@ -13,15 +13,18 @@ use truefeed::project::{Prediction, machine_from_toml, profile_csv, severity_wor
 use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::drive::actual_motion;
+use truefeed::simulation::feed::{Held, Tolerances};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Profile, Resolution};
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::{Blending, Toolpath, trace};
 
 const USAGE: &str = "\
 truefeed predict PROGRAM --machine M.toml [--tolerance MM]... [--json] [--profile OUT.csv]
 
 What the machine will do with a G-code program: cycle time for each contour tolerance.
-PROGRAM is a G-code file, or - for standard input. Without --tolerance the machine's holds.
+PROGRAM is a G-code file, or - for standard input. Without --tolerance the program's own tolerances
+hold (G64 P, G187 E and so on), and the machine's where it sets none; a --tolerance replaces all of
+them, but for exact stops.
 --json prints the result as JSON; --profile writes time, distance, feedrate, position and line
 for the first tolerance.";
 
@@ -74,8 +77,8 @@ fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     let toolpath = trace(&read(&bytes_of(&program)?), &machine);
 
     let tolerances = match request.tolerances {
-        none if none.is_empty() => vec![machine.interpolator.contour_tolerance],
-        given => given,
+        none if none.is_empty() => vec![Tolerances::Programmed],
+        given => given.into_iter().map(Tolerances::One).collect(),
     };
     let mut quotes = Vec::with_capacity(tolerances.len());
     for (index, &tolerance) in tolerances.iter().enumerate() {
@@ -175,6 +178,9 @@ fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> 
             quote.max_contour_error
         );
     }
+    for held in quotes.iter().flat_map(|quote| &quote.held) {
+        text += &format!("\n{}", held_text(held));
+    }
     // What functions and whole changes take is the same for all tolerances.
     text += &quotes.first().map_or(String::new(), |quote| other_parts(&quote.breakdown.functions));
     for quote in quotes {
@@ -223,4 +229,19 @@ fn parts(quote: &Quote) -> String {
         }
     }
     text
+}
+
+/// Where a tolerance of the program holds.
+fn held_text(held: &Held) -> String {
+    let (first, last) = (held.lines.0.0, held.lines.1.0);
+    let what = match held.blending {
+        Blending::ExactStop => "exact stop".to_string(),
+        Blending::Machine => format!("{} mm, the machine's", held.tolerance),
+        Blending::Within(tolerance) => format!("{tolerance} mm"),
+        Blending::Distance(distance) => {
+            format!("{distance} mm before each corner, up to {} mm beside it", held.tolerance)
+        }
+    };
+    let source = if held.source.is_empty() { String::new() } else { format!(" ({})", held.source) };
+    format!("tolerance in lines {first} to {last}: {what}{source}")
 }

@@ -75,8 +75,8 @@ impl Unit {
         match self {
             Unit::MillimetrePerMinute => mm_per_s(value),
             Unit::Degree => value.to_radians(),
-            Unit::SecondPerThousandRpm => value / 1000.0,
             Unit::DegreePerMinute => value.to_radians() / SECONDS_PER_MINUTE,
+            Unit::SecondPerThousandRpm => value / 1000.0,
             _ => value,
         }
     }
@@ -86,8 +86,8 @@ impl Unit {
         match self {
             Unit::MillimetrePerMinute => mm_per_min(value),
             Unit::Degree => value.to_degrees(),
-            Unit::SecondPerThousandRpm => value * 1000.0,
             Unit::DegreePerMinute => (value * SECONDS_PER_MINUTE).to_degrees(),
+            Unit::SecondPerThousandRpm => value * 1000.0,
             _ => value,
         }
     }

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{self, Severity};
-use truefeed::simulation::toolpath::{self, Curve, Motion, StopCause, Toolpath};
+use truefeed::simulation::toolpath::{self, Curve, Motion, PathMode, StopCause, Toolpath};
 use truefeed::units::mm_per_min;
 
 fn root() -> &'static Path {
@@ -74,6 +74,11 @@ fn summary(toolpath: &Toolpath) -> String {
             StopCause::Spindle { to, .. } => format!("spindle to {} rpm", to.signed_speed()),
         };
         writeln!(text, "stop after {}: {cause}, line {}", stop.after, stop.line.0).expect("text grows");
+    }
+    for mode in &toolpath.path_modes {
+        let PathMode { from, line, source, blending } = mode;
+        writeln!(text, "path mode from {from}: {blending:?} by {source}, line {}", line.0)
+            .expect("text grows");
     }
     for diagnostic in &toolpath.diagnostics {
         let (line, severity, message) = (diagnostic.line.0, diagnostic.severity, &diagnostic.message);

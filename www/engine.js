@@ -1,20 +1,20 @@
 // Runs simulations in a worker, one at a time. Cancelling ends the worker; the next run starts a fresh one.
 
-/** @import { ProgramSummary, Steps, Run } from "./types.js" */
+/** @import { Column, Held, ProgramSummary, Steps, Run } from "./types.js" */
 
 /**
  * @typedef {object} Request
  * @property {Uint8Array} program
  * @property {string} machine  JSON
- * @property {number[]} tolerances  mm
- * @property {string[]} labels  of the tolerances
+ * @property {Column[]} columns
+ * @property {string[]} labels  of the columns
  */
 
 /**
  * @typedef {object} Listener
  * @property {(text: string, part: number) => void} stage
- * @property {(summary: ProgramSummary, steps: Steps) => void} program
- * @property {(tolerance: number, run: Run) => void} run
+ * @property {(summary: ProgramSummary, steps: Steps, held: Held[]) => void} program
+ * @property {(column: Column, run: Run) => void} run
  */
 
 /** Why a run ended early. */
@@ -47,8 +47,8 @@ export class Engine {
       worker.onerror = (event) => this.#end('failed', event.message ?? 'the worker could not be started')
       worker.onmessage = ({ data }) => {
         if (data.type === 'stage') listener.stage(data.text, data.part)
-        else if (data.type === 'program') listener.program(data.summary, data.steps)
-        else if (data.type === 'run') listener.run(data.tolerance, { summary: data.summary, columns: data.columns })
+        else if (data.type === 'program') listener.program(data.summary, data.steps, data.held)
+        else if (data.type === 'run') listener.run(data.column, { summary: data.summary, columns: data.columns })
         else if (data.type === 'failure') this.#end('failed', data.message)
         else {
           this.#reject = null

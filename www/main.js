@@ -5,9 +5,9 @@ import init, {
   form as formOfModule,
   mostCurves,
   motionOf,
-  toleranceLabel,
   usualTolerances,
 } from './pkg/truefeed.js'
+import { columnLabel, columnsOf } from './columns.js'
 import { Ended, Engine } from './engine.js'
 import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
@@ -19,7 +19,7 @@ import * as resultsPanel from './panels/results.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { loadSettings, saveSettings } from './settings.js'
 
-/** @import { Form, MachineForm, Outcome, Place, Program, State, Value, Values } from "./types.js" */
+/** @import { Column, Form, MachineForm, Outcome, Place, Program, State, Value, Values } from "./types.js" */
 
 const DEBOUNCE_MS = 300
 
@@ -53,6 +53,7 @@ const knownPreset = Math.max(
 const state = {
   programs: [],
   selected: null,
+  programmed: settings.programmed ?? true,
   tolerances: settings.tolerances ?? [...usualTolerances()],
   machine: filled(knownPreset, { ...(settings.values ?? form.presets[knownPreset].values) }),
   progress: null,
@@ -106,13 +107,18 @@ export const actions = {
   setParameter(key, value) {
     actions.setMachine(state.machine.preset, { ...state.machine.values, [key]: value })
   },
-  /** @param {Pick<Place, "distance_mm">} place */
+  /** @param {Pick<Place, 'distance_mm'>} place */
   show(place) {
     chart.show(place)
   },
   /** @param {number[]} tolerances  mm */
   setTolerances(tolerances) {
     state.tolerances = [...tolerances].sort((a, b) => a - b)
+    changed()
+  },
+  /** Shows the program's own tolerances, or not. @param {boolean} shown */
+  setProgrammed(shown) {
+    state.programmed = shown
     changed()
   },
   cancel() {
@@ -144,6 +150,7 @@ function changed() {
   state.paused = false
   failure.hidden = true
   saveSettings({
+    programmed: state.programmed,
     tolerances: state.tolerances,
     preset: form.presets[state.machine.preset].name,
     values: state.machine.values,
@@ -153,10 +160,12 @@ function changed() {
   timer = window.setTimeout(work, DEBOUNCE_MS)
 }
 
-/** The tolerances a program still lacks on the machine as it is now. @param {Program} program @returns {number[]} */
+/** The columns a program still lacks on the machine as it is now. @param {Program} program @returns {Column[]} */
 export function missing(program) {
-  const current = program.outcome?.motion === state.machine.motion
-  return state.tolerances.filter((tolerance) => !(current && program.outcome?.runs.has(tolerance)))
+  const current = program.outcome?.motion === state.machine.motion ? program.outcome : null
+  if (current) return columnsOf(state, current).filter((column) => !current.runs.has(column))
+  // Whether it sets a tolerance is known when it is read.
+  return state.programmed ? [null, ...state.tolerances] : state.tolerances
 }
 
 /** Simulates what is missing, the selected program first, until nothing is. */
@@ -180,7 +189,7 @@ async function work() {
 /** Simulates what one program lacks; false where that was cancelled. @param {Program} program @param {string} motion */
 async function simulate(program, motion) {
   const machine = JSON.stringify(state.machine.values)
-  const tolerances = missing(program)
+  const columns = missing(program)
   const isForOther = program.outcome !== null && program.outcome.motion !== motion
   /** @type {Outcome | null} */
   let outcome = null
@@ -190,20 +199,20 @@ async function simulate(program, motion) {
       state.progress = { program: program.id, stage: text, part }
       progress.update(state)
     },
-    program(/** @type {any} */ summary, /** @type {any} */ steps) {
-      outcome = { motion, summary, steps, runs: new Map(isForOther ? [] : program.outcome?.runs) }
+    program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held) {
+      outcome = { motion, summary, steps, held, runs: new Map(isForOther ? [] : program.outcome?.runs) }
       // What was computed for another machine stays in sight until all is there.
       if (!isForOther) program.outcome = outcome
     },
-    run(/** @type {number} */ tolerance, /** @type {any} */ run) {
-      outcome?.runs.set(tolerance, run)
+    run(/** @type {Column} */ column, /** @type {any} */ run) {
+      outcome?.runs.set(column, run)
       update()
     },
   }
   try {
     update()
-    const labels = tolerances.map((tolerance) => toleranceLabel(tolerance))
-    await engine.simulate({ program: program.bytes, machine, tolerances, labels }, listener)
+    const labels = columns.map(columnLabel)
+    await engine.simulate({ program: program.bytes, machine, columns, labels }, listener)
     program.outcome = outcome
     program.failure = null
   } catch (error) {

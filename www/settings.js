@@ -4,7 +4,7 @@
 
 const KEY = 'truefeed.settings.1'
 
-/** @typedef {{tolerances?: number[], preset?: string, values?: Values}} Settings */
+/** @typedef {{programmed?: boolean, tolerances?: number[], preset?: string, values?: Values}} Settings */
 
 /** @returns {Settings} */
 export function loadSettings() {

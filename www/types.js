@@ -61,14 +61,26 @@
  * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arc: Float64Array}} Columns
  */
 /** @typedef {{summary: RunSummary, columns: Columns}} Run */
+/** A contour tolerance in mm; null for the program's own. @typedef {number | null} Column */
 
 /**
- * What one program gave on one machine; runs by tolerance in mm.
+ * Where one of the program's own tolerances holds.
+ * @typedef {object} Held
+ * @property {[number, number]} lines
+ * @property {[number, number]} distance_mm
+ * @property {number} tolerance_mm
+ * @property {"exact_stop" | "machine" | "tolerance" | "distance"} mode
+ * @property {string} source  the words that ask for it
+ */
+
+/**
+ * What one program gave on one machine.
  * @typedef {object} Outcome
  * @property {string} motion  what the simulation read of the machine
  * @property {ProgramSummary} summary
  * @property {Steps} steps
- * @property {Map<number, Run>} runs
+ * @property {Held[]} held  empty where the program sets no tolerance
+ * @property {Map<Column, Run>} runs
  */
 
 /**
@@ -116,6 +128,7 @@
  * @typedef {object} State
  * @property {Program[]} programs
  * @property {number | null} selected
+ * @property {boolean} programmed  the program's own tolerances are shown, where it sets any
  * @property {number[]} tolerances  mm, ascending
  * @property {MachineForm} machine
  * @property {Progress | null} progress

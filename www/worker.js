@@ -4,20 +4,22 @@ import init, { Job } from './pkg/truefeed.js'
 
 /** @import { Columns, Steps } from "./types.js" */
 
-self.onmessage = async ({ data: { module, program, machine, tolerances, labels } }) => {
+self.onmessage = async ({ data: { module, program, machine, columns, labels } }) => {
   try {
-    const of = tolerances.length + 1
+    const of = columns.length + 1
     stage('Reading the program', 0, of)
     await init({ module_or_path: module })
     const job = new Job(program, machine)
     const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
-    post({ type: 'program', summary: job.summary(), steps }, Object.values(steps))
-    for (const [index, tolerance] of tolerances.entries()) {
+    const held = job.tolerances()
+    post({ type: 'program', summary: job.summary(), steps, held }, Object.values(steps))
+    for (const [index, column] of columns.entries()) {
+      if (column === null && held.length === 0) continue
       const progress = (/** @type {number} */ part) => stage(`Simulating ${labels[index]}`, index + 1 + part, of)
       progress(0)
-      const run = job.simulate(tolerance, progress)
-      const columns = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc'])
-      post({ type: 'run', tolerance, summary: run.summary.runs[0], columns }, Object.values(columns))
+      const run = job.simulate(column ?? undefined, progress)
+      const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc'])
+      post({ type: 'run', column, summary: run.summary.runs[0], columns: curve }, Object.values(curve))
       run.free()
     }
     job.free()

@@ -31,6 +31,8 @@ pub struct Machine {
     pub interpolator: Interpolator,
     /// What is particular to rapid moves.
     pub rapid: Rapid,
+    /// Tolerances that a program asks for by a level.
+    pub path_modes: PathModes,
     /// Limits along the path.
     pub path: PathLimits,
     /// Each axis X, Y, Z.
@@ -110,6 +112,22 @@ pub struct Rapid {
     pub exact_stop: bool,
     /// Time constants of the filters during rapid moves; neutral none: those of feed moves.
     pub time_constants: Option<TimeConstants>,
+}
+
+/// Tolerances behind the levels of the control, mm; neutral none: they are not known, and the
+/// machine's contour tolerance holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathModes {
+    /// Of G187 P1.
+    pub rough: Option<f64>,
+    /// Of G187 P2.
+    pub medium: Option<f64>,
+    /// Of G187 P3.
+    pub finish: Option<f64>,
+    /// Of G5.1 R1; levels between this and the next lie evenly between both.
+    pub level_1: Option<f64>,
+    /// Of G5.1 R10.
+    pub level_10: Option<f64>,
 }
 
 /// Limits along the path, whatever its direction.
@@ -207,6 +225,7 @@ impl Default for Machine {
                 exact_stop: false,
                 time_constants: None,
             },
+            path_modes: PathModes::default(),
             path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
             axes: [Axis::default(); 3],
             rotary_axes: [RotaryAxis::default(); 3],

@@ -236,6 +236,7 @@ const DAMPING: f64 = 0.03;
 
 const TIME_CONSTANT_S: (f64, f64) = (1e-4, 2.0);
 const JERK_MM_S3: (f64, f64) = (1.0, 1e9);
+const TOLERANCE_MM: (f64, f64) = (1e-6, 10.0);
 
 /// Time constants are one choice of three, so that setting one form replaces the others, and
 /// taking back a form that is not in force changes nothing.
@@ -327,7 +328,7 @@ const GENERAL: [Parameter; 22] = [
         doc: "How far the motion may leave the programmed path at a corner.",
         access: number(
             Unit::Millimetre,
-            (1e-6, 10.0),
+            TOLERANCE_MM,
             |m| Some(m.interpolator.contour_tolerance),
             |m, v| m.interpolator.contour_tolerance = v.unwrap_or(0.01),
         ),
@@ -515,6 +516,60 @@ const GENERAL: [Parameter; 22] = [
     },
 ];
 
+/// Tolerances that a program asks for by a level of the control.
+const LEVELS: [Parameter; 5] = [
+    Parameter {
+        key: "path_modes.rough_mm",
+        label: "Tolerance of rough",
+        doc: "Contour tolerance that the program asks for by G187 P1 (rough); empty: unknown, the contour tolerance holds.",
+        access: number(Unit::Millimetre, TOLERANCE_MM, |m| m.path_modes.rough, |m, v| m.path_modes.rough = v),
+    },
+    Parameter {
+        key: "path_modes.medium_mm",
+        label: "Tolerance of medium",
+        doc: "Contour tolerance that the program asks for by G187 P2 (medium); empty: unknown, the contour tolerance holds.",
+        access: number(
+            Unit::Millimetre,
+            TOLERANCE_MM,
+            |m| m.path_modes.medium,
+            |m, v| m.path_modes.medium = v,
+        ),
+    },
+    Parameter {
+        key: "path_modes.finish_mm",
+        label: "Tolerance of finish",
+        doc: "Contour tolerance that the program asks for by G187 P3 (finish); empty: unknown, the contour tolerance holds.",
+        access: number(
+            Unit::Millimetre,
+            TOLERANCE_MM,
+            |m| m.path_modes.finish,
+            |m, v| m.path_modes.finish = v,
+        ),
+    },
+    Parameter {
+        key: "path_modes.level_1_mm",
+        label: "Tolerance of level 1",
+        doc: "Contour tolerance that the program asks for by G5.1 Q1 R1; empty: unknown, the contour tolerance holds.",
+        access: number(
+            Unit::Millimetre,
+            TOLERANCE_MM,
+            |m| m.path_modes.level_1,
+            |m, v| m.path_modes.level_1 = v,
+        ),
+    },
+    Parameter {
+        key: "path_modes.level_10_mm",
+        label: "Tolerance of level 10",
+        doc: "Contour tolerance that the program asks for by G5.1 Q1 R10; levels between lie evenly between both; empty: unknown, the contour tolerance holds.",
+        access: number(
+            Unit::Millimetre,
+            TOLERANCE_MM,
+            |m| m.path_modes.level_10,
+            |m, v| m.path_modes.level_10 = v,
+        ),
+    },
+];
+
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
     let axes = axis!("x", 0).into_iter().chain(axis!("y", 1)).chain(axis!("z", 2));
@@ -523,5 +578,13 @@ pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock
     let first =
         work_offset!("G54", 0).into_iter().chain(work_offset!("G55", 1)).chain(work_offset!("G56", 2));
     let last = work_offset!("G57", 3).into_iter().chain(work_offset!("G58", 4)).chain(work_offset!("G59", 5));
-    GENERAL.into_iter().chain(TIMES).chain(axes).chain(rotary_axes).chain(first).chain(last).collect()
+    GENERAL
+        .into_iter()
+        .chain(LEVELS)
+        .chain(TIMES)
+        .chain(axes)
+        .chain(rotary_axes)
+        .chain(first)
+        .chain(last)
+        .collect()
 });

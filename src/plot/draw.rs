@@ -73,7 +73,7 @@ fn draw_legend<B: DrawingBackend>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Curve, Programmed};
+    use crate::plot::{Curve, Programmed, Stretch};
     use crate::simulation::contour::ContourErrors;
 
     fn chart() -> FeedChart {
@@ -85,8 +85,12 @@ mod tests {
         };
         let curve = |label: &str, tolerance: f64, dip: f64| Curve {
             label: label.to_string(),
-            tolerance,
-            errors: ContourErrors { corner: vec![0.0, 1.5 * tolerance, 0.0], arc: vec![0.0, 0.0, 0.004] },
+            tolerances: vec![Stretch { from: 0.0, to: f64::INFINITY, tolerance }],
+            errors: ContourErrors {
+                corner: vec![0.0, 1.5 * tolerance, 0.0],
+                arc: vec![0.0, 0.0, 0.004],
+                ..ContourErrors::default()
+            },
             distance: vec![0.0, 10.0, 20.0, 59.0, 60.0, 61.0, 100.0],
             feedrate: vec![0.0, 500.0, 20.0, 20.0, dip, 30.0, 0.0],
             time: vec![0.0, 1.0, 2.0, 4.0, 4.1, 4.2, 6.0],
@@ -140,7 +144,7 @@ mod tests {
     fn the_needle_of_a_corner_is_as_high_as_its_error_against_the_dashed_tolerance() {
         let mut chart = chart();
         chart.curves.truncate(1);
-        chart.curves[0].errors.corner[1] = 0.5 * chart.curves[0].tolerance;
+        chart.curves[0].errors.corner[1] = 0.5 * chart.curves[0].tolerances[0].tolerance;
         let (text, frame) = svg_of(&chart, chart.full_view(false));
         let (top, bottom) = frame.errors_y;
         let points: Vec<_> = points_of(&text, "#0072B2").filter(|&(_, y)| top < y).collect();

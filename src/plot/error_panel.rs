@@ -12,7 +12,7 @@ use plotters::prelude::*;
 use crate::plot::draw::Failure;
 use crate::plot::feed_panel::rapid_stretches;
 use crate::plot::panel::{Axes, Borders, Look, borders};
-use crate::plot::{Curve, FeedChart, Programmed, View};
+use crate::plot::{Curve, FeedChart, Programmed, Stretch, View};
 use crate::units::micrometres;
 
 /// Room above the largest error in sight, as a ratio.
@@ -39,7 +39,9 @@ pub(crate) fn draw<B: DrawingBackend>(
     let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
     let outlines: Vec<_> =
         chart.curves.iter().map(|curve| outline(curve, &chart.programmed, view, columns)).collect();
-    let tolerances = chart.curves.iter().map(|curve| micrometres(curve.tolerance));
+    let in_sight: Vec<Vec<Stretch>> =
+        chart.curves.iter().map(|curve| merged(&curve.tolerances, view, columns)).collect();
+    let tolerances = in_sight.iter().flatten().map(|stretch| micrometres(stretch.tolerance));
     let errors = outlines.iter().flatten().map(|&(_, error)| error);
     let largest = tolerances.chain(errors).fold(0.0, f64::max);
     let axes = axes(HEADROOM * if 0.0 < largest { largest } else { 1.0 });
@@ -57,14 +59,32 @@ pub(crate) fn draw<B: DrawingBackend>(
         let line = color.stroke_width(look.points(1.25));
         context.draw_series(steps(outline).map(|step| PathElement::new(step, line)))?;
     }
-    for ((curve, _), color) in shown {
-        let tolerance = micrometres(curve.tolerance);
-        let ends = [(view.distance.0, tolerance), (view.distance.1, tolerance)];
+    let shown = in_sight.iter().zip(theme.curves.iter().cycle());
+    for (stretch, color) in shown.flat_map(|(all, color)| all.iter().map(move |stretch| (stretch, color))) {
+        let tolerance = micrometres(stretch.tolerance);
+        let ends = [(stretch.from, tolerance), (stretch.to, tolerance)];
         let dashes = (look.points(5.0) as i32, look.points(4.0) as i32);
         let line = color.mix(0.8).stroke_width(look.points(1.0));
         context.draw_series([DashedPathElement::new(ends, dashes.0, dashes.1, line)])?;
     }
     Ok(borders)
+}
+
+/// The stretches in sight, cut to it; neighbours of one tolerance joined, and those narrower than a
+/// pixel column left out.
+fn merged(tolerances: &[Stretch], view: View, columns: usize) -> Vec<Stretch> {
+    let (low, high) = view.distance;
+    let narrow = (high - low) / columns as f64;
+    let mut joined: Vec<Stretch> = Vec::new();
+    for stretch in tolerances.iter().filter(|stretch| stretch.from < high && low < stretch.to) {
+        let (from, to) = (stretch.from.max(low), stretch.to.min(high));
+        match joined.last_mut() {
+            Some(last) if last.tolerance == stretch.tolerance && last.to == from => last.to = to,
+            _ => joined.push(Stretch { from, to, ..*stretch }),
+        }
+    }
+    joined.retain(|stretch| narrow <= stretch.to - stretch.from);
+    joined
 }
 
 /// The largest error (µm) in each pixel column as a polyline over distance (mm) with a point at
@@ -102,7 +122,10 @@ mod tests {
         let corner = (0..1000).map(|k| 0.001 * f64::from(k % 97)).collect();
         let arc = (0..1000).map(|k| if k == 500 { 0.2 } else { 0.0 }).collect();
         let programmed = Programmed { end, ..Programmed::default() };
-        (Curve { errors: ContourErrors { corner, arc }, ..Curve::default() }, programmed)
+        (
+            Curve { errors: ContourErrors { corner, arc, ..Default::default() }, ..Curve::default() },
+            programmed,
+        )
     }
 
     #[test]
@@ -125,6 +148,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn tolerances_are_joined_and_cut_to_what_is_in_sight() {
+        let stretch = |from: f64, to: f64, tolerance: f64| Stretch { from, to, tolerance };
+        let all = [
+            stretch(0.0, 10.0, 1.0),
+            stretch(10.0, 20.0, 1.0),
+            stretch(20.0, 20.01, 2.0),
+            stretch(20.01, 90.0, 3.0),
+        ];
+        let view = View { distance: (5.0, 50.0), feedrate: (0.0, 1.0) };
+        assert_eq!(merged(&all, view, 100), [stretch(5.0, 20.0, 1.0), stretch(20.01, 50.0, 3.0)]);
     }
 
     #[test]

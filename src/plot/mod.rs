@@ -62,10 +62,21 @@ pub struct Curve {
     pub feedrate: Vec<f64>,
     /// Time since the start, s.
     pub time: Vec<f64>,
-    /// Contour tolerance, mm.
-    pub tolerance: f64,
+    /// Contour tolerances and where they hold, in the order of the path.
+    pub tolerances: Vec<Stretch>,
     /// Contour errors, one entry a segment of the programmed steps; empty where they are unknown.
     pub errors: ContourErrors,
+}
+
+/// A part of the path with one contour tolerance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Distance along the path where it begins, mm.
+    pub from: f64,
+    /// Where it ends, mm; infinite for the whole path.
+    pub to: f64,
+    /// Contour tolerance, mm.
+    pub tolerance: f64,
 }
 
 /// What a chart says about one distance.
@@ -202,8 +213,8 @@ mod tests {
             distance: vec![0.0, 10.0, 10.0, 20.0],
             feedrate: vec![0.0, 5.0, 5.0, 0.0],
             time: vec![0.0, 4.0, 6.0, 10.0],
-            tolerance: 0.01,
-            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003] },
+            tolerances: vec![Stretch { from: 0.0, to: 20.0, tolerance: 0.01 }],
+            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003], ..Default::default() },
         };
         let programmed = Programmed {
             end: vec![5.0, 20.0],

@@ -10,7 +10,7 @@ mod results;
 
 pub use form::{faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
-pub use results::{Prediction, profile_csv, severity_word};
+pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};
 
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, parameter};
 

@@ -6,8 +6,10 @@ use serde::Serialize;
 
 use crate::quote::{self, OperationShare, Quote, Share, ToolShare};
 use crate::simulation::contour::Region;
+use crate::simulation::feed::Held;
 use crate::simulation::gcode::{Diagnostic, Severity};
 use crate::simulation::profile::Samples;
+use crate::simulation::toolpath::Blending;
 use crate::units::mm_per_min;
 
 /// What `predict --json` prints.
@@ -19,10 +21,15 @@ pub struct Prediction {
     diagnostics: Vec<Remark>,
 }
 
-/// One tolerance.
+/// One tolerance for all of the program, or the program's own.
 #[derive(Clone, Debug, Serialize)]
 struct Run {
+    /// Where the program sets several, the one under which most of the way is cut.
     tolerance_mm: f64,
+    /// Where each of the program's own tolerances holds; left out where one is laid over all of it
+    /// and where the program sets none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    tolerances: Vec<HeldTolerance>,
     cycle_time_s: f64,
     breakdown: Breakdown,
     /// In the order they are run; they add up to the breakdown.
@@ -33,6 +40,41 @@ struct Run {
     /// Where the contour error is above the tolerance.
     beyond_tolerance: Vec<Place>,
     price: f64,
+}
+
+/// Where one tolerance of the program holds.
+#[derive(Clone, Debug, Serialize)]
+pub struct HeldTolerance {
+    lines: [u32; 2],
+    distance_mm: [f64; 2],
+    /// Largest deviation; along arcs between exact stops.
+    tolerance_mm: f64,
+    /// What the program asks for: exact_stop, machine, tolerance or distance.
+    mode: &'static str,
+    /// The words that ask for it; empty before the first.
+    source: String,
+}
+
+impl From<&Held> for HeldTolerance {
+    fn from(held: &Held) -> HeldTolerance {
+        HeldTolerance {
+            lines: [held.lines.0.0, held.lines.1.0],
+            distance_mm: [held.distance.0, held.distance.1],
+            tolerance_mm: held.tolerance,
+            mode: mode_word(held.blending),
+            source: held.source.clone(),
+        }
+    }
+}
+
+/// The word for what the program asks for.
+fn mode_word(blending: Blending) -> &'static str {
+    match blending {
+        Blending::ExactStop => "exact_stop",
+        Blending::Machine => "machine",
+        Blending::Within(_) => "tolerance",
+        Blending::Distance(_) => "distance",
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -191,6 +233,7 @@ impl Prediction {
     ) -> Prediction {
         let runs = quotes.iter().map(|quote| Run {
             tolerance_mm: quote.tolerance,
+            tolerances: quote.held.iter().map(HeldTolerance::from).collect(),
             cycle_time_s: quote.cycle_time,
             breakdown: Breakdown::from(&quote.breakdown),
             operations: quote.operations.iter().map(Operation::from).collect(),

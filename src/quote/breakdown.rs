@@ -128,8 +128,8 @@ impl<'a> Ledger<'a> {
                     continue;
                 }
                 StopCause::Rotary { rate, .. } => {
-                    let is_feed = rate.is_some();
-                    *(if is_feed { &mut breakdown.cutting } else { &mut breakdown.rapid }) += wait.duration;
+                    let is_rapid = rate.is_none();
+                    *(if is_rapid { &mut breakdown.rapid } else { &mut breakdown.cutting }) += wait.duration;
                     continue;
                 }
                 StopCause::ToolChange { .. } | StopCause::SameTool { .. } => {

@@ -9,16 +9,18 @@ pub use breakdown::{Breakdown, Functions, breakdown};
 pub use shares::{OperationShare, Share, ToolShare, programmed_time};
 
 use crate::machine::Machine;
-use crate::simulation::contour::{ContourErrors, Region, regions_above};
-use crate::simulation::feed::FeedPlan;
+use crate::simulation::contour::{ContourErrors, Region, regions_beyond};
+use crate::simulation::feed::{FeedPlan, Held, Tolerances};
 use crate::simulation::toolpath::Toolpath;
 use crate::units::{MINUTES_PER_HOUR, SECONDS_PER_MINUTE};
 
 /// What is said about one program at one tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quote {
-    /// Contour tolerance, mm.
+    /// Contour tolerance, mm; where the program sets several the one that prevails.
     pub tolerance: f64,
+    /// Where each of the program's own tolerances holds; empty where one is laid over all of it.
+    pub held: Vec<Held>,
     /// Cycle time, s.
     pub cycle_time: f64,
     /// Where it goes.
@@ -43,19 +45,23 @@ pub fn quote(
     toolpath: &Toolpath,
     machine: &Machine,
     plan: &FeedPlan,
-    tolerance: f64,
+    tolerances: impl Into<Tolerances>,
     errors: &ContourErrors,
 ) -> Quote {
+    let tolerances = tolerances.into();
+    let held = tolerances.held(toolpath, machine);
+    let bounds = tolerances.bounds(toolpath, machine);
     let cycle_time = plan.cycle_time();
     let operations = shares::of_operations(toolpath, machine, plan);
     Quote {
-        tolerance,
+        tolerance: tolerances.prevailing(&held, machine),
+        held,
         cycle_time,
         breakdown: breakdown(toolpath, machine, plan),
         tools: shares::of_tools(&operations),
         operations,
         max_contour_error: errors.largest(),
-        beyond_tolerance: regions_above(toolpath, errors, ABOVE_TOLERANCE * tolerance),
+        beyond_tolerance: regions_beyond(toolpath, errors, bounds, ABOVE_TOLERANCE),
         price: price(cycle_time, machine),
     }
 }

@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::machine::tolerance_label;
-use crate::plot::{Curve, CurveReading as CurveAt, FeedChart, Frame, Programmed, Theme, View, draw};
+use crate::plot::{Curve, CurveReading as CurveAt, FeedChart, Frame, Programmed, Stretch, Theme, View, draw};
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
 
@@ -79,7 +79,18 @@ impl Chart {
     /// Adds the curve of a tolerance (mm), empty until it is filled.
     pub fn add(&mut self, tolerance: f64) {
         let label = tolerance_label(tolerance);
-        self.chart.curves.push(Curve { label, tolerance, ..Curve::default() });
+        let tolerances = vec![Stretch { from: 0.0, to: f64::INFINITY, tolerance }];
+        self.chart.curves.push(Curve { label, tolerances, ..Curve::default() });
+    }
+
+    /// Adds the curve of the program's own tolerances, empty until it is filled: where each holds
+    /// along the path, and what it is; all in mm.
+    #[wasm_bindgen(js_name = addProgrammed)]
+    pub fn add_programmed(&mut self, label: String, from: &[f64], to: &[f64], tolerance: &[f64]) {
+        let stretches = from.iter().zip(to).zip(tolerance);
+        let tolerances =
+            stretches.map(|((&from, &to), &tolerance)| Stretch { from, to, tolerance }).collect();
+        self.chart.curves.push(Curve { label, tolerances, ..Curve::default() });
     }
 
     /// Fills the curve added last; the columns are those of `Columns`.
@@ -92,7 +103,7 @@ impl Chart {
         arc: Vec<f64>,
     ) {
         if let Some(curve) = self.chart.curves.last_mut() {
-            let errors = ContourErrors { corner, arc };
+            let errors = ContourErrors { corner, arc, ..ContourErrors::default() };
             *curve = Curve { distance, feedrate, time, errors, ..std::mem::take(curve) };
         }
     }

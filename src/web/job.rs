@@ -1,4 +1,4 @@
-//! A program on a machine, simulated for one tolerance after the other.
+//! A program on a machine, simulated for its own tolerances and for one after the other.
 
 use js_sys::Function;
 use serde::Serialize;
@@ -7,9 +7,10 @@ use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
 use crate::plot::Programmed;
-use crate::project::{Prediction, faults_to_json, machine_from_form};
+use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
+use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::read;
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::{Toolpath, trace};
@@ -42,12 +43,20 @@ impl Job {
         Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
     }
 
-    /// Simulates the program for a contour tolerance (mm); `progress` is called with the part done.
-    pub fn simulate(&self, tolerance: f64, progress: &Function) -> Result<Run, JsError> {
+    /// Where each of the program's own tolerances holds; an empty list where it sets none.
+    pub fn tolerances(&self) -> Result<JsValue, JsError> {
+        let held = Tolerances::Programmed.held(&self.toolpath, &self.machine);
+        object(&held.iter().map(HeldTolerance::from).collect::<Vec<_>>())
+    }
+
+    /// Simulates the program for a contour tolerance (mm), or for its own where there is none given;
+    /// `progress` is called with the part done.
+    pub fn simulate(&self, tolerance: Option<f64>, progress: &Function) -> Result<Run, JsError> {
+        let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
         // What a listener throws is its own affair.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
-        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerance, &mut tell);
-        let quote = quote(&self.toolpath, &self.machine, &plan, tolerance, &errors);
+        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerances, &mut tell);
+        let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
         let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
         Ok(Run {
             summary: object(&Prediction::new("", self.programmed_time(), &[quote], &[]))?,
@@ -69,8 +78,8 @@ impl Job {
 }
 
 /// A result as the object that its JSON would be read as.
-fn object(prediction: &Prediction) -> Result<JsValue, JsError> {
-    Ok(prediction.serialize(&Serializer::json_compatible())?)
+fn object(result: &impl Serialize) -> Result<JsValue, JsError> {
+    Ok(result.serialize(&Serializer::json_compatible())?)
 }
 
 /// The result of one simulation.

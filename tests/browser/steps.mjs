@@ -52,10 +52,14 @@ export async function computed(page) {
   )
 }
 
-export const cycleTimes = (page) => page.$$eval('#results tbody data', (all) => all.map((data) => Number(data.value)))
+/** Those of the tolerances that the user chose. */
+export const cycleTimes = (page) => page.$$eval('#results tbody tr:not(.programmed) data', (all) => all.map((data) => Number(data.value)))
 
-/** What the command line says about the same program, with the machine file that the page saves. */
-export async function predicted(page, program) {
+/**
+ * What the command line says about the same program, with the machine file that the page saves: for the tolerances
+ * the page begins with, or those given; none leaves it to the program.
+ */
+export async function predicted(page, program, toleranceList = TOLERANCES_MM) {
   const binaries = ['release', 'debug'].map((profile) => join(ROOT, 'target', profile, 'truefeed')).filter(existsSync)
   binaries.sort((a, b) => statSync(b).mtimeMs - statSync(a).mtimeMs)
   if (binaries.length === 0) {
@@ -65,7 +69,7 @@ export async function predicted(page, program) {
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#machine .save')])
   const machine = join(scratch, 'machine.toml')
   await download.saveAs(machine)
-  const tolerances = TOLERANCES_MM.flatMap((tolerance) => ['--tolerance', String(tolerance)])
+  const tolerances = toleranceList.flatMap((tolerance) => ['--tolerance', String(tolerance)])
   const args = ['predict', program, '--machine', machine, ...tolerances, '--json']
   return JSON.parse(execFileSync(binaries[0], args, { encoding: 'utf8', maxBuffer: 1 << 28 }))
 }

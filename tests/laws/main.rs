@@ -3,6 +3,7 @@
 mod conservation;
 mod guaranteed;
 mod limits;
+mod path_modes;
 mod paths;
 mod symmetry;
 mod table;

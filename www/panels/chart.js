@@ -1,10 +1,11 @@
 // The chart on its canvas. Rust draws and knows the scales; this forwards pixels, keys and sizes.
 
 import { Chart, deviationLabel, mostCurves } from '../pkg/truefeed.js'
+import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { feedrate, millimetres, clock, seconds } from '../format.js'
 
-/** @import { Outcome, Place, Program, State } from "../types.js" */
+/** @import { Held, Outcome, Place, Program, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 const WHEEL = 1.0015
@@ -219,16 +220,27 @@ export function mount(root) {
     reading.style.top = `${top + 8}px`
   }
 
+  /** Adds the curve of the program's own tolerances. @param {Held[]} held */
+  function addProgrammed(held) {
+    const part = (/** @type {(part: Held) => number} */ of) => Float64Array.from(held, of)
+    chart.addProgrammed(
+      columnLabel(null),
+      part(({ distance_mm: [from] }) => from),
+      part(({ distance_mm: [, to] }) => to),
+      part(({ tolerance_mm: tolerance }) => tolerance),
+    )
+  }
+
   /** Gives the colours of the chart to chips, table and read-out. */
   function colors() {
     chart.setDark(dark.matches)
-    for (let index = 0; index < mostCurves(); index += 1)
+    for (let index = 0; index <= mostCurves(); index += 1)
       document.documentElement.style.setProperty(`--curve-${index}`, chart.color(index))
   }
   colors()
 
   return {
-    /** Shows a place of the program and takes the keys. @param {Pick<Place, "distance_mm">} place */
+    /** Shows a place of the program and takes the keys. @param {Pick<Place, 'distance_mm'>} place */
     show({ distance_mm: [from, to] }) {
       chart.show(from, to)
       redraw()
@@ -239,22 +251,24 @@ export function mount(root) {
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
       outcome = program?.outcome
-      const runs = state.tolerances.flatMap((tolerance) => (outcome?.runs.has(tolerance) ? [tolerance] : []))
+      const columns = columnsOf(state, outcome)
+      const runs = columns.filter((column) => outcome?.runs.has(column))
       empty.hidden = Boolean(outcome)
       empty.textContent = state.progress ? 'Computing …' : 'Not computed yet.'
       canvas.hidden = !outcome
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
-      const fill = [program, outcome, ...state.tolerances, ...runs]
+      const fill = [program, outcome, ...columns, ...runs]
       if (fill.length === filled.length && fill.every((value, index) => value === filled[index])) return
       filled = fill
       hide()
       if (!outcome) return
       const { end, feedrate, rapid, line } = outcome.steps
       chart.program(end, feedrate, rapid, line)
-      for (const tolerance of state.tolerances) {
-        const columns = outcome.runs.get(tolerance)?.columns
-        chart.add(tolerance)
-        if (columns) chart.fill(columns.distance, columns.feedrate, columns.time, columns.corner, columns.arc)
+      for (const column of columns) {
+        if (column === null) addProgrammed(outcome.held)
+        else chart.add(column)
+        const curve = outcome.runs.get(column)?.columns
+        if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arc)
       }
       chart.fit(fitted !== program)
       fitted = program

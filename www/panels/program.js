@@ -1,5 +1,6 @@
 // The list of programs: adding by file, drop or sample, choosing one, removing with undo.
 
+import { columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { clock, count, size } from '../format.js'
 
@@ -93,8 +94,8 @@ export function mount(root, actions) {
 function standing(program, state) {
   if (state.progress?.program === program.id) return 'computing …'
   if (program.failure) return 'failed'
-  const times = state.tolerances.flatMap(
-    (tolerance) => program.outcome?.runs.get(tolerance)?.summary.cycle_time_s ?? [],
+  const times = columnsOf(state, program.outcome).flatMap(
+    (column) => program.outcome?.runs.get(column)?.summary.cycle_time_s ?? [],
   )
   if (times.length === 0) return `${size(program.bytes.length)}, waiting`
   const [longest, shortest] = [clock(Math.max(...times)), clock(Math.min(...times))]

@@ -1,10 +1,11 @@
 // The table of cycle times, one row a tolerance.
 
 import { deviationLabel, price, toleranceLabel } from '../pkg/truefeed.js'
+import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
 
-/** @import { Form, Outcome, Place, RunSummary, State, Value } from "../types.js" */
+/** @import { Column, Form, Held, Outcome, Place, RunSummary, State, Value } from "../types.js" */
 
 /** @type {[Exclude<keyof import("../types.js").Breakdown, "other">, string][]} */
 const PARTS = [
@@ -15,22 +16,26 @@ const PARTS = [
   ['other_s', 'Other'],
 ]
 
+/** More parts of a program are only counted. */
+const MOST_HELD = 24
+
 /** What makes no place exceed its tolerance. */
 const CURE = { key: 'interpolator.corner_mode', word: 'guaranteed' }
 
 /**
  * @param {HTMLElement} root
  * @param {Form} form
- * @param {{show(place: Place): void, setParameter(key: string, value: Value): void}} actions
+ * @param {{show(place: Pick<Place, 'distance_mm'>): void, setParameter(key: string, value: Value): void}} actions
  */
 export function mount(root, form, actions) {
   const place = find(root, '.table')
   const mode = form.fields.find(({ key }) => key === CURE.key)?.label ?? ''
   /** Where the contour error is above the tolerance, and what helps. @param {Outcome} outcome @param {State} state */
-  function beyond({ runs }, { tolerances, machine }) {
-    const items = tolerances.flatMap((tolerance, index) => {
-      const places = runs.get(tolerance)?.summary.beyond_tolerance ?? []
-      return places.length > 0 ? [item(tolerance, index, places)] : []
+  function beyond(outcome, state) {
+    const { machine } = state
+    const items = columnsOf(state, outcome).flatMap((column, index) => {
+      const places = outcome.runs.get(column)?.summary.beyond_tolerance ?? []
+      return places.length > 0 ? [item(column, index, places)] : []
     })
     if (items.length === 0) return []
     if (machine.values[CURE.key] !== CURE.word) {
@@ -42,17 +47,30 @@ export function mount(root, form, actions) {
     return [make('ul', { className: 'beyond' }, ...items)]
   }
 
-  /** One tolerance with the way to its worst place. @param {number} tolerance @param {number} index @param {Place[]} places */
-  function item(tolerance, index, places) {
+  /** One column with the way to its worst place. @param {Column} column @param {number} index @param {Place[]} places */
+  function item(column, index, places) {
     const worst = places.reduce((a, b) => (b.max_contour_error_mm > a.max_contour_error_mm ? b : a))
-    const [first, last] = worst.lines
-    const lines = first === last ? `line ${first}` : `lines ${first}–${last}`
+    const lines = linesOf(worst)
     const go = make('button', { type: 'button', title: 'Show it in the chart' })
     go.append(`${deviationLabel(worst.max_contour_error_mm)} at ${lines}`)
     go.addEventListener('click', () => actions.show(worst))
     const number = `exceeded in ${count(places.length)} ${places.length === 1 ? 'place' : 'places'}, up to `
     const swatch = make('span', { className: `swatch curve-${index}` })
-    return make('li', {}, swatch, make('b', {}, toleranceLabel(tolerance)), ` ${number}`, go)
+    return make('li', {}, swatch, make('b', {}, columnLabel(column)), ` ${number}`, go)
+  }
+
+  /** Where each of the program's own tolerances holds. @param {Outcome} outcome */
+  function programmed({ held }) {
+    if (held.length === 0) return []
+    const items = held.slice(0, MOST_HELD).map((part) => {
+      const go = make('button', { type: 'button', title: 'Show it in the chart' }, linesOf(part))
+      go.addEventListener('click', () => actions.show(part))
+      const source = part.source === '' ? [] : [' ', make('code', {}, part.source)]
+      return make('li', {}, go, ` ${wordsOf(part)}`, ...source)
+    })
+    if (held.length > MOST_HELD) items.push(make('li', {}, `and ${count(held.length - MOST_HELD)} more`))
+    const title = make('b', {}, 'As programmed')
+    return [make('div', { className: 'held' }, title, make('ol', {}, ...items))]
   }
 
   return {
@@ -64,7 +82,8 @@ export function mount(root, form, actions) {
       root.classList.toggle('stale', stale)
       if (program && outcome) {
         place.replaceChildren(
-          table(outcome, state.tolerances, JSON.stringify(state.machine.values)),
+          table(outcome, columnsOf(state, outcome), JSON.stringify(state.machine.values)),
+          ...programmed(outcome),
           ...beyond(outcome, state),
           about(outcome, stale ? outOfDate(state) : ''),
         )
@@ -75,8 +94,21 @@ export function mount(root, form, actions) {
   }
 }
 
-/** @param {Outcome} outcome @param {number[]} tolerances @param {string} machine  JSON */
-function table(outcome, tolerances, machine) {
+/** The lines of a place in words. @param {{lines: [number, number]}} place */
+function linesOf({ lines: [first, last] }) {
+  return first === last ? `line ${first}` : `lines ${first}–${last}`
+}
+
+/** What the program asks for in words. @param {Held} part */
+function wordsOf({ mode, tolerance_mm: tolerance }) {
+  if (mode === 'exact_stop') return 'exact stops'
+  const label = toleranceLabel(tolerance)
+  if (mode === 'machine') return `${label}, the machine’s`
+  return mode === 'distance' ? `at most ${label}` : label
+}
+
+/** @param {Outcome} outcome @param {Column[]} columns @param {string} machine  JSON */
+function table(outcome, columns, machine) {
   // Rates change no motion: the price is told by the form as it is now, where that has no fault.
   const priceOf = (/** @type {RunSummary} */ run) => price(machine, run.cycle_time_s) ?? run.price
   const priced = [...outcome.runs.values()].some(({ summary }) => priceOf(summary))
@@ -86,14 +118,14 @@ function table(outcome, tolerances, machine) {
   titles.push(['Contour error', 1])
   const head = make('tr', {}, ...titles.map(([title, colSpan]) => make('th', { scope: 'col', colSpan }, title)))
   const programmed = outcome.summary.programmed_time_s
-  const rows = tolerances.map((tolerance, index) => {
+  const rows = columns.map((column, index) => {
     const label = make(
       'th',
       { scope: 'row' },
       make('span', { className: `swatch curve-${index}` }),
-      toleranceLabel(tolerance),
+      columnLabel(column),
     )
-    const run = outcome.runs.get(tolerance)?.summary
+    const run = outcome.runs.get(column)?.summary
     if (!run) return make('tr', { className: 'waiting' }, label, make('td', { colSpan: titles.length + 1 }, '…'))
     const longer = run.cycle_time_s - programmed
     const cells = [
@@ -106,7 +138,7 @@ function table(outcome, tolerances, machine) {
       ...PARTS.map(([key]) => seconds(run.breakdown[key])),
       deviationLabel(run.max_contour_error_mm),
     ]
-    return make('tr', {}, label, ...cells.map((cell) => make('td', {}, cell)))
+    return make('tr', { className: column === null ? 'programmed' : '' }, label, ...cells.map((cell) => make('td', {}, cell)))
   })
   const table = make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows))
   return make('div', { className: 'scroll' }, table)

@@ -1,14 +1,16 @@
-// The contour tolerances as chips: add by typing, remove by × or Delete. Text becomes a tolerance in Rust.
+// The contour tolerances as chips, the program's own first: add by typing, remove by × or Delete. Text becomes a
+// tolerance in Rust.
 
 import { toleranceFromText, toleranceLabel } from '../pkg/truefeed.js'
+import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 
-/** @import { State } from "../types.js" */
+/** @import { Column, State } from "../types.js" */
 
 /**
  * @param {HTMLElement} root
  * @param {{most: number, usual: number[]}} limits
- * @param {{setTolerances(tolerances: number[]): void}} actions
+ * @param {{setTolerances(tolerances: number[]): void, setProgrammed(shown: boolean): void}} actions
  */
 export function mount(root, { most, usual }, actions) {
   const chips = find(root, '.chips')
@@ -16,8 +18,11 @@ export function mount(root, { most, usual }, actions) {
   const input = /** @type {HTMLInputElement} */ (find(root, 'input'))
   const fault = find(root, '.fault')
   const reset = find(root, '.reset')
+  const own = find(root, '.own')
   /** @type {number[]} */
   let tolerances = []
+  /** What the chips show now. @type {Column[]} */
+  let shown = []
 
   form.addEventListener('submit', (event) => {
     event.preventDefault()
@@ -26,6 +31,11 @@ export function mount(root, { most, usual }, actions) {
     if (!message) input.value = ''
   })
   input.addEventListener('input', () => say(''))
+  own.addEventListener('click', () => {
+    say('')
+    actions.setProgrammed(true)
+    chips.querySelector('button')?.focus()
+  })
   reset.addEventListener('click', () => {
     say('')
     actions.setTolerances(usual)
@@ -47,17 +57,18 @@ export function mount(root, { most, usual }, actions) {
     }
     const label = toleranceLabel(tolerance)
     if (tolerances.some((other) => toleranceLabel(other) === label)) return `${label} is there already.`
-    if (tolerances.length >= most) return `At most ${most} tolerances fit one chart. Remove one first.`
+    if (shown.length >= most) return `At most ${most} tolerances fit one chart. Remove one first.`
     actions.setTolerances([...tolerances, tolerance])
     return ''
   }
 
-  /** @param {number} tolerance */
-  function remove(tolerance) {
-    if (tolerances.length === 1) return say('One tolerance has to stay. Add another one first.')
+  /** @param {Column} column */
+  function remove(column) {
+    if (column !== null && tolerances.length === 1) return say('One tolerance has to stay. Add another one first.')
     say('')
-    const index = tolerances.indexOf(tolerance)
-    actions.setTolerances(tolerances.filter((other) => other !== tolerance))
+    const index = shown.indexOf(column)
+    if (column === null) actions.setProgrammed(false)
+    else actions.setTolerances(tolerances.filter((other) => other !== column))
     const buttons = chips.querySelectorAll('button')
     buttons[Math.min(index, buttons.length - 1)]?.focus()
   }
@@ -65,26 +76,30 @@ export function mount(root, { most, usual }, actions) {
   return {
     /** @param {State} state */
     update(state) {
-      const same =
-        tolerances.length === state.tolerances.length && tolerances.every((value, i) => value === state.tolerances[i])
+      const outcome = state.programs.find(({ id }) => id === state.selected)?.outcome
+      const sets = outcome !== null && outcome !== undefined && outcome.held.length > 0
+      const columns = columnsOf(state, outcome)
+      own.hidden = !sets || state.programmed
       reset.hidden =
         usual.length === state.tolerances.length && usual.every((value, i) => value === state.tolerances[i])
-      if (same) return
       tolerances = state.tolerances
-      chips.replaceChildren(
-        ...tolerances.map((tolerance, index) => {
-          const label = toleranceLabel(tolerance)
-          const button = make('button', { type: 'button', title: 'Remove (Delete)' }, '×')
-          button.setAttribute('aria-label', `Remove ${label}`)
-          const swatch = make('span', { className: `swatch curve-${index}` })
-          const chip = make('li', { className: 'chip' }, swatch, label, button)
-          button.addEventListener('click', () => remove(tolerance))
-          chip.addEventListener('keydown', ({ key }) => {
-            if (key === 'Delete' || key === 'Backspace') remove(tolerance)
-          })
-          return chip
-        }),
-      )
+      if (columns.length === shown.length && columns.every((value, i) => value === shown[i])) return
+      shown = columns
+      chips.replaceChildren(...columns.map(chip))
     },
+  }
+
+  /** @param {Column} column @param {number} index */
+  function chip(column, index) {
+    const label = columnLabel(column)
+    const button = make('button', { type: 'button', title: 'Remove (Delete)' }, '×')
+    button.setAttribute('aria-label', `Remove ${label}`)
+    const swatch = make('span', { className: `swatch curve-${index}` })
+    const item = make('li', { className: 'chip' }, swatch, label, button)
+    button.addEventListener('click', () => remove(column))
+    item.addEventListener('keydown', ({ key }) => {
+      if (key === 'Delete' || key === 'Backspace') remove(column)
+    })
+    return item
   }
 }

@@ -21,7 +21,7 @@
 
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::{ContourErrors, SegmentErrors, by_corner, contour_errors, measure};
-use crate::simulation::feed::{FeedPlan, Pulse, Rule, plan};
+use crate::simulation::feed::{Bound, FeedPlan, Pulse, Rule, Tolerances, plan};
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Curve, Toolpath};
 
@@ -58,22 +58,23 @@ const ROUNDING: f64 = 1e-9;
 /// How much of what is left to do a round is taken for: how many it will be is not known before.
 const PART_OF_REST: f64 = 0.05;
 
-/// The plan of a toolpath that holds a contour tolerance (mm) in the machine's corner mode, and
-/// the contour errors of its profile. Before each round `progress` is told how much is done, from
+/// The plan of a toolpath that holds a contour tolerance (mm), or those of the program, in the
+/// machine's corner mode, and the contour errors of its profile. Before each round `progress` is told how much is done, from
 /// 0 up to, never reaching, 1.
 pub fn plan_within(
     toolpath: &Toolpath,
     machine: &Machine,
-    tolerance: f64,
+    tolerances: impl Into<Tolerances>,
     progress: &mut dyn FnMut(f64),
 ) -> (FeedPlan, ContourErrors) {
-    let isolated = plan(toolpath, machine, Rule::Isolated(tolerance));
+    let tolerances = tolerances.into();
+    let isolated = plan(toolpath, machine, tolerances.into());
     match machine.interpolator.corner_mode {
         CornerMode::Paper => {
             let errors = contour_errors(toolpath, &isolated, &Profile::new(toolpath, &isolated));
             (isolated, errors)
         }
-        CornerMode::Guaranteed => corrected(toolpath, machine, tolerance, isolated, progress),
+        CornerMode::Guaranteed => corrected(toolpath, machine, tolerances, isolated, progress),
     }
 }
 
@@ -127,7 +128,7 @@ fn changed(asked: &mut f64, planned: f64, error: f64, ceiling: f64, round: Round
 fn corrected(
     toolpath: &Toolpath,
     machine: &Machine,
-    tolerance: f64,
+    tolerances: Tolerances,
     isolated: FeedPlan,
     progress: &mut dyn FnMut(f64),
 ) -> (FeedPlan, ContourErrors) {
@@ -136,7 +137,8 @@ fn corrected(
     let mut measured = vec![SegmentErrors::default(); toolpath.segments.len()];
     measure(toolpath, &now, &Profile::new(toolpath, &now), &mut measured, |_| true);
     let mut errors = by_corner(&measured);
-    let holds = |errors: &ContourErrors| errors.largest() <= tolerance * (1.0 + ROUNDING);
+    let bounds = || tolerances.bounds(toolpath, machine);
+    let holds = |errors: &ContourErrors| errors.beyond(bounds(), 1.0 + ROUNDING).next().is_none();
     // Where the isolated law holds everywhere its plan is the one to beat.
     let mut fastest = holds(&errors).then(|| (now.cycle_time(), now.clone(), errors.clone()));
     let mut rest = 1.0;
@@ -144,7 +146,7 @@ fn corrected(
         for round in (0..ROUNDS + REDUCTIONS + STOPS).map(Round::of) {
             progress(1.0 - rest);
             rest *= 1.0 - PART_OF_REST;
-            if asked.change(&now, &errors, tolerance, round) {
+            if asked.change(&now, &errors, bounds(), round) {
                 let given = Rule::Given { corners: &asked.corners, segments: &asked.segments };
                 let next = plan(toolpath, machine, given);
                 let stale = within_a_delay(&now, &next);
@@ -184,12 +186,17 @@ impl Asked {
     }
 
     /// One round: changes feedrates by what the plan in force does; false where there is nothing to change.
-    fn change(&mut self, now: &FeedPlan, errors: &ContourErrors, tolerance: f64, round: Round) -> bool {
+    fn change(
+        &mut self,
+        now: &FeedPlan,
+        errors: &ContourErrors,
+        bounds: impl Iterator<Item = Bound>,
+        round: Round,
+    ) -> bool {
         let mut moved = false;
-        for k in 0..self.corners.len() {
+        for (k, Bound { along, corner, near }) in bounds.enumerate() {
             if self.is_arc[k] {
-                let (planned, error) =
-                    (now.segment_feedrates[k], errors.arc[k] / (BETWEEN_POINTS * tolerance));
+                let (planned, error) = (now.segment_feedrates[k], errors.arc[k] / (BETWEEN_POINTS * along));
                 // An arc cannot be run at no feedrate at all; it ends between two stops instead.
                 let slowest = SLOWEST_ARC * planned;
                 moved |= changed(&mut self.segments[k], planned, error, f64::INFINITY, round);
@@ -202,11 +209,21 @@ impl Asked {
                     }
                 }
             }
+            let is_beside_arc = self.is_arc[k] || self.is_arc.get(k + 1).is_some_and(|&is_arc| is_arc);
+            let share = if is_beside_arc { BETWEEN_POINTS } else { 1.0 };
+            let error = (errors.point[k] / (share * corner)).max(errors.corner[k] / (share * near));
             if 0.0 < now.corner_feedrates[k] {
                 let slower = now.segment_feedrates[k].min(now.segment_feedrates[k + 1]);
-                let share = if self.is_arc[k] || self.is_arc[k + 1] { BETWEEN_POINTS } else { 1.0 };
-                let (planned, error) = (now.corner_feedrates[k], errors.corner[k] / (share * tolerance));
+                let planned = now.corner_feedrates[k];
                 moved |= changed(&mut self.corners[k], planned, error, slower, round);
+            } else if 1.0 < error && matches!(round, Round::Stop) {
+                // What is off at a stop is a neighbour's, which may have a wider tolerance of its own.
+                for corner in [k.checked_sub(1), Some(k + 1)].into_iter().flatten() {
+                    let planned = now.corner_feedrates.get(corner).copied().unwrap_or(0.0);
+                    if 0.0 < planned {
+                        moved |= changed(&mut self.corners[corner], planned, error, planned, round);
+                    }
+                }
             }
         }
         moved

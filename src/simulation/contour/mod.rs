@@ -20,11 +20,11 @@ mod guaranteed;
 mod regions;
 
 pub use guaranteed::plan_within;
-pub use regions::{Region, regions_above};
+pub use regions::{Region, regions_beyond};
 
 use std::cmp::Ordering;
 
-use crate::simulation::feed::{FeedPlan, Pulse, Stretch};
+use crate::simulation::feed::{Bound, FeedPlan, Pulse, Stretch};
 use crate::simulation::profile::{Motion, Profile};
 use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
@@ -34,6 +34,8 @@ pub struct ContourErrors {
     /// At the corner that ends the segment and on arcs within half a filter delay of it, mm; 0 at a
     /// full stop.
     pub corner: Vec<f64>,
+    /// At the corner alone, mm: where tolerances change it has the smaller one, and an arc its own.
+    pub point: Vec<f64>,
     /// Largest along the rest of the segment where it is an arc, mm; 0 along a line.
     pub arc: Vec<f64>,
 }
@@ -42,6 +44,16 @@ impl ContourErrors {
     /// The largest error, mm; 0 for a program without corners and arcs.
     pub fn largest(&self) -> f64 {
         self.corner.iter().chain(&self.arc).copied().fold(0.0, f64::max)
+    }
+
+    /// The segments on which an error is above `ratio` times what holds there, ascending.
+    pub fn beyond(&self, bounds: impl Iterator<Item = Bound>, ratio: f64) -> impl Iterator<Item = usize> {
+        bounds.enumerate().filter_map(move |(k, bound)| {
+            let is_beyond = ratio * bound.corner < self.point[k]
+                || ratio * bound.near < self.corner[k]
+                || ratio * bound.along < self.arc[k];
+            is_beyond.then_some(k)
+        })
     }
 }
 
@@ -80,7 +92,11 @@ struct SegmentErrors {
 fn by_corner(measured: &[SegmentErrors]) -> ContourErrors {
     let next = measured[1.min(measured.len())..].iter().map(|segment| segment.near_start).chain([0.0]);
     let corner = measured.iter().zip(next).map(|(own, next)| own.end.max(own.near_end).max(next));
-    ContourErrors { corner: corner.collect(), arc: measured.iter().map(|segment| segment.between).collect() }
+    ContourErrors {
+        corner: corner.collect(),
+        point: measured.iter().map(|segment| segment.end).collect(),
+        arc: measured.iter().map(|segment| segment.between).collect(),
+    }
 }
 
 /// Measures the segments that `wanted` names.

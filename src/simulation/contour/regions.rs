@@ -1,14 +1,15 @@
 //! Contour errors → regions: where on the program the motion leaves the path by more than wanted.
 //!
-//! Consecutive segments whose error is above a bound make one region; good segments between them
+//! Consecutive segments whose error is above what holds there make one region; good segments between them
 //! do not end it while they are shorter together than the last run of bad ones, so that a ragged
 //! pass is one region and not a hundred, and one bad pass after the other are as many.
 
 use crate::simulation::contour::ContourErrors;
+use crate::simulation::feed::Bound;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::Toolpath;
 
-/// A part of the program in which the contour error is above a bound.
+/// A part of the program in which the contour error is above what holds there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     /// First and last line of the program.
@@ -19,8 +20,14 @@ pub struct Region {
     pub largest: f64,
 }
 
-/// The regions in which the contour error is above `bound` (mm), in program order.
-pub fn regions_above(toolpath: &Toolpath, errors: &ContourErrors, bound: f64) -> Vec<Region> {
+/// The regions in which the contour error is above `ratio` times what holds there, in program order.
+pub fn regions_beyond(
+    toolpath: &Toolpath,
+    errors: &ContourErrors,
+    bounds: impl Iterator<Item = Bound>,
+    ratio: f64,
+) -> Vec<Region> {
+    let mut beyond = errors.beyond(bounds, ratio).peekable();
     let mut regions: Vec<Region> = Vec::new();
     let mut begin = 0.0;
     // Length of the bad segments since the last good one, mm.
@@ -28,7 +35,7 @@ pub fn regions_above(toolpath: &Toolpath, errors: &ContourErrors, bound: f64) ->
     for (k, segment) in toolpath.segments.iter().enumerate() {
         let end = begin + segment.length;
         let error = errors.corner[k].max(errors.arc[k]);
-        if bound < error {
+        if beyond.next_if_eq(&k).is_some() {
             match regions.last_mut() {
                 Some(region) if begin - region.distance.1 <= run => {
                     run = if region.distance.1 < begin { segment.length } else { run + segment.length };
@@ -59,12 +66,20 @@ mod tests {
     fn bad_segments_close_together_are_one_region() {
         let program = b"G1 X1 F1000\nX2\nX3\nX4\nX50\nX51";
         let toolpath = trace(&read(program), &Machine::default());
-        let errors = ContourErrors { corner: vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4], arc: vec![0.0; 6] };
-        let regions = regions_above(&toolpath, &errors, 0.1);
+        let errors = ContourErrors {
+            corner: vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4],
+            point: vec![0.0; 6],
+            arc: vec![0.0; 6],
+        };
+        let above = |bound: f64| {
+            let bounds = [Bound { along: bound, corner: bound, near: bound }; 6].into_iter();
+            regions_beyond(&toolpath, &errors, bounds, 1.0)
+        };
+        let regions = above(0.1);
         let lines: Vec<_> = regions.iter().map(|region| (region.lines.0.0, region.lines.1.0)).collect();
         assert_eq!(lines, [(1, 3), (6, 6)]);
         assert_eq!(regions[0].distance, (0.0, 3.0));
         assert_eq!((regions[0].largest, regions[1].largest), (0.3, 0.4));
-        assert!(regions_above(&toolpath, &errors, 0.4).is_empty());
+        assert!(above(0.4).is_empty());
     }
 }

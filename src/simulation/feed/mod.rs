@@ -27,6 +27,9 @@
 pub mod block;
 pub mod corner;
 pub mod limits;
+mod tolerances;
+
+pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Machine, TimeConstants};
 use crate::simulation::feed::block::End;
@@ -99,6 +102,8 @@ pub struct FeedPlan {
 pub enum Rule<'a> {
     /// By the laws of [`corner`] and [`limits`] for this contour tolerance, mm.
     Isolated(f64),
+    /// By the same laws for the tolerances that the program sets, and the machine's where it sets none.
+    Programmed,
     /// By feedrates found elsewhere, mm/s, one entry a segment; every other limit still holds.
     Given {
         /// At the corner after each segment.
@@ -106,6 +111,25 @@ pub enum Rule<'a> {
         /// Along each segment, in place of the law for arcs.
         segments: &'a [f64],
     },
+}
+
+impl Rule<'_> {
+    /// What the tolerances are taken from; where feedrates are given none is asked for.
+    fn tolerances(self) -> Tolerances {
+        match self {
+            Rule::Isolated(tolerance) => Tolerances::One(tolerance),
+            Rule::Programmed | Rule::Given { .. } => Tolerances::Programmed,
+        }
+    }
+}
+
+impl From<Tolerances> for Rule<'_> {
+    fn from(tolerances: Tolerances) -> Self {
+        match tolerances {
+            Tolerances::One(tolerance) => Rule::Isolated(tolerance),
+            Tolerances::Programmed => Rule::Programmed,
+        }
+    }
 }
 
 impl FeedPlan {
@@ -163,7 +187,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
         {
             end += 1;
         }
-        add_stretch(&mut plan, begin..end, segments, machine, rule);
+        add_stretch(&mut plan, begin..end, toolpath, machine, rule);
         begin = end;
     }
     for stop in stops {
@@ -195,10 +219,10 @@ fn turn_delay(machine: &Machine) -> f64 {
 fn wait(stop: &Stop, machine: &Machine) -> Wait {
     let duration = match stop.cause {
         StopCause::Dwell { seconds } => seconds,
+        StopCause::Rotary { rotation, rate } => limits::rotary_time(&rotation, rate, machine),
         StopCause::ToolChange { tool } => machine.times.of_tool_change(tool),
         StopCause::SameTool { .. } => 0.0,
         StopCause::Spindle { from, to, code } => machine.times.of_spindle(from, to, code),
-        StopCause::Rotary { rotation, rate } => limits::rotary_time(&rotation, rate, machine),
         StopCause::MCode { code } => machine.times.of_m_code(code),
     };
     Wait { duration, cause: stop.cause, line: stop.line }
@@ -250,11 +274,11 @@ impl Corner {
 fn add_stretch(
     plan: &mut FeedPlan,
     range: std::ops::Range<usize>,
-    all: &[Segment],
+    toolpath: &Toolpath,
     machine: &Machine,
     rule: Rule,
 ) {
-    let segments = &all[range.clone()];
+    let segments = &toolpath.segments[range.clone()];
     let requested: Vec<f64> = segments.iter().map(|s| limits::requested_feedrate(s, machine)).collect();
     let filter = filter_of_stretch(plan, segments, &requested, machine);
     let chain = &plan.filters[filter];
@@ -264,21 +288,28 @@ fn add_stretch(
         |(segment, feedrate): (&Segment, f64)| feedrate.min(limits::curve_feedrate(segment, machine));
     let mut without_tolerance: Vec<f64> = segments.iter().zip(requested).map(within_curve).collect();
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
-    let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).enumerate())
-        .map(|(i, (segment, &feedrate))| match rule {
-            Rule::Isolated(tolerance) => feedrate.min(limits::arc_feedrate(segment, chain, tolerance)),
+    let tolerances = rule.tolerances();
+    let held = tolerances.limits(toolpath, machine, range.start);
+    let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
+        .map(|(i, ((segment, &feedrate), limit))| match rule {
             Rule::Given { segments, .. } => feedrate.min(segments[range.start + i]),
+            _ => feedrate.min(limits::arc_feedrate(segment, chain, limit.along())),
         })
         .collect();
     let mut corners = Vec::with_capacity(segments.len() + 1);
     corners.push(FULL_STOP);
-    for (i, pair) in segments.windows(2).enumerate() {
+    let held = tolerances.limits(toolpath, machine, range.start);
+    let held = held.zip(tolerances.limits(toolpath, machine, range.start + 1));
+    for ((i, pair), (limit, next_limit)) in segments.windows(2).enumerate().zip(held) {
         let (before, after) = (feedrates[i], feedrates[i + 1]);
         let slower = before.min(after);
         let change = pair[1].tangent(0.0) - pair[0].tangent(pair[0].length);
         let by_rule = match rule {
-            Rule::Isolated(tolerance) => law.feedrate(tolerance / change.norm(), before, after),
             Rule::Given { corners, .. } => corners[range.start + i].min(slower),
+            _ => {
+                let turn = change.norm();
+                law.feedrate(limit.towards(next_limit, turn) / turn, before, after)
+            }
         };
         let (by_acceleration, by_jerk) = axis_corner_feedrates(&change, machine, chain);
         let feedrate = by_rule.min(by_acceleration).min(by_jerk);

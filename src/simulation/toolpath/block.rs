@@ -66,6 +66,13 @@ impl Given {
         self.has(bits(&[address])).then(|| self.values[slot(address)])
     }
 
+    /// Its value, which no other word of the block sees from here on.
+    pub(super) fn take(&mut self, address: u8) -> Option<f64> {
+        let value = self.get(address);
+        self.addresses &= !bits(&[address]);
+        value
+    }
+
     /// Whether any of the addresses is given.
     pub(super) fn has(&self, addresses: u64) -> bool {
         self.addresses & addresses != 0

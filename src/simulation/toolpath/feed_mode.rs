@@ -1,4 +1,4 @@
-//! What F and S mean.
+//! What F means.
 //!
 //! | mode | F                                   | feedrate of a move of length L, mm/s          |
 //! |------|-------------------------------------|-----------------------------------------------|
@@ -23,9 +23,6 @@ const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 /// The inverse times that are taken at their word, 1/min.
 const INVERSE_TIMES: std::ops::RangeInclusive<f64> = 1e-6..=1e7;
 
-/// The spindle speeds that are taken at their word, rev/min.
-const SPINDLE_SPEEDS: std::ops::RangeInclusive<f64> = 0.0..=1e6;
-
 /// What F counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FeedMode {
@@ -47,14 +44,12 @@ pub(super) struct Feed {
     per_minute: Option<f64>,
     /// G95, mm.
     per_revolution: Option<f64>,
-    /// S is a surface speed (G96).
-    pub(super) has_surface_speed: bool,
 }
 
 impl Default for Feed {
     fn default() -> Feed {
         let mode = FeedMode::PerMinute;
-        Feed { mode, inverse_time: None, per_minute: None, per_revolution: None, has_surface_speed: false }
+        Feed { mode, inverse_time: None, per_minute: None, per_revolution: None }
     }
 }
 
@@ -85,16 +80,6 @@ impl Tracer<'_> {
                     self.remarks.add(block.place_of_letter(b'F'), remark);
                 }
             }
-        }
-    }
-
-    /// S, but for a surface speed.
-    pub(super) fn take_spindle_speed(&mut self, block: Block) {
-        let Some(value) = self.given.get(b'S').filter(|_| !self.modal.feed.has_surface_speed) else { return };
-        if SPINDLE_SPEEDS.contains(&value) {
-            self.modal.spindle_speed = Some(value);
-        } else {
-            self.remarks.add(block.place_of_letter(b'S'), Untraced::BadSpindleSpeed { value });
         }
     }
 
@@ -149,7 +134,7 @@ impl Tracer<'_> {
         let Some(per_revolution) = self.modal.feed.per_revolution else {
             return self.assumed_feedrate(block);
         };
-        let Some(speed) = self.modal.spindle_speed.filter(|speed| 0.0 < *speed) else {
+        let Some(speed) = self.functions.speed.filter(|speed| 0.0 < *speed) else {
             let assumed = mm_per_min(ASSUMED_FEEDRATE);
             self.remarks.add(block.place(), Untraced::NoSpindleSpeed { assumed });
             return ASSUMED_FEEDRATE;

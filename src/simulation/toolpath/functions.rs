@@ -28,7 +28,7 @@ const OTHER_SPEEDS: [u16; 6] = [40, 100, 500, 650, 660, 920];
 pub(super) struct Functions {
     spin: Spin,
     /// The speed that the next M3 or M4 takes up, rpm.
-    speed: Option<f64>,
+    pub(super) speed: Option<f64>,
     /// S is a cutting speed, by G96.
     has_surface_speed: bool,
     tool_in_spindle: Option<u32>,

@@ -5,7 +5,7 @@
 //! already applied). Between segments lie the stops: dwells, tool changes and other M-words, and
 //! turns of rotary axes alone.
 //!
-//! Order of execution within a block: units, plane, distance and path modes; F; S; T; M-words that
+//! Order of execution within a block: units, plane, distance and path modes; F; T; S; M-words that
 //! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell,
 //! change of coordinates, reference move or motion; M-words that act after it (M0, M1, M2, M5, M9,
 //! M30, M60). That is RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc
@@ -21,7 +21,8 @@
 //! - Work offsets and tool lengths that neither program nor machine file gives are zero. G28, G30
 //!   and G53 are run in the axes whose reference point the machine knows; in the others the tool
 //!   stays where it is.
-//! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike.
+//! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike; what else a
+//!   program says about tolerances is told in the path mode module.
 //! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
 //!   F holds along X, Y and Z, or on Fanuc controls along all axes.
 //! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
@@ -37,12 +38,13 @@ mod block;
 mod control;
 mod curve;
 mod cycle;
-mod functions;
 mod feed_mode;
 mod frame;
+mod functions;
 mod motion;
 mod operations;
 mod parameters;
+mod path_mode;
 mod plane;
 #[cfg(test)]
 mod random;
@@ -55,6 +57,7 @@ mod words;
 pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
 pub use operations::{MOST_OPERATIONS, Operation};
+pub use path_mode::{Blending, PathMode};
 pub use trace::trace;
 
 use crate::machine::Spin;
@@ -159,6 +162,9 @@ pub struct Toolpath {
     pub stops: Vec<Stop>,
     /// The parts of the program, in order; the first begins with the first move and stop.
     pub operations: Vec<Operation>,
+    /// The path modes that the program sets, by ascending `from`, each once; before the first, and
+    /// where there is none, [`Blending::Machine`].
+    pub path_modes: Vec<PathMode>,
     /// What was left out or assumed, of reading and tracing together, in line order.
     pub diagnostics: Vec<Diagnostic>,
 }

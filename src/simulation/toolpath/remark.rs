@@ -3,6 +3,7 @@
 use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
 use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::parameters::NoValue;
+use crate::simulation::toolpath::path_mode::PathRemark;
 use crate::simulation::toolpath::plane::NoCircle;
 use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_RUN};
 use thiserror::Error;
@@ -19,8 +20,8 @@ pub(super) enum Untraced {
     UnknownM { code: Code },
     #[error("{code} ({name}) is not modelled: from here on the path is taken as written")]
     Transformation { code: Code, name: &'static str },
-    #[error("{code} (look-ahead or smoothing of the control) is not modelled: left out")]
-    ControlSetting { code: Code },
+    #[error("{0}")]
+    PathMode(PathRemark),
     #[error("{first} and {second} exclude each other in one block: {second} is run")]
     Conflict { first: Code, second: Code },
     #[error("{letter} is given twice in one block: the last one counts")]
@@ -48,8 +49,6 @@ pub(super) enum Untraced {
     NoInverseTime { assumed: Option<f64> },
     #[error("G95 needs a spindle speed S: feed moves are taken at {assumed:.0} mm/min until there is one")]
     NoSpindleSpeed { assumed: f64 },
-    #[error("S{value} is not a spindle speed: the former stays in force")]
-    BadSpindleSpeed { value: f64 },
     #[error(
         "G96 (constant surface speed) is not modelled, since the diameter is unknown: feeds in mm/min are right, feeds per revolution (G95) go on with the last S in rev/min"
     )]
@@ -224,7 +223,6 @@ impl Remark for Untraced {
             | Untraced::NoFeed { .. }
             | Untraced::NoInverseTime { .. }
             | Untraced::NoSpindleSpeed { .. }
-            | Untraced::BadSpindleSpeed { .. }
             | Untraced::BadAngle { .. }
             | Untraced::NoOffsetNumber { .. }
             | Untraced::NoAngle
@@ -261,26 +259,28 @@ impl Remark for Untraced {
             | Untraced::NoCycleDwell { .. }
             | Untraced::ManualRetract { .. }
             | Untraced::Unassigned { .. } => Severity::Warning,
-            Untraced::ControlSetting { .. }
-            | Untraced::NoMotionWord
+            Untraced::PathMode(remark) => remark.severity(),
+            Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }
             | Untraced::CycleDwellUnit
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
-            | Untraced::SameTool { .. }
-            | Untraced::ManyOperations { .. }
             | Untraced::DataSetting { .. }
             | Untraced::NoToolLength { .. }
             | Untraced::RotaryFeed { .. }
+            | Untraced::SameTool { .. }
+            | Untraced::ManyOperations { .. }
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }
 
     fn is_said_once(&self) -> bool {
+        if let Untraced::PathMode(remark) = self {
+            return remark.is_said_once();
+        }
         matches!(
             self,
             Untraced::Transformation { .. }
-                | Untraced::ControlSetting { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
                 | Untraced::NoFeed { .. }

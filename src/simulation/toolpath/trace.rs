@@ -8,6 +8,7 @@ use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
+use crate::simulation::toolpath::path_mode::{InForce, PathWord};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::Rotary;
@@ -76,11 +77,8 @@ pub(super) struct Modal {
     pub(super) is_incremental: bool,
     pub(super) has_incremental_center: bool,
     pub(super) feed: Feed,
-    has_exact_stop: bool,
     /// By F under G94, mm/s.
     pub(super) feedrate: Option<f64>,
-    /// rev/min.
-    pub(super) spindle_speed: Option<f64>,
     pub(super) tool: Option<u32>,
     pub(super) has_work_offset: bool,
     pub(super) has_several_offsets: bool,
@@ -90,6 +88,7 @@ pub(super) struct Modal {
 struct Request {
     special: Option<(Special, Code)>,
     exact_stop: bool,
+    path_words: Vec<(PathWord, Code, Place)>,
     has_motion_word: bool,
     /// The axis words belong to a G word that is not run.
     has_foreign_axis_words: bool,
@@ -145,6 +144,7 @@ pub(super) struct Tracer<'a> {
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     pub(super) functions: Functions,
+    pub(super) path_mode: InForce,
     ended: Option<Code>,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
@@ -162,9 +162,7 @@ impl<'a> Tracer<'a> {
                 is_incremental: false,
                 has_incremental_center: true,
                 feed: Feed::default(),
-                has_exact_stop: false,
                 feedrate: None,
-                spindle_speed: None,
                 tool: None,
                 has_work_offset: false,
                 has_several_offsets: false,
@@ -177,6 +175,7 @@ impl<'a> Tracer<'a> {
             family: Family::default(),
             exact_stop: false,
             functions: Functions::default(),
+            path_mode: InForce::default(),
             ended: None,
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
@@ -186,9 +185,16 @@ impl<'a> Tracer<'a> {
     /// Runs one block in the order of execution of the module's head.
     pub(super) fn block(&mut self, block: Block) {
         let mut request = self.take_words(block);
-        self.exact_stop = self.modal.has_exact_stop || request.exact_stop;
+        for (word, code, place) in std::mem::take(&mut request.path_words) {
+            let has_cycle = request.groups[9].is_some() && self.cycle.is_active();
+            let takes_p = matches!(request.special, Some((Special::Dwell, _))) || has_cycle;
+            if !self.path_word(place, word, code, !takes_p) {
+                self.remarks.add(place, Untraced::UnknownG { code });
+                request.has_foreign_axis_words = true;
+            }
+        }
+        self.exact_stop = self.path_mode.has_exact_stop() || request.exact_stop;
         self.take_feed(block);
-        self.take_spindle_speed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         }
@@ -213,6 +219,7 @@ impl<'a> Tracer<'a> {
         let mut request = Request {
             special: None,
             exact_stop: false,
+            path_words: Vec::new(),
             has_motion_word: false,
             has_foreign_axis_words: false,
             has_m_word: false,
@@ -266,7 +273,7 @@ impl<'a> Tracer<'a> {
             Meaning::Incremental(is_incremental) => self.modal.is_incremental = is_incremental,
             Meaning::IncrementalCenter(is_incremental) => self.modal.has_incremental_center = is_incremental,
             Meaning::FeedMode(mode) => self.modal.feed.mode = mode,
-            Meaning::ExactStop(has_exact_stop) => self.modal.has_exact_stop = has_exact_stop,
+            Meaning::Path(word) => request.path_words.push((word, code, place)),
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
             Meaning::Cycle => self.begin_cycle(code, tenths.unwrap_or_default()),
@@ -278,13 +285,7 @@ impl<'a> Tracer<'a> {
             Meaning::Polar(is_on) => self.frame.polar = is_on.then(Polar::default),
             Meaning::TipControl(name) => self.remarks.add(place, Untraced::TipControl { name }),
             Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
-            Meaning::SurfaceSpeed(is_on) => {
-                self.modal.feed.has_surface_speed = is_on;
-                if is_on {
-                    self.remarks.add(place, Untraced::SurfaceSpeed);
-                }
-            }
-            Meaning::ControlSetting => self.remarks.add(place, Untraced::ControlSetting { code }),
+            Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
             Meaning::TransformationAbout(name) => {
                 self.remarks.add(place, Untraced::Transformation { code, name });

@@ -6,6 +6,7 @@
 use crate::simulation::gcode::Word;
 use crate::simulation::toolpath::feed_mode::FeedMode;
 use crate::simulation::toolpath::frame::Kind;
+use crate::simulation::toolpath::path_mode::PathWord;
 use crate::simulation::toolpath::plane::{Plane, Turn};
 
 /// How axis words are run.
@@ -64,8 +65,7 @@ pub(super) enum Meaning {
     /// I, J and K are increments from the start of the arc.
     IncrementalCenter(bool),
     FeedMode(FeedMode),
-    /// G61 and G64.
-    ExactStop(bool),
+    Path(PathWord),
     /// G9.
     ExactStopHere,
     Special(Special),
@@ -85,9 +85,7 @@ pub(super) enum Meaning {
     /// Tool centre point control by its name.
     TipControl(&'static str),
     Compensation,
-    /// G96 and G97.
-    SurfaceSpeed(bool),
-    ControlSetting,
+    SurfaceSpeed,
     /// A change of coordinates by its name.
     Transformation(&'static str),
     /// A change of coordinates by its name, which the axis words of its block belong to.
@@ -147,13 +145,15 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         980 => (10, ReturnToReference(false)),
         990 => (10, ReturnToReference(true)),
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 | 1540 => (12, WorkOffset),
-        610 | 611 => (13, ExactStop(true)),
-        640 => (13, ExactStop(false)),
-        960 => (14, SurfaceSpeed(true)),
-        970 => (14, SurfaceSpeed(false)),
+        610 | 611 => (13, Path(PathWord::ExactStop)),
+        640 => (13, Path(PathWord::Continuous)),
+        960 => (14, SurfaceSpeed),
+        970 => (14, Neutral),
 
         90 => (NO_GROUP, ExactStopHere),
-        80 | 51 | 1870 => (NO_GROUP, ControlSetting),
+        50 | 80 => (NO_GROUP, Path(PathWord::LookAhead)),
+        51 => (NO_GROUP, Path(PathWord::ContourControl)),
+        1870 => (NO_GROUP, Path(PathWord::Smoothness)),
         71 | 1070 => (NO_GROUP, Transformation("cylindrical interpolation")),
         121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
         150 => (NO_GROUP, Polar(false)),

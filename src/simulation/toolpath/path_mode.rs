@@ -1,0 +1,315 @@
+//! Path modes: what a program itself says about stops and tolerances.
+//!
+//! Two things are in force side by side. Exact stop (G61) makes the tool stand after each move. A
+//! tolerance says how far the motion may leave the path at corners and along arcs; where the
+//! program sets none it is the machine's. A [`PathMode`] is what the two come to from one segment
+//! on: while exact stop is in force there are no corners, and arcs keep the machine's tolerance.
+//!
+//! | word | meaning here |
+//! | --- | --- |
+//! | G61, G61.1 | exact stop, until G64 |
+//! | G9 | exact stop in its own block; it changes no mode |
+//! | G64 | no exact stop; takes back what a `G64 P` set |
+//! | G64 P | no exact stop, tolerance P in the program's unit (LinuxCNC); P0 as without P |
+//! | G187 E | tolerance E in the program's unit, through G61 and G64 (Haas, largest rounding of a corner); E0 exact stop |
+//! | G187 P1, P2, P3 | the machine's tolerance for rough, medium, finish, where it is known (Haas) |
+//! | G187 | takes back what G187 set |
+//! | G5.1 Q1 R1 to R10 | between the machine's tolerances for level 1 and 10, where they are known (Fanuc AI contour control) |
+//! | G5.1 Q0 | takes back what G5.1 set |
+//! | G8 P, G5 P | look-ahead on and off (Fanuc): sets no tolerance |
+//!
+//! LinuxCNC's G64 without P is "as fast as possible, however far from the path". No machine is
+//! infinitely far: here it is the tolerance that the machine was found, or set, to run with. Its
+//! naive CAM detector, which merges lines within Q (or else P) of one line, is not modelled.
+//!
+//! Sources differ on whether G187 P1 or P3 is rough; the manual's order (1 rough, 3 finish) is
+//! taken, and an E beside it counts alone.
+//!
+//! Sources: LinuxCNC manual, G64, and what its interpreter does with P0 and without Q; Haas mill
+//! operator's manual, G187 and Setting 85; Fanuc, machining condition selecting function.
+
+use thiserror::Error;
+
+use crate::simulation::gcode::{LineNumber, Place, Severity};
+use crate::simulation::toolpath::block::{AXIS_WORDS, CENTER_WORDS, bits};
+use crate::simulation::toolpath::remark::{Code, Untraced};
+use crate::simulation::toolpath::trace::Tracer;
+
+/// The path mode from one segment on, up to that of the next entry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathMode {
+    /// The first segment it holds for.
+    pub from: usize,
+    /// Line of the program that set it.
+    pub line: LineNumber,
+    /// The words that set it, such as `G64 P0.01`.
+    pub source: String,
+    /// What holds at corners and along arcs.
+    pub blending: Blending,
+}
+
+/// How far the motion may leave the programmed path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Blending {
+    /// Not at all between segments: a full stop after each. Arcs keep the machine's tolerance.
+    ExactStop,
+    /// The machine's own tolerance.
+    #[default]
+    Machine,
+    /// A contour tolerance, mm.
+    Within(f64),
+    /// A distance along the path before each corner at which its rounding may begin, mm.
+    Distance(f64),
+}
+
+/// The tolerances and distances that are taken at their word, mm.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-6..=10.0;
+
+/// Words that keep a tolerance of their own; what one of them set another does not take back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Keeper {
+    /// G64 P, and other modes of the same group: a plain G64 takes it back.
+    Group,
+    /// A word of its own (G187, G5.1, a cycle): it holds through exact stop and G64.
+    Own,
+}
+
+/// A word about the path mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PathWord {
+    /// G61 and G61.1.
+    ExactStop,
+    /// G64.
+    Continuous,
+    /// G187.
+    Smoothness,
+    /// G5.1.
+    ContourControl,
+    /// G5 and G8.
+    LookAhead,
+}
+
+/// What is in force.
+#[derive(Default)]
+pub(super) struct InForce {
+    exact_stop: Option<String>,
+    tolerance: Option<(Blending, String, Keeper)>,
+}
+
+impl InForce {
+    pub(super) fn has_exact_stop(&self) -> bool {
+        self.exact_stop.is_some() || matches!(self.tolerance, Some((Blending::ExactStop, ..)))
+    }
+}
+
+/// Something about path modes that was not taken as a control would, or that the user may want to know.
+/// Lengths are in mm.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub(super) enum PathRemark {
+    #[error(
+        "{source_words} asks for {value} mm, which is not from 0.000001 to 10 mm: the tolerance of the machine holds"
+    )]
+    BadTolerance { source_words: String, value: f64 },
+    #[error(
+        "lines within Q (or P) of one line are merged by LinuxCNC after G64 P: not modelled, each line is run as written"
+    )]
+    NaiveCam,
+    #[error(
+        "{source_words} sets no tolerance from here on (on LinuxCNC: as fast as possible): that of the machine holds"
+    )]
+    NoTolerance { source_words: String },
+    #[error("the tolerance of {source_words} is not known: that of the machine holds; set {keys}")]
+    UnknownLevel { source_words: String, keys: &'static str },
+    #[error("{source_words} is no level of the control: left out")]
+    BadLevel { source_words: String },
+    #[error(
+        "{source_words} switches the control's look-ahead: it sets no tolerance, and look-ahead is taken as the machine has it"
+    )]
+    LookAhead { source_words: String },
+}
+
+impl PathRemark {
+    pub(super) fn severity(&self) -> Severity {
+        match self {
+            PathRemark::BadTolerance { .. } | PathRemark::BadLevel { .. } => Severity::Error,
+            PathRemark::NaiveCam | PathRemark::UnknownLevel { .. } => Severity::Warning,
+            PathRemark::NoTolerance { .. } | PathRemark::LookAhead { .. } => Severity::Info,
+        }
+    }
+
+    pub(super) fn is_said_once(&self) -> bool {
+        !matches!(self, PathRemark::BadTolerance { .. } | PathRemark::BadLevel { .. })
+    }
+}
+
+/// For every dialect. `place` is where the words stand, `source` the words as people write them;
+/// lengths are in mm.
+impl Tracer<'_> {
+    /// A word of the group of G61 and G64 (G60, G641, G642 …): exact stop, or none from here on and
+    /// this instead. A plain G64 takes it back.
+    pub(super) fn set_path_mode(&mut self, place: Place, source: String, blending: Blending) {
+        if blending == Blending::ExactStop {
+            self.path_mode.exact_stop = Some(source);
+        } else {
+            self.path_mode.exact_stop = None;
+            self.keep(place, blending, source, Keeper::Group);
+        }
+        self.note_path_mode(place.line);
+    }
+
+    /// A word that sets a tolerance of its own (G187, CYCLE832, cycle 32), which stays through exact
+    /// stop and G64; [`Blending::Machine`] takes it back.
+    pub(super) fn set_tolerance(&mut self, place: Place, source: String, blending: Blending) {
+        self.keep(place, blending, source, Keeper::Own);
+        self.note_path_mode(place.line);
+    }
+
+    /// A word that ends exact stop and says nothing about tolerances (a plain G64): what a word of
+    /// the same group set is taken back, a tolerance by any other word holds on.
+    pub(super) fn set_continuous_path(&mut self, place: Place, source: String) {
+        self.path_mode.exact_stop = None;
+        if matches!(self.path_mode.tolerance, Some((_, _, Keeper::Group)) | None) {
+            if let Some((Blending::Within(_) | Blending::Distance(_), ..)) = self.path_mode.tolerance {
+                self.remark_on_path(place, PathRemark::NoTolerance { source_words: source.clone() });
+            }
+            self.path_mode.tolerance = Some((Blending::Machine, source, Keeper::Group));
+        }
+        self.note_path_mode(place.line);
+    }
+
+    fn keep(&mut self, place: Place, blending: Blending, source: String, keeper: Keeper) {
+        let blending = match blending {
+            Blending::Within(value) | Blending::Distance(value) if !LENGTHS.contains(&value) => {
+                let remark = PathRemark::BadTolerance { source_words: source.clone(), value };
+                self.remark_on_path(place, remark);
+                Blending::Machine
+            }
+            _ => blending,
+        };
+        self.path_mode.tolerance = Some((blending, source, keeper));
+    }
+
+    /// Puts down what is in force from the next segment on, where that is another mode.
+    fn note_path_mode(&mut self, line: LineNumber) {
+        let (blending, source) = match (&self.path_mode.exact_stop, &self.path_mode.tolerance) {
+            (Some(source), _) => (Blending::ExactStop, source.as_str()),
+            (None, Some((blending, source, _))) => (*blending, source.as_str()),
+            (None, None) => (Blending::Machine, ""),
+        };
+        let from = self.toolpath.segments.len();
+        let modes = &mut self.toolpath.path_modes;
+        modes.pop_if(|last| last.from == from);
+        let is_in_force = match modes.last() {
+            Some(last) => last.blending == blending && last.source == source,
+            None => blending == Blending::Machine,
+        };
+        if !is_in_force {
+            modes.push(PathMode { from, line, source: source.to_string(), blending });
+        }
+    }
+
+    fn remark_on_path(&mut self, place: Place, remark: PathRemark) {
+        self.remarks.add(place, Untraced::PathMode(remark));
+    }
+}
+
+/// The words of ISO dialects.
+impl Tracer<'_> {
+    /// Runs a path word of the block; false where the word is another control's, with the axis words
+    /// of the block as its own. `owns_p` is false where another word of the block takes P.
+    pub(super) fn path_word(&mut self, place: Place, word: PathWord, code: Code, owns_p: bool) -> bool {
+        match word {
+            PathWord::ExactStop => self.set_path_mode(place, code.to_string(), Blending::ExactStop),
+            PathWord::Continuous => self.continuous(place, code, owns_p),
+            PathWord::Smoothness => self.smoothness(place, code),
+            // With axis words G5 and G5.1 are splines of LinuxCNC, or name the axes to be smoothed.
+            PathWord::ContourControl | PathWord::LookAhead
+                if self.given.has(AXIS_WORDS | CENTER_WORDS) && !self.given.has(bits(b"Q")) =>
+            {
+                return false;
+            }
+            PathWord::ContourControl => self.contour_control(place, code),
+            PathWord::LookAhead => {
+                let p = self.given.take(b'P');
+                self.remark_on_path(place, PathRemark::LookAhead { source_words: words(code, 'P', p) });
+            }
+        }
+        true
+    }
+
+    /// G64, G64 P Q.
+    fn continuous(&mut self, place: Place, code: Code, owns_p: bool) {
+        let p = if owns_p { self.given.take(b'P') } else { None };
+        let q = if owns_p { self.given.take(b'Q') } else { None };
+        match p {
+            Some(p) if p != 0.0 => {
+                self.set_path_mode(place, words(code, 'P', Some(p)), Blending::Within(p * self.modal.unit));
+                if q != Some(0.0) {
+                    self.remark_on_path(place, PathRemark::NaiveCam);
+                }
+            }
+            _ => self.set_continuous_path(place, words(code, 'P', p)),
+        }
+    }
+
+    /// G187 P E.
+    fn smoothness(&mut self, place: Place, code: Code) {
+        let (level, rounding) = (self.given.take(b'P'), self.given.take(b'E'));
+        let levels = &self.machine.path_modes;
+        let source = words(code, 'P', level);
+        let blending = match (level, rounding) {
+            (_, Some(0.0)) => Blending::ExactStop,
+            (_, Some(rounding)) => Blending::Within(rounding * self.modal.unit),
+            (None, None) => Blending::Machine,
+            (Some(level), None) => {
+                let known = match level {
+                    1.0 => (levels.rough, "path_modes.rough_mm"),
+                    2.0 => (levels.medium, "path_modes.medium_mm"),
+                    3.0 => (levels.finish, "path_modes.finish_mm"),
+                    _ => return self.remark_on_path(place, PathRemark::BadLevel { source_words: source }),
+                };
+                self.level(place, &source, known)
+            }
+        };
+        let source = if rounding.is_some() { words(code, 'E', rounding) } else { source };
+        self.set_tolerance(place, source, blending);
+    }
+
+    /// G5.1 Q R.
+    fn contour_control(&mut self, place: Place, code: Code) {
+        let (q, level) = (self.given.take(b'Q'), self.given.take(b'R'));
+        let levels = &self.machine.path_modes;
+        let Some(level) = level.filter(|_| q != Some(0.0)) else {
+            if q == Some(0.0) {
+                self.set_tolerance(place, words(code, 'Q', q), Blending::Machine);
+            }
+            return self.remark_on_path(place, PathRemark::LookAhead { source_words: words(code, 'Q', q) });
+        };
+        let source = format!("{} R{level}", words(code, 'Q', q));
+        if !(1.0..=10.0).contains(&level) {
+            return self.remark_on_path(place, PathRemark::BadLevel { source_words: source });
+        }
+        let between = |(first, last): (f64, f64)| first + (last - first) * (level - 1.0) / 9.0;
+        let known = levels.level_1.zip(levels.level_10).map(between);
+        let blending =
+            self.level(place, &source, (known, "path_modes.level_1_mm and path_modes.level_10_mm"));
+        self.set_tolerance(place, source, blending);
+    }
+
+    /// The tolerance of a level of the control, where the machine file says it.
+    fn level(&mut self, place: Place, source: &str, known: (Option<f64>, &'static str)) -> Blending {
+        known.0.map_or_else(
+            || {
+                let remark = PathRemark::UnknownLevel { source_words: source.to_string(), keys: known.1 };
+                self.remark_on_path(place, remark);
+                Blending::Machine
+            },
+            Blending::Within,
+        )
+    }
+}
+
+/// A G word with the word beside it, where there is one.
+fn words(code: Code, letter: char, value: Option<f64>) -> String {
+    value.map_or_else(|| code.to_string(), |value| format!("{code} {letter}{value}"))
+}

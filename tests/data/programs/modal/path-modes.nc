@@ -1,0 +1,30 @@
+(Tolerances as LinuxCNC programs set them)
+G21 G17 G90 G94 G64
+G0 X0 Y0
+G1 F1000 X10
+G64 P0.05
+Y10
+G64 P0.01 Q0.005
+X0
+G61 (stops keep the tolerance)
+Y0
+G9 X10
+G64
+X20
+G64 P0
+X30
+G20
+G64 P0.001
+X2
+G21 G64 P0.0254
+X60
+G4 P0.5 G64 (the P is the dwell's)
+X70
+G64 P50
+X80
+G64 P0.02
+G61.1
+G64 P0.03
+X90
+G64 P0.04
+M2
