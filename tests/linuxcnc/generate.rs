@@ -151,7 +151,8 @@ impl Writer {
     /// A number as written: now and then as an expression of the same value.
     fn written(&mut self, value: f64) -> String {
         // Five decimals bring arcs onto their circle well within what LinuxCNC tolerates.
-        let value = (1e5 * value).round() / 1e5;
+        // Adding zero takes the sign of a negative one away.
+        let value = rounded(value) + 0.0;
         match self.random.below(14) {
             0 => format!("[{} + {}]", value - 2.5, 2.5),
             1 => format!("[{value} * [3 - 2]]"),
@@ -285,7 +286,12 @@ impl Writer {
             if hole == 0 {
                 write!(text, "{back} G{code} {}{bottom} R{retract} ", AXES[normal]).expect("text grows");
                 match code {
-                    73 | 83 => write!(text, "Q{} ", self.number(1.0, 9.0, 2).max(0.02)),
+                    // Where the depth is a whole number of pecks, LinuxCNC makes one more or not,
+                    // as its sum of pecks happens to be rounded.
+                    73 | 83 => {
+                        let pecks = self.random.below(6) as f64 + self.random.between(0.3, 0.7);
+                        write!(text, "Q{} ", rounded((retract - bottom) / pecks))
+                    }
                     82 | 86 | 89 => write!(text, "P{} ", self.random.below(10) as f64 / 10.0),
                     _ => Ok(()),
                 }
