@@ -102,7 +102,7 @@
  * @property {string} key
  * @property {string} label
  * @property {string} doc
- * @property {"number" | "list" | "choice" | "flag" | "text" | "codes"} kind
+ * @property {"number" | "list" | "choice" | "flag" | "text" | "codes" | "tools"} kind
  * @property {string | null} unit
  * @property {number | null} min
  * @property {number | null} max

@@ -14,7 +14,9 @@ mod tolerance;
 
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
+use std::collections::BTreeMap;
 pub use times::{Direction, Function, Spin, SpindleTimes, Times};
+
 pub use tolerance::{
     ToleranceError, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label,
 };
@@ -47,6 +49,8 @@ pub struct Machine {
     pub cycles: Cycles,
     /// Times that are not motion.
     pub times: Times,
+    /// The tools it holds, by number; neutral none.
+    pub tools: BTreeMap<u32, Tool>,
     /// What an hour costs.
     pub rates: Rates,
 }
@@ -197,6 +201,13 @@ pub struct Cycles {
     pub peck_clearance: Option<f64>,
 }
 
+/// A tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tool {
+    /// Diameter of the circle it cuts, mm.
+    pub diameter: f64,
+}
+
 /// What the machine costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
@@ -233,6 +244,7 @@ impl Default for Machine {
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
             cycles: Cycles { peck_retract: None, peck_clearance: None },
             times: Times::default(),
+            tools: BTreeMap::new(),
             rates: Rates { hourly: 0.0 },
         }
     }

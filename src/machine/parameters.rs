@@ -89,6 +89,8 @@ pub enum Access {
         /// The same, to be changed.
         get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
     },
+    /// The tool table: diameters in mm by tool number.
+    Tools,
 }
 
 /// The row with this key.
@@ -266,7 +268,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 22] = [
+const GENERAL: [Parameter; 23] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -502,6 +504,12 @@ const GENERAL: [Parameter; 22] = [
             |m| m.cycles.peck_clearance,
             |m, v| m.cycles.peck_clearance = v,
         ),
+    },
+    Parameter {
+        key: "tools",
+        label: "Tool diameters",
+        doc: "Diameter in mm by tool number, for example 5 = 10.0; cutter compensation (G41, G42) needs it.",
+        access: Access::Tools,
     },
     Parameter {
         key: "rates.hourly",

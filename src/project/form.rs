@@ -21,7 +21,7 @@ struct Field {
     key: &'static str,
     label: &'static str,
     doc: &'static str,
-    /// `number`, `list`, `choice`, `flag`, `text` or `codes`.
+    /// `number`, `list`, `choice`, `flag`, `text`, `codes` or `tools`.
     kind: &'static str,
     unit: Option<&'static str>,
     min: Option<f64>,
@@ -72,6 +72,7 @@ pub fn form() -> String {
             Access::Flag { .. } => Field { kind: "flag", ..empty },
             Access::Text { .. } => Field { kind: "text", ..empty },
             Access::Codes { .. } => Field { kind: "codes", ..empty },
+            Access::Tools => Field { kind: "tools", unit: Some("mm"), ..empty },
         }
     });
     let presets = presets().into_iter().map(|preset| Preset {
@@ -92,7 +93,7 @@ fn values(machine: &Machine) -> Map<String, Value> {
             Some(Written::Text(text)) => Value::from(text),
             Some(Written::Flag(flag)) => Value::from(flag),
             Some(Written::List(values)) => Value::from(values),
-            Some(Written::Codes(codes)) => {
+            Some(Written::Codes(codes) | Written::Tools(codes)) => {
                 Value::from_iter(codes.into_iter().map(|(code, seconds)| (code, Value::from(seconds))))
             }
         };

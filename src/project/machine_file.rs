@@ -58,6 +58,13 @@ pub fn toml_from_machine(machine: &Machine) -> String {
         if !needed && written(&neutral, row).as_ref() == Some(&value) {
             continue;
         }
+        if let Written::Tools(tools) = &value {
+            for (number, diameter) in tools {
+                text += &format!("\n[tools.{number}]\n{DIAMETER} = {}\n", toml::Value::Float(*diameter));
+            }
+            table = row.key;
+            continue;
+        }
         let (own_table, key) = row.key.rsplit_once('.').unwrap_or(("", row.key));
         if own_table != table {
             text += &format!("\n[{own_table}]\n");
@@ -89,6 +96,7 @@ fn toml_value(value: &Written) -> String {
             let entries = codes.iter().map(|(code, seconds)| format!("{code} = {}", number(seconds)));
             format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
         }
+        Written::Tools(_) => unreachable!("tools are written as tables of their own"),
         Written::Empty => unreachable!("an empty value is never read from a machine"),
     }
 }
@@ -101,6 +109,32 @@ fn place(text: &str, byte: usize) -> (usize, usize) {
 }
 
 type Entry = (String, Range<usize>, Written);
+
+/// What a tool says of itself.
+const DIAMETER: &str = "diameter_mm";
+
+/// The tool table, `[tools.5]` and so on.
+fn tools(table: &DeTable) -> Result<Written, (Range<usize>, String, String)> {
+    let mut tools = Vec::new();
+    for (number, tool) in table {
+        let key = format!("tools.{}", number.get_ref());
+        let DeValue::Table(tool) = tool.get_ref() else {
+            let message = format!("expected a table, [{key}], with {DIAMETER}");
+            return Err((tool.span(), key, message));
+        };
+        for (name, value) in tool {
+            let key = format!("{key}.{}", name.get_ref());
+            if name.get_ref() != DIAMETER {
+                let message =
+                    format!("unknown key; the nearest known one is tools.{}.{DIAMETER}", number.get_ref());
+                return Err((name.span(), key, message));
+            }
+            let diameter = self::number(value).map_err(|message| (value.span(), key, message.to_string()))?;
+            tools.push((number.get_ref().to_string(), diameter));
+        }
+    }
+    Ok(Written::Tools(tools))
+}
 
 /// All keys of a table with dotted names; tables that are values stay whole.
 fn collect(
@@ -117,6 +151,7 @@ fn collect(
         let is_prefix =
             PARAMETERS.iter().any(|row| row.key.strip_prefix(&key).is_some_and(|rest| rest.starts_with('.')));
         match value.get_ref() {
+            DeValue::Table(inner) if key == "tools" => entries.push((key, value.span(), tools(inner)?)),
             DeValue::Table(inner) if is_prefix => collect(inner, &key, entries)?,
             _ => {
                 known_parameter(&key).map_err(|fault| (name.span(), key.clone(), fault.message))?;
@@ -156,7 +191,7 @@ fn number(value: &Spanned<DeValue>) -> Result<f64, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{Mode, SpindleTimes, TimeConstants};
+    use crate::machine::{Mode, SpindleTimes, TimeConstants, Tool};
 
     const SMALL: &str = r#"
 name = "DMG Mori eVo 40, TNC640"
@@ -200,6 +235,7 @@ tool_change_s = 4.0
         machine.times.spindle = SpindleTimes { start: Some(1.5), stop: None, ramp: 2.5e-4 };
         machine.times.pallet_words = vec![60, 150];
         machine.times.takes_optional_stop = true;
+        machine.tools = [(5, Tool { diameter: 10.0 }), (12, Tool { diameter: 6.35 })].into();
         machine.name = "a \"quoted\" name\nin two lines".to_string();
         assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine));
     }
@@ -258,6 +294,23 @@ tool_change_s = 4.0
         assert_eq!(
             fault(&SMALL.replace("[times]", "time_constant_s = 0.05\nmax_jerk_mm_s3 = 50000\n[times]")),
             "rapid.max_jerk_mm_s3: give either this or rapid.time_constant_s"
+        );
+        let tool = |line: &str| fault(&format!("{SMALL}[tools.5]\n{line}"));
+        assert_eq!(
+            tool("diameter = 10.0"),
+            "line 13, column 1: tools.5.diameter: unknown key; the nearest known one is tools.5.diameter_mm"
+        );
+        assert_eq!(
+            tool("diameter_mm = 1e9"),
+            "line 12, column 2: tools: 1000000000 is outside -1000 to 1000 mm"
+        );
+        assert_eq!(
+            fault(&format!("{SMALL}[tools]\n5 = 10.0")),
+            "line 13, column 5: tools.5: expected a table, [tools.5], with diameter_mm"
+        );
+        assert_eq!(
+            fault(&format!("{SMALL}[tools.mill]\ndiameter_mm = 10.0")),
+            "line 12, column 2: tools: mill is not a tool number such as 5"
         );
         assert!(fault("name = ").starts_with("line 1, column 8: "));
         assert!(

@@ -12,7 +12,7 @@ pub use form::{faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};
 
-use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, parameter};
+use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, Tool, parameter};
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
 const REQUIRED: [&str; 4] =
@@ -48,6 +48,8 @@ enum Written {
     Flag(bool),
     List(Vec<f64>),
     Codes(Vec<(String, f64)>),
+    /// Diameters by tool number.
+    Tools(Vec<(String, f64)>),
     /// The field was left empty.
     Empty,
 }
@@ -130,6 +132,19 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
                 table.insert(number, seconds);
             }
         }
+        // A form does not tell one table of numbers from another.
+        (Access::Tools, Written::Tools(tools) | Written::Codes(tools)) => {
+            machine.tools.clear();
+            for (tool, diameter) in tools {
+                let Ok(number) = tool.parse() else {
+                    return Err(Fault::at_key(key, format!("{tool} is not a tool number such as 5")));
+                };
+                within(diameter, -1000.0, 1000.0, "mm")?;
+                machine.tools.insert(number, Tool { diameter });
+            }
+        }
+        (Access::Tools, Written::Empty) => machine.tools.clear(),
+        (Access::Tools, _) => return expected("a table of diameters by tool number".to_string()),
         (Access::Codes { get_mut, .. }, Written::Empty) => get_mut(machine).clear(),
         (Access::Codes { letter, .. }, _) => {
             return expected(format!("a table of seconds by word, such as {letter}3 = 4.0"));
@@ -149,6 +164,11 @@ fn written(machine: &Machine, row: &Parameter) -> Option<Written> {
         Access::Choice { get, .. } => Some(Written::Text(get(machine).to_string())),
         Access::Flag { get, .. } => Some(Written::Flag(get(machine))),
         Access::Text { get, .. } => Some(Written::Text(get(machine).to_string())),
+        Access::Tools if machine.tools.is_empty() => None,
+        Access::Tools => {
+            let tools = machine.tools.iter().map(|(number, tool)| (number.to_string(), tool.diameter));
+            Some(Written::Tools(tools.collect()))
+        }
         Access::Codes { get, .. } if get(machine).is_empty() => None,
         Access::Codes { letter, get, .. } => {
             let codes = get(machine).iter().map(|(code, seconds)| (format!("{letter}{code}"), *seconds));

@@ -28,7 +28,8 @@ fn blending(random: &mut Random) -> Blending {
 
 /// Some modes along a path of `count` segments.
 fn modes(random: &mut Random, count: usize) -> Vec<PathMode> {
-    (0..count).filter_map(|from| random.chance(0.3).then(|| mode(from, blending(random)))).collect()
+    let from: Vec<usize> = (0..count).filter(|_| random.chance(0.3)).collect();
+    from.into_iter().map(|from| mode(from, blending(random))).collect()
 }
 
 fn time(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> f64 {
@@ -112,8 +113,8 @@ fn isolated_corners_take_the_tolerance_that_holds_there() {
         toolpath.path_modes = modes(&mut random, 8);
         let plan = plan(&toolpath, &machine, Rule::Programmed);
         let errors = contour_errors(&toolpath, &plan, &Profile::new(&toolpath, &plan));
-        let bounds: Vec<_> = Tolerances::Programmed.bounds(&toolpath, &machine).collect();
-        for corner in 0..7 {
+        let bounds = Tolerances::Programmed.bounds(&toolpath, &machine);
+        for (corner, bound) in bounds.enumerate().take(7) {
             // What holds by the modes as listed, without going along them.
             let allowed = [corner, corner + 1].map(|segment| {
                 let in_force = toolpath.path_modes.iter().rfind(|mode| mode.from <= segment);
@@ -127,7 +128,7 @@ fn isolated_corners_take_the_tolerance_that_holds_there() {
                 }
             });
             let allowed = allowed[0].min(allowed[1]);
-            assert_eq!(bounds[corner].corner, allowed, "case {case}, corner {corner}");
+            assert_eq!(bound.corner, allowed, "case {case}, corner {corner}");
             let error = errors.corner[corner];
             assert!(error <= allowed * (1.0 + 1e-6), "case {case}, corner {corner}: {error} of {allowed} mm");
             let slower = plan.segment_feedrates[corner].min(plan.segment_feedrates[corner + 1]);

@@ -121,7 +121,7 @@ function typed(kind, control) {
   if (written === '') return null
   if (kind === 'number') return numberOr(written)
   if (kind === 'list') return /** @type {number[]} */ (written.split(/[;\s]+|,\s+/).map(numberOr))
-  if (kind === 'codes') {
+  if (kind === 'codes' || kind === 'tools') {
     const pairs = written.split(/[;,]/).map((pair) => pair.split('=').map((part) => part.trim()))
     return /** @type {Record<string, number>} */ (
       Object.fromEntries(pairs.filter(([code]) => code).map(([code, time]) => [code, numberOr(time ?? '')]))

@@ -65,6 +65,8 @@ addresses! {
     TOOL_LENGTH = 149 "L",
     /// Length of approach or departure.
     APPROACH_LENGTH = 150 "LEN",
+    /// Rotation in the plane in force.
+    PLANE_ANGLE = 165 "RPL",
     /// Repetitions.
     REPETITIONS = 151 "REP",
 }

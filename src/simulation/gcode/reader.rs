@@ -48,7 +48,7 @@ pub fn read_with(bytes: &[u8], options: &Options) -> Program {
 pub(super) type Refusal = (Unread, (u32, u32));
 
 /// The most comments that are kept, and the longest, in characters.
-const MOST_COMMENTS: usize = 20_000;
+pub(super) const MOST_COMMENTS: usize = 20_000;
 const LONGEST_COMMENT: usize = 80;
 
 /// The most texts that are kept; a text more is taken as the last one.

@@ -25,10 +25,10 @@ pub use names::STATEMENTS;
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, character_length, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
-use crate::simulation::gcode::reader::{Reader, Refusal};
+use crate::simulation::gcode::reader::{MOST_COMMENTS, Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, statement};
-use crate::simulation::gcode::{Action, LabelKind, Reference, Target, Word, address};
+use crate::simulation::gcode::{Action, Comment, LabelKind, Reference, Target, Word, address};
 
 impl Reader<'_> {
     /// Reads one line of a SINUMERIK program.
@@ -102,8 +102,15 @@ impl Reader<'_> {
             self.siemens_label(name);
             return Ok(end + 1);
         }
-        let is_word = name[0].is_ascii_alphabetic() && name[1..].iter().all(u8::is_ascii_digit);
-        if is_word && !is_assigned && !(name[0].eq_ignore_ascii_case(&b'R') && 1 < length) {
+        let is_digits = |text: &[u8]| text.iter().all(u8::is_ascii_digit);
+        let is_number = |text: &[u8]| {
+            let exponent = text.windows(2).position(|two| two.eq_ignore_ascii_case(b"EX"));
+            exponent
+                .map_or(is_digits(text), |at| 0 < at && is_digits(&text[..at]) && is_digits(&text[at + 2..]))
+        };
+        let is_word = name[0].is_ascii_alphabetic() && is_number(&name[1..]);
+        let is_parameter = name[0].eq_ignore_ascii_case(&b'R');
+        if is_word && !is_assigned && !is_parameter && text.get(end) != Some(&b'[') {
             return self.siemens_word(text, at, line);
         }
         line.begun = true;
@@ -182,6 +189,7 @@ impl Reader<'_> {
                 self.text(String::from_utf8_lossy(&text[start + 1..end.max(start + 2) - 1]).into_owned());
             let columns = line.columns(at, end);
             if address == Some(b'T') {
+                self.name(index, false);
                 self.push_word(address::TOOL_NAME, f64::from(index), columns);
             }
             return Ok(end);
@@ -321,6 +329,9 @@ impl Reader<'_> {
                     let index =
                         self.text(String::from_utf8_lossy(&text[at + 1..end.max(at + 2) - 1]).into_owned());
                     self.argument(argument, f64::from(index), line.columns(at, end));
+                    if name == b"MSG" {
+                        self.name(index, true);
+                    }
                     at = end;
                 }
                 Some(_) => {
@@ -341,6 +352,18 @@ impl Reader<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Keeps a text as the name of an operation or of a tool.
+    fn name(&mut self, index: u32, is_alone: bool) {
+        let text = self.program.texts.get(index as usize).cloned().unwrap_or_default();
+        if self.program.comments.len() < MOST_COMMENTS && !text.trim().is_empty() {
+            self.program.comments.push(Comment {
+                line: self.line,
+                text: text.chars().take(80).collect(),
+                is_alone,
+            });
         }
     }
 
@@ -406,6 +429,3 @@ fn exponent(text: &[u8], value: f64, end: usize) -> (f64, usize) {
         _ => (value, end),
     }
 }
-
-#[cfg(test)]
-mod tests;

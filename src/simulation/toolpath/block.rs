@@ -1,6 +1,6 @@
 //! One block as the tracer takes it: its words, and their values by letter.
 
-use crate::simulation::gcode::{LineNumber, Place, Word, address};
+use crate::simulation::gcode::{LineNumber, Place, Reference, Word, address};
 
 /// The block being run.
 #[derive(Clone, Copy)]
@@ -29,6 +29,9 @@ impl Block<'_> {
 pub(super) struct Given {
     /// One bit an address.
     addresses: u64,
+    /// Those whose words say themselves what they count from.
+    absolute: u64,
+    incremental: u64,
     values: [f64; 64],
 }
 
@@ -50,7 +53,7 @@ const fn slot(address: u8) -> usize {
 impl Given {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        self.addresses = 0;
+        (self.addresses, self.absolute, self.incremental) = (0, 0, 0);
     }
 
     /// Takes in a word; arguments of a call are not kept by address.
@@ -73,6 +76,21 @@ impl Given {
         value
     }
 
+    /// Notes what the word of an address counts from.
+    pub(super) fn refer(&mut self, address: u8, reference: Reference) {
+        match reference {
+            Reference::Modal => {}
+            Reference::Absolute => self.absolute |= bits(&[address]),
+            Reference::Incremental => self.incremental |= bits(&[address]),
+        }
+    }
+
+    /// What its value counts from, where `is_incremental` is in force.
+    pub(super) fn is_incremental(&self, address: u8, is_incremental: bool) -> bool {
+        let own = bits(&[address]);
+        (is_incremental || self.incremental & own != 0) && self.absolute & own == 0
+    }
+
     /// Whether any of the addresses is given.
     pub(super) fn has(&self, addresses: u64) -> bool {
         self.addresses & addresses != 0
@@ -81,10 +99,11 @@ impl Given {
 
 impl Default for Given {
     fn default() -> Given {
-        Given { addresses: 0, values: [0.0; 64] }
+        Given { addresses: 0, absolute: 0, incremental: 0, values: [0.0; 64] }
     }
 }
 
 pub(super) const AXIS_WORDS: u64 = bits(&[b'X', b'Y', b'Z', address::POLAR_RADIUS, address::POLAR_ANGLE]);
 pub(super) const CENTER_WORDS: u64 = bits(b"IJK");
 pub(super) const UNMODELLED_WORDS: u64 = bits(b"EUVW");
+pub(super) const POLAR_WORDS: u64 = bits(&[address::POLAR_RADIUS, address::POLAR_ANGLE]);

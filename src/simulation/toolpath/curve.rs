@@ -12,6 +12,7 @@
 //! arc length; the difference is of the order |r1 − r0| / r0.
 
 use crate::simulation::toolpath::{Point, Segment, Vector};
+use std::f64::consts::TAU;
 
 /// Line or helix.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,51 @@ pub struct Arc {
 }
 
 impl Arc {
+    /// The arc from `start` over `middle` to `end`, mm; none where they lie on one line.
+    pub(super) fn through(start: Point, middle: Point, end: Point) -> Option<Arc> {
+        let (to_middle, to_end) = (middle - start, end - start);
+        let normal = to_middle.cross(&to_end);
+        let doubled = 2.0 * normal.norm_squared();
+        // Three points on one line, by the rounding of programmed numbers, have no circle.
+        if doubled <= 1e-18 * to_middle.norm_squared() * to_end.norm_squared() || doubled == 0.0 {
+            return None;
+        }
+        let toward =
+            (to_middle.norm_squared() * to_end - to_end.norm_squared() * to_middle).cross(&normal) / -doubled;
+        let center = start - toward;
+        let (radius, e1) = (toward.norm(), toward.normalize());
+        let e2 = normal.normalize().cross(&e1);
+        let across = end - center;
+        let angle = across.dot(&e2).atan2(across.dot(&e1));
+        let sweep = if angle <= 0.0 { angle + TAU } else { angle };
+        Some(Arc { center, e1, e2, start_radius: radius, end_radius: radius, sweep, rise: Vector::zeros() })
+    }
+
+    /// The arc that leaves `start` along `direction` and ends at `end`, in the plane with this
+    /// `normal` axis, rising along it; none where it would be a line.
+    pub(super) fn along(start: Point, direction: Vector, end: Point, normal: usize) -> Option<Arc> {
+        let mut rise = Vector::zeros();
+        rise[normal] = end[normal] - start[normal];
+        let chord = end - start - rise;
+        let mut heading = direction;
+        heading[normal] = 0.0;
+        let heading = heading.try_normalize(1e-9)?;
+        let aside = chord - heading * chord.dot(&heading);
+        let side = aside.try_normalize(1e-9 * chord.norm().max(1e-6))?;
+        let radius = chord.norm_squared() / (2.0 * chord.dot(&side));
+        let center = start + radius * side;
+        let angle = 2.0 * chord.dot(&side).atan2(chord.dot(&heading));
+        Some(Arc {
+            center,
+            e1: -side,
+            e2: heading,
+            start_radius: radius,
+            end_radius: radius,
+            sweep: angle,
+            rise,
+        })
+    }
+
     /// Length along the helix at the mean radius, mm.
     pub fn length(&self) -> f64 {
         (self.sweep * self.mean_radius()).hypot(self.rise.norm())

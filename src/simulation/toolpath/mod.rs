@@ -26,8 +26,8 @@
 //! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
 //!   F holds along X, Y and Z, or on Fanuc controls along all axes.
 //! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
-//! - Cutter compensation, tilted planes (G68.2) and cylindrical or polar interpolation are not
-//!   applied. Each says so.
+//! - Corner treatments and cutter compensation are in the compensation module.
+//! - Tilted planes (G68.2) and cylindrical or polar interpolation are not applied. Each says so.
 //!
 //! Where controls read a word in two ways, the dialect decides: Fanuc for ISO programs and Okuma's,
 //! RS274/NGC and LinuxCNC for the others.
@@ -35,6 +35,7 @@
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod block;
+mod compensation;
 mod control;
 mod curve;
 mod cycle;
@@ -51,6 +52,7 @@ mod random;
 mod remark;
 mod rotary;
 mod run;
+mod siemens;
 mod trace;
 mod words;
 

@@ -1,13 +1,14 @@
 //! What a block does with its axis words: dwells, shifts of coordinates and moves.
 
 use crate::machine::AXES;
-use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
+use crate::simulation::gcode::{Dialect, address};
+use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, POLAR_WORDS, bits};
 use crate::simulation::toolpath::plane::{Turn, tolerated_difference};
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::ROTARY_WORDS;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::words::{Mode, Special};
-use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause};
+use crate::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, StopCause};
 
 /// Feedrate of feed moves before the first F, mm/s: 1000 mm/min.
 pub const ASSUMED_FEEDRATE: f64 = 1000.0 / 60.0;
@@ -28,13 +29,16 @@ impl Tracer<'_> {
     pub(super) fn special(&mut self, block: Block, special: Special, code: Code) {
         match special {
             Special::Dwell => self.dwell(block, code),
-            Special::Reference => self.reference(block),
-            Special::MachineCoordinates => self.machine_coordinates(block),
+            Special::Reference => self.uncompensated(|tracer| tracer.reference(block)),
+            Special::MachineCoordinates => self.uncompensated(|tracer| tracer.machine_coordinates(block)),
             _ => self.change_frame(block, special, code),
         }
     }
 
     fn dwell(&mut self, block: Block, code: Code) {
+        if has_dwell_by_feed(self.dialect) && !self.given.has(bits(b"P")) {
+            return self.dwell_by_feed(block);
+        }
         let given_as = |letter: u8| block.words.iter().rfind(|word| word.letter == letter);
         let Some(word) = given_as(b'P').or(given_as(b'X')).or(given_as(b'U')) else {
             self.remarks.add(block.place(), Untraced::NoDwellTime);
@@ -107,7 +111,7 @@ impl Tracer<'_> {
 
     /// The move of a block, where it has one.
     pub(super) fn motion(&mut self, block: Block, has_motion_word: bool) {
-        let has_axis_words = self.given.has(AXIS_WORDS);
+        let has_axis_words = self.given.has(AXIS_WORDS | POLAR_WORDS);
         if self.cycle.is_active() {
             self.hole(block);
             return;
@@ -183,16 +187,21 @@ impl Tracer<'_> {
                 if tolerated_difference(start) < (start - end_radius).abs() {
                     self.remarks.add(block.place(), Untraced::UnequalRadii { start, end: end_radius });
                 }
-                let length = arc.length();
-                let feedrate = self.feedrate_along(block, length);
-                let feedrate = self.linear_share(block, length, feedrate);
-                self.push(block, end, Curve::Arc(Box::new(arc)), length, Motion::Feed { feedrate });
+                self.feed_along(block, end, arc);
             }
             Err(no_circle) => {
                 self.remarks.add(block.place(), no_circle);
                 self.feed_to(block, end);
             }
         }
+    }
+
+    /// Along an arc in feed.
+    pub(super) fn feed_along(&mut self, block: Block, end: Point, arc: Arc) {
+        let length = arc.length();
+        let feedrate = self.feedrate_along(block, length);
+        let feedrate = self.linear_share(block, length, feedrate);
+        self.push(block, end, Curve::Arc(Box::new(arc)), length, Motion::Feed { feedrate });
     }
 
     /// The centre by R, or by two of I, J and K; one that is left out is that of the start.
@@ -205,7 +214,7 @@ impl Tracer<'_> {
         let [a, b, _] = self.modal.plane.axes();
         let axes = [(a, self.given.get(b"IJK"[a])), (b, self.given.get(b"IJK"[b]))];
         let has_center = axes.iter().any(|(_, value)| value.is_some());
-        if let Some(radius) = self.given.get(b'R') {
+        if let Some(radius) = self.given.get(b'R').or(self.siemens_radius(ends)) {
             if has_center {
                 self.remarks.add(block.place(), Untraced::RadiusAndCenter);
             }
@@ -217,7 +226,7 @@ impl Tracer<'_> {
         let mut center = ends.0;
         for (axis, value) in axes {
             let Some(value) = value.map(|value| value * self.modal.unit) else { continue };
-            center[axis] = match self.modal.has_incremental_center {
+            center[axis] = match self.given.is_incremental(b"IJK"[axis], self.modal.has_incremental_center) {
                 true => ends.0[axis] + value,
                 false if self.frame.turned().is_some() => value,
                 false => self.frame.coordinate(axis, value),
@@ -228,7 +237,8 @@ impl Tracer<'_> {
 
     /// P of an arc.
     fn turns(&mut self, block: Block) -> u32 {
-        match self.given.get(b'P') {
+        let further = self.given.get(address::TURNS).map(|value| value + 1.0);
+        match self.given.get(b'P').or(further) {
             Some(value) if (1.0..=MOST_TURNS).contains(&value) && value.fract() == 0.0 => value as u32,
             Some(value) => {
                 self.remarks.add(block.place_of_letter(b'P'), Untraced::BadTurns { value });
@@ -243,9 +253,9 @@ impl Tracer<'_> {
         self.push(block, end, Curve::Line, length, Motion::Rapid);
     }
 
-    fn feed_to(&mut self, block: Block, end: Point) {
+    pub(super) fn feed_to(&mut self, block: Block, end: Point) {
         let length = (end - self.position).norm();
-        if SHORTEST <= length {
+        if SHORTEST <= length || self.contour.is_beside() {
             let feedrate = self.feedrate_along(block, length);
             let feedrate = self.linear_share(block, length, feedrate);
             self.push(block, end, Curve::Line, length, Motion::Feed { feedrate });
@@ -253,14 +263,20 @@ impl Tracer<'_> {
     }
 
     pub(super) fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
-        if length < SHORTEST {
+        if length < SHORTEST && !self.contour.is_beside() {
             self.turn_alone(block, motion == Motion::Rapid);
             return;
         }
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
         let rotation = self.turned_along();
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, line };
-        self.toolpath.segments.push(segment);
+        self.contour.take(segment, self.modal.plane, &mut self.toolpath);
+        self.tell_troubles();
         self.position = end;
     }
+}
+
+/// Controls on which F of G4 is a time.
+pub(super) fn has_dwell_by_feed(dialect: Dialect) -> bool {
+    matches!(dialect, Dialect::Siemens | Dialect::HeidenhainIso | Dialect::Okuma)
 }

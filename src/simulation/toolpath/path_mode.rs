@@ -22,15 +22,16 @@
 //! infinitely far: here it is the tolerance that the machine was found, or set, to run with. Its
 //! naive CAM detector, which merges lines within Q (or else P) of one line, is not modelled.
 //!
-//! Sources differ on whether G187 P1 or P3 is rough; the manual's order (1 rough, 3 finish) is
-//! taken, and an E beside it counts alone.
+//! Sources differ on whether G187 P1 or P3 is rough: 1 rough, 2 medium, 3 finish is taken, and an E
+//! beside it counts alone.
 //!
-//! Sources: LinuxCNC manual, G64, and what its interpreter does with P0 and without Q; Haas mill
-//! operator's manual, G187 and Setting 85; Fanuc, machining condition selecting function.
+//! Sources: LinuxCNC manual, G64, and what its interpreter does with P0 and without Q; Haas,
+//! G187 and Setting 85; Fanuc, machining condition selecting function.
 
 use thiserror::Error;
 
 use crate::simulation::gcode::{LineNumber, Place, Severity};
+use crate::simulation::toolpath::Toolpath;
 use crate::simulation::toolpath::block::{AXIS_WORDS, CENTER_WORDS, bits};
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::Tracer;
@@ -61,6 +62,9 @@ pub enum Blending {
     /// A distance along the path before each corner at which its rounding may begin, mm.
     Distance(f64),
 }
+
+/// The most segments that moves kept back can become.
+const MOST_KEPT_BACK: usize = 100;
 
 /// The tolerances and distances that are taken at their word, mm.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-6..=10.0;
@@ -94,6 +98,8 @@ pub(super) enum PathWord {
 pub(super) struct InForce {
     exact_stop: Option<String>,
     tolerance: Option<(Blending, String, Keeper)>,
+    /// Modes of the toolpath that were set while compensation kept moves back, by index.
+    early: Vec<usize>,
 }
 
 impl InForce {
@@ -204,7 +210,24 @@ impl Tracer<'_> {
             None => blending == Blending::Machine,
         };
         if !is_in_force {
+            if self.contour.keeps_back() {
+                self.path_mode.early.push(modes.len());
+            }
             modes.push(PathMode { from, line, source: source.to_string(), blending });
+        }
+    }
+
+    /// Moves on the modes that were set while compensation kept moves back: such a move comes out
+    /// after the mode was noted, and is told by its line.
+    pub(super) fn settle_path_modes(&mut self) {
+        let Toolpath { segments, path_modes, .. } = &mut self.toolpath;
+        let mut least = 0;
+        for index in std::mem::take(&mut self.path_mode.early) {
+            let Some(mode) = path_modes.get_mut(index) else { continue };
+            let from = mode.from.max(least);
+            let kept_back = segments[from..].iter().take(MOST_KEPT_BACK);
+            mode.from = from + kept_back.take_while(|segment| segment.line < mode.line).count();
+            least = mode.from;
         }
     }
 
@@ -289,7 +312,8 @@ impl Tracer<'_> {
         if !(1.0..=10.0).contains(&level) {
             return self.remark_on_path(place, PathRemark::BadLevel { source_words: source });
         }
-        let between = |(first, last): (f64, f64)| first + (last - first) * (level - 1.0) / 9.0;
+        let between =
+            |(first, last): (f64, f64)| first * ((10.0 - level) / 9.0) + last * ((level - 1.0) / 9.0);
         let known = levels.level_1.zip(levels.level_10).map(between);
         let blending =
             self.level(place, &source, (known, "path_modes.level_1_mm and path_modes.level_10_mm"));
@@ -312,4 +336,46 @@ impl Tracer<'_> {
 /// A G word with the word beside it, where there is one.
 fn words(code: Code, letter: char, value: Option<f64>) -> String {
     value.map_or_else(|| code.to_string(), |value| format!("{code} {letter}{value}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    fn blendings(program: &str, machine: &Machine) -> Vec<(usize, Blending)> {
+        let modes = trace(&read(program.as_bytes()), machine).path_modes;
+        modes.into_iter().map(|mode| (mode.from, mode.blending)).collect()
+    }
+
+    #[test]
+    fn levels_are_those_of_the_machine() {
+        let mut machine = Machine::default();
+        machine.path_modes.finish = Some(0.002);
+        (machine.path_modes.level_1, machine.path_modes.level_10) = (Some(0.1), Some(0.01));
+        let found =
+            blendings("G1 F1 X1\nG187 P3\nX2\nG187 P1\nX3\nG5.1 Q1 R1\nX4\nG5.1 Q1 R10\nX5", &machine);
+        let within = Blending::Within;
+        assert_eq!(found, [(1, within(0.002)), (2, Blending::Machine), (3, within(0.1)), (4, within(0.01))]);
+    }
+
+    #[test]
+    fn a_mode_is_put_down_once_and_only_where_it_changes_something() {
+        let machine = Machine::default();
+        assert_eq!(blendings("G64\nG1 F1 X1\nG61\nG64\nX2\nG64 P0\nX3", &machine), []);
+        let twice = "G64 P.1\nG1 F1 X1\nG64 P.1\nX2\nG64 P.2\nG64 P.1\nX3";
+        assert_eq!(blendings(twice, &machine), [(0, Blending::Within(0.1))]);
+    }
+
+    #[test]
+    fn a_tolerance_of_its_own_word_outlives_exact_stop_and_g64() {
+        let program = "G187 E.02\nG1 F1 X1\nG61\nX2\nG64\nX3\nG187\nX4";
+        let toolpath = trace(&read(program.as_bytes()), &Machine::default());
+        let sources: Vec<&str> = toolpath.path_modes.iter().map(|mode| mode.source.as_str()).collect();
+        assert_eq!(sources, ["G187 E0.02", "G61", "G187 E0.02", "G187"]);
+        let stops: Vec<bool> = toolpath.segments.iter().map(|segment| segment.exact_stop).collect();
+        assert_eq!(stops, [false, true, false, false]);
+    }
 }

@@ -75,7 +75,7 @@ impl Plane {
     }
 
     /// The vector with these components along first axis, second axis and normal.
-    fn vector(self, components: [f64; 3]) -> Vector {
+    pub(super) fn vector(self, components: [f64; 3]) -> Vector {
         let mut vector = Vector::zeros();
         for (index, component) in self.axes().into_iter().zip(components) {
             vector[index] = component;

@@ -1,6 +1,7 @@
 //! What tracing has to say about a program.
 
 use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
+use crate::simulation::toolpath::compensation::Trouble;
 use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::path_mode::PathRemark;
@@ -62,8 +63,8 @@ pub(super) enum Untraced {
         "{name} (tool centre point control): the path of the tool tip and its feed are run as written; what the machine's own axes do to turn the head or table about it is not modelled"
     )]
     TipControl { name: &'static str },
-    #[error("{code} (cutter compensation) is not applied: path taken as programmed")]
-    Compensation { code: Code },
+    #[error("{0}")]
+    Contour(#[from] Trouble),
 
     #[error("arc without centre (I, J, K) or radius (R): taken as a straight line")]
     NoCenter,
@@ -151,6 +152,18 @@ pub(super) enum Untraced {
     EndlessRun,
     #[error("the program raises an alarm (#3000) and ends here")]
     Alarm,
+    #[error("{name}: {what}")]
+    Statement { name: &'static str, what: &'static str },
+    #[error("{name} is a curve that is not modelled: its points are joined by straight lines")]
+    Curve { name: &'static str },
+    #[error("{name} (milling cycle) is not modelled: its moves are missing from the time")]
+    MillingCycle { name: &'static str },
+    #[error("{name}: {no_hole}: hole not made")]
+    NoSiemensHole { name: &'static str, no_hole: NoHole },
+    #[error("no arc goes through these three points: a straight move to the end")]
+    NoArcThrough,
+    #[error("G331 and G332 need a pitch (K) and a spindle speed (S): run at the feedrate in force")]
+    NoTapFeed,
     #[error("{text}: not run")]
     NotRun { text: String },
     #[error(
@@ -211,6 +224,7 @@ fn dwell_text(milliseconds: bool) -> &'static str {
 impl Remark for Untraced {
     fn severity(&self) -> Severity {
         match self {
+            Untraced::Contour(trouble) => trouble.severity(),
             Untraced::NoValue(_)
             | Untraced::UnknownG { .. }
             | Untraced::UnknownM { .. }
@@ -243,12 +257,14 @@ impl Remark for Untraced {
             | Untraced::DeepCall
             | Untraced::EndlessRun
             | Untraced::Alarm
+            | Untraced::MillingCycle { .. }
+            | Untraced::NoSiemensHole { .. }
+            | Untraced::NoArcThrough
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }
-            | Untraced::Compensation { .. }
             | Untraced::TipControl { .. }
             | Untraced::UnevenScale
             | Untraced::UnequalRadii { .. }
@@ -258,6 +274,9 @@ impl Remark for Untraced {
             | Untraced::CycleWord { .. }
             | Untraced::NoCycleDwell { .. }
             | Untraced::ManualRetract { .. }
+            | Untraced::Statement { .. }
+            | Untraced::Curve { .. }
+            | Untraced::NoTapFeed
             | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::PathMode(remark) => remark.severity(),
             Untraced::NoMotionWord
@@ -281,6 +300,8 @@ impl Remark for Untraced {
         matches!(
             self,
             Untraced::Transformation { .. }
+                | Untraced::Statement { .. }
+                | Untraced::Curve { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
                 | Untraced::NoFeed { .. }

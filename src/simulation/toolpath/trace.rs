@@ -3,16 +3,19 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
+use crate::simulation::toolpath::motion::has_dwell_by_feed;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::path_mode::{InForce, PathWord};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::Rotary;
 use crate::simulation::toolpath::run::Run;
+use crate::simulation::toolpath::siemens::{self, Siemens, Statement};
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
 use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath};
 use crate::units::MM_PER_INCH;
@@ -21,6 +24,7 @@ use crate::units::MM_PER_INCH;
 pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     let mut tracer = Tracer::new(machine, program.is_tape);
     tracer.family = Family::of(program.dialect);
+    tracer.dialect = program.dialect;
     let mut parameters = Parameters::new(program.dialect);
     let mut run = Run::new(program);
     let mut values = Values::default();
@@ -57,6 +61,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
     }
+    tracer.end_contour();
     tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
@@ -85,13 +90,15 @@ pub(super) struct Modal {
 }
 
 /// What the G words of a block ask for beyond the modal state.
-struct Request {
-    special: Option<(Special, Code)>,
-    exact_stop: bool,
+pub(super) struct Request {
+    pub(super) special: Option<(Special, Code)>,
+    pub(super) exact_stop: bool,
+    /// What a statement of a SINUMERIK program asks for.
+    pub(super) statement: Option<Statement>,
     path_words: Vec<(PathWord, Code, Place)>,
     has_motion_word: bool,
     /// The axis words belong to a G word that is not run.
-    has_foreign_axis_words: bool,
+    pub(super) has_foreign_axis_words: bool,
     has_m_word: bool,
     work_offset: Option<(Code, Place)>,
     tool_length: Option<Code>,
@@ -141,11 +148,15 @@ pub(super) struct Tracer<'a> {
     pub(super) frame: Frame,
     pub(super) rotary: Rotary,
     pub(super) family: Family,
+    pub(super) dialect: Dialect,
+    pub(super) siemens: Siemens,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     pub(super) functions: Functions,
     pub(super) path_mode: InForce,
     ended: Option<Code>,
+    pub(super) compensation: CompensationWords,
+    pub(super) contour: Contour,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
 }
@@ -173,10 +184,14 @@ impl<'a> Tracer<'a> {
             frame: Frame::new(machine),
             rotary: Rotary::default(),
             family: Family::default(),
+            dialect: Dialect::default(),
+            siemens: Siemens::default(),
             exact_stop: false,
             functions: Functions::default(),
             path_mode: InForce::default(),
             ended: None,
+            compensation: CompensationWords::default(),
+            contour: Contour::new(),
             toolpath: Toolpath::default(),
             remarks: Remarks::default(),
         }
@@ -194,6 +209,9 @@ impl<'a> Tracer<'a> {
             }
         }
         self.exact_stop = self.path_mode.has_exact_stop() || request.exact_stop;
+        if matches!(request.special, Some((Special::Dwell, _))) && has_dwell_by_feed(self.dialect) {
+            self.given.take(b'F');
+        }
         self.take_feed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
@@ -208,6 +226,7 @@ impl<'a> Tracer<'a> {
         if let Some(code) = request.tool_length {
             request.special = self.choose_tool_length(block, code).or(request.special);
         }
+        self.compensation_word(block);
         self.act(block, &request);
         if request.has_m_word {
             self.m_words(block, When::AfterMotion);
@@ -219,6 +238,7 @@ impl<'a> Tracer<'a> {
         let mut request = Request {
             special: None,
             exact_stop: false,
+            statement: None,
             path_words: Vec::new(),
             has_motion_word: false,
             has_foreign_axis_words: false,
@@ -233,12 +253,16 @@ impl<'a> Tracer<'a> {
                 b'G' => self.g_word(block, word, &mut request),
                 b'M' => request.has_m_word = true,
                 address if address::ARGUMENT <= address => {}
+                address::STATEMENT if self.dialect == Dialect::Siemens => {
+                    self.siemens_statement(block, word, &mut request.statement);
+                }
                 letter => {
                     if letter.is_ascii_uppercase() && self.given.has(bits(&[letter])) {
                         let letter = letter as char;
                         self.remarks.add(block.place_of(word), Untraced::RepeatedWord { letter });
                     }
                     self.given.set(letter, word.value);
+                    self.given.refer(letter, word.reference);
                 }
             }
         }
@@ -249,7 +273,8 @@ impl<'a> Tracer<'a> {
         let code = Code { letter: 'G', value: word.value };
         let place = block.place_of(word);
         let tenths = tenths(word);
-        let Some((group, meaning)) = tenths.and_then(meaning) else {
+        let own = |tenths| if self.dialect == Dialect::Siemens { siemens::meaning(tenths) } else { None };
+        let Some((group, meaning)) = tenths.and_then(|tenths| own(tenths).or_else(|| meaning(tenths))) else {
             self.remarks.add(place, Untraced::UnknownG { code });
             request.has_foreign_axis_words = true;
             return;
@@ -284,13 +309,14 @@ impl<'a> Tracer<'a> {
             Meaning::EndOf(kind) => self.frame.unset(kind),
             Meaning::Polar(is_on) => self.frame.polar = is_on.then(Polar::default),
             Meaning::TipControl(name) => self.remarks.add(place, Untraced::TipControl { name }),
-            Meaning::Compensation => self.remarks.add(place, Untraced::Compensation { code }),
+            Meaning::Compensation(word) => self.compensation.word = Some(word),
             Meaning::SurfaceSpeed => self.remarks.add(place, Untraced::SurfaceSpeed),
             Meaning::Transformation(name) => self.remarks.add(place, Untraced::Transformation { code, name }),
             Meaning::TransformationAbout(name) => {
                 self.remarks.add(place, Untraced::Transformation { code, name });
                 request.has_foreign_axis_words = true;
             }
+            Meaning::Siemens(word) => self.siemens_g_word(block, place, code, word, request),
             Meaning::Neutral => {}
         }
     }
@@ -333,6 +359,10 @@ impl<'a> Tracer<'a> {
                 self.remarks.add(block.place_of_letter(letter), remark);
             }
         }
+        if let Some(statement) = request.statement {
+            self.siemens_act(block, statement);
+            return;
+        }
         match special {
             Some((special, code)) => self.special(block, special, code),
             None if request.has_foreign_axis_words => {}
@@ -340,13 +370,15 @@ impl<'a> Tracer<'a> {
                 self.take_rotary(block);
                 self.motion(block, request.has_motion_word);
                 self.turn_the_rest(block);
+                self.corner_words(block);
+                self.siemens_after_move(block);
             }
         }
     }
 
     pub(super) fn stop(&mut self, block: Block, cause: StopCause) {
         let after = self.toolpath.segments.len();
-        self.toolpath.stops.push(Stop { after, cause, line: block.line });
+        self.stop_in_contour(Stop { after, cause, line: block.line });
     }
 }
 

@@ -4,10 +4,12 @@
 //! controls, so that a safe-start line may hold both G0 and G80.
 
 use crate::simulation::gcode::Word;
+use crate::simulation::toolpath::compensation::{CompensationWord, Side};
 use crate::simulation::toolpath::feed_mode::FeedMode;
 use crate::simulation::toolpath::frame::Kind;
 use crate::simulation::toolpath::path_mode::PathWord;
 use crate::simulation::toolpath::plane::{Plane, Turn};
+use crate::simulation::toolpath::siemens::SiemensWord;
 
 /// How axis words are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,12 +86,14 @@ pub(super) enum Meaning {
     Polar(bool),
     /// Tool centre point control by its name.
     TipControl(&'static str),
-    Compensation,
+    Compensation(CompensationWord),
     SurfaceSpeed,
     /// A change of coordinates by its name.
     Transformation(&'static str),
     /// A change of coordinates by its name, which the axis words of its block belong to.
     TransformationAbout(&'static str),
+    /// A word of SINUMERIK controls.
+    Siemens(SiemensWord),
     /// It changes neither path nor time.
     Neutral,
 }
@@ -135,8 +139,11 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         950 => (5, FeedMode(self::FeedMode::PerRevolution)),
         200 => (6, Inch(true)),
         210 => (6, Inch(false)),
-        400 => (7, Neutral),
-        410 | 411 | 420 | 421 => (7, Compensation),
+        400 => (7, Compensation(CompensationWord::Off)),
+        410 => (7, Compensation(CompensationWord::ByTool(Side::Left))),
+        411 => (7, Compensation(CompensationWord::ByDiameter(Side::Left))),
+        420 => (7, Compensation(CompensationWord::ByTool(Side::Right))),
+        421 => (7, Compensation(CompensationWord::ByDiameter(Side::Right))),
         430..=432 | 440 | 490 => (8, ToolLength),
 
         730 | 740 | 760 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => (9, Cycle),

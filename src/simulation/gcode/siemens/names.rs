@@ -22,6 +22,7 @@ pub(super) const ADDRESSES: &[(&str, u8)] = &[
     ("SPOSA", address::SPINDLE_POSITION),
     ("ADIS", address::SMOOTHING),
     ("ADISPOS", address::RAPID_SMOOTHING),
+    (address::PLANE_ANGLE),
 ];
 
 /// What the tracer acts on, or names in a diagnostic; the value of a word is its place here.
@@ -77,7 +78,6 @@ pub const STATEMENTS: &[&str] = &[
     "ATRANS",
     "ROT",
     "AROT",
-    "RPL",
     "SCALE",
     "ASCALE",
     "MIRROR",

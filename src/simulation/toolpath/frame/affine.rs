@@ -97,7 +97,7 @@ impl Affine {
     }
 
     /// Whether a turn in the plane becomes one in the other sense.
-    pub(super) fn flips(&self, plane: Plane) -> bool {
+    pub(in crate::simulation::toolpath) fn flips(&self, plane: Plane) -> bool {
         let [a, b, _] = plane.axes();
         self.linear[(a, a)] * self.linear[(b, b)] < self.linear[(a, b)] * self.linear[(b, a)]
     }

@@ -35,7 +35,15 @@ impl Tracer<'_> {
     /// angle are worked out from it.
     pub(in crate::simulation::toolpath) fn axis_values(&mut self) -> [Option<f64>; 3] {
         let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
+        self.refer_to_mode(&mut values);
         let [a, b, _] = self.modal.plane.axes();
+        if let Some(point) = self.siemens_polar() {
+            let at = self.frame.to_program(&self.position);
+            for (axis, value) in point {
+                values[axis] = Some(if self.modal.is_incremental { value - at[axis] } else { value });
+            }
+            return values;
+        }
         let has_polar_words = self.given.has(bits(&[address::POLAR_RADIUS, address::POLAR_ANGLE]));
         if !has_polar_words && self.frame.polar.is_none() {
             return values;
@@ -55,6 +63,20 @@ impl Tracer<'_> {
             values[axis] = Some(if self.modal.is_incremental { value - at[axis] } else { value });
         }
         values
+    }
+
+    /// Brings words that say themselves what they count from to the distance mode in force.
+    fn refer_to_mode(&mut self, values: &mut [Option<f64>; 3]) {
+        let is_incremental = self.modal.is_incremental;
+        let others = AXES.map(|axis| self.given.is_incremental(axis as u8, is_incremental) != is_incremental);
+        if others == [false; 3] {
+            return;
+        }
+        let at = self.frame.to_program(&self.position);
+        for axis in (0..3).filter(|axis| others[*axis]) {
+            values[axis] =
+                values[axis].map(|value| if is_incremental { value - at[axis] } else { at[axis] + value });
+        }
     }
 
     /// The point of G16 in the plane, program coordinates, mm.

@@ -309,7 +309,7 @@ fn what_is_left_out_is_said() {
         ("F-1", Severity::Error, "F-1"),
         ("G1 X1", Severity::Error, "1000 mm/min"),
         ("G0 X1e9\nG0 X100000000", Severity::Warning, "E words"),
-        ("G41 D1", Severity::Warning, "G41"),
+        ("G41 D1", Severity::Warning, "tools.1.diameter_mm"),
         ("G0 U5", Severity::Warning, "U words"),
         ("G81 X1 Y1 Z-1", Severity::Error, "G81: no R: hole not made"),
         ("G10 L3 P1 X0", Severity::Info, "G10"),
@@ -338,6 +338,6 @@ fn axis_words_of_others_move_nothing() {
 
 #[test]
 fn a_million_remarks_make_a_short_list() {
-    let text = "G5 X1\nG0 U1 X1\nG41\n".repeat(20_000);
+    let text = "G5 X1\nG0 U1 X1\nG41 D.5\n".repeat(20_000);
     assert_eq!(messages(&text).len(), 403);
 }

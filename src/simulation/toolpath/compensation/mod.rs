@@ -1,0 +1,181 @@
+//! Programmed contour → path of the tool's centre: corner treatments, then cutter radius
+//! compensation.
+//!
+//! ```text
+//! programmed moves → rounding (RND, CHF, ,R ,C) → queue (G41, G42) → segments
+//! ```
+//!
+//! Every programmed move goes through [`Contour`]; with neither in force it comes out unchanged
+//! and at once. All geometry is in the working plane; the third coordinate is carried along.
+//! Where a control would refuse, the path goes on, and a trouble says how.
+//!
+//! Words: G41 and G42 with D, the number of a tool in the machine's table; without D the tool in
+//! the spindle, or, in a program with a `%` line or an O number, the tool of the last D. G41.1 and G42.1 with D, a diameter in the unit of length in force; without D as
+//! G41. G40 ends both. The words act on the move of their own block. A negative diameter changes
+//! the side; a diameter of 0 leaves the path as programmed.
+//!
+//! Limits: the tool is a circle, without lathe orientation (L of G41.1) or wear; the queue looks
+//! back over 16 moves; a contour that crosses itself further apart is not seen.
+//!
+//! Source: LinuxCNC user manual, cutter radius compensation.
+
+mod corner;
+mod geometry;
+mod queue;
+mod rounding;
+mod space;
+#[cfg(test)]
+mod tests;
+mod trouble;
+mod words;
+
+pub(super) use corner::OuterCorner;
+pub(super) use rounding::{CornerShape, CornerTreatment};
+pub(super) use trouble::Trouble;
+pub(super) use words::{CompensationWord, CompensationWords, Side};
+
+use crate::simulation::gcode::LineNumber;
+use crate::simulation::toolpath::compensation::queue::{Queue, Setting};
+use crate::simulation::toolpath::compensation::rounding::Treated;
+use crate::simulation::toolpath::plane::Plane;
+use crate::simulation::toolpath::{Motion, Segment, Stop, Toolpath};
+
+/// A move kept back for the corner at its end.
+struct Held {
+    segment: Segment,
+    plane: Plane,
+    /// What follows it before the next move.
+    stops: Vec<Stop>,
+}
+
+/// The stage between programmed moves and segments.
+pub(super) struct Contour {
+    held: Option<Held>,
+    /// For the corner at the end of the held move.
+    next_corner: Option<CornerTreatment>,
+    /// For every corner between feed moves, until it is taken back.
+    every_corner: Option<CornerTreatment>,
+    queue: Queue,
+}
+
+impl Contour {
+    pub(super) fn new() -> Contour {
+        Contour { held: None, next_corner: None, every_corner: None, queue: Queue::new() }
+    }
+
+    /// Moves may still be kept back.
+    pub(super) fn keeps_back(&self) -> bool {
+        self.held.is_some() || !self.is_plain()
+    }
+
+    /// Moves come out as they are given, and at once.
+    fn is_plain(&self) -> bool {
+        self.every_corner.is_none() && self.queue.setting().is_none()
+    }
+
+    /// The tool is beside the programmed position, so that even a move of no length moves it.
+    pub(super) fn is_beside(&self) -> bool {
+        self.queue.is_beside()
+    }
+
+    /// The next programmed move, in this working plane.
+    pub(super) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
+        let another_plane =
+            |setting: Setting| (setting.plane != plane).then_some(Setting { plane, ..setting });
+        if let Some(setting) = self.queue.setting().and_then(another_plane) {
+            self.set(Some(setting), out);
+        }
+        let mut next = Some(segment);
+        if let (Some(held), Some(segment)) = (&self.held, &next)
+            && let Some(treatment) = self.next_corner.or(self.every_corner)
+            && (self.next_corner.is_some() || is_contour(held, segment))
+            && held.plane == plane
+        {
+            match rounding::treat(plane, (&held.segment, segment), &treatment) {
+                Ok(Some(Treated { before, corner, after })) => {
+                    self.release_as(before, out);
+                    if let Some(corner) = corner {
+                        self.queue.take(corner, out);
+                    }
+                    next = after;
+                }
+                Ok(None) => {}
+                Err(trouble) => self.queue.troubles.push((held.segment.line, trouble)),
+            }
+        }
+        self.release(out);
+        let Some(segment) = next else { return };
+        if self.is_plain() {
+            self.queue.take(segment, out);
+        } else {
+            self.held = Some(Held { segment, plane, stops: Vec::new() });
+        }
+    }
+
+    /// A stop between the moves.
+    pub(super) fn stop(&mut self, stop: Stop, out: &mut Toolpath) {
+        match &mut self.held {
+            Some(held) => held.stops.push(stop),
+            None => self.queue.stop(stop, out),
+        }
+    }
+
+    /// Treats the corner between the last move given and the next one.
+    pub(super) fn treat_next_corner(&mut self, treatment: CornerTreatment, plane: Plane, out: &mut Toolpath) {
+        if self.held.is_none() && self.is_plain() && !self.is_beside() {
+            let Some(segment) = out.segments.pop() else { return };
+            let first = out.stops.partition_point(|stop| stop.after <= out.segments.len());
+            self.held = Some(Held { segment, plane, stops: out.stops.split_off(first) });
+        }
+        self.next_corner = Some(treatment);
+    }
+
+    /// Treats every corner between feed moves from here on, or no longer.
+    pub(super) fn treat_every_corner(&mut self, treatment: Option<CornerTreatment>) {
+        self.every_corner = treatment;
+    }
+
+    /// Changes the compensation in force from the next move on.
+    fn set(&mut self, setting: Option<Setting>, out: &mut Toolpath) {
+        if setting != self.queue.setting() {
+            self.release(out);
+            self.queue.set(setting, out);
+        }
+    }
+
+    /// Puts out everything that is kept back.
+    pub(super) fn finish(&mut self, out: &mut Toolpath) {
+        self.release(out);
+        self.queue.flush(out);
+    }
+
+    fn release(&mut self, out: &mut Toolpath) {
+        let segment = self.held.as_ref().map(|held| held.segment.clone());
+        self.release_as(segment, out);
+        self.next_corner = None;
+    }
+
+    /// Gives on what is left of the held move, and the stops after it.
+    fn release_as(&mut self, segment: Option<Segment>, out: &mut Toolpath) {
+        let Some(Held { stops, .. }) = self.held.take() else { return };
+        if let Some(segment) = segment {
+            self.queue.take(segment, out);
+        }
+        for stop in stops {
+            self.queue.stop(stop, out);
+        }
+    }
+
+    /// What could not be done as a control would, since this was last asked.
+    fn troubles(&mut self) -> Vec<(LineNumber, Trouble)> {
+        std::mem::take(&mut self.queue.troubles)
+    }
+}
+
+/// Two feed moves in their plane: what the treatment of every corner is meant for.
+fn is_contour(held: &Held, next: &Segment) -> bool {
+    [&held.segment, next].into_iter().all(|segment| {
+        let is_feed = matches!(segment.motion, Motion::Feed { .. });
+        is_feed && space::stroke(held.plane, segment).is_some()
+    })
+}

@@ -1,0 +1,167 @@
+//! Roundings and chamfers between two programmed moves.
+//!
+//! A rounding of radius ρ is the arc that touches both moves inside their corner. Its centre is
+//! where the parallels of both at the distance ρ on the inside meet, its ends lie square below
+//! the centre. A chamfer joins two straight moves by a straight line, from the length c before
+//! the corner to c behind it; one of the width w has c = w / (2 cos(τ/2)), τ the angle by which
+//! the contour turns. Both moves must keep some length. Over the corner the height runs evenly.
+//!
+//! A corner that does not turn has nothing to treat, and is left as it is.
+//!
+//! Source: elementary; the words are those of Siemens (RND, RNDM, CHR, CHF, FRC) and Klartext
+//! (RND, CHF), and of `,R` and `,C` on Fanuc.
+
+use crate::simulation::toolpath::compensation::geometry::{ROUNDING, Shape, Spot, Stroke, angle};
+use crate::simulation::toolpath::compensation::space::{draw, height, stroke};
+use crate::simulation::toolpath::compensation::trouble::Trouble;
+use crate::simulation::toolpath::plane::Plane;
+use crate::simulation::toolpath::{Motion, Segment};
+use std::f64::consts::{PI, TAU};
+
+/// Turns below this are no corner, and this close to a reversal no room, rad.
+const SLIGHT: f64 = 1e-4;
+
+/// What replaces a corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulation::toolpath) enum CornerShape {
+    /// An arc that touches both moves: RND, `,R`.
+    Rounding {
+        /// mm.
+        radius: f64,
+    },
+    /// A straight line that takes this length off both moves: CHR, `,C`, CHF of Klartext.
+    Chamfer {
+        /// mm.
+        leg: f64,
+    },
+    /// A straight line of this length: CHF of Siemens.
+    ChamferWidth {
+        /// mm.
+        width: f64,
+    },
+}
+
+/// How one corner is to be treated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulation::toolpath) struct CornerTreatment {
+    pub(in crate::simulation::toolpath) shape: CornerShape,
+    /// Feedrate of the new move alone, mm/s; none: that of the move before it.
+    pub(in crate::simulation::toolpath) feedrate: Option<f64>,
+}
+
+impl CornerTreatment {
+    pub(super) fn name(&self) -> &'static str {
+        match self.shape {
+            CornerShape::Rounding { .. } => "rounding",
+            _ => "chamfer",
+        }
+    }
+
+    /// Radius, leg or width, mm.
+    pub(super) fn size(&self) -> f64 {
+        let (CornerShape::Rounding { radius: size }
+        | CornerShape::Chamfer { leg: size }
+        | CornerShape::ChamferWidth { width: size }) = self.shape;
+        size
+    }
+}
+
+/// Two moves and the one between them, each where it has a length.
+#[derive(Debug)]
+pub(super) struct Treated {
+    pub(super) before: Option<Segment>,
+    pub(super) corner: Option<Segment>,
+    pub(super) after: Option<Segment>,
+}
+
+/// The two moves, shortened, with the new one between them; none where there is no corner.
+pub(super) fn treat(
+    plane: Plane,
+    (one, two): (&Segment, &Segment),
+    treatment: &CornerTreatment,
+) -> Result<Option<Treated>, Trouble> {
+    let name = treatment.name();
+    let (Some(before), Some(after)) = (stroke(plane, one), stroke(plane, two)) else {
+        return Err(Trouble::NotInPlane { name });
+    };
+    let turn = angle(before.way_out(), after.way_in());
+    let bridge = match treatment.shape {
+        _ if turn.abs() < SLIGHT || treatment.size() < ROUNDING => return Ok(None),
+        _ if PI - SLIGHT < turn.abs() => None,
+        CornerShape::Rounding { radius } => touching_arc(&before, &after, radius, turn),
+        _ if !before.is_line() || !after.is_line() => return Err(Trouble::NotInPlane { name }),
+        CornerShape::Chamfer { leg } => chamfer(&before, &after, leg),
+        CornerShape::ChamferWidth { width } => chamfer(&before, &after, 0.5 * width / (0.5 * turn).cos()),
+    };
+    let Some(Stroke { start: from, end: to, shape, sweep }) = bridge else {
+        return Err(Trouble::NoRoom { name });
+    };
+    let (Some(kept_before), Some(kept_after)) =
+        (kept(&before, before.start, from), kept(&after, to, after.end))
+    else {
+        return Err(Trouble::NoRoom { name });
+    };
+    let (low, corner, high) = (height(plane, one.start), height(plane, one.end), height(plane, two.end));
+    let motion = treatment.feedrate.map_or(one.motion, |feedrate| Motion::Feed { feedrate });
+    let between = Segment {
+        motion,
+        exact_stop: false,
+        rotation: crate::simulation::toolpath::Vector::zeros(),
+        ..one.clone()
+    };
+    let (from, from_height) = match kept_before.is_nothing() {
+        true => (before.start, low),
+        false => (from, low + (corner - low) * kept_before.share),
+    };
+    let (to, to_height) = match kept_after.is_nothing() {
+        true => (after.end, high),
+        false => (to, high + (corner - high) * kept_after.share),
+    };
+    let before = draw(plane, one, one.start, (&before.shape, kept_before.length), (from, from_height));
+    let at = before.as_ref().map_or(one.start, |segment| segment.end);
+    let corner = draw(plane, &between, at, (&shape, sweep), (to, to_height));
+    let at = corner.as_ref().map_or(at, |segment| segment.end);
+    let after = draw(plane, two, at, (&after.shape, kept_after.length), (after.end, high));
+    if after.as_ref().map_or(at, |segment| segment.end) != two.end {
+        return Err(Trouble::NoRoom { name });
+    }
+    Ok(Some(Treated { before, corner, after }))
+}
+
+/// What a corner leaves of a stroke.
+struct Kept {
+    /// mm of a line, rad of an arc.
+    length: f64,
+    /// Of the whole.
+    share: f64,
+}
+
+impl Kept {
+    fn is_nothing(&self) -> bool {
+        self.length < 1e3 * ROUNDING
+    }
+}
+
+/// The part of a stroke between two of its points; none where they are not on it in this order.
+fn kept(stroke: &Stroke, start: Spot, end: Spot) -> Option<Kept> {
+    let whole = if stroke.is_line() { (stroke.end - stroke.start).norm() } else { stroke.sweep };
+    let length = stroke.left_between(start, end);
+    let share = length / whole;
+    (-1e-9..=1.0 + 1e-9).contains(&share).then_some(Kept { length, share })
+}
+
+/// The arc of this radius that touches both strokes on the inside of their corner.
+fn touching_arc(before: &Stroke, after: &Stroke, radius: f64, turn: f64) -> Option<Stroke> {
+    let inside = turn.signum() * radius;
+    let center = before.parallel(inside)?.shape.meeting(&after.parallel(inside)?.shape, before.end)?;
+    let (start, end) = (before.shape.foot(center)?, after.shape.foot(center)?);
+    let turn = turn.signum();
+    let once = turn * angle(start - center, end - center);
+    let sweep = if once < 0.0 { once + TAU } else { once };
+    Some(Stroke { start, end, shape: Shape::Circle { center, radius, turn }, sweep })
+}
+
+/// The straight line from `leg` before the corner to `leg` behind it.
+fn chamfer(before: &Stroke, after: &Stroke, leg: f64) -> Option<Stroke> {
+    Stroke::line(before.end - before.way_out() * leg, after.start + after.way_in() * leg)
+}

@@ -1,0 +1,209 @@
+//! Laws of reading SINUMERIK programs.
+
+use crate::machine::Machine;
+use crate::simulation::gcode::{Dialect, Options, Severity, address, read_with};
+use crate::simulation::toolpath::{Blending, Curve, Motion, Stop, StopCause, Toolpath, trace};
+
+fn run(text: &str) -> Toolpath {
+    let options = Options { dialect: Some(Dialect::Siemens), ..Options::default() };
+    trace(&read_with(text.as_bytes(), &options), &Machine::default())
+}
+
+/// The X positions that a program goes to.
+#[track_caller]
+fn ends(text: &str) -> Vec<f64> {
+    let toolpath = run(text);
+    let errors: Vec<_> = toolpath.diagnostics.iter().filter(|d| d.severity == Severity::Error).collect();
+    assert!(errors.is_empty(), "{text}: {errors:?}");
+    toolpath.segments.iter().map(|segment| segment.end.x).collect()
+}
+
+#[test]
+fn values_are_worked_out() {
+    assert_eq!(ends("R1=5 R2=R1*2\nG0 X=R1\nX=R2+1\nX=IC(R1)\nX=AC(1)"), [5.0, 11.0, 16.0, 1.0]);
+    assert_eq!(ends("DEF REAL _A, B=2\n_A=B+1\nG0 X=_A\nX=SQRT(B*8)\nX=(1+2)*3"), [3.0, 4.0, 9.0]);
+    assert_eq!(ends("R1=2\nR[R1+1]=7\nG0 X=R3\nX=R[3]-1"), [7.0, 6.0]);
+    assert_eq!(ends("G0 X1EX1\nX=7 DIV 2\nY=7 MOD 4\nX=-POT(3)+TRUNC(2.7)"), [10.0, 3.0, -7.0]);
+    assert_eq!(ends("G0 X5 ; X6\nN10 X7 (X8)").len(), 0);
+}
+
+#[test]
+fn flow_is_followed() {
+    assert_eq!(ends("G0\nFOR R1=1 TO 3\nX=R1\nENDFOR\nX9"), [1.0, 2.0, 3.0, 9.0]);
+    assert_eq!(ends("G0 R1=0\nWHILE R1<2\nR1=R1+1\nX=R1\nENDWHILE"), [1.0, 2.0]);
+    assert_eq!(ends("G0 R1=0\nREPEAT\nR1=R1+1\nX=R1\nUNTIL R1>=2\nX9"), [1.0, 2.0, 9.0]);
+    assert_eq!(ends("G0 R1=0\nLOOP\nR1=R1+1\nX=R1\nIF R1==2 GOTOF OUT\nENDLOOP\nOUT: X9"), [1.0, 2.0, 9.0]);
+    let branch = |a: u32| ends(&format!("G0 R1={a}\nIF R1==1\nX1\nELSE\nX2\nENDIF\nX9"));
+    assert_eq!([branch(1), branch(5)], [[1.0, 9.0], [2.0, 9.0]]);
+    assert_eq!(ends("G0 R1=0\nUP: R1=R1+1\nX=R1\nIF (R1<3) AND (R1>0) GOTOB UP\nX9"), [1.0, 2.0, 3.0, 9.0]);
+    assert_eq!(ends("G0 G91\nA:\nX1\nREPEAT A P=2"), [1.0, 2.0, 3.0]);
+    assert_eq!(ends("G0 G91\nA: X1\nX5\nB: X2\nREPEATB A P=2"), [1.0, 6.0, 8.0, 9.0, 10.0]);
+    assert_eq!(ends("G0 G91\nA: X1\nB: X5\nREPEAT A B"), [1.0, 6.0, 7.0]);
+    assert_eq!(ends("G0\nGOTOF N30\nN20 X1\nN30 X3"), [3.0]);
+}
+
+#[test]
+fn subprograms_are_run() {
+    let file = "%_N_MAIN_MPF\n;$PATH=/_N_WKS_DIR\nG0 X1\nL100 P2\nHOLE(5, 2)\nX9\nM30\n%_N_L100_SPF\nG91 X1\nG90\nM17\n%_N_HOLE_SPF\nPROC HOLE(REAL A, INT B)\nX=A*B\nRET\n";
+    assert_eq!(ends(file), [1.0, 2.0, 3.0, 10.0, 9.0]);
+    let missing = run("G0 X1\nBORE(1)\nX2").diagnostics;
+    assert!(missing[0].message.contains("`bore` is not in this file"), "{missing:?}");
+}
+
+#[test]
+fn statements_become_words() {
+    let options = Options { dialect: Some(Dialect::Siemens), ..Options::default() };
+    let program = read_with(
+        b"MCALL CYCLE81(10, , 2, -5) ; drill\nSUPA G0 Z=5 D0\nT=\"MILL 10\"\nMSG(\"HELLO\")",
+        &options,
+    );
+    let addresses: Vec<u8> = program.words.iter().map(|word| word.letter).collect();
+    let argument = |index: u8| address::ARGUMENT + index;
+    let (statement, tool) = (address::STATEMENT, address::TOOL_NAME);
+    let expected = [
+        statement,
+        statement,
+        argument(0),
+        argument(2),
+        argument(3),
+        statement,
+        b'G',
+        b'Z',
+        b'D',
+        tool,
+        statement,
+        argument(0),
+    ];
+    assert_eq!(addresses, expected);
+    assert_eq!(program.texts, ["MILL 10", "HELLO"]);
+    assert_eq!(program.diagnostics, []);
+}
+
+/// Any cut of a program is read without a panic, and says what is wrong by line.
+#[test]
+fn broken_lines_are_said() {
+    let whole = "R1=5 IF R1>2 GOTOF A\nFOR R1=1 TO 5\nCYCLE81(1,(2+3),\"T\")\nDEF REAL A[3],B=2\nPROC P(REAL A)\nX=AC(1) CR=5\nREPEAT A P=2\nL100 P3";
+    for end in 0..whole.len() {
+        run(&whole[..end]);
+        run(&whole[end..]);
+    }
+    for text in ["G0 X=", "IF", "FOR R1", "GOTOF", "X=AC(", "CYCLE81(1", "REPEAT Q P=2", "ENDIF", "G0 ?"] {
+        let found = run(text).diagnostics;
+        assert!(found.iter().any(|d| d.severity == Severity::Error), "{text}: {found:?}");
+    }
+}
+
+/// Lengths of the feed and rapid moves, mm.
+fn lengths(toolpath: &Toolpath) -> (f64, f64) {
+    let sum = |rapid: bool| {
+        let segments = toolpath.segments.iter().filter(|segment| (segment.motion == Motion::Rapid) == rapid);
+        segments.map(|segment| segment.length).sum()
+    };
+    (sum(false), sum(true))
+}
+
+/// No error and no warning.
+#[track_caller]
+fn clean(text: &str) -> Toolpath {
+    let toolpath = run(text);
+    let found: Vec<_> = toolpath.diagnostics.iter().filter(|d| d.severity != Severity::Info).collect();
+    assert!(found.is_empty(), "{text}: {found:?}");
+    toolpath
+}
+
+#[test]
+fn drilling_cycles_make_their_holes() {
+    let holes = clean("G0 Z50\nG1 F600\nMCALL CYCLE81(50,0,2,-10)\nX10\nX20\nMCALL\nX30");
+    let (feed, rapid) = lengths(&holes);
+    assert!((feed - (2.0 * 12.0 + 30.0)).abs() < 1e-9, "{feed}: the moves between are feed moves too");
+    assert!((rapid - (50.0 + 2.0 * (48.0 + 60.0))).abs() < 1e-9, "{rapid}");
+    let dwells = clean("G0 Z50\nG1 F600\nCYCLE82(50,0,2,,10,1.5)").stops;
+    assert!(matches!(dwells[..], [Stop { cause: StopCause::Dwell { seconds: 1.5 }, .. }]), "{dwells:?}");
+    // First peck to −4 from +2, then 3, 2 and 1: chip breaking by 1 mm.
+    let pecks = lengths(&clean("G0 Z50\nG1 F600\nCYCLE83(50,0,2,-10,,-4,,1,0,0,1,0)"));
+    assert!(12.0 < pecks.0 && pecks.0 < 16.0 + 1e-9, "{pecks:?}");
+    let tap = clean("G0 Z50\nS600 M3\nG1 F100\nCYCLE84(50,0,2,-10,,0,3,,1.25)");
+    let feedrates: Vec<f64> = tap
+        .segments
+        .iter()
+        .filter_map(|s| match s.motion {
+            Motion::Feed { feedrate } => Some(feedrate),
+            Motion::Rapid => None,
+        })
+        .collect();
+    assert_eq!(feedrates, [12.5, 12.5], "pitch 1.25 mm at 10 turns a second");
+    let row = clean(
+        "G0 Z50\nG1 F600\nMCALL CYCLE81(50,0,2,-10)\nHOLES1(0,0,90,10,5,3)\nHOLES2(0,0,20,0,90,4)\nMCALL",
+    );
+    assert!((lengths(&row).0 - 7.0 * 12.0).abs() < 1e-9);
+    let circle: Vec<_> =
+        row.segments.iter().filter(|s| s.motion != Motion::Rapid).skip(3).map(|s| s.end).collect();
+    assert!(circle.iter().all(|end| (end.x.hypot(end.y) - 20.0).abs() < 1e-9), "{circle:?}");
+}
+
+#[test]
+fn frames_turn_and_shift() {
+    let end = |text: &str| clean(text).segments.last().map_or([0.0; 3], |s| [s.end.x, s.end.y, s.end.z]);
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        assert!(
+            found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9),
+            "{found:?}, expected {expected:?}"
+        );
+    };
+    near(end("TRANS X10 Y5\nG0 X1 Y0"), [11.0, 5.0, 0.0]);
+    near(end("TRANS X10\nATRANS X5\nG0 X1"), [16.0, 0.0, 0.0]);
+    near(end("TRANS X10\nROT RPL=90\nG0 X1 Y0"), [0.0, 1.0, 0.0]);
+    near(end("TRANS X10\nAROT RPL=90\nG0 X1 Y0"), [10.0, 1.0, 0.0]);
+    near(end("AROT Z90\nG0 X1 Y2"), [-2.0, 1.0, 0.0]);
+    near(end("MIRROR X0\nG0 X1 Y2"), [-1.0, 2.0, 0.0]);
+    near(end("SCALE X2 Y2\nG0 X1 Y2"), [2.0, 4.0, 0.0]);
+    near(end("TRANS X10\nTRANS\nG0 X1"), [1.0, 0.0, 0.0]);
+    near(end("G111 X10 Y0\nG0 RP=5 AP=90"), [10.0, 5.0, 0.0]);
+    near(end("G0 X1\nG110 X0 Y0\nG1 F100 RP=5 AP=0"), [6.0, 0.0, 0.0]);
+}
+
+#[test]
+fn arcs_have_their_forms() {
+    let arc = |text: &str| match &clean(text).segments.last().expect("a move").curve {
+        Curve::Arc(arc) => (arc.start_radius, arc.sweep.to_degrees()),
+        Curve::Line => (0.0, 0.0),
+    };
+    let near = |(radius, sweep): (f64, f64), expected: (f64, f64)| {
+        assert!(
+            (radius - expected.0).abs() < 1e-6 && (sweep - expected.1).abs() < 1e-6,
+            "{radius} {sweep} {expected:?}"
+        );
+    };
+    near(arc("G1 F100\nG2 X10 Y10 CR=10"), (10.0, 90.0));
+    near(arc("G1 F100\nG2 X10 Y10 CR=-10"), (10.0, 270.0));
+    near(arc("G1 F100\nG3 X10 Y10 AR=90"), (10.0, 90.0));
+    near(arc("G1 F100\nG2 X10 Y10 I=AC(10) J=AC(0)"), (10.0, 90.0));
+    near(arc("G1 F100\nG3 X0 Y0 Z5 I10 J0 TURN=2"), (10.0, 1080.0));
+    near(arc("G1 F100\nCIP X20 Y0 I1=10 J1=10"), (10.0, 180.0));
+    near(arc("G1 F100 X10\nCT X20 Y10"), (10.0, 90.0));
+}
+
+#[test]
+fn tolerances_are_those_of_the_program() {
+    let modes = clean("G1 F100 X1\nCYCLE832(0.02,1,1)\nX2\nG60\nX3\nG642\nX4").path_modes;
+    let found: Vec<_> = modes.iter().map(|mode| (mode.from, mode.blending)).collect();
+    assert_eq!(found[..2], [(1, Blending::Within(0.02)), (2, Blending::ExactStop)], "{modes:?}");
+}
+
+#[test]
+fn what_is_not_modelled_is_said() {
+    for (text, part) in [
+        ("TRAORI", "the movement of the head is not modelled"),
+        ("CYCLE800(1,\"A\",0,57,0,0,0,30,0,0)", "swivelled plane"),
+        ("POCKET3(10,0,1,-5,20,10,3,5,5,0,2)", "missing from the time"),
+        ("BSPLINE X5", "straight lines"),
+        ("COMPCAD", "compressor"),
+        ("G331 Z-5", "pitch"),
+        ("HOLES1(0,0,0,0,5,3)", "no cycle is in force"),
+        ("CYCLE81(10,0,2,20)", "hole not made"),
+    ] {
+        let found = run(&format!("G1 F100\n{text}")).diagnostics;
+        assert!(found.iter().any(|d| d.message.contains(part)), "{text}: {found:?}");
+    }
+    assert_eq!(clean("CYCLE800()\nG500\nSTOPRE FFWON SOFT DIAMOF\nG505 G0 X1\nG25 X1 Y2").segments.len(), 1);
+}

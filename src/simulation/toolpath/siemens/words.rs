@@ -1,0 +1,93 @@
+//! G words that mean something else on SINUMERIK controls than in ISO, or nothing there.
+
+use crate::simulation::gcode::Place;
+use crate::simulation::gcode::address;
+use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::frame::ADDITIONAL;
+use crate::simulation::toolpath::path_mode::Blending;
+use crate::simulation::toolpath::remark::{Code, Untraced};
+use crate::simulation::toolpath::siemens::Statement;
+use crate::simulation::toolpath::trace::{Request, Tracer};
+use crate::simulation::toolpath::words::{Meaning, NO_GROUP, Special};
+
+/// What a G word of SINUMERIK controls asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulation::toolpath) enum SiemensWord {
+    /// G60, and G641 to G645.
+    Path,
+    /// G110 to G112.
+    Pole,
+    /// G500, or G505 and on, which follow G57.
+    Offset,
+    /// G25, G26: limits, not moves.
+    Limits,
+    /// G147, G148, G247, G248, G347, G348.
+    SoftApproach,
+    /// G331 and G332: a tap's stroke.
+    Tap,
+}
+
+/// Modal group and meaning of a G word, given ten times its number; none where ISO's holds.
+pub(in crate::simulation::toolpath) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
+    use Meaning::*;
+    Some(match tenths {
+        700 | 7000 => (6, Inch(true)),
+        710 | 7100 => (6, Inch(false)),
+        530 | 1530 => (NO_GROUP, Special(self::Special::MachineCoordinates)),
+        740 | 750 => (NO_GROUP, Special(self::Special::Reference)),
+        600 | 6410 | 6420 | 6430 | 6440 | 6450 => (13, Siemens(SiemensWord::Path)),
+        1100 | 1110 | 1120 => (NO_GROUP, Siemens(SiemensWord::Pole)),
+        5000 | 5050..=5990 => (12, Siemens(SiemensWord::Offset)),
+        250 | 260 => (NO_GROUP, Siemens(SiemensWord::Limits)),
+        1470 | 1480 | 2470 | 2480 | 3470 | 3480 => (NO_GROUP, Siemens(SiemensWord::SoftApproach)),
+        3310 | 3320 => (1, Siemens(SiemensWord::Tap)),
+        6010 | 6020 | 6030 | 3400 | 3410 | 4500 | 4510 | 4600 | 4610 | 4620 | 1400 | 1410 | 1420 | 1430
+        | 2900 | 9610 | 9710 | 9620 | 9720 | 8100 | 8110 | 8200 | 8210 => (NO_GROUP, Neutral),
+        2910 => (NO_GROUP, Transformation("ISO mode")),
+        _ => return None,
+    })
+}
+
+impl Tracer<'_> {
+    /// Takes in a G word of SINUMERIK controls.
+    pub(in crate::simulation::toolpath) fn siemens_g_word(
+        &mut self,
+        block: Block,
+        place: Place,
+        code: Code,
+        word: SiemensWord,
+        request: &mut Request,
+    ) {
+        match word {
+            SiemensWord::Path => {
+                let distance = block.words.iter().rfind(|word| word.letter == address::SMOOTHING);
+                let (source, blending) = match (code.value as u32, distance) {
+                    (60, _) => (code.to_string(), Blending::ExactStop),
+                    (641, Some(word)) => (
+                        format!("{code} ADIS={}", word.value),
+                        Blending::Distance(word.value * self.modal.unit),
+                    ),
+                    _ => (code.to_string(), Blending::Machine),
+                };
+                self.set_path_mode(place, source, blending);
+            }
+            SiemensWord::Pole => request.statement = Some(Statement::Pole(code.value as u16)),
+            SiemensWord::Offset => {
+                let number = match code.value as u16 {
+                    500 => NONE,
+                    further => ADDITIONAL + further - 504,
+                };
+                self.frame.select_work_offset(number);
+            }
+            SiemensWord::Limits => request.has_foreign_axis_words = true,
+            SiemensWord::SoftApproach => {
+                let what = "the soft approach is not modelled: a straight move to its end";
+                self.remarks.add(place, Untraced::Statement { name: "G147 to G348", what });
+            }
+            SiemensWord::Tap => request.statement = Some(Statement::Tap(code.value == 331.0)),
+        }
+    }
+}
+
+/// The number of a work offset that nobody can give.
+const NONE: u16 = 0;
