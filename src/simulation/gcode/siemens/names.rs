@@ -22,7 +22,7 @@ pub(super) const ADDRESSES: &[(&str, u8)] = &[
     ("SPOSA", address::SPINDLE_POSITION),
     ("ADIS", address::SMOOTHING),
     ("ADISPOS", address::RAPID_SMOOTHING),
-    (address::PLANE_ANGLE),
+    ("RPL", address::PLANE_ANGLE),
 ];
 
 /// What the tracer acts on, or names in a diagnostic; the value of a word is its place here.
