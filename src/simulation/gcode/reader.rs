@@ -182,7 +182,8 @@ impl<'a> Reader<'a> {
         self.keep_comment(text, &line);
         self.end_block();
         let next = self.index();
-        self.program.complete(line.skips.as_slice(), next);
+        let skip = line.skips.filter(|index| *index < self.program.flow.len());
+        self.program.complete(skip.as_slice(), next);
     }
 
     /// Takes back what was read of the block.
@@ -192,6 +193,7 @@ impl<'a> Reader<'a> {
         self.program.formulas.truncate(formulas);
         self.program.steps.truncate(steps);
         self.program.flow.truncate(flow);
+        self.structures.drop_block(self.index(), flow);
     }
 
     /// Ends the block being read; what follows on the line is a block of its own.

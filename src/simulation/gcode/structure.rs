@@ -119,6 +119,18 @@ impl Structures {
         Some((self.open.pop().expect("it was found there"), within))
     }
 
+    /// Forgets what a block with a fault opened and the jumps it entered; `block` is its index, and
+    /// `flow` the length of the flow before it.
+    pub(super) fn drop_block(&mut self, block: u32, flow: usize) {
+        self.open.retain(|open| open.head < block);
+        for open in &mut self.open {
+            open.next = open.next.filter(|index| *index < flow);
+            for jumps in [&mut open.exits, &mut open.to_end] {
+                while jumps.pop_if(|index| flow <= *index).is_some() {}
+            }
+        }
+    }
+
     /// Everything that was never closed.
     pub(super) fn finish(&mut self) -> Vec<Open> {
         std::mem::take(&mut self.open)

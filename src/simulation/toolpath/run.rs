@@ -130,6 +130,8 @@ impl<'a> Run<'a> {
     /// Ends the program.
     fn stop(&mut self, why: Untraced) -> Untraced {
         self.at = u32::MAX;
+        // No subprogram is left to go back from.
+        self.calls.truncate(1);
         why
     }
 

@@ -162,12 +162,12 @@ impl Tracer<'_> {
         let Some(hole) = self.hole_of(block, active)? else { return Ok(()) };
         let work = self.plan_hole(block, &hole)?;
         let normal = self.modal.plane.axes()[2];
-        self.exact_stop = true;
         if 0 < repeats && !self.is_tape && active.begin[normal] < hole.reference {
             let mut target = self.position;
             target[normal] = hole.reference;
             self.rapid_to(block, target);
         }
+        self.exact_stop = true;
         for repeat in 0..repeats {
             let Some(mut target) = self.target(block) else { break };
             let is_above = hole.reference < self.position[normal];

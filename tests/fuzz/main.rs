@@ -1,0 +1,97 @@
+//! Files that nobody wrote: mutations of our own programs and machine files must be read without
+//! a panic and within bounds, and what comes out must hold the laws. `scripts/fuzz` does the same
+//! for long, led by coverage.
+
+mod laws;
+mod mutate;
+
+use mutate::Random;
+use std::path::{Path, PathBuf};
+
+/// How many files are made of each kind; more by `TRUEFEED_EXECUTIONS=100000`.
+const EXECUTIONS: usize = 2_000;
+
+fn executions() -> usize {
+    let asked = std::env::var("TRUEFEED_EXECUTIONS").ok();
+    asked.map_or(EXECUTIONS, |asked| asked.parse().expect("TRUEFEED_EXECUTIONS is a number"))
+}
+
+/// All files below a folder but what is expected of them.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("the programs of the repository are always there");
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("a readable folder").path()).collect();
+    paths.sort();
+    let inside = |path: PathBuf| if path.is_dir() { files(&path) } else { vec![path] };
+    let is_seed = |path: &PathBuf| path.extension().is_none_or(|extension| extension != "expected");
+    paths.into_iter().flat_map(inside).filter(is_seed).collect()
+}
+
+fn seeds(folder: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(folder);
+    files(&folder).iter().map(|path| std::fs::read(path).expect("a readable file")).collect()
+}
+
+/// Checks mutations of `seeds`; one that fails is written to a file whose name is said.
+fn run(name: &str, seeds: &[Vec<u8>], seed: u64, law: fn(&[u8])) {
+    let words = mutate::words(include_str!("words.dict"));
+    assert!(100 < words.len() && !seeds.is_empty());
+    let mut random = Random(seed);
+    let (executions, mut slowest) = (executions(), std::time::Duration::ZERO);
+    for number in 0..executions {
+        let bytes = mutate::mutated(&mut random, seeds, &words);
+        let start = std::time::Instant::now();
+        if let Err(panic) = std::panic::catch_unwind(|| law(&bytes)) {
+            let path = std::env::temp_dir().join(format!("truefeed-{name}-{number}"));
+            std::fs::write(&path, &bytes).expect("a writable folder");
+            eprintln!("{name}: execution {number} fails; its file is {}", path.display());
+            std::panic::resume_unwind(panic);
+        }
+        slowest = slowest.max(start.elapsed());
+    }
+    println!("{name}: {executions} executions over {} seeds, slowest {slowest:?}", seeds.len());
+}
+
+#[test]
+fn mutated_programs_hold_the_laws() {
+    run("program", &seeds("programs"), 0x5eed_0001, laws::program);
+}
+
+#[test]
+fn mutated_machine_files_hold_the_laws() {
+    let machines = seeds("machines");
+    for bytes in &machines {
+        let text = std::str::from_utf8(bytes).expect("our own files are UTF-8");
+        assert_eq!(truefeed::project::machine_from_toml(text).err().map(|fault| fault.message), None);
+    }
+    run("machine_file", &machines, 0x5eed_0002, laws::machine_file);
+}
+
+#[test]
+fn programs_cut_off_anywhere_hold_the_laws() {
+    let mut executions = 0;
+    for bytes in seeds("programs") {
+        for end in (0..=bytes.len()).step_by(7) {
+            laws::program(&bytes[..end]);
+            executions += 1;
+        }
+    }
+    println!("{executions} executions");
+}
+
+/// Reads one that fuzzing found, in the dialect that it was found in.
+fn in_linuxcnc(bytes: &[u8]) {
+    laws::program_in(bytes, Some(truefeed::simulation::gcode::Dialect::LinuxCnc));
+}
+
+/// A block that opened a loop and was then found faulty left its jump behind.
+#[test]
+fn a_faulty_block_opens_nothing() {
+    in_linuxcnc(b"o1 repeat [10] ?\nG1 X1\nM2\n");
+    in_linuxcnc(b"o1 while [#1 LT 3] ?\nG1 X1\no1 endwhile\nM2");
+}
+
+/// A program that ran into its bound within a subprogram went back from there and on.
+#[test]
+fn an_endless_subprogram_ends_the_program() {
+    in_linuxcnc(b"o1 sub\no2 while [1]\nG4 P0\no2 endwhile\no1 endsub\no1 call\nM2\n");
+}
