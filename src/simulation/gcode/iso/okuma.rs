@@ -21,6 +21,10 @@ use crate::simulation::gcode::{
     Action, Destination, Direction, Label, LabelKind, Place, Reference, Step, Target, Word, address,
 };
 
+/// Longer names than this there are none, so that a line without blanks is not searched again from
+/// each of its words.
+const LONGEST_NAME: usize = 64;
+
 /// The value of the statement that no hole is made in its block.
 const NCYL: f64 = 1.0;
 
@@ -32,7 +36,7 @@ impl Reader<'_> {
         at: usize,
         line: &mut Line,
     ) -> Result<Option<usize>, Refusal> {
-        let length = identifier(&text[at..]);
+        let length = identifier(&text[at..text.len().min(at + LONGEST_NAME)]);
         let end = at + length;
         let name = text[at..end].to_ascii_uppercase();
         let equals = skip_blanks(text, end);
