@@ -44,6 +44,7 @@ mod frame;
 mod functions;
 mod motion;
 mod operations;
+mod own;
 mod parameters;
 mod path_mode;
 mod plane;

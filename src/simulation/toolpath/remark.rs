@@ -17,6 +17,8 @@ pub(super) enum Untraced {
     NoValue(#[from] NoValue),
     #[error("{code} is not understood: left out, and the axis words of its block are not run")]
     UnknownG { code: Code },
+    #[error("{code}: {what}")]
+    Left { code: Code, what: &'static str },
     #[error("{code} is not understood: left out")]
     UnknownM { code: Code },
     #[error("{code} ({name}) is not modelled: from here on the path is taken as written")]
@@ -228,6 +230,7 @@ impl Remark for Untraced {
             Untraced::NoValue(_)
             | Untraced::UnknownG { .. }
             | Untraced::UnknownM { .. }
+            | Untraced::Left { .. }
             | Untraced::Transformation { .. }
             | Untraced::Conflict { .. }
             | Untraced::RepeatedWord { .. }

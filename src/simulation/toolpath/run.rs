@@ -277,8 +277,10 @@ impl<'a> Run<'a> {
             return if code(b'M', 198.0) { Err(Untraced::ExternalProgram) } else { Ok(()) };
         }
         let Some(target) = target else { return Err(Untraced::NoSubprogram) };
-        let packed =
-            !is_macro && repeats.is_none() && 9999 < target && self.program.dialect != Dialect::LinuxCnc;
+        let packed = !is_macro
+            && repeats.is_none()
+            && 9999 < target
+            && !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Mach);
         let (target, packed_times) = if packed { (target % 10_000, target / 10_000) } else { (target, 1) };
         let times = if repeats.is_some() { count(repeats)? } else { packed_times };
         let to = if code(b'M', 97.0) {

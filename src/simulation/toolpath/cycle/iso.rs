@@ -111,10 +111,30 @@ impl Tracer<'_> {
         if !self.given.has(asks) {
             return;
         }
+        if self.is_without_hole(block) {
+            return;
+        }
         let Some(mut active) = self.cycle.active.take() else { return };
         self.take_cycle_words(block, &mut active);
         if let Err(no_hole) = self.holes(block, &active) {
             self.remarks.add(block.place(), Untraced::NoHole { code: active.code, no_hole });
+        }
+        self.cycle.active = Some(active);
+    }
+
+    /// A hole of the cycle in force at each of these places, mm; the block names none itself.
+    pub(in crate::simulation::toolpath) fn holes_at(&mut self, block: Block, places: &[Point]) {
+        let Some(mut active) = self.cycle.active.take() else { return };
+        self.take_cycle_words(block, &mut active);
+        let normal = self.modal.plane.axes()[2];
+        for place in places {
+            let mut target = *place;
+            target[normal] = self.position[normal];
+            self.rapid_to(block, target);
+            if let Err(no_hole) = self.holes(block, &active) {
+                self.remarks.add(block.place(), Untraced::NoHole { code: active.code, no_hole });
+                break;
+            }
         }
         self.cycle.active = Some(active);
     }
@@ -222,6 +242,7 @@ impl Tracer<'_> {
         let initial = if is_tape { initial } else { initial.max(reference) };
         let returns_to_reference = self.cycle.returns_to_reference.unwrap_or(!is_tape);
         let return_to = if returns_to_reference { reference } else { initial };
+        let return_to = self.return_by_m_word(block, normal, reference).unwrap_or(return_to);
         let dwell = self.dwell_of(block, active);
         let feed_in = self.feedrate(block);
         let mut hole = Hole {
