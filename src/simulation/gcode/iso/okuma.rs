@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! variables    VC1=5     V1=2     DIA=10 (a name of the program)     X=VC1+2     X=[VC1*2]
-//! flow         IF [VC1 EQ 2] N100     GOTO N100     CALL O1000 Q3     RTS
+//! flow         IF [VC1 EQ 2] N100     GOTO NEND     NEND     CALL O1000 Q3     RTS
 //! ```
 //!
 //! `CALL O1000` may give the subprogram names of its own (`CALL O1000 DIA=10`). NOEX, which hides
@@ -64,6 +64,11 @@ impl Reader<'_> {
                 self.push_word(address::STATEMENT, NCYL, line.columns(at, end));
                 Ok(Some(end))
             }
+            _ if !line.begun && self.okuma_name(text, at).is_some() => {
+                let label = self.okuma_name(text, at).map(|(label, _)| label);
+                label.into_iter().for_each(|label| self.label(label.kind, label.id));
+                Ok(Some(end))
+            }
             b"CALL" => self.okuma_call(text, end, line).map(Some),
             b"MODIN" | b"MODOUT" => {
                 let word = String::from_utf8_lossy(&name).into_owned();
@@ -71,6 +76,16 @@ impl Reader<'_> {
             }
             _ => Ok(None),
         }
+    }
+
+    /// The name of a block (`NLOOP`) that stands at `at`, and where it ends.
+    pub(super) fn okuma_name(&mut self, text: &[u8], at: usize) -> Option<(Label, usize)> {
+        let length = identifier(&text[at..text.len().min(at + LONGEST_NAME)]);
+        let name = &text[at..at + length];
+        let is_name = name.first().is_some_and(|first| first.eq_ignore_ascii_case(&b'N'))
+            && name.get(1).is_some_and(u8::is_ascii_alphabetic);
+        let id = is_name.then(|| self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase()))?;
+        Some((Label { kind: LabelKind::Named, id }, at + length))
     }
 
     /// Leaves out what stands between `ends` and says why; returns where it ends.

@@ -42,6 +42,7 @@
 //! Sources: LinuxCNC, G-code reference, canned cycles; Fanuc Series 15i/150i, Operator's Manual
 //! (Programming), canned cycles; Haas, Mill Operator's Manual, G73 to G89.
 
+use crate::simulation::gcode::Dialect;
 use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, bits};
 use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, Turn};
@@ -151,6 +152,7 @@ impl Tracer<'_> {
         }
         active.dwell = self.cycle_dwell(block).or(active.dwell);
         let not_modelled = match active.number {
+            83 if self.has_full_retracts_by_j(active) => b'J',
             73 | 83 => b'P',
             74 | 84 => b'Q',
             _ => return,
@@ -159,6 +161,11 @@ impl Tracer<'_> {
             let (code, letter) = (active.code, not_modelled as char);
             self.remarks.add(block.place_of_letter(not_modelled), Untraced::CycleWord { code, letter });
         }
+    }
+
+    /// Okuma's G83 with I and J: chips are broken every I, and the tool leaves the hole every J.
+    fn has_full_retracts_by_j(&self, active: &Active) -> bool {
+        self.dialect == Dialect::Okuma && active.center[0].is_some()
     }
 
     /// P of the block, s.
@@ -266,6 +273,11 @@ impl Tracer<'_> {
             73 => {
                 let retract = self.machine.cycles.peck_retract.unwrap_or(usual);
                 hole.kind = Kind::ChipBreak { pecks: self.pecks(active)?, retract, ceiling };
+            }
+            83 if self.has_full_retracts_by_j(active) => {
+                let retract = self.machine.cycles.peck_retract.unwrap_or(usual);
+                let depth = active.center[0].unwrap_or_default().abs();
+                hole.kind = Kind::ChipBreak { pecks: Pecks::equal(depth), retract, ceiling };
             }
             83 => {
                 let clearance = self.machine.cycles.peck_clearance.unwrap_or(usual);
