@@ -4,8 +4,10 @@
 //! A row's key is its place in the machine file, `[table]` and key joined by a dot. Values pass
 //! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
 
+mod reading;
 mod times;
 
+use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
 use crate::machine::{CornerMode, Machine, Mode, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
@@ -589,6 +591,7 @@ pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock
     GENERAL
         .into_iter()
         .chain(LEVELS)
+        .chain(READING)
         .chain(TIMES)
         .chain(axes)
         .chain(rotary_axes)

@@ -29,6 +29,10 @@ pub(super) enum Untraced {
     Conflict { first: Code, second: Code },
     #[error("{letter} is given twice in one block: the last one counts")]
     RepeatedWord { letter: char },
+    #[error(
+        "{letter}{value} has no decimal point, other lengths of the program have: taken as written; set program.increment_mm = 0.001 if the control counts thousandths"
+    )]
+    MissingPoint { letter: char, value: f64 },
     #[error("{letter} words are not modelled: only moves in X, Y, Z, A, B and C are timed")]
     UnmodelledWord { letter: char },
     #[error("no G0 to G3 before the first axis words: taken as G0")]
@@ -265,6 +269,7 @@ impl Remark for Untraced {
             | Untraced::NoArcThrough
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
+            | Untraced::MissingPoint { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }

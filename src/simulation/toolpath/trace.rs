@@ -28,6 +28,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     tracer.dialect = program.dialect;
     tracer.is_tape |= program.dialect == Dialect::Okuma;
     let mut parameters = Parameters::new(program.dialect);
+    tracer.tell_missing_points(program);
     let mut run = Run::new(program);
     let mut values = Values::default();
     while let Some(index) = run.block() {
@@ -45,6 +46,8 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
         let words = if formulas.is_empty() { program.words(block) } else { &values.words };
+        let scaled = tracer.by_increments(words, program.words(block));
+        let words = scaled.as_deref().unwrap_or(words);
         let outcome = if run.has_flow() {
             let own = run.without_call(words);
             tracer.block(Block { words: &own, line: block.line });
