@@ -335,3 +335,6 @@ impl Tracer<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
