@@ -7,8 +7,7 @@
 mod reading;
 mod times;
 
-use crate::machine::parameters::reading::READING;
-use crate::machine::parameters::times::TIMES;
+use crate::machine::parameters::{reading::READING, times::TIMES};
 use crate::machine::{CornerMode, Machine, Mode, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
 use std::collections::BTreeMap;

@@ -120,7 +120,9 @@ pub(super) fn meaning(dialect: Dialect, tenths: u16) -> Option<(usize, Meaning)>
         (Dialect::Iso, 843) => modal(9, OwnModal::RigidTap(740)),
         (Dialect::Iso, 1000) => Some((NO_GROUP, Meaning::Special(Special::Unmirror))),
         (Dialect::Iso, 1010) => Some((NO_GROUP, Meaning::Special(Special::Mirror))),
-        (Dialect::Iso, 1100 | 1110 | 1140..=1290) if tenths % 10 == 0 => modal(12, OwnModal::OffsetByCode),
+        (Dialect::Iso, 1100 | 1110 | 1140..=1290) if tenths.is_multiple_of(10) => {
+            modal(12, OwnModal::OffsetByCode)
+        }
         (Dialect::Iso, 1030) => modal(
             NO_GROUP,
             OwnModal::Said(

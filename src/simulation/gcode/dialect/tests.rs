@@ -1,7 +1,6 @@
-//! Short typical programs of each dialect, and the programs of others.
+//! Short typical programs of each dialect.
 
 use super::*;
-use std::path::Path;
 
 #[track_caller]
 fn check(dialect: Dialect, programs: &[&str]) {
@@ -174,30 +173,4 @@ fn okuma() {
             "DEF WORK\nEND\nM2",
         ],
     );
-}
-
-/// The programs of others lie in folders that say what they were written for.
-#[test]
-fn programs_of_others() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/gcode");
-    let folders = [
-        ("fanuc_haas", [Dialect::Iso].as_slice()),
-        ("linuxcnc", &[Dialect::LinuxCnc, Dialect::Iso]),
-        ("camotics", &[Dialect::LinuxCnc, Dialect::Iso]),
-        ("grbl", &[Dialect::Grbl, Dialect::Iso]),
-        ("mach3", &[Dialect::Mach, Dialect::Iso]),
-        ("siemens840d", &[Dialect::Siemens]),
-        ("heidenhain", &[Dialect::Klartext]),
-    ];
-    for (folder, dialects) in folders {
-        let Ok(entries) = std::fs::read_dir(root.join(folder)) else {
-            eprintln!("skipped: {folder} is not there");
-            continue;
-        };
-        for entry in entries.map(|entry| entry.expect("a readable folder")) {
-            let found = detect(&std::fs::read(entry.path()).expect("a readable file"));
-            println!("{}: {}", entry.path().display(), found.name());
-            assert!(dialects.contains(&found), "{}: {found:?}", entry.path().display());
-        }
-    }
 }

@@ -51,7 +51,9 @@ fn patterns_are_holes_at_their_places() {
             &run(&format!("{turned}{places}"), Dialect::Iso),
         );
     }
-    for word in ["G70 I10. J0 L0", "G70 I10. J0 L1000000000", "G71 I10. L4", "G70 I10. J0", "G80\nG70 I10. L4"] {
+    for word in
+        ["G70 I10. J0 L0", "G70 I10. J0 L1000000000", "G71 I10. L4", "G70 I10. J0", "G80\nG70 I10. L4"]
+    {
         let nothing = run(&format!("{CYCLE}{word}\n"), Dialect::Iso);
         assert_eq!(nothing.segments.len(), 1, "{word}");
         assert!(!nothing.diagnostics.is_empty(), "{word}");
