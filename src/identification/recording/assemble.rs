@@ -149,7 +149,8 @@ fn points_as_axes(signals: Vec<Signal>) -> Vec<Signal> {
             }
         }
         for (axis, values) in axes.into_iter().enumerate() {
-            let label = Label { field: Some(Field::Position(side, axis)), ..signal.label.clone() };
+            let name = format!("{} {}", signal.label.name, ["X", "Y", "Z"][axis]);
+            let label = Label { name, field: Some(Field::Position(side, axis)), unit: signal.label.unit };
             let time = signal.time.clone();
             split.push(Signal { label, sampling: signal.sampling, time, data: Data::Numbers(values) });
         }

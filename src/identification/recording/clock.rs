@@ -214,6 +214,8 @@ pub(super) fn event_stretches(
     let mut stray = Faults::default();
     let mut late = Faults::default();
     let mut latest = f64::NEG_INFINITY;
+    // Where `latest` was found, and what it was before.
+    let mut latest_at = (0, f64::NEG_INFINITY);
     let mut before = f64::NEG_INFINITY;
     for (row, time) in stamps.iter().copied().enumerate() {
         if time < before {
@@ -221,13 +223,22 @@ pub(super) fn event_stretches(
         }
         before = time;
         if latest - LATE <= time {
-            latest = latest.max(time);
+            if latest < time {
+                latest_at = (row, latest);
+                latest = time;
+            }
+        } else if latest_at.0 + 1 == row && latest_at.1 - LATE <= time && latest_at.1.is_finite() {
+            // The line before jumped ahead.
+            stray.add(line(row - 1));
+            stretches.last_mut().expect("there is always a stretch").pop();
+            latest = latest_at.1.max(time);
         } else if stamps[row..].len() >= RESTART
             && stamps[row..row + RESTART].iter().all(|stamp| *stamp < latest - LATE)
             && time <= stamps[row + RESTART - 1]
         {
             remarks.warn(Some(line(row)), None, "time starts again: another recording begins here".to_owned());
             stretches.push(Vec::new());
+            latest_at = (row, f64::NEG_INFINITY);
             latest = time;
         } else {
             stray.add(line(row));

@@ -194,7 +194,7 @@ fn noise(channel: &Channel<f64>) -> f64 {
     let mut second: Vec<f64> =
         channel.values.windows(3).map(|v| (v[2] - 2.0 * v[1] + v[0]).abs()).filter(|v| 0.0 < *v).collect();
     // Values that repeat are rest or steady motion of a noiseless log.
-    if second.len() < channel.values.len() / 2 {
+    if second.is_empty() || second.len() < channel.values.len() / 2 {
         return 0.0;
     }
     let middle = second.len() / 2;

@@ -4,6 +4,7 @@
 //! named; anything beyond is refused, because a guess about the time axis looks plausible in every
 //! later stage.
 
+use std::collections::HashSet;
 use thiserror::Error;
 
 /// How much a remark matters.
@@ -33,6 +34,13 @@ pub struct Remark {
 pub struct Remarks(pub Vec<Remark>);
 
 impl Remarks {
+    /// Says everything once: channels made of one column have the same to say.
+    pub(super) fn said_once(mut self) -> Remarks {
+        let mut said = HashSet::new();
+        self.0.retain(|remark| said.insert((remark.line, remark.column.clone(), remark.message.clone())));
+        self
+    }
+
     /// Adds something found or assumed.
     pub(super) fn info(&mut self, column: Option<&str>, message: String) {
         self.0.push(Remark { severity: Severity::Info, line: None, column: column.map(str::to_owned), message });

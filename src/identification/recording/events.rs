@@ -31,13 +31,32 @@ const SNIFFED: usize = 50;
 
 /// Whether `text` is SHDR: most of its first lines are `stamp|item|value`.
 pub(super) fn is_shdr(text: &str) -> bool {
-    let lines = text.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('*')).take(SNIFFED);
     let (mut yes, mut all) = (0, 0);
-    for line in lines {
+    for (_, line) in lines(text).take(SNIFFED) {
         all += 1;
         yes += usize::from(line.split_once('|').is_some_and(|(time, _)| stamp(time).is_some()));
     }
     0 < yes && all < 2 * yes
+}
+
+/// Lines of events and their numbers: neither blank nor a command nor the body of an asset, which
+/// stands between two lines that end in the same `--multiline--` mark.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut asset: Option<&str> = None;
+    text.lines().enumerate().map(|(at, line)| (at + 1, line.trim())).filter(move |(_, line)| {
+        let mark = line.find("--multiline--").map(|at| &line[at..]);
+        match (asset, mark) {
+            (None, Some(mark)) => {
+                asset = Some(mark);
+                false
+            }
+            (Some(open), Some(mark)) if open == mark => {
+                asset = None;
+                false
+            }
+            (open, _) => open.is_none() && !line.is_empty() && !line.starts_with('*'),
+        }
+    })
 }
 
 /// The time of an SHDR line, ns; a duration after `@` is not used.
@@ -58,41 +77,54 @@ pub(super) struct Event<'a> {
 
 /// Reads SHDR.
 pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, RecordingError> {
-    let mut lines: Vec<(usize, &str)> = Vec::new();
+    let mut rows: Vec<(usize, &str)> = Vec::new();
     let mut stamps: Vec<i64> = Vec::new();
     let mut bad: Option<(usize, &str)> = None;
     let mut faults = 0;
-    for (at, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('*') {
-            continue;
-        }
+    let mut first_joined: Option<usize> = None;
+    let mut joined = 0;
+    for (at, line) in lines(text) {
         match line.split_once('|').and_then(|(time, rest)| Some((stamp(time)?, rest))) {
+            // Assets carry stamps of their own, often of another day.
+            Some((_, rest)) if rest.starts_with('@') => {}
             Some((stamp, rest)) => {
                 stamps.push(stamp);
-                lines.push((at + 1, rest));
+                rows.push((at, rest));
+            }
+            // A value may stand alone on the next line.
+            None if !line.contains('|') && rows.last().is_some_and(|(_, rest)| rest.ends_with('|')) => {
+                if let Some((_, rest)) = rows.last_mut() {
+                    let from = rest.as_ptr() as usize - text.as_ptr() as usize;
+                    let to = line.as_ptr() as usize - text.as_ptr() as usize + line.len();
+                    *rest = &text[from..to];
+                }
+                joined += 1;
+                first_joined.get_or_insert(at);
             }
             None => {
                 faults += 1;
-                bad.get_or_insert((at + 1, line));
+                bad.get_or_insert((at, line));
             }
         }
     }
     if let Some((line, text)) = bad {
-        if !few(faults, lines.len() + faults) {
+        if !few(faults, rows.len() + faults) {
             let text = text.chars().take(40).collect();
             return Err(RecordingError::Stamp { line, column: 1, text, count: faults });
         }
         let message = format!("{faults} lines are cut short and left out; this is the first");
         remarks.warn(Some(line), None, message);
     }
+    if 0 < joined {
+        remarks.warn(first_joined, None, format!("{joined} values stand on a line of their own: joined to their item"));
+    }
     let (origin, seconds) = from_origin(&stamps);
-    let stretches = event_stretches(&seconds, |row| lines[row].0, remarks)?;
+    let stretches = event_stretches(&seconds, |row| rows[row].0, remarks)?;
     let mut not_read = Vec::new();
     let mut captures = Vec::with_capacity(stretches.len());
-    for rows in stretches {
-        let events = rows.iter().flat_map(|row| {
-            pairs(lines[*row].1).map(|(item, value)| Event { time: seconds[*row], item, value })
+    for stretch in stretches {
+        let events = stretch.iter().flat_map(|row| {
+            pairs(rows[*row].1).map(|(item, value)| Event { time: seconds[*row], item, value })
         });
         captures.push(Capture { origin: Some(origin), signals: signals(events, &[], &mut not_read, remarks) });
     }
@@ -104,11 +136,9 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
 fn pairs(rest: &str) -> impl Iterator<Item = (&str, &str)> {
     let fields = rest.split('|').count();
     let mut parts = rest.split('|');
-    let is_asset = rest.starts_with('@');
     let second = rest.split('|').nth(1).unwrap_or("");
     let is_condition = fields == 6 && matches!(second, "NORMAL" | "WARNING" | "FAULT" | "UNAVAILABLE");
-    let skipped = is_asset || is_condition;
-    std::iter::from_fn(move || if skipped { None } else { Some((parts.next()?, parts.next()?)) })
+    std::iter::from_fn(move || if is_condition { None } else { Some((parts.next()?, parts.next()?)) })
         .map(|(item, value)| (item.rsplit(':').next().unwrap_or(item).trim(), value.trim()))
         .filter(|(item, _)| !item.is_empty())
 }

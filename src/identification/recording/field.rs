@@ -164,7 +164,7 @@ fn words(name: &str) -> Vec<String> {
 
 /// Words that tell of something not read, wherever they stand.
 const NOT_READ: &[&str] = &[
-    "load", "torque", "current", "power", "force", "acc", "accel", "acceleration", "jerk", "temp", "temperature",
+    "surface", "load", "torque", "power", "force", "acc", "accel", "acceleration", "jerk", "temp", "temperature",
     "error", "lag", "diff", "dev", "deviation", "editing", "runtime", "header", "count", "cutting", "parts", "part",
     "asset", "offset", "diameter", "radius", "life", "comment", "editor", "mode", "label", "nc", "ffw", "raw",
 ];
@@ -249,7 +249,7 @@ fn field_of(name: &str) -> Option<Field> {
     let axis = words.iter().find_map(|word| axis(word));
     let moves = has(FEED) && !has(&["s", "pos", "position"]);
     match axis {
-        Some(_) if moves => None,
+        Some(_) if moves || has(&["current", "strom"]) => None,
         Some(axis) if words.len() == 1 || has(POSITION) || side != Side::Unstated => Some(Field::Position(side, axis)),
         Some(_) => None,
         None if moves && !has(&["rev", "frcmd", "fract"]) => Some(Field::Feed(side)),
@@ -284,15 +284,23 @@ fn vendor(name: &str) -> Option<Option<Field>> {
     if let Some(front) = lower.strip_suffix("actw")
         && (1..=3).contains(&front.len())
     {
-        return Some(axis(&front[..1]).map(|axis| Field::Position(Side::Actual, axis)));
+        // `YI1` is the Y axis made of the slanted X and Y; turret 4 is another path's.
+        return Some(axis(&front.replace('i', "")).map(|axis| Field::Position(Side::Actual, axis)));
     }
     if lower.ends_with("actm") && lower.len() <= 7 {
         return Some(None);
     }
-    let bare = lower.strip_prefix("p1").or_else(|| lower.strip_prefix("p2")).unwrap_or(&lower);
+    // Adapters name what belongs to a path `p` or `p1`, in one word with the item.
+    let bare = lower.strip_prefix('p').map_or(lower.as_str(), |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
     match bare {
         "lpathpos" => return Some(Some(Field::Point(Side::Actual))),
-        "linenumber" => return Some(Some(Field::Line)),
+        "fact" => return Some(Some(Field::Feed(Side::Actual))),
+        "fovr" => return Some(Some(Field::FeedOverride)),
+        "linenumber" | "blocknumber" => return Some(Some(Field::Line)),
+        "block" => return Some(Some(Field::Block)),
+        "execution" => return Some(Some(Field::Status)),
+        "program" if lower != "program" => return Some(Some(Field::Program)),
+        "currenttool" => return Some(Some(Field::Tool)),
         // Feed per revolution, and a command whose unit follows G94 and G95.
         "fract" | "frcmd" | "fcmd" | "toolassetid" => return Some(None),
         _ => {}

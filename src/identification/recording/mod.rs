@@ -186,7 +186,7 @@ pub fn read_with(bytes: &[u8], options: &Options) -> Result<Log, RecordingError>
         table::read(&text, options, &mut remarks)?
     };
     let recordings = assemble::recordings(captures, &mut remarks)?;
-    Ok(Log { format, recordings, remarks })
+    Ok(Log { format, recordings, remarks: remarks.said_once() })
 }
 
 impl Recording {

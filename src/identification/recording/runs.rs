@@ -38,6 +38,13 @@ pub(super) fn runs(recording: &Recording) -> Vec<Run> {
             has_end: false,
         });
     }
+    if let Some(line) = &recording.line {
+        let largest = f64::from(line.values.iter().copied().max().unwrap_or(0));
+        for run in runs.iter_mut().filter(|run| !run.has_start) {
+            let first = line.time.partition_point(|stamp| *stamp < run.time.start);
+            run.has_start = line.values.get(first).is_some_and(|line| f64::from(*line) <= BEGINNING * largest);
+        }
+    }
     if let Some(program) = &recording.program {
         for run in &mut runs {
             // The name often follows the start by a fraction of a second, so the end knows it best.
@@ -55,9 +62,9 @@ fn by_status(status: &Channel<Status>, duration: f64) -> Vec<Run> {
     for (stamp, status) in status.time.iter().zip(&status.values) {
         match status {
             Status::Active | Status::Held | Status::Stopped if open.is_none() => {
-                // A file that begins in the middle of a run says ACTIVE first, too; only what was
-                // idle or at an end before is known to start here.
-                open = Some((*stamp, *status == Status::Active && running_before != Some(true)));
+                // A file that begins in the middle of a run says ACTIVE first, too: only what was idle
+                // or at an end before is known to start here.
+                open = Some((*stamp, running_before == Some(false)));
             }
             Status::Ended | Status::Idle => {
                 if let Some((from, has_start)) = open.take() {
