@@ -84,12 +84,14 @@ impl<V: Clone> Channel<V> {
         }
         time.extend_from_slice(&self.time[from..to]);
         values.extend_from_slice(&self.values[from..to]);
-        let gaps = self.gaps.iter().map(|gap| gap.start.max(range.start)..gap.end.min(range.end));
+        let first = self.gaps.partition_point(|gap| gap.end <= range.start);
+        let past = self.gaps.partition_point(|gap| gap.start < range.end).max(first);
+        let gaps = self.gaps[first..past].iter().map(|gap| gap.start.max(range.start)..gap.end.min(range.end));
         Channel {
             name: self.name.clone(),
             time: time.into(),
             values,
-            gaps: gaps.filter(|gap| gap.start < gap.end).collect(),
+            gaps: gaps.collect(),
             ..*self
         }
     }

@@ -2,24 +2,31 @@
 //! the length of the path:
 //!
 //! ```text
-//! ∫ v dt · factor = L        factor = 1, 60, 25.4, 1000 and their products and inverses
+//! factor · ∫ v dt = L,   factor of a unit: 1/60 mm/min, 1 mm/s, 25.4/60 inch/min, 1000/60 m/min …
 //! ```
 //!
 //! With a stated unit the factor must be 1 within [`TOLERANCE`]; without one it is the factor of a
-//! candidate. Any other known factor is named in the refusal, because that is the mistake to look
-//! for. The factors are more than a third apart, so not two of them fit.
+//! candidate. A known factor other than that is named in the refusal, because it is the mistake to
+//! look for. Factors are half as much again apart or more, so not two of them fit.
+//!
+//! What is compared must be the same motion. Where the machine also goes home and to its tool
+//! changer, as no program says, the whole run is longer than the path (by half on a small part);
+//! [`closure_on`] compares only the lines that cut. Lag shortens recorded positions and vibration
+//! lengthens them, by some 10 % each in bad cases, which is why the tolerance is not finer; the
+//! ratio is returned for stages that want to be stricter.
 //!
 //! The length of noisy positions is taken in steps of [`STEP`] standard deviations of the noise σ,
 //! found from second differences: summing sample by sample would add some 1.6 σ a sample.
 
+use std::ops::Range;
 use thiserror::Error;
 
-use crate::identification::recording::unit::{MM, MM_PER_S, Unit};
+use crate::identification::recording::unit::{FEEDS, LENGTHS, MM, MM_PER_S, Unit};
 use crate::identification::recording::{Axes, Channel, Recording, Scale};
-use crate::units::{MM_PER_INCH, SECONDS_PER_MINUTE};
+use crate::units::SECONDS_PER_MINUTE;
 
 /// How far the lengths may be apart, as a part of the path.
-pub const TOLERANCE: f64 = 0.05;
+pub const TOLERANCE: f64 = 0.15;
 
 /// Shortest step of the recorded path in standard deviations of its noise.
 const STEP: f64 = 10.0;
@@ -58,7 +65,7 @@ pub enum ClosureError {
     /// Wrong by a factor that units explain.
     #[error(
         "`{name}` in {unit} makes {length:.1} mm of a path of {path:.1} mm; it would fit with a factor of \
-         {factor:.6}{}", .instead.map(|unit| format!(", that is in {}", unit.symbol)).unwrap_or_default()
+         {factor:.6}{}", .instead.map(|unit| format!(", that is in {}", unit.symbol)).unwrap_or(", as of a wrong unit of time".to_owned())
     )]
     WouldFit {
         /// Name of the column.
@@ -109,6 +116,35 @@ pub fn closure(recording: &Recording, path: f64) -> Result<Closure, ClosureError
     }
 }
 
+/// Checks the feed against the `path` mm of those lines that `counts` says yes to, over the times
+/// at which the control says that it runs them.
+pub fn closure_on(recording: &Recording, path: f64, counts: impl Fn(u32) -> bool) -> Result<Closure, ClosureError> {
+    if path.is_nan() || path <= 0.0 {
+        return Err(ClosureError::NoPath);
+    }
+    let (Some(feed), Some(line)) = (&recording.feed, &recording.line) else {
+        return Err(ClosureError::NothingToMeasure);
+    };
+    let ends = line.time.iter().skip(1).copied().chain([recording.duration]);
+    let mut length = 0.0;
+    let mut stretch: Option<Range<f64>> = None;
+    for ((from, line), to) in line.time.iter().zip(&line.values).zip(ends) {
+        stretch = match (stretch, counts(*line)) {
+            (Some(stretch), true) => Some(stretch.start..to),
+            (None, true) => Some(*from..to),
+            (Some(stretch), false) => {
+                length += feed.during(&stretch).integral(stretch.end);
+                None
+            }
+            (None, false) => None,
+        };
+    }
+    if let Some(stretch) = stretch {
+        length += feed.during(&stretch).integral(stretch.end);
+    }
+    settle(Measure::Feed, feed, MM_PER_S, length, path)
+}
+
 fn settle(
     measure: Measure,
     channel: &Channel<f64>,
@@ -130,58 +166,52 @@ fn settle(
         return closes(*found, found.factor);
     }
     let name = channel.name.clone();
-    match factors().find(|factor| fits(*factor)) {
-        Some(factor) => {
-            let named = |named: &&Unit| (named.factor / (unit.factor * factor) - 1.0).abs() < 1e-9;
-            let all = match measure {
-                Measure::Feed => crate::identification::recording::unit::FEEDS,
-                Measure::Positions => crate::identification::recording::unit::LENGTHS,
-            };
-            let instead = all.iter().find(named).copied();
-            Err(ClosureError::WouldFit { name, unit: unit.symbol, length, path, factor, instead })
-        }
+    let named = match measure {
+        Measure::Feed => FEEDS,
+        Measure::Positions => LENGTHS,
+    };
+    if let Some(instead) = named.iter().find(|other| fits(other.factor / unit.factor)) {
+        let factor = instead.factor / unit.factor;
+        return Err(ClosureError::WouldFit { name, unit: unit.symbol, length, path, factor, instead: Some(*instead) });
+    }
+    // A factor that is no unit of the values may be one of the time.
+    match [1e-3, 1e3, SECONDS_PER_MINUTE, 1.0 / SECONDS_PER_MINUTE].into_iter().find(|factor| fits(*factor)) {
+        Some(factor) => Err(ClosureError::WouldFit { name, unit: unit.symbol, length, path, factor, instead: None }),
         None => Err(ClosureError::NoFactor { name, unit: unit.symbol, length, path, ratio: length / path }),
     }
 }
 
-/// 1, 60, 25.4, 1000, their products and inverses.
-fn factors() -> impl Iterator<Item = f64> {
-    const POWERS: [i32; 3] = [0, 1, -1];
-    let products = POWERS.into_iter().flat_map(|a| POWERS.into_iter().map(move |b| (a, b)));
-    products.flat_map(|(a, b)| {
-        let product = SECONDS_PER_MINUTE.powi(a) * MM_PER_INCH.powi(b);
-        POWERS.into_iter().map(move |c| product * 1000_f64.powi(c))
-    })
-}
-
-/// Length of the recorded path, in the positions' unit; none where no axis has two samples. Axes
-/// with stamps of their own are held at their last value at the stamps of the first.
+/// Length of the recorded path, in the positions' unit; none where no axis has two samples. At every
+/// stamp of any axis the others are held at their last value, and before it at their first.
 pub fn path_length(axes: &Axes) -> Option<f64> {
-    let longest = axes.iter().flatten().max_by_key(|channel| channel.values.len())?;
-    if longest.values.len() < 2 {
+    if axes.iter().flatten().all(|channel| channel.values.len() < 2) {
         return None;
     }
     let step = STEP * axes.iter().flatten().map(noise).fold(0.0, f64::max);
     let mut cursors = [0; 3];
-    let mut anchor: Option<[f64; 3]> = None;
+    let mut point = axes.each_ref().map(|axis| axis.as_ref().and_then(|c| c.values.first()).copied().unwrap_or(0.0));
+    let mut anchor = point;
     let mut length = 0.0;
-    let mut point = [0.0; 3];
-    for stamp in longest.time.iter() {
-        for ((channel, cursor), value) in axes.iter().zip(&mut cursors).zip(&mut point) {
-            let Some(channel) = channel else { continue };
-            while *cursor + 1 < channel.time.len() && channel.time[*cursor + 1] <= *stamp {
-                *cursor += 1;
-            }
-            *value = channel.values[*cursor];
+    loop {
+        let next = |(axis, at): (&Option<Channel<f64>>, &usize)| axis.as_ref()?.time.get(at + 1).copied();
+        let stamp = axes.iter().zip(&cursors).filter_map(next).fold(f64::INFINITY, f64::min);
+        if stamp.is_infinite() {
+            return Some(length + distance(anchor, point));
         }
-        let from = *anchor.get_or_insert(point);
-        let moved = distance(from, point);
+        for ((channel, cursor), value) in axes.iter().zip(&mut cursors).zip(&mut point) {
+            if let Some(channel) = channel
+                && channel.time.get(*cursor + 1).is_some_and(|time| *time <= stamp)
+            {
+                *cursor += 1;
+                *value = channel.values[*cursor];
+            }
+        }
+        let moved = distance(anchor, point);
         if step < moved {
             length += moved;
-            anchor = Some(point);
+            anchor = point;
         }
     }
-    Some(length + anchor.map_or(0.0, |anchor| distance(anchor, point)))
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -107,6 +107,15 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
             }
         }
     }
+    // Without its line end the last value may be cut within a number, which still looks like one.
+    if !text.ends_with(['\n', '\r'])
+        && let Some((line, rest)) = rows.last_mut()
+        && let Some((front, value)) = rest.rsplit_once('|')
+        && matches!(number(value, true), Cell::Number(_))
+    {
+        *rest = front.rsplit_once('|').map_or("", |(front, _)| front);
+        remarks.warn(Some(*line), None, "the last line has no end: its last value is left out".to_owned());
+    }
     if let Some((line, text)) = bad {
         if !few(faults, rows.len() + faults) {
             let text = text.chars().take(40).collect();

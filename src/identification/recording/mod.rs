@@ -51,7 +51,7 @@ pub mod unit;
 use std::ops::Range;
 
 pub use channel::{Channel, Sampling, Scale};
-pub use closure::{Closure, ClosureError, Measure, closure, path_length};
+pub use closure::{Closure, ClosureError, Measure, TOLERANCE, closure, closure_on, path_length};
 pub use diagnostic::{RecordingError, Remark, Remarks, Severity};
 pub use field::Side;
 

@@ -137,6 +137,9 @@ fn captures(mut rows: Rows, options: &Options, remarks: &mut Remarks) -> Result<
                     remarks.warn(None, None, message);
                     SCOPE_INTERVAL
                 }
+                None if rows.labels.iter().all(|label| label.field.is_none()) => {
+                    return Err(RecordingError::NothingKnown { found: found() });
+                }
                 None => return Err(RecordingError::NoTime { found: found() }),
             };
             (None, counted(&rows, interval, remarks))
@@ -273,6 +276,13 @@ fn read_events(
         }
         _ => faults.push((line, fields.len())),
     });
+    // Without its line end the last value may be cut within a number, which still looks like one.
+    if !text.ends_with(['\n', '\r'])
+        && cells.last().is_some_and(|cell| cell.3.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+'))
+    {
+        let cut = cells.pop();
+        remarks.warn(cut.map(|cell| cell.0), None, "the last row has no line end: left out".to_owned());
+    }
     if let Some((line, found)) = faults.first().copied() {
         if !few(faults.len(), cells.len() + faults.len()) {
             return Err(RecordingError::FieldCount { line, found, expected: layout.width, count: faults.len() });
@@ -335,10 +345,20 @@ fn is_value(cell: &str) -> bool {
     matches!(number(cell, true), Cell::Number(_)) || iso(cell).is_some()
 }
 
-/// Separator, names, units and first row of a table.
+/// Separator, names, units and first row of a table; refused where names and rows do not go together.
 fn layout(text: &str, options: &Options) -> Result<Layout, RecordingError> {
     let lines: Vec<(usize, &str)> =
         text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(SNIFFED).collect();
+    // Values of events may hold any separator, so a head of time, item and value speaks for itself.
+    for separator in SEPARATORS.iter().take(4) {
+        let names: Vec<String> =
+            lines.first().map(|(_, line)| split(line, *separator)).unwrap_or_default().iter().map(|n| (*n).to_owned()).collect();
+        let labels: Vec<Label> = names.iter().map(|name| Label::read(name, None)).collect();
+        if event_columns(&labels).is_some() {
+            let (width, units) = (names.len(), vec![None; names.len()]);
+            return Ok(Layout { separator: *separator, width, names, units, skipped: lines[0].0 + 1 });
+        }
+    }
     let body = &lines[lines.len() / 2..];
     let mut best: Option<(f64, char, usize)> = None;
     for separator in SEPARATORS {
@@ -367,6 +387,13 @@ fn layout(text: &str, options: &Options) -> Result<Layout, RecordingError> {
     };
     let first = lines.iter().position(|(_, line)| is_row(line));
     let first = first.ok_or(RecordingError::UnknownFormat("no row of numbers was found"))?;
+    let above = first.checked_sub(1).map(|above| split(lines[above].1, separator)).unwrap_or_default();
+    let known = above.iter().filter(|name| Label::read(name, None).field.is_some()).count();
+    if 2 <= known && above.len() <= 2 * known && width + 1 != above.len() && above.len() + 1 < width.max(3) {
+        // Names they are, but of other columns: a decimal comma doubles the fields.
+        let (line, count) = (lines[first].0 + 1, lines.len() - first);
+        return Err(RecordingError::FieldCount { line, found: width, expected: above.len(), count });
+    }
     let bare = |line: &'_ str| line.trim().trim_start_matches(['#', '%', '/']).trim().to_owned();
     let heads: Vec<Vec<String>> = lines[..first]
         .iter()
@@ -387,18 +414,22 @@ fn layout(text: &str, options: &Options) -> Result<Layout, RecordingError> {
     Ok(Layout { separator, width, names, units, skipped: lines[first].0 })
 }
 
-/// Calls `row` with line and fields of every row; blank lines and comments are none. The last row
-/// is left out where it may be cut within a cell.
-fn each_row(text: &str, layout: &Layout, mut row: impl FnMut(usize, &[&str])) {
+/// The rows of `text`, and whether the last one was left out because it may be cut within a cell.
+fn body<'a>(text: &'a str, layout: &Layout) -> (&'a str, bool) {
     let from: usize = text.split_inclusive('\n').take(layout.skipped).map(str::len).sum();
-    let mut body = &text[from..];
-    if !body.ends_with(['\n', '\r']) {
-        let last = body.rfind('\n').map_or(0, |at| at + 1);
-        let before = body[..last].trim_end().rsplit('\n').next().unwrap_or("");
-        if decimals(&body[last..], layout.separator) != decimals(before, layout.separator) {
-            body = &body[..last];
-        }
+    let body = &text[from..];
+    if body.ends_with(['\n', '\r']) {
+        return (body, false);
     }
+    let last = body.rfind('\n').map_or(0, |at| at + 1);
+    let before = body[..last].trim_end().rsplit('\n').next().unwrap_or("");
+    let whole = decimals(&body[last..], layout.separator) == decimals(before, layout.separator);
+    if whole { (body, false) } else { (&body[..last], true) }
+}
+
+/// Calls `row` with line and fields of every row; blank lines and comments are none.
+fn each_row(text: &str, layout: &Layout, mut row: impl FnMut(usize, &[&str])) {
+    let (body, _) = body(text, layout);
     if layout.separator == ' ' {
         for (at, line) in body.lines().enumerate() {
             let line = line.trim();
@@ -507,6 +538,10 @@ fn rows(
             }
         }
     });
+    if body(text, layout).1 {
+        let message = "the row after this one has no line end and other decimals: cut short, left out".to_owned();
+        remarks.warn(lines.last().copied(), None, message);
+    }
     if 0 < narrow.0 {
         let (count, line, found) = narrow;
         if !few(count, lines.len() + count) {
