@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use truefeed::identification::recording::{
-    Closure, ClosureError, Log, Measure, Options, Recording, RecordingError, RunMark, Sampling, Scale, Status,
-    closure, closure_on, path_length, read, read_with, unit,
+    Closure, ClosureError, Log, Measure, Options, Recording, RecordingError, RunMark, Sampling, Scale,
+    Status, closure, closure_on, path_length, read, read_with, unit,
 };
 use truefeed::machine::Machine;
 use truefeed::simulation::{gcode, toolpath};
@@ -74,12 +74,18 @@ fn every_format_tells_the_same_motion() {
         assert_eq!(factor, 1.0, "{name}: positions are in mm, also where the file does not say so");
         let length = path_length(recording.positions()).expect("positions");
         assert!((length - PATH).abs() < 1e-3, "{name}: {length} mm");
-        for (axis, time, expected) in [(x, 0.51, 10.0), (y, 0.51, 0.0), (x, 1.26, 20.0), (y, 1.26, 5.0), (z, 1.9, -1.0)] {
+        for (axis, time, expected) in
+            [(x, 0.51, 10.0), (y, 0.51, 0.0), (x, 1.26, 20.0), (y, 1.26, 5.0), (z, 1.9, -1.0)]
+        {
             let value = axis.as_ref().expect("all axes").held(time).expect("known");
             assert!((value - expected).abs() < 1e-3, "{name}: {value} at {time} s instead of {expected}");
         }
         if let Some(line) = &recording.line {
-            assert_eq!([0.5, 1.2, 1.9].map(|time| line.held(time).copied()), [Some(10), Some(20), Some(30)], "{name}");
+            assert_eq!(
+                [0.5, 1.2, 1.9].map(|time| line.held(time).copied()),
+                [Some(10), Some(20), Some(30)],
+                "{name}"
+            );
         }
         if let Some(feed) = &recording.feed {
             let Closure { measure, unit, ratio, .. } = closure(recording, PATH).expect("units close");
@@ -93,7 +99,11 @@ fn every_format_tells_the_same_motion() {
             assert!(feed_override.values.iter().all(|value| *value == 1.0), "{name}");
         }
         if let Some(status) = &recording.status {
-            assert_eq!((status.held(0.7), status.held(1.4)), (Some(&Status::Active), Some(&Status::Active)), "{name}");
+            assert_eq!(
+                (status.held(0.7), status.held(1.4)),
+                (Some(&Status::Active), Some(&Status::Active)),
+                "{name}"
+            );
             assert_eq!(recording.runs.len(), 1, "{name}");
             assert_eq!(recording.runs[0].found_by, RunMark::Status, "{name}");
         }
@@ -134,9 +144,16 @@ fn a_cut_file_never_panics_and_never_lasts_longer() {
         for length in 0..bytes.len() {
             if let Ok(log) = read_with(&bytes[..length], &options(&name)) {
                 for recording in &log.recordings {
-                    assert!(recording.duration < DURATION + 1e-9, "{name} cut at {length}: {}", recording.duration);
+                    assert!(
+                        recording.duration < DURATION + 1e-9,
+                        "{name} cut at {length}: {}",
+                        recording.duration
+                    );
                     let length_mm = path_length(recording.positions());
-                    assert!(length_mm.is_none_or(|mm| mm < 1.001 * PATH), "{name} cut at {length}: {length_mm:?}");
+                    assert!(
+                        length_mm.is_none_or(|mm| mm < 1.001 * PATH),
+                        "{name} cut at {length}: {length_mm:?}"
+                    );
                 }
             }
         }
@@ -170,10 +187,14 @@ fn check_laws(name: &str, log: &Log) {
     assert!(!log.recordings.is_empty(), "{name}");
     for recording in &log.recordings {
         assert!(recording.duration.is_finite() && 0.0 <= recording.duration, "{name}");
-        let numbers = [&recording.feed, &recording.commanded_feed, &recording.feed_override, &recording.spindle_speed];
+        let numbers =
+            [&recording.feed, &recording.commanded_feed, &recording.feed_override, &recording.spindle_speed];
         for channel in recording.commanded.iter().chain(&recording.actual).chain(numbers) {
             ascending(name, channel);
-            assert!(channel.iter().all(|channel| channel.values.iter().all(|value| value.is_finite())), "{name}");
+            assert!(
+                channel.iter().all(|channel| channel.values.iter().all(|value| value.is_finite())),
+                "{name}"
+            );
         }
         ascending(name, &recording.line);
         ascending(name, &recording.block);
@@ -193,7 +214,9 @@ fn any_bytes_are_read_or_refused() {
     for round in 0..3000 {
         let length = random.below(400);
         let bytes: Vec<u8> = (0..length)
-            .map(|_| if round % 3 == 0 { random.next() as u8 } else { alphabet[random.below(alphabet.len())] })
+            .map(
+                |_| if round % 3 == 0 { random.next() as u8 } else { alphabet[random.below(alphabet.len())] },
+            )
             .collect();
         if let Ok(log) = read(&bytes) {
             check_laws("random bytes", &log);
@@ -237,13 +260,20 @@ fn files_that_tell_nothing_are_refused_with_the_reason() {
     assert!(matches!(refused(b"{\"a\": 1}"), RecordingError::UnknownFormat(_)));
     let rows = |row: &dyn Fn(usize) -> String| (0..50).map(row).collect::<String>();
     let no_time = "x_mm,y_mm\n".to_owned() + &rows(&|n| format!("{n}.0,1.0\n"));
-    assert!(matches!(refused(no_time.as_bytes()), RecordingError::NoTime { found } if found == ["x_mm", "y_mm"]));
+    assert!(
+        matches!(refused(no_time.as_bytes()), RecordingError::NoTime { found } if found == ["x_mm", "y_mm"])
+    );
     let constant = "t_s,x_mm,feed_mm_min\n".to_owned() + &rows(&|n| format!("0.{n:02},1.0,600\n"));
-    assert!(matches!(refused(constant.as_bytes()), RecordingError::NothingMoves { constant } if constant.len() == 2));
+    assert!(
+        matches!(refused(constant.as_bytes()), RecordingError::NothingMoves { constant } if constant.len() == 2)
+    );
     let still = "t_s,x_mm\n".to_owned() + &rows(&|n| format!("1.5,{n}.0\n"));
     assert!(matches!(refused(still.as_bytes()), RecordingError::TimeDisorder { .. }));
     let reversed = "t_s,x_mm\n".to_owned() + &rows(&|n| format!("{:.2},{n}.0\n", 9.0 - 0.01 * n as f64));
-    assert!(matches!(refused(reversed.as_bytes()), RecordingError::TimeDisorder { line: 3, count: 49, of: 50 }));
+    assert!(matches!(
+        refused(reversed.as_bytes()),
+        RecordingError::TimeDisorder { line: 3, count: 49, of: 50 }
+    ));
     let shuffled = table(|n, _, x| Some(format!("{:.2},{x:.3}\n", 0.01 * ((n * 37) % 50) as f64)));
     assert!(matches!(refused(shuffled.as_bytes()), RecordingError::TimeDisorder { .. }));
     let words = table(|n, t, _| (n % 3 == 0).then(|| format!("{t:.2},fast\n")));
@@ -252,7 +282,11 @@ fn files_that_tell_nothing_are_refused_with_the_reason() {
     };
     assert_eq!((line, column, name.as_str(), text.as_str(), count), (2, 2, "x_mm", "fast", 17));
     let comma = "t_s,x_mm\n".to_owned() + &rows(&|n| format!("0,{n:02},{n},5\n"));
-    assert!(matches!(refused(comma.as_bytes()), RecordingError::FieldCount { .. }), "{:?}", refused(comma.as_bytes()));
+    assert!(
+        matches!(refused(comma.as_bytes()), RecordingError::FieldCount { .. }),
+        "{:?}",
+        refused(comma.as_bytes())
+    );
     let unclear = "time,x_mm\n".to_owned() + &rows(&|n| format!("{},{n}.0\n", 4 * n));
     assert!(matches!(refused(unclear.as_bytes()), RecordingError::TimeUnit { step, .. } if step == 4.0));
     let told = Options { time_unit: Some(unit::MILLISECOND), ..Options::default() };
@@ -288,7 +322,8 @@ fn small_faults_are_repaired_and_named() {
     // Stamps rounded to 0.1 s: ten samples each, spread back to 0.01 s.
     let rounded = table(|n, _, x| Some(format!("{:.1},{x}\n", (n / 10) as f64 * 0.1)));
     let log = repaired(rounded, "share a stamp", 50);
-    let steps: Vec<f64> = log.recordings[0].actual[0].as_ref().expect("X").time.windows(2).map(|p| p[1] - p[0]).collect();
+    let steps: Vec<f64> =
+        log.recordings[0].actual[0].as_ref().expect("X").time.windows(2).map(|p| p[1] - p[0]).collect();
     assert!(steps.iter().all(|step| (step - 0.01).abs() < 1e-9));
     // Ten copies of every sample are one sample.
     let copied = table(|_, t, x| Some(format!("{t:.2},{x:.3}\n").repeat(10)));
@@ -299,7 +334,8 @@ fn small_faults_are_repaired_and_named() {
     assert_eq!(one(text.trim_end()), plain);
     assert_eq!(one(&text.replace('\n', "\r\n")), plain);
     // UTF-16 with a byte order mark, as Excel saves text.
-    let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    let wide: Vec<u8> =
+        [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     assert_eq!(read(&wide).expect("UTF-16").recordings[0], plain);
 }
 
@@ -330,7 +366,9 @@ fn several_runs_are_kept_apart() {
     let mut text = format!("{}|exec|READY|line|0|Fovr|100\n", stamp(0));
     for (start, name) in [(10, "A.NC"), (70, "B.NC"), (130, "A.NC")] {
         text += &format!("{}|exec|ACTIVE|program|{name}\n", stamp(start));
-        text += &(1..20).map(|n| format!("{}|line|{}|path_feedrate|{}\n", stamp(start + n), 5 * n, n)).collect::<String>();
+        text += &(1..20)
+            .map(|n| format!("{}|line|{}|path_feedrate|{}\n", stamp(start + n), 5 * n, n))
+            .collect::<String>();
         text += &format!("{}|exec|FEED_HOLD\n{}|exec|ACTIVE\n", stamp(start + 20), stamp(start + 25));
         text += &format!("{}|exec|PROGRAM_COMPLETED|path_feedrate|0\n", stamp(start + 30));
     }
@@ -342,7 +380,8 @@ fn several_runs_are_kept_apart() {
     assert_eq!((second.runs.len(), second.line.as_ref().expect("lines").held(80.0)), (1, Some(&50)));
     assert_eq!(second.feed_override.expect("carried in").values, [1.0]);
     // The same without a status: by name; without a name: by line.
-    let by_name: String = text.lines().filter(|line| line.contains("line|")).map(|line| format!("{line}\n")).collect();
+    let by_name: String =
+        text.lines().filter(|line| line.contains("line|")).map(|line| format!("{line}\n")).collect();
     let lines = one(&by_name);
     assert_eq!(lines.runs.len(), 3);
     assert!(lines.runs.iter().all(|run| run.found_by == RunMark::Line));
@@ -368,11 +407,16 @@ fn lost_samples_of_the_servo_thread_are_gaps() {
 #[test]
 fn units_that_do_not_close_are_refused_with_the_factor_that_would_fit() {
     let log = |head: &str, factor: f64| {
-        one(&(format!("t_s,{head}\n") + &(0..200).map(|n| format!("{:.2},{}\n", n as f64 * 0.01, n as f64 * factor)).collect::<String>()))
+        one(&(format!("t_s,{head}\n")
+            + &(0..200)
+                .map(|n| format!("{:.2},{}\n", n as f64 * 0.01, n as f64 * factor))
+                .collect::<String>()))
     };
     // v = 100 t mm/s for 1.99 s.
     let path = 0.5 * 100.0 * 1.99 * 1.99;
-    for (factor, expected) in [(1.0, unit::MM_PER_S), (60.0, unit::MM_PER_MIN), (60.0 / 25.4, unit::INCH_PER_MIN)] {
+    for (factor, expected) in
+        [(1.0, unit::MM_PER_S), (60.0, unit::MM_PER_MIN), (60.0 / 25.4, unit::INCH_PER_MIN)]
+    {
         assert_eq!(closure(&log("feed", factor), path).expect("closes").unit, expected);
     }
     assert_eq!(closure(&log("feed_mm_s", 1.0), path).expect("closes").unit, unit::MM_PER_S);
@@ -383,7 +427,9 @@ fn units_that_do_not_close_are_refused_with_the_factor_that_would_fit() {
         }
         other => panic!("{other:?}"),
     }
-    assert!(matches!(closure(&log("feed_mm_s", 1.5), path), Err(ClosureError::NoFactor { ratio, .. }) if (ratio - 1.5).abs() < 1e-3));
+    assert!(
+        matches!(closure(&log("feed_mm_s", 1.5), path), Err(ClosureError::NoFactor { ratio, .. }) if (ratio - 1.5).abs() < 1e-3)
+    );
     assert!(matches!(closure(&log("feed", 1.5), path), Err(ClosureError::NoFactor { .. })));
     assert_eq!(closure(&log("feed", 1.0), 0.0), Err(ClosureError::NoPath));
     let positions = log("x", 1.0 / 25.4);
@@ -394,7 +440,8 @@ fn units_that_do_not_close_are_refused_with_the_factor_that_would_fit() {
 #[test]
 fn noise_does_not_lengthen_the_path() {
     let mut random = Random(7);
-    let mut noise = || (0..12).map(|_| (random.next() >> 11) as f64 / (1_u64 << 53) as f64).sum::<f64>() - 6.0;
+    let mut noise =
+        || (0..12).map(|_| (random.next() >> 11) as f64 / (1_u64 << 53) as f64).sum::<f64>() - 6.0;
     // 10 mm/s at 500 Hz with 2 µm of noise: sample by sample the sum would be 3 % longer, at rest without end.
     let text: String = (0..20_000)
         .map(|n| {
@@ -461,7 +508,8 @@ fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
         );
         let cuts = |segment: &&toolpath::Segment| matches!(segment.motion, toolpath::Motion::Feed { .. });
         let path: f64 = program.segments.iter().filter(cuts).map(|segment| segment.length).sum();
-        let lines: HashSet<u32> = program.segments.iter().filter(cuts).map(|segment| segment.line.0).collect();
+        let lines: HashSet<u32> =
+            program.segments.iter().filter(cuts).map(|segment| segment.line.0).collect();
         let found = closure_on(&recording.during(&run.time), path, |line| lines.contains(&line));
         let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(found.unit, unit::MM_PER_S, "{name}");
@@ -480,7 +528,8 @@ fn the_stand_in_machines_tables_close() {
         check_laws("plant", &log);
         let rows = file(folder.join("recording.csv")).iter().filter(|byte| **byte == b'\n').count() - 1;
         let x = log.recordings[0].actual[0].as_ref().expect("X");
-        let found = closure(&log.recordings[0], program_length(folder.join("program.nc"))).expect("units close");
+        let found =
+            closure(&log.recordings[0], program_length(folder.join("program.nc"))).expect("units close");
         // Case 8 conceals lag, which shortens the path, case 9 vibration, which lengthens it.
         let expected = if matches!(case, 8 | 9) { 0.1 } else { 0.015 };
         assert!((found.ratio - 1.0).abs() < expected, "case {case}: {}", found.ratio);
@@ -491,16 +540,22 @@ fn the_stand_in_machines_tables_close() {
 #[test]
 fn a_controllers_tables_close_and_last_as_long_as_told() {
     let Some(folder) = shared("linuxcnc") else { return };
-    let answers: serde_json::Value = serde_json::from_slice(&file(folder.join("answers.json"))).expect("JSON");
+    let answers: serde_json::Value =
+        serde_json::from_slice(&file(folder.join("answers.json"))).expect("JSON");
     for (name, answer) in answers.as_object().expect("one entry a run") {
         let log = read(&file(folder.join(name))).expect("reads");
         check_laws(name, &log);
         let recording = &log.recordings[0];
         let seconds = answer["seconds"].as_f64().expect("a number");
-        assert!((recording.duration - seconds).abs() < 0.01, "{name}: {} s, not {seconds}", recording.duration);
+        assert!(
+            (recording.duration - seconds).abs() < 0.01,
+            "{name}: {} s, not {seconds}",
+            recording.duration
+        );
         let path = program_length(folder.join(answer["program"].as_str().expect("a name")));
         let by_feed = closure(recording, path).expect("the feed closes");
-        let by_positions = closure(&Recording { feed: None, ..recording.clone() }, path).expect("positions close");
+        let by_positions =
+            closure(&Recording { feed: None, ..recording.clone() }, path).expect("positions close");
         assert!((by_feed.ratio - 1.0).abs() < 0.01, "{name}: {}", by_feed.ratio);
         assert!((by_positions.ratio - 1.0).abs() < 0.02, "{name}: {}", by_positions.ratio);
     }

@@ -62,7 +62,10 @@ pub(super) struct Capture {
 }
 
 /// Every capture as a recording; those that tell nothing are named and left out.
-pub(super) fn recordings(captures: Vec<Capture>, remarks: &mut Remarks) -> Result<Vec<Recording>, RecordingError> {
+pub(super) fn recordings(
+    captures: Vec<Capture>,
+    remarks: &mut Remarks,
+) -> Result<Vec<Recording>, RecordingError> {
     let many = 1 < captures.len();
     let mut recordings = Vec::new();
     let mut refusal = None;
@@ -71,7 +74,11 @@ pub(super) fn recordings(captures: Vec<Capture>, remarks: &mut Remarks) -> Resul
             Ok(recording) => recordings.push(recording),
             Err(error) => {
                 if many {
-                    remarks.warn(None, None, format!("recording {} of the file is left out: {error}", nth + 1));
+                    remarks.warn(
+                        None,
+                        None,
+                        format!("recording {} of the file is left out: {error}", nth + 1),
+                    );
                 }
                 refusal.get_or_insert(error);
             }
@@ -99,8 +106,10 @@ fn recording(capture: Capture, remarks: &mut Remarks) -> Result<Recording, Recor
         return Err(RecordingError::TooFewSamples { found: longest, needed: FEWEST });
     }
     nothing_moves(&signals, remarks)?;
-    let first = signals.iter().filter_map(|signal| signal.time.first()).copied().fold(f64::INFINITY, f64::min);
-    let last = signals.iter().filter_map(|signal| signal.time.last()).copied().fold(f64::NEG_INFINITY, f64::max);
+    let first =
+        signals.iter().filter_map(|signal| signal.time.first()).copied().fold(f64::INFINITY, f64::min);
+    let last =
+        signals.iter().filter_map(|signal| signal.time.last()).copied().fold(f64::NEG_INFINITY, f64::max);
     let mut builder = Builder { first, shifted: Vec::new(), gaps_of: None, remarks };
     let mut recording = Recording {
         started: capture.origin.map(|origin| origin.saturating_add((first * 1e9) as i64)),
@@ -196,8 +205,8 @@ fn nothing_moves(signals: &[Signal], remarks: &mut Remarks) -> Result<(), Record
 struct Builder<'a> {
     /// Stamp that becomes zero.
     first: f64,
-    /// Time vectors already shifted, so that columns of a table go on sharing one.
-    shifted: Vec<(Arc<[f64]>, Arc<[f64]>)>,
+    /// Time vectors as they were and shifted, so that columns of a table go on sharing one.
+    shifted: Vec<[Arc<[f64]>; 2]>,
     /// The time vector whose gaps were last remarked on.
     gaps_of: Option<Arc<[f64]>>,
     remarks: &'a mut Remarks,
@@ -214,8 +223,10 @@ impl Builder<'_> {
             best = Some(match best {
                 None => other,
                 Some(best) => {
-                    let (kept, left) = if best.known() < other.known() { (other, best) } else { (best, other) };
-                    let message = format!("not read, because `{}` tells the same with more values", kept.label.name);
+                    let (kept, left) =
+                        if best.known() < other.known() { (other, best) } else { (best, other) };
+                    let message =
+                        format!("not read, because `{}` tells the same with more values", kept.label.name);
                     self.remarks.info(Some(&left.label.name), message);
                     kept
                 }
@@ -230,11 +241,11 @@ impl Builder<'_> {
 
     /// `time` from the recording's first stamp.
     fn shifted(&mut self, time: &Arc<[f64]>) -> Arc<[f64]> {
-        if let Some((_, shifted)) = self.shifted.iter().find(|(from, _)| Arc::ptr_eq(from, time)) {
+        if let Some([_, shifted]) = self.shifted.iter().find(|[from, _]| Arc::ptr_eq(from, time)) {
             return shifted.clone();
         }
         let shifted: Arc<[f64]> = time.iter().map(|stamp| stamp - self.first).collect();
-        self.shifted.push((time.clone(), shifted.clone()));
+        self.shifted.push([time.clone(), shifted.clone()]);
         shifted
     }
 
@@ -260,7 +271,8 @@ impl Builder<'_> {
             if !gaps.is_empty() && !told {
                 let seconds: f64 = gaps.iter().map(|gap| gap.end - gap.start).sum();
                 let longest = gaps.iter().map(|gap| gap.end - gap.start).fold(0.0, f64::max);
-                let message = format!("{} gaps, {seconds:.3} s together, the longest {longest:.3} s", gaps.len());
+                let message =
+                    format!("{} gaps, {seconds:.3} s together, the longest {longest:.3} s", gaps.len());
                 self.remarks.warn(None, Some(&signal.label.name), message);
                 self.gaps_of = Some(time.clone());
             }
@@ -279,7 +291,8 @@ impl Builder<'_> {
     fn number(&mut self, signals: &mut Vec<Signal>, field: Field) -> Option<Channel<f64>> {
         let signal = self.take(signals, field)?;
         let Data::Numbers(numbers) = &signal.data else { return None };
-        let (mut channel, missing) = self.channel(&signal, |at| Some(numbers[at]).filter(|value| value.is_finite()));
+        let (mut channel, missing) =
+            self.channel(&signal, |at| Some(numbers[at]).filter(|value| value.is_finite()));
         if 0 < missing {
             let message = format!("{missing} of {} values are missing", numbers.len());
             self.remarks.warn(None, Some(&channel.name), message);
@@ -301,7 +314,8 @@ impl Builder<'_> {
         };
         let unstated = |remarks: &mut Remarks, units: &'static [Unit]| {
             let symbols: Vec<&str> = units.iter().map(|unit| unit.symbol).collect();
-            let message = format!("no unit stated: may be {}; the length of the path will tell", symbols.join(", "));
+            let message =
+                format!("no unit stated: may be {}; the length of the path will tell", symbols.join(", "));
             remarks.info(Some(&label.name), message);
             Scale::Unstated(units)
         };
@@ -322,7 +336,8 @@ impl Builder<'_> {
         let signal = self.take(signals, Field::Line)?;
         let Data::Numbers(numbers) = &signal.data else { return None };
         let is_line = |value: f64| value.fract() == 0.0 && 0.0 <= value && value <= f64::from(u32::MAX);
-        let (channel, missing) = self.channel(&signal, |at| is_line(numbers[at]).then_some(numbers[at] as u32));
+        let (channel, missing) =
+            self.channel(&signal, |at| is_line(numbers[at]).then_some(numbers[at] as u32));
         if 0 < missing {
             let message = format!("{missing} of {} values are missing or no line numbers", numbers.len());
             self.remarks.warn(None, Some(&channel.name), message);
@@ -360,7 +375,9 @@ fn status(word: &str) -> Option<Status> {
     Some(match word.as_str() {
         "ACTIVE" | "RUNNING" | "RUN" | "EXECUTING" | "START" => Status::Active,
         "FEED_HOLD" | "HOLD" | "INTERRUPTED" | "PAUSED" => Status::Held,
-        "PROGRAM_STOPPED" | "STOPPED" | "STOP" | "OPTIONAL_STOP" | "PROGRAM_OPTIONAL_STOP" | "WAIT" => Status::Stopped,
+        "PROGRAM_STOPPED" | "STOPPED" | "STOP" | "OPTIONAL_STOP" | "PROGRAM_OPTIONAL_STOP" | "WAIT" => {
+            Status::Stopped
+        }
         "PROGRAM_COMPLETED" | "COMPLETED" | "FINISHED" | "END" => Status::Ended,
         "READY" | "IDLE" | "RESET" => Status::Idle,
         _ => return None,

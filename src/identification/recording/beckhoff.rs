@@ -102,7 +102,9 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
     name_not_read(unread, remarks);
     groups.retain(|group| !group.channels.is_empty());
     if groups.is_empty() {
-        return Err(RecordingError::NothingKnown { found: names.into_iter().filter(|name| name != "Name").collect() });
+        return Err(RecordingError::NothingKnown {
+            found: names.into_iter().filter(|name| name != "Name").collect(),
+        });
     }
     let mut rows: Vec<(usize, Vec<&str>)> = Vec::new();
     for (at, line) in lines.iter().enumerate().skip(first) {
@@ -118,10 +120,11 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         let cut = rows.pop();
         remarks.warn(cut.map(|(line, _)| line), None, "the last row is cut short and left out".to_owned());
     }
-    let origin = lines[..head].iter().find(|line| line.to_lowercase().starts_with("starttime")).and_then(|line| {
-        let ticks: i64 = cells(line).get(1)?.parse().ok()?;
-        ticks.checked_sub(FILETIME_EPOCH)?.checked_mul(100)
-    });
+    let origin =
+        lines[..head].iter().find(|line| line.to_lowercase().starts_with("starttime")).and_then(|line| {
+            let ticks: i64 = cells(line).get(1)?.parse().ok()?;
+            ticks.checked_sub(FILETIME_EPOCH)?.checked_mul(100)
+        });
     let mut signals = Vec::new();
     for group in &groups {
         signals.extend(group.signals(&rows, remarks)?);
@@ -130,12 +133,17 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
 }
 
 impl Group {
-    fn signals(&self, rows: &[(usize, Vec<&str>)], remarks: &mut Remarks) -> Result<Vec<Signal>, RecordingError> {
+    fn signals(
+        &self,
+        rows: &[(usize, Vec<&str>)],
+        remarks: &mut Remarks,
+    ) -> Result<Vec<Signal>, RecordingError> {
         let value = |row: usize, column: usize| match rows[row].1.get(column).map(|cell| number(cell, true)) {
             Some(Cell::Number(value)) => value,
             _ => f64::NAN,
         };
-        let stamps: Vec<f64> = (0..rows.len()).map(|row| value(row, self.time) * MILLISECOND.factor).collect();
+        let stamps: Vec<f64> =
+            (0..rows.len()).map(|row| value(row, self.time) * MILLISECOND.factor).collect();
         let same = |a: usize, b: usize| {
             self.channels.iter().all(|(column, _)| value(a, *column).to_bits() == value(b, *column).to_bits())
         };
@@ -153,7 +161,12 @@ impl Group {
             } else {
                 Data::Numbers(part.rows.iter().map(|row| value(*row, *column)).collect())
             };
-            signals.push(Signal { label: label.clone(), sampling: Sampling::Sampled, time: time.clone(), data });
+            signals.push(Signal {
+                label: label.clone(),
+                sampling: Sampling::Sampled,
+                time: time.clone(),
+                data,
+            });
         }
         Ok(signals)
     }

@@ -86,14 +86,9 @@ impl<V: Clone> Channel<V> {
         values.extend_from_slice(&self.values[from..to]);
         let first = self.gaps.partition_point(|gap| gap.end <= range.start);
         let past = self.gaps.partition_point(|gap| gap.start < range.end).max(first);
-        let gaps = self.gaps[first..past].iter().map(|gap| gap.start.max(range.start)..gap.end.min(range.end));
-        Channel {
-            name: self.name.clone(),
-            time: time.into(),
-            values,
-            gaps: gaps.collect(),
-            ..*self
-        }
+        let gaps =
+            self.gaps[first..past].iter().map(|gap| gap.start.max(range.start)..gap.end.min(range.end));
+        Channel { name: self.name.clone(), time: time.into(), values, gaps: gaps.collect(), ..*self }
     }
 }
 

@@ -149,7 +149,11 @@ pub(super) fn stretches(
             && stamps[known[at]] < stamps[known[at + RESTART - 1]]
             && stamps[known[at + RESTART - 1]] <= last
         {
-            remarks.warn(Some(line(row)), None, "time starts again: another recording begins here".to_owned());
+            remarks.warn(
+                Some(line(row)),
+                None,
+                "time starts again: another recording begins here".to_owned(),
+            );
             stretches.push(Stretch { rows: vec![row], time: vec![time] });
         } else {
             dropped.add(line(row));
@@ -167,10 +171,15 @@ pub(super) fn stretches(
         spread += spread_equal(&mut stretch.time);
     }
     if stretches.iter().all(|stretch| stretch.time.first() == stretch.time.last()) && 1 < known.len() {
-        return Err(RecordingError::TimeDisorder { line: line(known[1]), count: known.len() - 1, of: stamps.len() });
+        return Err(RecordingError::TimeDisorder {
+            line: line(known[1]),
+            count: known.len() - 1,
+            of: stamps.len(),
+        });
     }
     if 0 < spread {
-        let message = format!("{spread} samples share a stamp with another: spread evenly up to the next stamp");
+        let message =
+            format!("{spread} samples share a stamp with another: spread evenly up to the next stamp");
         remarks.warn(None, None, message);
     }
     Ok(stretches)
@@ -236,7 +245,11 @@ pub(super) fn event_stretches(
             && stamps[row..row + RESTART].iter().all(|stamp| *stamp < latest - LATE)
             && time <= stamps[row + RESTART - 1]
         {
-            remarks.warn(Some(line(row)), None, "time starts again: another recording begins here".to_owned());
+            remarks.warn(
+                Some(line(row)),
+                None,
+                "time starts again: another recording begins here".to_owned(),
+            );
             stretches.push(Vec::new());
             latest_at = (row, f64::NEG_INFINITY);
             latest = time;

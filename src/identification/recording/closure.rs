@@ -118,7 +118,11 @@ pub fn closure(recording: &Recording, path: f64) -> Result<Closure, ClosureError
 
 /// Checks the feed against the `path` mm of those lines that `counts` says yes to, over the times
 /// at which the control says that it runs them.
-pub fn closure_on(recording: &Recording, path: f64, counts: impl Fn(u32) -> bool) -> Result<Closure, ClosureError> {
+pub fn closure_on(
+    recording: &Recording,
+    path: f64,
+    counts: impl Fn(u32) -> bool,
+) -> Result<Closure, ClosureError> {
     if path.is_nan() || path <= 0.0 {
         return Err(ClosureError::NoPath);
     }
@@ -172,11 +176,20 @@ fn settle(
     };
     if let Some(instead) = named.iter().find(|other| fits(other.factor / unit.factor)) {
         let factor = instead.factor / unit.factor;
-        return Err(ClosureError::WouldFit { name, unit: unit.symbol, length, path, factor, instead: Some(*instead) });
+        return Err(ClosureError::WouldFit {
+            name,
+            unit: unit.symbol,
+            length,
+            path,
+            factor,
+            instead: Some(*instead),
+        });
     }
     // A factor that is no unit of the values may be one of the time.
     match [1e-3, 1e3, SECONDS_PER_MINUTE, 1.0 / SECONDS_PER_MINUTE].into_iter().find(|factor| fits(*factor)) {
-        Some(factor) => Err(ClosureError::WouldFit { name, unit: unit.symbol, length, path, factor, instead: None }),
+        Some(factor) => {
+            Err(ClosureError::WouldFit { name, unit: unit.symbol, length, path, factor, instead: None })
+        }
         None => Err(ClosureError::NoFactor { name, unit: unit.symbol, length, path, ratio: length / path }),
     }
 }
@@ -189,7 +202,8 @@ pub fn path_length(axes: &Axes) -> Option<f64> {
     }
     let step = STEP * axes.iter().flatten().map(noise).fold(0.0, f64::max);
     let mut cursors = [0; 3];
-    let mut point = axes.each_ref().map(|axis| axis.as_ref().and_then(|c| c.values.first()).copied().unwrap_or(0.0));
+    let mut point =
+        axes.each_ref().map(|axis| axis.as_ref().and_then(|c| c.values.first()).copied().unwrap_or(0.0));
     let mut anchor = point;
     let mut length = 0.0;
     loop {

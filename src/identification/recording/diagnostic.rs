@@ -43,7 +43,12 @@ impl Remarks {
 
     /// Adds something found or assumed.
     pub(super) fn info(&mut self, column: Option<&str>, message: String) {
-        self.0.push(Remark { severity: Severity::Info, line: None, column: column.map(str::to_owned), message });
+        self.0.push(Remark {
+            severity: Severity::Info,
+            line: None,
+            column: column.map(str::to_owned),
+            message,
+        });
     }
 
     /// Adds something repaired or left out.
@@ -79,7 +84,9 @@ pub enum RecordingError {
         found: Vec<String>,
     },
     /// Stamps that could be in seconds as well as in milliseconds.
-    #[error("column `{name}`: steps of {step} may be s, ms or µs; say which in its name, such as `t_s` or `t_ms`")]
+    #[error(
+        "column `{name}`: steps of {step} may be s, ms or µs; say which in its name, such as `t_s` or `t_ms`"
+    )]
     TimeUnit {
         /// Name of the time column.
         name: String,
@@ -87,7 +94,9 @@ pub enum RecordingError {
         step: f64,
     },
     /// Time that does not advance.
-    #[error("line {line}: time steps back or stands still {count} times in {of} samples; the order is not trusted")]
+    #[error(
+        "line {line}: time steps back or stands still {count} times in {of} samples; the order is not trusted"
+    )]
     TimeDisorder {
         /// Line of the first such step.
         line: usize,

@@ -125,7 +125,11 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         remarks.warn(Some(line), None, message);
     }
     if 0 < joined {
-        remarks.warn(first_joined, None, format!("{joined} values stand on a line of their own: joined to their item"));
+        remarks.warn(
+            first_joined,
+            None,
+            format!("{joined} values stand on a line of their own: joined to their item"),
+        );
     }
     let (origin, seconds) = from_origin(&stamps);
     let stretches = event_stretches(&seconds, |row| rows[row].0, remarks)?;
@@ -135,7 +139,8 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         let events = stretch.iter().flat_map(|row| {
             pairs(rows[*row].1).map(|(item, value)| Event { time: seconds[*row], item, value })
         });
-        captures.push(Capture { origin: Some(origin), signals: signals(events, &[], &mut not_read, remarks) });
+        captures
+            .push(Capture { origin: Some(origin), signals: signals(events, &[], &mut not_read, remarks) });
     }
     name_not_read(not_read, remarks);
     Ok(captures)

@@ -164,28 +164,109 @@ fn words(name: &str) -> Vec<String> {
 
 /// Words that tell of something not read, wherever they stand.
 const NOT_READ: &[&str] = &[
-    "surface", "load", "torque", "power", "force", "acc", "accel", "acceleration", "jerk", "temp", "temperature",
-    "error", "lag", "diff", "dev", "deviation", "editing", "runtime", "header", "count", "cutting", "parts", "part",
-    "asset", "offset", "diameter", "radius", "life", "comment", "editor", "mode", "label", "nc", "ffw", "raw",
+    "surface",
+    "load",
+    "torque",
+    "power",
+    "force",
+    "acc",
+    "accel",
+    "acceleration",
+    "jerk",
+    "temp",
+    "temperature",
+    "error",
+    "lag",
+    "diff",
+    "dev",
+    "deviation",
+    "editing",
+    "runtime",
+    "header",
+    "count",
+    "cutting",
+    "parts",
+    "part",
+    "asset",
+    "offset",
+    "diameter",
+    "radius",
+    "life",
+    "comment",
+    "editor",
+    "mode",
+    "label",
+    "nc",
+    "ffw",
+    "raw",
 ];
 
 const COMMANDED: &[&str] = &[
-    "cmd", "command", "commanded", "com", "nom", "nominal", "soll", "set", "setpoint", "des", "desired", "prog",
-    "programmed", "target", "ref", "reference", "setpos", "setvelo", "frcmd", "fcmd", "cmdpos", "despos",
+    "cmd",
+    "command",
+    "commanded",
+    "com",
+    "nom",
+    "nominal",
+    "soll",
+    "set",
+    "setpoint",
+    "des",
+    "desired",
+    "prog",
+    "programmed",
+    "target",
+    "ref",
+    "reference",
+    "setpos",
+    "setvelo",
+    "frcmd",
+    "fcmd",
+    "cmdpos",
+    "despos",
 ];
 const ACTUAL: &[&str] = &[
     "act", "actual", "ist", "enc", "enc1", "enc2", "encoder", "meas", "measured", "fb", "feedback", "actpos",
     "actvelo", "fact", "encpos",
 ];
 const POSITION: &[&str] = &[
-    "pos", "position", "abs", "work", "wcs", "axis", "axes", "coord", "coordinate", "s", "joint", "actpos", "setpos",
-    "pathpos", "despos", "encpos", "cmdpos",
+    "pos",
+    "position",
+    "abs",
+    "work",
+    "wcs",
+    "axis",
+    "axes",
+    "coord",
+    "coordinate",
+    "s",
+    "joint",
+    "actpos",
+    "setpos",
+    "pathpos",
+    "despos",
+    "encpos",
+    "cmdpos",
 ];
 const FEED: &[&str] = &[
-    "feed", "feedrate", "feedrateact", "pathfeedrate", "f", "fact", "fcmd", "vorschub", "velocity", "vel", "speed", "v",
+    "feed",
+    "feedrate",
+    "feedrateact",
+    "pathfeedrate",
+    "f",
+    "fact",
+    "fcmd",
+    "vorschub",
+    "velocity",
+    "vel",
+    "speed",
+    "v",
+    "geschwindigkeit",
+    "bahngeschwindigkeit",
     "feedrateipo",
 ];
-const OVERRIDE: &[&str] = &["ovr", "override", "ovrd", "ovw", "ovrt", "fovr", "feedovr", "frapidovr", "rapidovr", "fov"];
+const OVERRIDE: &[&str] =
+    &["ovr", "override", "ovrd", "ovw", "ovrt", "fovr", "feedovr", "frapidovr", "rapidovr", "fov"];
 
 /// What `name` tells, its unit taken off.
 fn field_of(name: &str) -> Option<Field> {
@@ -203,7 +284,9 @@ fn field_of(name: &str) -> Option<Field> {
         return None;
     }
     if only(&["t", "time", "zeit", "timestamp", "stamp", "datetime", "seconds", "elapsed", "ts"])
-        || has(&["time", "timestamp", "zeit"]) && words.len() <= 2 && !has(&["spindle", "cycle", "run", "dwell"])
+        || has(&["time", "timestamp", "zeit"])
+            && words.len() <= 2
+            && !has(&["spindle", "cycle", "run", "dwell"])
     {
         return Some(Field::Time);
     }
@@ -222,8 +305,17 @@ fn field_of(name: &str) -> Option<Field> {
             _ => Some(Field::FeedOverride),
         };
     }
-    if has(&["line", "lineno", "linenumber", "zeile", "satznummer", "blocknumber", "blockno", "seekoffset", "motion_line"])
-        || has(&["block", "satz", "n"]) && has(&["number", "no", "nr", "num"])
+    if has(&[
+        "line",
+        "lineno",
+        "linenumber",
+        "zeile",
+        "satznummer",
+        "blocknumber",
+        "blockno",
+        "seekoffset",
+        "motion_line",
+    ]) || has(&["block", "satz", "n", "sequence"]) && has(&["number", "no", "nr", "num"])
         || only(&["n"])
     {
         return Some(Field::Line);
@@ -231,7 +323,9 @@ fn field_of(name: &str) -> Option<Field> {
     if only(&["block", "gcode", "satz", "blocktext"]) || has(&["block"]) && has(&["text"]) {
         return Some(Field::Block);
     }
-    if has(&["status", "execution", "state", "exec"]) && !has(&["door", "coolant", "chuck", "tool", "spindle"]) {
+    if has(&["status", "execution", "state", "exec"])
+        && !has(&["door", "coolant", "chuck", "tool", "spindle"])
+    {
         return Some(Field::Status);
     }
     if has(&["program", "programname", "prog"]) && (words.len() == 1 || has(&["name", "running", "active"])) {
@@ -241,7 +335,7 @@ fn field_of(name: &str) -> Option<Field> {
         return Some(Field::Tool);
     }
     if has(&["spindle", "s1speed", "rpm", "spindel", "drehzahl", "s1", "rotaryvelocity"])
-        && (has(&["speed", "rpm", "s1speed", "velocity", "drehzahl"]) || has(&["act", "actual"]))
+        && has(&["speed", "rpm", "s1speed", "velocity", "drehzahl", "rotaryvelocity"])
     {
         // What was asked for is no speed of the spindle.
         return (side != Side::Commanded).then_some(Field::SpindleSpeed);
@@ -250,7 +344,9 @@ fn field_of(name: &str) -> Option<Field> {
     let moves = has(FEED) && !has(&["s", "pos", "position"]);
     match axis {
         Some(_) if moves || has(&["current", "strom"]) => None,
-        Some(axis) if words.len() == 1 || has(POSITION) || side != Side::Unstated => Some(Field::Position(side, axis)),
+        Some(axis) if words.len() == 1 || has(POSITION) || side != Side::Unstated => {
+            Some(Field::Position(side, axis))
+        }
         Some(_) => None,
         None if moves && !has(&["rev", "frcmd", "fract"]) => Some(Field::Feed(side)),
         None if has(&["pathpos", "pathposition"]) || has(&["path"]) && has(&["pos", "position"]) => {
@@ -273,7 +369,8 @@ fn axis(word: &str) -> Option<usize> {
 
 /// A path's or channel's number in front of a name.
 fn is_path(word: &str) -> bool {
-    let rest = word.strip_prefix("path").or_else(|| word.strip_prefix('p')).or_else(|| word.strip_prefix("ch"));
+    let rest =
+        word.strip_prefix("path").or_else(|| word.strip_prefix('p')).or_else(|| word.strip_prefix("ch"));
     rest.is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
 }
 
@@ -291,7 +388,9 @@ fn vendor(name: &str) -> Option<Option<Field>> {
         return Some(None);
     }
     // Adapters name what belongs to a path `p` or `p1`, in one word with the item.
-    let bare = lower.strip_prefix('p').map_or(lower.as_str(), |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
+    let bare = lower
+        .strip_prefix('p')
+        .map_or(lower.as_str(), |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
     match bare {
         "lpathpos" => return Some(Some(Field::Point(Side::Actual))),
         "fact" => return Some(Some(Field::Feed(Side::Actual))),
@@ -313,7 +412,12 @@ fn vendor(name: &str) -> Option<Option<Field>> {
     }
     // Siemens' data recorder: signal and number of the axis.
     let (signal, number) = lower.split_once('|')?;
-    let axis = number.trim().parse::<usize>().ok().filter(|number| (1..=3).contains(number)).map(|number| number - 1);
+    let axis = number
+        .trim()
+        .parse::<usize>()
+        .ok()
+        .filter(|number| (1..=3).contains(number))
+        .map(|number| number - 1);
     match signal.trim() {
         "des_pos" => Some(axis.map(|axis| Field::Position(Side::Commanded, axis))),
         "enc_pos" | "enc1_pos" | "enc2_pos" => Some(axis.map(|axis| Field::Position(Side::Actual, axis))),
@@ -327,7 +431,8 @@ pub(super) fn is_scope(names: &[&str]) -> bool {
     names.iter().all(|name| {
         let words = words(name);
         let signal = |word: &String| matches!(word.as_str(), "s" | "v" | "a" | "j" | "i" | "ipodbg" | "f");
-        let side = |word: &String| matches!(word.as_str(), "actual" | "act" | "nominal" | "nom" | "noml" | "diff");
+        let side =
+            |word: &String| matches!(word.as_str(), "actual" | "act" | "nominal" | "nom" | "noml" | "diff");
         words.iter().any(signal) && (words.iter().any(side) || words.len() == 1)
     })
 }

@@ -37,6 +37,7 @@ mod closure;
 mod diagnostic;
 mod events;
 mod field;
+mod layout;
 mod mtconnect;
 mod nameless;
 mod runs;
@@ -212,7 +213,12 @@ impl Recording {
             program: cut(&self.program, range),
             tool: cut(&self.tool, range),
             spindle_speed: cut(&self.spindle_speed, range),
-            runs: self.runs.iter().filter(|run| run.time.start < range.end && range.start < run.time.end).cloned().collect(),
+            runs: self
+                .runs
+                .iter()
+                .filter(|run| run.time.start < range.end && range.start < run.time.end)
+                .cloned()
+                .collect(),
         }
     }
 

@@ -67,7 +67,10 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
     name_not_read(unread, remarks);
     let device = |observation: &Observation| observation.device.clone();
     let moves = |observation: &&Observation| {
-        matches!(observation.label.field, Some(Field::Position(..) | Field::Point(_) | Field::Feed(_) | Field::Line))
+        matches!(
+            observation.label.field,
+            Some(Field::Position(..) | Field::Point(_) | Field::Feed(_) | Field::Line)
+        )
     };
     let Some(device) = observations.iter().find(moves).or(observations.first()).map(device) else {
         return Err(RecordingError::Missing("the streams hold no observation that tells of motion"));
@@ -82,7 +85,8 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         });
         items[at].1.push((seconds(origin, observation.stamp), &observation.value));
     }
-    let signals: Vec<Signal> = items.into_iter().map(|(label, events)| signal(label, events, remarks)).collect();
+    let signals: Vec<Signal> =
+        items.into_iter().map(|(label, events)| signal(label, events, remarks)).collect();
     Ok(vec![Capture { origin: Some(origin), signals }])
 }
 
@@ -90,7 +94,9 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
 fn document_start(text: &str) -> Option<usize> {
     text.match_indices("MTConnectStreams")
         .map(|(at, _)| &text[..at])
-        .find(|before| before.ends_with('<') || before.rsplit('<').next().is_some_and(|prefix| prefix.ends_with(':')))
+        .find(|before| {
+            before.ends_with('<') || before.rsplit('<').next().is_some_and(|prefix| prefix.ends_with(':'))
+        })
         .map(|before| before.rfind('<').unwrap_or(0))
 }
 
@@ -103,10 +109,12 @@ fn document(
     let document = parse(text, line)?;
     for node in document.descendants() {
         let name = node.tag_name().name();
-        let is_observation = node.parent_element().is_some_and(|parent| {
-            matches!(parent.tag_name().name(), "Samples" | "Events")
-        });
-        let (true, Some(stamp)) = (is_observation, node.attribute("timestamp").and_then(iso)) else { continue };
+        let is_observation = node
+            .parent_element()
+            .is_some_and(|parent| matches!(parent.tag_name().name(), "Samples" | "Events"));
+        let (true, Some(stamp)) = (is_observation, node.attribute("timestamp").and_then(iso)) else {
+            continue;
+        };
         let component = node.parent_element().and_then(|samples| samples.parent_element());
         let device = component.and_then(|component| component.parent_element());
         let axis = component.and_then(|c| c.attribute("name").or(c.attribute("nativeName"))).unwrap_or("");
@@ -119,7 +127,10 @@ fn document(
             continue;
         };
         observations.push(Observation {
-            device: device.and_then(|device| device.attribute("uuid").or(device.attribute("name"))).unwrap_or("").to_owned(),
+            device: device
+                .and_then(|device| device.attribute("uuid").or(device.attribute("name")))
+                .unwrap_or("")
+                .to_owned(),
             item: item.to_owned(),
             label: Label { name: item.to_owned(), field: Some(field), unit },
             stamp,

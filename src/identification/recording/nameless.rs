@@ -24,7 +24,11 @@ use crate::identification::recording::{Options, RecordingError, Remarks};
 pub const SERVO_PERIOD: f64 = 1e-3;
 
 /// Gives names to the columns of `rows`, and a time column where there is none.
-pub(super) fn named(mut rows: Rows, options: &Options, remarks: &mut Remarks) -> Result<Rows, RecordingError> {
+pub(super) fn named(
+    mut rows: Rows,
+    options: &Options,
+    remarks: &mut Remarks,
+) -> Result<Rows, RecordingError> {
     let mut at = 0;
     let numbers = |rows: &Rows, at: usize| match rows.columns.get(at) {
         Some(Column::Numbers(values)) => values.clone(),
@@ -55,7 +59,8 @@ pub(super) fn named(mut rows: Rows, options: &Options, remarks: &mut Remarks) ->
         if !line && known().all(|value| value.fract() == 0.0 && 0.0 <= *value) {
             rows.labels[column] = label("line", Field::Line);
             line = true;
-        } else if !feed && known().all(|value| value.is_finite()) && known().any(|value| value.fract() != 0.0) {
+        } else if !feed && known().all(|value| value.is_finite()) && known().any(|value| value.fract() != 0.0)
+        {
             rows.labels[column] = label("feed", Field::Feed(Side::Unstated));
             feed = true;
         } else {
@@ -68,14 +73,20 @@ pub(super) fn named(mut rows: Rows, options: &Options, remarks: &mut Remarks) ->
         let interval = options.interval.filter(|interval| interval.is_finite() && 0.0 < *interval);
         let period = interval.unwrap_or(SERVO_PERIOD);
         if interval.is_none() {
-            let message = format!("no time column: one row is taken to be a servo period of {} ms", period * 1e3);
+            let message =
+                format!("no time column: one row is taken to be a servo period of {} ms", period * 1e3);
             remarks.warn(None, None, message);
         }
         let counts: Vec<f64> =
             if at == 1 { first } else { (0..rows.lines.len()).map(|row| row as f64).collect() };
-        let lost: f64 = counts.windows(2).map(|pair| pair[1] - pair[0] - 1.0).filter(|lost| 0.0 < *lost).sum();
+        let lost: f64 =
+            counts.windows(2).map(|pair| pair[1] - pair[0] - 1.0).filter(|lost| 0.0 < *lost).sum();
         if 0.0 < lost {
-            remarks.warn(None, None, format!("{lost} samples were lost by the recorder: gaps in the sample numbers"));
+            remarks.warn(
+                None,
+                None,
+                format!("{lost} samples were lost by the recorder: gaps in the sample numbers"),
+            );
         }
         let origin = counts.first().copied().unwrap_or(0.0);
         rows.labels.push(Label { unit: Some(SECOND), ..label("time", Field::Time) });

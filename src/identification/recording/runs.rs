@@ -19,12 +19,15 @@ const BEGINNING: f64 = 0.1;
 
 /// The runs of a recording; at least one.
 pub(super) fn runs(recording: &Recording) -> Vec<Run> {
-    let mut runs = recording.status.as_ref().map(|status| by_status(status, recording.duration)).unwrap_or_default();
+    let mut runs =
+        recording.status.as_ref().map(|status| by_status(status, recording.duration)).unwrap_or_default();
     if runs.is_empty() {
-        runs = recording.program.as_ref().map(|name| by_program(name, recording.duration)).unwrap_or_default();
+        runs =
+            recording.program.as_ref().map(|name| by_program(name, recording.duration)).unwrap_or_default();
     }
     if runs.len() < 2 && runs.iter().all(|run| run.found_by == RunMark::Program) {
-        let by_line = recording.line.as_ref().map(|line| by_line(line, recording.duration)).unwrap_or_default();
+        let by_line =
+            recording.line.as_ref().map(|line| by_line(line, recording.duration)).unwrap_or_default();
         if 1 < by_line.len() {
             runs = by_line;
         }
@@ -42,7 +45,8 @@ pub(super) fn runs(recording: &Recording) -> Vec<Run> {
         let largest = f64::from(line.values.iter().copied().max().unwrap_or(0));
         for run in runs.iter_mut().filter(|run| !run.has_start) {
             let first = line.time.partition_point(|stamp| *stamp < run.time.start);
-            run.has_start = line.values.get(first).is_some_and(|line| f64::from(*line) <= BEGINNING * largest);
+            run.has_start =
+                line.values.get(first).is_some_and(|line| f64::from(*line) <= BEGINNING * largest);
         }
     }
     if let Some(program) = &recording.program {
@@ -69,7 +73,13 @@ fn by_status(status: &Channel<Status>, duration: f64) -> Vec<Run> {
             Status::Ended | Status::Idle => {
                 if let Some((from, has_start)) = open.take() {
                     let time = from..*stamp;
-                    runs.push(Run { time, program: None, found_by: RunMark::Status, has_start, has_end: true });
+                    runs.push(Run {
+                        time,
+                        program: None,
+                        found_by: RunMark::Status,
+                        has_start,
+                        has_end: true,
+                    });
                 }
             }
             _ => {}
@@ -121,10 +131,22 @@ fn by_line(line: &Channel<u32>, duration: f64) -> Vec<Run> {
         if END * largest <= line {
             reached_end = true;
         } else if reached_end && 0.0 < line && line <= BEGINNING * largest {
-            runs.push(Run { time: from..*stamp, program: None, found_by: RunMark::Line, has_start, has_end: true });
+            runs.push(Run {
+                time: from..*stamp,
+                program: None,
+                found_by: RunMark::Line,
+                has_start,
+                has_end: true,
+            });
             (from, has_start, reached_end) = (*stamp, true, false);
         }
     }
-    runs.push(Run { time: from..duration, program: None, found_by: RunMark::Line, has_start, has_end: reached_end });
+    runs.push(Run {
+        time: from..duration,
+        program: None,
+        found_by: RunMark::Line,
+        has_start,
+        has_end: reached_end,
+    });
     runs
 }

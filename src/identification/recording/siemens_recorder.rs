@@ -42,15 +42,19 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         column: error.column(),
         message: format!("the JSON is not well-formed: {error}"),
     })?;
-    let (Some(header), Some(payload)) = (root.get("Header"), root.get("Payload").and_then(Value::as_array)) else {
-        return Err(RecordingError::UnknownFormat("JSON without the Header and Payload of a SINUMERIK recorder"));
+    let (Some(header), Some(payload)) = (root.get("Header"), root.get("Payload").and_then(Value::as_array))
+    else {
+        return Err(RecordingError::UnknownFormat(
+            "JSON without the Header and Payload of a SINUMERIK recorder",
+        ));
     };
     let labels = labels(header);
     let cycle_column = labels.iter().position(|label| label.field == Some(Field::SampleNumber));
     let cycle = match header.get("CycleTimeMs").and_then(as_number).filter(|cycle| 0.0 < *cycle) {
         Some(milliseconds) => milliseconds * MILLISECONDS,
         None => {
-            let message = format!("no cycle time in the header: taken to be {} ms", CYCLE_TIME / MILLISECONDS);
+            let message =
+                format!("no cycle time in the header: taken to be {} ms", CYCLE_TIME / MILLISECONDS);
             remarks.warn(None, None, message);
             CYCLE_TIME
         }
@@ -58,7 +62,8 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
     let mut counts: Vec<f64> = Vec::new();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); labels.len()];
     let mut events: HashMap<String, (Label, Vec<(f64, String)>)> = HashMap::new();
-    let mut unread: Vec<String> = labels.iter().filter(|l| l.field.is_none()).map(|l| l.name.clone()).collect();
+    let mut unread: Vec<String> =
+        labels.iter().filter(|l| l.field.is_none()).map(|l| l.name.clone()).collect();
     for part in payload {
         for row in part.get("HFData").and_then(Value::as_array).into_iter().flatten() {
             let Some(row) = row.as_array() else { continue };
@@ -76,7 +81,9 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         }
         if let Some(event) = part.get("HFBlockEvent") {
             let count = event.get("HFProbeCounter").and_then(as_number);
-            for (name, field) in [("SeekOffset", Field::Line), ("GCode", Field::Block), ("ActiveTool", Field::Tool)] {
+            for (name, field) in
+                [("SeekOffset", Field::Line), ("GCode", Field::Block), ("ActiveTool", Field::Tool)]
+            {
                 if let (Some(count), Some(value)) = (count, event.get(name).and_then(as_text)) {
                     let label = Label { name: name.to_owned(), field: Some(field), unit: None };
                     events.entry(name.to_owned()).or_insert((label, Vec::new())).1.push((count, value));
@@ -90,7 +97,8 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
             let (Some(count), Some(value)) = (count, value) else { continue };
             let last = address.rsplit('/').next().unwrap_or(address);
             let name = last.split('[').next().unwrap_or(last);
-            let known = events.entry(address.to_owned()).or_insert_with(|| (Label::read(name, None), Vec::new()));
+            let known =
+                events.entry(address.to_owned()).or_insert_with(|| (Label::read(name, None), Vec::new()));
             known.1.push((count, value));
         }
     }
@@ -125,7 +133,8 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         signals.push(signal(label.clone(), events, remarks));
     }
     name_not_read(unread, remarks);
-    let origin = header.get("Initial").and_then(|initial| initial.get("Time")).and_then(Value::as_str).and_then(iso);
+    let origin =
+        header.get("Initial").and_then(|initial| initial.get("Time")).and_then(Value::as_str).and_then(iso);
     Ok(vec![Capture { origin, signals }])
 }
 

@@ -57,7 +57,8 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
     let mut labels: HashMap<String, Label> = HashMap::new();
     for (nth, node) in frame.children().filter(|node| node.has_tag_name("dataSignal")).enumerate() {
         let id = node.attribute("id").map_or_else(|| format!("f{}", nth + 1), str::to_owned);
-        let label = node.attribute("key").and_then(|key| labels_of_keys.get(key)).or(labels_in_order.get(nth));
+        let label =
+            node.attribute("key").and_then(|key| labels_of_keys.get(key)).or(labels_in_order.get(nth));
         if let Some(label) = label {
             labels.insert(id, label.clone());
         }
@@ -70,10 +71,14 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
     let mut values: Vec<(Label, Vec<f64>, Vec<f64>)> = Vec::new();
     let mut stamps = 0;
     for record in frame.children().filter(|node| node.has_tag_name("rec")) {
-        let Some(Cell::Number(time)) = record.attribute("time").map(|time| number(time, true)) else { continue };
+        let Some(Cell::Number(time)) = record.attribute("time").map(|time| number(time, true)) else {
+            continue;
+        };
         stamps += 1;
         for attribute in record.attributes() {
-            let Some(label) = labels.get(attribute.name()).filter(|label| label.field.is_some()) else { continue };
+            let Some(label) = labels.get(attribute.name()).filter(|label| label.field.is_some()) else {
+                continue;
+            };
             let at = *index.entry(attribute.name()).or_insert_with(|| {
                 values.push((label.clone(), Vec::new(), Vec::new()));
                 values.len() - 1
@@ -95,12 +100,15 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
     }
     name_not_read(labels.values().filter(|l| l.field.is_none()).map(|l| l.name.clone()).collect(), remarks);
     if values.is_empty() {
-        return Err(RecordingError::NothingKnown { found: labels.into_values().map(|label| label.name).collect() });
+        return Err(RecordingError::NothingKnown {
+            found: labels.into_values().map(|label| label.name).collect(),
+        });
     }
     let mut signals = Vec::with_capacity(values.len());
     for (label, time, values) in values {
         // Lines of an XML file say nothing about records, so the number of the record stands in.
-        let parts = stretches(&time, |row| row + 1, |a, b| values[a].to_bits() == values[b].to_bits(), remarks)?;
+        let parts =
+            stretches(&time, |row| row + 1, |a, b| values[a].to_bits() == values[b].to_bits(), remarks)?;
         let Some(part) = parts.into_iter().max_by_key(|part| part.rows.len()) else { continue };
         let data = part.rows.iter().map(|row| values[*row]);
         let data = if label.field.is_some_and(|field| field.is_text()) {
@@ -111,6 +119,9 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         signals.push(Signal { label, sampling: Sampling::Sampled, time: part.time.into(), data });
     }
     let header = frame.children().find(|node| node.has_tag_name("frameHeader"));
-    let origin = header.and_then(|header| header.attribute("startTime")).filter(|text| text.contains('-')).and_then(iso);
+    let origin = header
+        .and_then(|header| header.attribute("startTime"))
+        .filter(|text| text.contains('-'))
+        .and_then(iso);
     Ok(vec![Capture { origin, signals }])
 }

@@ -1,25 +1,25 @@
 //! Tables: rows of cells, usually under a row of names.
 //!
 //! ```text
-//! table     = { preamble } [ names ] [ units ] { row }
-//! separator = tab | ";" | "," | "|" | blanks        the one under which most cells are numbers
-//! cell      = number, decimal point or comma | time stamp | words | "quoted"
+//! t_s,x_mm,y_mm,feed_mm_min,line          Zeit;X Ist;Y Ist;Vorschub        names
+//! 0.000,0.0000,0.0000,0.0,2               ms;mm;mm;mm/min                  units, in a row of their own
+//! 0.004,0.0000,0.0003,90.0,2              0,0;0,0000;0,0000;0,0
+//!
+//! cell = number, decimal point or comma | time stamp | words | "quoted"
 //! ```
 //!
-//! The first row with a number in it that is as wide as the rows below begins the data; the one or
-//! two rows above it are names and units, and anything before is preamble. Time is a column of
-//! stamps, or of numbers in the unit its name states; without a unit the step tells it only where
-//! it cannot be another (see [`time_unit`]), and otherwise the file is refused.
+//! `layout` finds head and separator, `field` understands the names. Time is a column of stamps, or
+//! of numbers in the unit its name states; without a unit the step tells it only where it cannot be
+//! another (see [`time_unit`]), and otherwise the file is refused.
 //!
 //! Heidenhain's `scope2csv` (pyLSV2, scripts/scope2csv.py) writes names such as `x_s_actual`, no
 //! time and no units: time is row × interval, [`SCOPE_INTERVAL`] unless told otherwise. The control
 //! sends packets of 32 samples; samples lost between two packets leave no trace in the file.
 //!
 //! A table of `time, item, value` is an event log (`events`); one without names goes through
-//! `nameless`. A last row without its line end may be cut within a number, so it is kept only where
-//! it has as many decimals as the row before.
+//! `nameless`.
 //!
-//! Left out: thousands separators; more than one table in a file; units in a third row.
+//! Left out: thousands separators, more than one table in a file.
 
 use std::sync::Arc;
 
@@ -28,6 +28,7 @@ use crate::identification::recording::clock::{Stretch, event_stretches, iso, str
 use crate::identification::recording::diagnostic::few;
 use crate::identification::recording::events::{self, Event, name_not_read};
 use crate::identification::recording::field::{Field, Label, is_scope};
+use crate::identification::recording::layout::{Layout, body, each_row, event_columns, layout};
 use crate::identification::recording::nameless;
 use crate::identification::recording::text::{Cell, is_missing, number};
 use crate::identification::recording::unit::{MICROSECOND, MILLISECOND, NANOSECOND, SECOND, Unit};
@@ -35,26 +36,6 @@ use crate::identification::recording::{Options, RecordingError, Remarks, Samplin
 
 /// Interval of Heidenhain's scope where nothing else is said, s: twice the 3 ms of its position loop.
 pub const SCOPE_INTERVAL: f64 = 6e-3;
-
-/// Lines looked at to tell separator and head.
-const SNIFFED: usize = 200;
-
-/// Separators, the more telling first: a tie goes to the earlier.
-const SEPARATORS: &[char] = &['\t', ';', ',', '|', ' '];
-
-/// What was found out about a table before it is read.
-#[derive(Debug)]
-struct Layout {
-    separator: char,
-    /// Fields in a row.
-    width: usize,
-    /// Names, if there is a row of them.
-    names: Vec<String>,
-    /// Units, one a name.
-    units: Vec<Option<Unit>>,
-    /// Lines before the first row.
-    skipped: usize,
-}
 
 /// One column while it is read.
 #[derive(Debug)]
@@ -87,7 +68,11 @@ pub(super) fn read(
     let layout = layout(text, options)?;
     let mut labels: Vec<Label> =
         layout.names.iter().zip(&layout.units).map(|(name, unit)| Label::read(name, *unit)).collect();
-    labels.resize_with(layout.width.max(labels.len()), || Label { name: String::new(), field: None, unit: None });
+    labels.resize_with(layout.width.max(labels.len()), || Label {
+        name: String::new(),
+        field: None,
+        unit: None,
+    });
     if let Some(columns) = event_columns(&labels) {
         return Ok(("event table", read_events(text, &layout, columns, options, remarks)?));
     }
@@ -101,14 +86,20 @@ pub(super) fn read(
 }
 
 /// Columns → signals, cut where time starts again.
-fn captures(mut rows: Rows, options: &Options, remarks: &mut Remarks) -> Result<Vec<Capture>, RecordingError> {
+fn captures(
+    mut rows: Rows,
+    options: &Options,
+    remarks: &mut Remarks,
+) -> Result<Vec<Capture>, RecordingError> {
     let names: Vec<&str> = rows.labels.iter().map(|label| label.name.as_str()).collect();
     let at = rows.labels.iter().position(|label| label.field == Some(Field::Time));
     let found = || rows.labels.iter().map(|label| label.name.clone()).collect();
     let (origin, stamps) = match at.map(|at| (at, &rows.columns[at])) {
         Some((_, Column::Stamps(stamps))) => {
             let first = stamps.iter().flatten().next().copied().unwrap_or(0);
-            let (_, seconds) = from_origin(&[&[first][..], &stamps.iter().map(|s| s.unwrap_or(first)).collect::<Vec<_>>()].concat());
+            let (_, seconds) = from_origin(
+                &[&[first][..], &stamps.iter().map(|s| s.unwrap_or(first)).collect::<Vec<_>>()].concat(),
+            );
             let seconds = seconds[1..].iter().zip(stamps);
             (Some(first), seconds.map(|(s, known)| known.map_or(f64::NAN, |_| *s)).collect::<Vec<f64>>())
         }
@@ -145,8 +136,12 @@ fn captures(mut rows: Rows, options: &Options, remarks: &mut Remarks) -> Result<
             (None, counted(&rows, interval, remarks))
         }
     };
-    let unread: Vec<String> =
-        rows.labels.iter().filter(|label| label.field.is_none() && !label.name.is_empty()).map(|l| l.name.clone()).collect();
+    let unread: Vec<String> = rows
+        .labels
+        .iter()
+        .filter(|label| label.field.is_none() && !label.name.is_empty())
+        .map(|l| l.name.clone())
+        .collect();
     name_not_read(unread, remarks);
     // The time column has done its work, and is no value that could differ between copies of a row.
     for (label, column) in rows.labels.iter().zip(&mut rows.columns) {
@@ -171,7 +166,11 @@ fn counted(rows: &Rows, interval: f64, remarks: &mut Remarks) -> Vec<f64> {
     let lost: f64 = numbers.windows(2).map(jump).filter(|jump| 0.0 < *jump).sum();
     if 0.0 < lost {
         let at = numbers.windows(2).position(|pair| 0.0 < jump(pair)).map(|row| rows.lines[row + 1]);
-        remarks.warn(at, None, format!("{lost} samples were lost by the recorder: gaps in the sample numbers"));
+        remarks.warn(
+            at,
+            None,
+            format!("{lost} samples were lost by the recorder: gaps in the sample numbers"),
+        );
     }
     numbers.iter().map(|number| number * interval).collect()
 }
@@ -250,15 +249,6 @@ fn on_change(label: Label, changes: &[(usize, Option<String>)], part: &Stretch) 
     Signal { label, sampling: Sampling::OnChange, time: time.into(), data: Data::Texts(texts) }
 }
 
-/// Columns of time, item and value, if that is what the table has.
-fn event_columns(labels: &[Label]) -> Option<(usize, usize, usize)> {
-    let find = |words: &[&str]| labels.iter().position(|l| words.contains(&l.name.to_lowercase().as_str()));
-    let item = find(&["key", "item", "dataitem", "dataitemid", "id", "name", "tag", "signal", "variable"])?;
-    let value = find(&["value", "wert", "val"])?;
-    let time = labels.iter().position(|label| label.field == Some(Field::Time))?;
-    Some((time, item, value))
-}
-
 /// Reads a table of events.
 fn read_events(
     text: &str,
@@ -278,20 +268,30 @@ fn read_events(
     });
     // Without its line end the last value may be cut within a number, which still looks like one.
     if !text.ends_with(['\n', '\r'])
-        && cells.last().is_some_and(|cell| cell.3.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+'))
+        && cells
+            .last()
+            .is_some_and(|cell| cell.3.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+'))
     {
         let cut = cells.pop();
         remarks.warn(cut.map(|cell| cell.0), None, "the last row has no line end: left out".to_owned());
     }
     if let Some((line, found)) = faults.first().copied() {
         if !few(faults.len(), cells.len() + faults.len()) {
-            return Err(RecordingError::FieldCount { line, found, expected: layout.width, count: faults.len() });
+            return Err(RecordingError::FieldCount {
+                line,
+                found,
+                expected: layout.width,
+                count: faults.len(),
+            });
         }
         remarks.warn(Some(line), None, format!("{} rows are cut short and left out", faults.len()));
     }
     let plain = matches!(cells.first().map(|cell| number(&cell.1, true)), Some(Cell::Number(_)));
     let (origin, times): (Option<i64>, Vec<Option<f64>>) = if plain {
-        let numbers: Vec<f64> = cells.iter().map(|cell| if let Cell::Number(n) = number(&cell.1, true) { n } else { f64::NAN }).collect();
+        let numbers: Vec<f64> = cells
+            .iter()
+            .map(|cell| if let Cell::Number(n) = number(&cell.1, true) { n } else { f64::NAN })
+            .collect();
         let unit = match label.unit.or(options.time_unit) {
             Some(unit) => unit,
             None => time_unit(&numbers, &label.name)?,
@@ -311,7 +311,8 @@ fn read_events(
         }
         remarks.warn(Some(cells[bad].0), None, format!("{count} rows have no stamp and are left out"));
     }
-    let known: Vec<(usize, f64)> = times.iter().enumerate().filter_map(|(row, time)| Some((row, (*time)?))).collect();
+    let known: Vec<(usize, f64)> =
+        times.iter().enumerate().filter_map(|(row, time)| Some((row, (*time)?))).collect();
     let seconds: Vec<f64> = known.iter().map(|(_, time)| *time).collect();
     let parts = event_stretches(&seconds, |row| cells[known[row].0].0, remarks)?;
     let mut not_read = Vec::new();
@@ -325,141 +326,6 @@ fn read_events(
     }
     name_not_read(not_read, remarks);
     Ok(captures)
-}
-
-/// Fields of a line, quotes taken into account; enough to look at a table, not to read it.
-fn split(line: &str, separator: char) -> Vec<&str> {
-    if separator == ' ' {
-        return line.split_whitespace().collect();
-    }
-    let mut quoted = false;
-    line.split(|c: char| {
-        quoted ^= c == '"';
-        c == separator && !quoted
-    })
-    .map(|cell| cell.trim().trim_matches('"'))
-    .collect()
-}
-
-fn is_value(cell: &str) -> bool {
-    matches!(number(cell, true), Cell::Number(_)) || iso(cell).is_some()
-}
-
-/// Separator, names, units and first row of a table; refused where names and rows do not go together.
-fn layout(text: &str, options: &Options) -> Result<Layout, RecordingError> {
-    let lines: Vec<(usize, &str)> =
-        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(SNIFFED).collect();
-    // Values of events may hold any separator, so a head of time, item and value speaks for itself.
-    for separator in SEPARATORS.iter().take(4) {
-        let names: Vec<String> =
-            lines.first().map(|(_, line)| split(line, *separator)).unwrap_or_default().iter().map(|n| (*n).to_owned()).collect();
-        let labels: Vec<Label> = names.iter().map(|name| Label::read(name, None)).collect();
-        if event_columns(&labels).is_some() {
-            let (width, units) = (names.len(), vec![None; names.len()]);
-            return Ok(Layout { separator: *separator, width, names, units, skipped: lines[0].0 + 1 });
-        }
-    }
-    let body = &lines[lines.len() / 2..];
-    let mut best: Option<(f64, char, usize)> = None;
-    for separator in SEPARATORS {
-        let rows: Vec<Vec<&str>> = body.iter().map(|(_, line)| split(line, *separator)).collect();
-        let mut widths: Vec<usize> = rows.iter().map(Vec::len).collect();
-        widths.sort_unstable();
-        let Some(width) = widths.get(widths.len() / 2).copied() else { continue };
-        let regular = rows.iter().filter(|row| row.len() == width);
-        let values = regular.clone().flatten().filter(|cell| is_value(cell)).count();
-        let cells = rows.iter().map(Vec::len).sum::<usize>().max(1);
-        // One wide column is a table of one column only if nothing cuts it.
-        let score = values as f64 / cells as f64 * if width < 2 { 0.1 } else { 1.0 };
-        if best.is_none_or(|(other, ..)| other < score) {
-            best = Some((score, *separator, width));
-        }
-    }
-    let (score, separator, width) = best.ok_or(RecordingError::Empty)?;
-    if score <= 0.0 {
-        return Err(RecordingError::UnknownFormat("no separator makes rows of numbers of it"));
-    }
-    let is_row = |line: &str| {
-        let cells = split(line, separator);
-        // A row may have lost some fields, and a name may look like a number, but not most of them.
-        let values = cells.iter().filter(|cell| is_value(cell)).count();
-        cells.len() == width && 0 < values && !line.trim_start().starts_with(['#', '%'])
-    };
-    let first = lines.iter().position(|(_, line)| is_row(line));
-    let first = first.ok_or(RecordingError::UnknownFormat("no row of numbers was found"))?;
-    let above = first.checked_sub(1).map(|above| split(lines[above].1, separator)).unwrap_or_default();
-    let known = above.iter().filter(|name| Label::read(name, None).field.is_some()).count();
-    if 2 <= known && above.len() <= 2 * known && width + 1 != above.len() && above.len() + 1 < width.max(3) {
-        // Names they are, but of other columns: a decimal comma doubles the fields.
-        let (line, count) = (lines[first].0 + 1, lines.len() - first);
-        return Err(RecordingError::FieldCount { line, found: width, expected: above.len(), count });
-    }
-    let bare = |line: &'_ str| line.trim().trim_start_matches(['#', '%', '/']).trim().to_owned();
-    let heads: Vec<Vec<String>> = lines[..first]
-        .iter()
-        .map(|(_, line)| split(&bare(line), separator).iter().map(|cell| (*cell).to_owned()).collect())
-        .filter(|cells: &Vec<String>| cells.len() + 1 == width || cells.len() == width || cells.len() == width + 1)
-        .collect();
-    let is_unit = |cell: &String| Unit::parse(cell).is_some();
-    let (names, unit_row) = match heads.as_slice() {
-        [.., names, units] if 0 < units.iter().filter(|cell| is_unit(cell)).count()
-            && units.iter().all(|cell| is_unit(cell) || is_missing(cell) || cell.len() <= 3 || cell.starts_with(['[', '('])) =>
-        {
-            (names.clone(), units.clone())
-        }
-        [.., names] => (names.clone(), Vec::new()),
-        [] => (options.columns.clone().unwrap_or_default(), Vec::new()),
-    };
-    let units = (0..names.len()).map(|at| unit_row.get(at).and_then(|cell| Unit::parse(cell))).collect();
-    Ok(Layout { separator, width, names, units, skipped: lines[first].0 })
-}
-
-/// The rows of `text`, and whether the last one was left out because it may be cut within a cell.
-fn body<'a>(text: &'a str, layout: &Layout) -> (&'a str, bool) {
-    let from: usize = text.split_inclusive('\n').take(layout.skipped).map(str::len).sum();
-    let body = &text[from..];
-    if body.ends_with(['\n', '\r']) {
-        return (body, false);
-    }
-    let last = body.rfind('\n').map_or(0, |at| at + 1);
-    let before = body[..last].trim_end().rsplit('\n').next().unwrap_or("");
-    let whole = decimals(&body[last..], layout.separator) == decimals(before, layout.separator);
-    if whole { (body, false) } else { (&body[..last], true) }
-}
-
-/// Calls `row` with line and fields of every row; blank lines and comments are none.
-fn each_row(text: &str, layout: &Layout, mut row: impl FnMut(usize, &[&str])) {
-    let (body, _) = body(text, layout);
-    if layout.separator == ' ' {
-        for (at, line) in body.lines().enumerate() {
-            let line = line.trim();
-            if !line.is_empty() && !line.starts_with(['#', '%']) {
-                row(layout.skipped + at + 1, &line.split_whitespace().collect::<Vec<_>>());
-            }
-        }
-        return;
-    }
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(layout.separator as u8)
-        .comment(Some(b'#'))
-        .from_reader(body.as_bytes());
-    let mut record = csv::StringRecord::new();
-    // The text is UTF-8 and in memory, so nothing but its end stops the reader.
-    while let Ok(true) = reader.read_record(&mut record) {
-        let line = record.position().map_or(0, |position| position.line() as usize);
-        let fields: Vec<&str> = record.iter().map(str::trim).collect();
-        if fields.iter().any(|field| !field.is_empty()) {
-            row(layout.skipped + line, &fields);
-        }
-    }
-}
-
-/// Decimals of every cell of a row.
-fn decimals(line: &str, separator: char) -> Vec<usize> {
-    let cells = split(line.trim_end(), separator).into_iter();
-    cells.map(|cell| cell.rfind(['.', ',']).map_or(0, |point| cell.len() - point)).collect()
 }
 
 /// Reads the rows into columns.
@@ -497,7 +363,9 @@ fn rows(
         let row = lines.len();
         lines.push(line);
         if let (0, Some(at)) = (row, time)
-            && fields.get(at).is_some_and(|cell| !matches!(number(cell, true), Cell::Number(_)) && iso(cell).is_some())
+            && fields
+                .get(at)
+                .is_some_and(|cell| !matches!(number(cell, true), Cell::Number(_)) && iso(cell).is_some())
         {
             columns[at] = Column::Stamps(Vec::new());
         }
@@ -539,7 +407,8 @@ fn rows(
         }
     });
     if body(text, layout).1 {
-        let message = "the row after this one has no line end and other decimals: cut short, left out".to_owned();
+        let message =
+            "the row after this one has no line end and other decimals: cut short, left out".to_owned();
         remarks.warn(lines.last().copied(), None, message);
     }
     if 0 < narrow.0 {
@@ -547,7 +416,8 @@ fn rows(
         if !few(count, lines.len() + count) {
             return Err(RecordingError::FieldCount { line, found, expected: layout.width, count });
         }
-        let message = format!("{count} rows have another number of fields and are left out; this is the first");
+        let message =
+            format!("{count} rows have another number of fields and are left out; this is the first");
         remarks.warn(Some(line), None, message);
     }
     for (at, (count, line, text)) in not_numbers.into_iter().enumerate() {
@@ -561,7 +431,11 @@ fn rows(
                 _ => RecordingError::NotNumber { line, column: at + 1, name, text, count },
             });
         }
-        remarks.warn(Some(line), Some(&name), format!("{count} cells such as `{text}` are no values and left out"));
+        remarks.warn(
+            Some(line),
+            Some(&name),
+            format!("{count} cells such as `{text}` are no values and left out"),
+        );
     }
     Ok(Rows { labels, columns, lines })
 }

@@ -35,7 +35,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
     if text.trim().is_empty() {
         return Err(RecordingError::Empty);
     }
-    let control = text.chars().filter(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t' | '\u{c}')).count();
+    let control =
+        text.chars().filter(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t' | '\u{c}')).count();
     let nul = text.contains('\0');
     if nul || text.chars().count() / 50 < control {
         return Err(RecordingError::Binary("binary data"));
