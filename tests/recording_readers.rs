@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use truefeed::identification::recording::{
-    Closure, ClosureError, Log, Measure, Options, Recording, RecordingError, RunMark, Sampling, Scale,
-    Status, closure, closure_on, path_length, read, read_with, unit,
+    ClosureError, Log, Measure, Options, Recording, RecordingError, RunMark, Sampling, Scale, Status,
+    closure, closure_of, closure_on, path_length, read, read_with, unit,
 };
 use truefeed::machine::Machine;
 use truefeed::simulation::{gcode, toolpath};
@@ -69,7 +69,7 @@ fn every_format_tells_the_same_motion() {
         let [x, y, z] = recording.positions();
         let factor = match x.as_ref().expect("X").scale {
             Scale::Stated(_) => 1.0,
-            _ => closure(&Recording { feed: None, ..recording.clone() }, PATH).expect("closes").unit.factor,
+            _ => closure_of(Measure::Positions, recording, PATH).expect("closes").unit.factor,
         };
         assert_eq!(factor, 1.0, "{name}: positions are in mm, also where the file does not say so");
         let length = path_length(recording.positions()).expect("positions");
@@ -87,11 +87,12 @@ fn every_format_tells_the_same_motion() {
                 "{name}"
             );
         }
-        if let Some(feed) = &recording.feed {
-            let Closure { measure, unit, ratio, .. } = closure(recording, PATH).expect("units close");
-            assert_eq!(measure, Measure::Feed, "{name}");
-            assert!((ratio - 1.0).abs() < 0.04, "{name}: {ratio}");
-            let feed = feed.clone().assuming(unit);
+        if recording.feed.is_some() {
+            let found = closure(recording, PATH).expect("units close");
+            assert_eq!(found.measure, Measure::Feed, "{name}");
+            assert!((found.ratio - 1.0).abs() < 0.04, "{name}: {}", found.ratio);
+            let feed = recording.clone().settled(&found).feed.expect("still there");
+            assert_eq!(feed.scale, Scale::Stated(found.unit), "{name}");
             let (slowest, fastest) = feed.extent().expect("values");
             assert!(slowest.abs() < 1e-3 && (fastest - 20.0).abs() < 1e-3, "{name}: {fastest} mm/s");
         }
@@ -242,6 +243,23 @@ fn any_bytes_are_read_or_refused() {
                 check_laws(&name, &log);
             }
         }
+    }
+}
+
+#[test]
+fn no_depth_of_nesting_exhausts_the_stack() {
+    // WebAssembly has a stack of 1 MiB.
+    let nested = |open: &str, close: &str| open.repeat(100_000) + &close.repeat(100_000);
+    let texts = [
+        "<MTConnectStreams>".to_owned() + &nested("<a>", "</a>") + "</MTConnectStreams>",
+        "<trace><dataFrame>".to_owned() + &nested("<rec>", "</rec>") + "</dataFrame></trace>",
+        "{\"Header\": ".to_owned() + &nested("[", "]") + "}",
+        "{\"Header\": ".to_owned() + &nested("{\"a\":", "}") + "}",
+    ];
+    for text in texts {
+        let reader =
+            std::thread::Builder::new().stack_size(1 << 20).spawn(move || read(text.as_bytes()).is_err());
+        assert!(reader.expect("a thread").join().expect("no panic"), "nothing in it tells of motion");
     }
 }
 
@@ -554,8 +572,7 @@ fn a_controllers_tables_close_and_last_as_long_as_told() {
         );
         let path = program_length(folder.join(answer["program"].as_str().expect("a name")));
         let by_feed = closure(recording, path).expect("the feed closes");
-        let by_positions =
-            closure(&Recording { feed: None, ..recording.clone() }, path).expect("positions close");
+        let by_positions = closure_of(Measure::Positions, recording, path).expect("positions close");
         assert!((by_feed.ratio - 1.0).abs() < 0.01, "{name}: {}", by_feed.ratio);
         assert!((by_positions.ratio - 1.0).abs() < 0.02, "{name}: {}", by_positions.ratio);
     }

@@ -103,16 +103,29 @@ pub enum ClosureError {
 /// Checks the feed (or, where none is recorded, the positions) against a path of `path` mm, which
 /// must be the one the recording, or the part of it given, covers.
 pub fn closure(recording: &Recording, path: f64) -> Result<Closure, ClosureError> {
+    let has_feed = recording.feed.is_some() || recording.commanded_feed.is_some();
+    closure_of(if has_feed { Measure::Feed } else { Measure::Positions }, recording, path)
+}
+
+/// Checks the feed or the positions against a path of `path` mm.
+pub fn closure_of(measure: Measure, recording: &Recording, path: f64) -> Result<Closure, ClosureError> {
     if path.is_nan() || path <= 0.0 {
         return Err(ClosureError::NoPath);
     }
-    if let Some(feed) = recording.feed.as_ref().or(recording.commanded_feed.as_ref()) {
-        let end = recording.runs.last().map_or(recording.duration, |run| run.time.end);
-        return settle(Measure::Feed, feed, MM_PER_S, feed.integral(end), path);
-    }
-    match (path_length(recording.positions()), recording.positions().iter().flatten().next()) {
-        (Some(length), Some(channel)) => settle(Measure::Positions, channel, MM, length, path),
-        _ => Err(ClosureError::NothingToMeasure),
+    match measure {
+        Measure::Feed => {
+            let feed = recording.feed.as_ref().or(recording.commanded_feed.as_ref());
+            let feed = feed.ok_or(ClosureError::NothingToMeasure)?;
+            let end = recording.runs.last().map_or(recording.duration, |run| run.time.end);
+            settle(measure, feed, MM_PER_S, feed.integral(end), path)
+        }
+        Measure::Positions => {
+            let axes = recording.positions();
+            match (path_length(axes), axes.iter().flatten().next()) {
+                (Some(length), Some(channel)) => settle(measure, channel, MM, length, path),
+                _ => Err(ClosureError::NothingToMeasure),
+            }
+        }
     }
 }
 

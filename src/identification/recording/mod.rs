@@ -52,7 +52,7 @@ pub mod unit;
 use std::ops::Range;
 
 pub use channel::{Channel, Sampling, Scale};
-pub use closure::{Closure, ClosureError, Measure, TOLERANCE, closure, closure_on, path_length};
+pub use closure::{Closure, ClosureError, Measure, TOLERANCE, closure, closure_of, closure_on, path_length};
 pub use diagnostic::{RecordingError, Remark, Remarks, Severity};
 pub use field::Side;
 
@@ -219,6 +219,20 @@ impl Recording {
                 .filter(|run| run.time.start < range.end && range.start < run.time.end)
                 .cloned()
                 .collect(),
+        }
+    }
+
+    /// The recording with the unit that closes put on what the file states none for.
+    pub fn settled(self, closure: &Closure) -> Recording {
+        let unit = closure.unit;
+        let settle = |channel: Option<Channel<f64>>| channel.map(|channel| channel.assuming(unit));
+        match closure.measure {
+            Measure::Feed => {
+                Recording { feed: settle(self.feed), commanded_feed: settle(self.commanded_feed), ..self }
+            }
+            Measure::Positions => {
+                Recording { commanded: self.commanded.map(settle), actual: self.actual.map(settle), ..self }
+            }
         }
     }
 

@@ -180,8 +180,7 @@ fn field(name: &str, sub_type: &str, axis: &str) -> Option<(Field, Option<Unit>)
 
 /// Parses XML whose first line is `line` of the file.
 pub(super) fn parse(text: &str, line: usize) -> Result<roxmltree::Document<'_>, RecordingError> {
-    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
-    roxmltree::Document::parse_with_options(text, options).map_err(|error| {
+    roxmltree::Document::parse(text).map_err(|error| {
         let at = error.pos();
         let message = format!("the XML is not well-formed: {error}");
         RecordingError::Syntax { line: line + at.row as usize - 1, column: at.col as usize, message }
