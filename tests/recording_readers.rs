@@ -294,6 +294,9 @@ fn files_that_tell_nothing_are_refused_with_the_reason() {
     ));
     let shuffled = table(|n, _, x| Some(format!("{:.2},{x:.3}\n", 0.01 * ((n * 37) % 50) as f64)));
     assert!(matches!(refused(shuffled.as_bytes()), RecordingError::TimeDisorder { .. }));
+    let event = |n: usize| format!("2026-03-01T08:00:{:02}Z|Xact|{n}\n", n);
+    let backwards: String = (0..50).rev().map(event).collect();
+    assert!(matches!(refused(backwards.as_bytes()), RecordingError::TimeDisorder { .. }));
     let words = table(|n, t, _| (n % 3 == 0).then(|| format!("{t:.2},fast\n")));
     let RecordingError::NotNumber { line, column, name, text, count } = refused(words.as_bytes()) else {
         panic!("words are no numbers")
@@ -351,6 +354,7 @@ fn small_faults_are_repaired_and_named() {
     assert_eq!(one(&text[..text.len() - 3]).actual[0].as_ref().expect("X").values.len(), 49);
     assert_eq!(one(text.trim_end()), plain);
     assert_eq!(one(&text.replace('\n', "\r\n")), plain);
+    assert_eq!(one(&text.replace('\n', "\r")), plain);
     // UTF-16 with a byte order mark, as Excel saves text.
     let wide: Vec<u8> =
         [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();

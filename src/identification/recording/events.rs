@@ -11,7 +11,8 @@
 //! of commands (`* PING`), assets (`@ASSET@`) and conditions (six fields whose value is NORMAL,
 //! WARNING, FAULT or UNAVAILABLE) hold nothing of interest. The same as a long table (`t_s,key,value`)
 //! is read by `table` and ends here. Values hold until the next event of the item; each item keeps
-//! its own stamps. UNAVAILABLE begins a gap. Units are the adapter's and stand nowhere.
+//! its own stamps. UNAVAILABLE begins a gap; a connection that falls silent cannot be told from
+//! values that do not change. Units are the adapter's and stand nowhere.
 //!
 //! Source: MTConnect Part 1, "SHDR protocol"; cppagent's demo logs; NIST's smstestbed. Left out:
 //! time series and data sets in one value, quoted values that contain `|`.

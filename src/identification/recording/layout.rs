@@ -105,7 +105,8 @@ pub(super) fn layout(text: &str, options: &Options) -> Result<Layout, RecordingE
     let is_unit = |cell: &String| Unit::parse(cell).is_some();
     let (names, unit_row) = match heads.as_slice() {
         [.., names, units]
-            if 0 < units.iter().filter(|cell| is_unit(cell)).count()
+            if names.iter().any(|name| Label::read(name, None).field.is_some())
+                && units.iter().any(is_unit)
                 && units.iter().all(|cell| {
                     is_unit(cell) || is_missing(cell) || cell.len() <= 3 || cell.starts_with(['[', '('])
                 }) =>

@@ -35,6 +35,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
     if text.trim().is_empty() {
         return Err(RecordingError::Empty);
     }
+    // Line ends of old recorders; everything after this knows `\n` and `\r\n`.
+    let text = if text.contains('\n') { text } else { text.replace('\r', "\n") };
     let control =
         text.chars().filter(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t' | '\u{c}')).count();
     let nul = text.contains('\0');

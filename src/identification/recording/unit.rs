@@ -1,7 +1,9 @@
 //! Units a log can be written in, found in names (`feed_mm_min`), in brackets (`Time [ms]`) or in
 //! a row of their own, and what they are in core units:
 //!
-//!     value in core units = factor · value in the file      (s, mm, mm/s, rad, rad/s, ratio)
+//! ```text
+//! value in core units = factor · value in the file      (s, mm, mm/s, rad, rad/s, ratio)
+//! ```
 //!
 //! Where no unit is stated a value stays as it is in the file and carries the units it may have;
 //! `closure` tells which of them it is. Left out: temperatures, loads, accelerations.
