@@ -15,6 +15,7 @@ const FLOW: &[&str] = &[
     "simulation/drive",
     "simulation/contour",
     "quote",
+    "identification/recording",
     "identification/step",
     "plot",
     "project",
@@ -89,7 +90,7 @@ fn every_module_says_what_it_models() {
 #[test]
 fn every_border_has_one_keeper() {
     let keepers: &[(&str, &[&str])] = &[
-        ("serde", &["project", "web"]),
+        ("serde", &["project", "web", "identification/recording/siemens_recorder"]),
         ("toml::", &["project"]),
         ("wasm_bindgen", &["web"]),
         ("js_sys", &["web"]),

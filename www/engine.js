@@ -6,6 +6,7 @@
  * @typedef {object} Request
  * @property {Uint8Array} program
  * @property {string} machine  JSON
+ * @property {string | null} dialect  null: the one the program shows
  * @property {Column[]} columns
  * @property {string[]} labels  of the columns
  */

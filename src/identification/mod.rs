@@ -1,3 +1,4 @@
 //! Identification: recording → what the control is made of.
 
+pub mod recording;
 pub mod step;

@@ -192,7 +192,7 @@ impl<'a> Run<'a> {
             Action::Call { to, has_own_parameters } => {
                 let first = self.find(own, *to, values)?;
                 let times = if values.count.is_some() { count(values.count)? } else { 1 };
-                if *has_own_parameters {
+                if *has_own_parameters && 0 < times {
                     parameters.enter(&values.arguments);
                 }
                 self.enter(first, u32::MAX, times, *has_own_parameters)?;
@@ -291,7 +291,7 @@ impl<'a> Run<'a> {
             label(LabelKind::Numbered, target)
         };
         let first = self.find(own, to, &Values::default())?;
-        if is_macro {
+        if is_macro && 0 < times {
             parameters.enter(&arguments(words));
         }
         self.enter(first, u32::MAX, times, is_macro)

@@ -1,0 +1,423 @@
+//! Signals of a reader → recordings: one channel a field, units to core, missing values left out,
+//! gaps found, and refusal of what tells nothing.
+//!
+//! Where several signals tell the same field the one with the most values is read. Samples farther
+//! apart than [`GAP`] usual steps have a gap between them; an event that says UNAVAILABLE begins one
+//! that ends with the next value.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::identification::recording::clock::seconds;
+use crate::identification::recording::field::{Field, Label, Side};
+use crate::identification::recording::text::{Cell, number};
+use crate::identification::recording::unit::{FEEDS, LENGTHS, PERCENT, RATIO, RPM, Unit};
+use crate::identification::recording::{
+    Axes, Channel, Recording, RecordingError, Remarks, Sampling, Scale, Status, runs,
+};
+
+/// Steps between samples beyond which there is a gap, in usual steps.
+const GAP: f64 = 5.0;
+
+/// Values, all fields together, below which there is nothing to say.
+const FEWEST: usize = 8;
+
+/// An override above this is in per cent.
+const LARGEST_RATIO: f64 = 5.0;
+
+/// A column or item as a reader found it.
+#[derive(Debug)]
+pub(super) struct Signal {
+    pub(super) label: Label,
+    pub(super) sampling: Sampling,
+    /// Stamps, s from any origin that all signals of a capture share; ascending.
+    pub(super) time: Arc<[f64]>,
+    pub(super) data: Data,
+}
+
+/// Values of a signal, one a stamp.
+#[derive(Debug)]
+pub(super) enum Data {
+    /// Numbers; NaN where missing.
+    Numbers(Vec<f64>),
+    /// Words; none where missing.
+    Texts(Vec<Option<String>>),
+}
+
+impl Signal {
+    fn known(&self) -> usize {
+        match &self.data {
+            Data::Numbers(values) => values.iter().filter(|value| value.is_finite()).count(),
+            Data::Texts(values) => values.iter().flatten().count(),
+        }
+    }
+}
+
+/// All signals of one clock.
+#[derive(Debug)]
+pub(super) struct Capture {
+    /// The clock's origin, ns since 1970.
+    pub(super) origin: Option<i64>,
+    pub(super) signals: Vec<Signal>,
+}
+
+/// Every capture as a recording; those that tell nothing are named and left out.
+pub(super) fn recordings(
+    captures: Vec<Capture>,
+    remarks: &mut Remarks,
+) -> Result<Vec<Recording>, RecordingError> {
+    let many = 1 < captures.len();
+    let mut recordings = Vec::new();
+    let mut refusal = None;
+    for (nth, capture) in captures.into_iter().enumerate() {
+        match recording(capture, remarks) {
+            Ok(recording) => recordings.push(recording),
+            Err(error) => {
+                if many {
+                    remarks.warn(
+                        None,
+                        None,
+                        format!("recording {} of the file is left out: {error}", nth + 1),
+                    );
+                }
+                refusal.get_or_insert(error);
+            }
+        }
+    }
+    if recordings.is_empty() {
+        return Err(refusal.unwrap_or(RecordingError::Empty));
+    }
+    Ok(recordings)
+}
+
+fn recording(capture: Capture, remarks: &mut Remarks) -> Result<Recording, RecordingError> {
+    let found: Vec<String> = capture.signals.iter().map(|signal| signal.label.name.clone()).collect();
+    let mut signals = points_as_axes(capture.signals);
+    signals.retain(|signal| signal.label.field.is_some() && 0 < signal.known());
+    let tells_motion = |signal: &Signal| {
+        matches!(signal.label.field, Some(Field::Position(..) | Field::Feed(_) | Field::Line | Field::Block))
+    };
+    if !signals.iter().any(tells_motion) {
+        return Err(RecordingError::NothingKnown { found });
+    }
+    let known: usize = signals.iter().map(Signal::known).sum();
+    let longest = signals.iter().map(Signal::known).max().unwrap_or(0);
+    if known < FEWEST || longest < 2 {
+        return Err(RecordingError::TooFewSamples { found: longest, needed: FEWEST });
+    }
+    nothing_moves(&signals, remarks)?;
+    let first =
+        signals.iter().filter_map(|signal| signal.time.first()).copied().fold(f64::INFINITY, f64::min);
+    let last =
+        signals.iter().filter_map(|signal| signal.time.last()).copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut builder = Builder { first, shifted: Vec::new(), gaps_of: None, remarks };
+    let mut recording = Recording {
+        started: capture.origin.map(|origin| origin.saturating_add((first * 1e9) as i64)),
+        duration: last - first,
+        ..Recording::default()
+    };
+    recording.commanded = builder.axes(&mut signals, Side::Commanded);
+    recording.actual = builder.axes(&mut signals, Side::Actual);
+    recording.actual_is_stated = recording.actual.iter().any(Option::is_some);
+    let unstated = builder.axes(&mut signals, Side::Unstated);
+    if !recording.actual_is_stated {
+        recording.actual = unstated;
+    } else if recording.commanded.iter().all(Option::is_none) {
+        recording.commanded = unstated;
+    }
+    recording.commanded_feed = builder.number(&mut signals, Field::Feed(Side::Commanded));
+    recording.feed = builder
+        .number(&mut signals, Field::Feed(Side::Actual))
+        .or_else(|| builder.number(&mut signals, Field::Feed(Side::Unstated)));
+    recording.line = builder.line(&mut signals);
+    recording.feed_override = builder.number(&mut signals, Field::FeedOverride);
+    recording.rapid_override = builder.number(&mut signals, Field::RapidOverride);
+    recording.spindle_speed = builder.number(&mut signals, Field::SpindleSpeed);
+    recording.block = builder.text(&mut signals, Field::Block);
+    recording.program = builder.text(&mut signals, Field::Program);
+    recording.tool = builder.text(&mut signals, Field::Tool);
+    recording.status = builder.status(&mut signals);
+    recording.runs = runs::runs(&recording);
+    Ok(recording)
+}
+
+/// Signals that hold X, Y and Z in one value, as three signals.
+fn points_as_axes(signals: Vec<Signal>) -> Vec<Signal> {
+    let mut split = Vec::with_capacity(signals.len());
+    for signal in signals {
+        let (Some(Field::Point(side)), Data::Texts(texts)) = (signal.label.field, &signal.data) else {
+            split.push(signal);
+            continue;
+        };
+        let mut axes: [Vec<f64>; 3] = Default::default();
+        for text in texts {
+            let mut parts = text.as_deref().unwrap_or("").split_whitespace();
+            for axis in &mut axes {
+                let value = parts.next().map(|part| number(part, false));
+                axis.push(if let Some(Cell::Number(value)) = value { value } else { f64::NAN });
+            }
+        }
+        for (axis, values) in axes.into_iter().enumerate() {
+            let name = format!("{} {}", signal.label.name, ["X", "Y", "Z"][axis]);
+            let label = Label { name, field: Some(Field::Position(side, axis)), unit: signal.label.unit };
+            let time = signal.time.clone();
+            split.push(Signal { label, sampling: signal.sampling, time, data: Data::Numbers(values) });
+        }
+    }
+    split
+}
+
+/// Refuses a recording whose motion is constant, and names single columns that are.
+fn nothing_moves(signals: &[Signal], remarks: &mut Remarks) -> Result<(), RecordingError> {
+    let mut constant = Vec::new();
+    let mut moving = 0;
+    for signal in signals {
+        let changes = match (&signal.label.field, &signal.data) {
+            (Some(Field::Position(..) | Field::Feed(_) | Field::Line), Data::Numbers(values)) => {
+                let mut known = values.iter().filter(|value| value.is_finite());
+                let first = known.next();
+                known.any(|value| Some(value) != first)
+            }
+            (Some(Field::Block), Data::Texts(values)) => {
+                let mut known = values.iter().flatten();
+                let first = known.next();
+                known.any(|value| Some(value) != first)
+            }
+            _ => continue,
+        };
+        if changes {
+            moving += 1;
+        } else {
+            constant.push(signal.label.name.clone());
+        }
+    }
+    if moving == 0 {
+        constant.dedup();
+        return Err(RecordingError::NothingMoves { constant });
+    }
+    for name in constant {
+        remarks.info(Some(&name), "constant throughout".to_owned());
+    }
+    Ok(())
+}
+
+/// Makes channels of signals.
+struct Builder<'a> {
+    /// Stamp that becomes zero.
+    first: f64,
+    /// Time vectors as they were and shifted, so that columns of a table go on sharing one.
+    shifted: Vec<[Arc<[f64]>; 2]>,
+    /// The time vector whose gaps were last remarked on.
+    gaps_of: Option<Arc<[f64]>>,
+    remarks: &'a mut Remarks,
+}
+
+impl Builder<'_> {
+    /// Takes the signal that tells `field` best.
+    fn take(&mut self, signals: &mut Vec<Signal>, field: Field) -> Option<Signal> {
+        let (told, rest): (Vec<Signal>, Vec<Signal>) =
+            std::mem::take(signals).into_iter().partition(|signal| signal.label.field == Some(field));
+        *signals = rest;
+        let mut best: Option<Signal> = None;
+        for other in told {
+            best = Some(match best {
+                None => other,
+                Some(best) => {
+                    let (kept, left) =
+                        if best.known() < other.known() { (other, best) } else { (best, other) };
+                    let message =
+                        format!("not read, because `{}` tells the same with more values", kept.label.name);
+                    self.remarks.info(Some(&left.label.name), message);
+                    kept
+                }
+            });
+        }
+        best
+    }
+
+    fn axes(&mut self, signals: &mut Vec<Signal>, side: Side) -> Axes {
+        [0, 1, 2].map(|axis| self.number(signals, Field::Position(side, axis)))
+    }
+
+    /// `time` from the recording's first stamp.
+    fn shifted(&mut self, time: &Arc<[f64]>) -> Arc<[f64]> {
+        if let Some([_, shifted]) = self.shifted.iter().find(|[from, _]| Arc::ptr_eq(from, time)) {
+            return shifted.clone();
+        }
+        let shifted: Arc<[f64]> = time.iter().map(|stamp| stamp - self.first).collect();
+        self.shifted.push([time.clone(), shifted.clone()]);
+        shifted
+    }
+
+    /// A channel of the values `of` finds, and how many it does not understand.
+    fn channel<V>(&mut self, signal: &Signal, of: impl Fn(usize) -> Option<V>) -> (Channel<V>, usize) {
+        let all = self.shifted(&signal.time);
+        let values: Vec<Option<V>> = (0..all.len()).map(of).collect();
+        let missing = values.iter().filter(|value| value.is_none()).count();
+        let mut gaps = Vec::new();
+        let (time, values): (Arc<[f64]>, Vec<V>) = if missing == 0 {
+            (all.clone(), values.into_iter().flatten().collect())
+        } else {
+            if signal.sampling == Sampling::OnChange {
+                gaps = unavailable(&all, &values);
+            }
+            let known = all.iter().zip(values).filter_map(|(stamp, value)| Some((*stamp, value?)));
+            let (time, values): (Vec<f64>, Vec<V>) = known.unzip();
+            (time.into(), values)
+        };
+        if signal.sampling == Sampling::Sampled {
+            gaps = gaps_between(&time);
+            let told = self.gaps_of.as_ref().is_some_and(|told| Arc::ptr_eq(told, &time));
+            if !gaps.is_empty() && !told {
+                let seconds: f64 = gaps.iter().map(|gap| gap.end - gap.start).sum();
+                let longest = gaps.iter().map(|gap| gap.end - gap.start).fold(0.0, f64::max);
+                let message =
+                    format!("{} gaps, {seconds:.3} s together, the longest {longest:.3} s", gaps.len());
+                self.remarks.warn(None, Some(&signal.label.name), message);
+                self.gaps_of = Some(time.clone());
+            }
+        }
+        let channel = Channel {
+            name: signal.label.name.clone(),
+            sampling: signal.sampling,
+            scale: Scale::Unitless,
+            time,
+            values,
+            gaps,
+        };
+        (channel, missing)
+    }
+
+    fn number(&mut self, signals: &mut Vec<Signal>, field: Field) -> Option<Channel<f64>> {
+        let signal = self.take(signals, field)?;
+        let Data::Numbers(numbers) = &signal.data else { return None };
+        let (mut channel, missing) =
+            self.channel(&signal, |at| Some(numbers[at]).filter(|value| value.is_finite()));
+        if 0 < missing {
+            let message = format!("{missing} of {} values are missing", numbers.len());
+            self.remarks.warn(None, Some(&channel.name), message);
+        }
+        channel.scale = self.scale(field, &signal.label, &channel);
+        if let Scale::Stated(unit) = channel.scale
+            && unit.factor != 1.0
+        {
+            channel.values.iter_mut().for_each(|value| *value *= unit.factor);
+        }
+        Some(channel)
+    }
+
+    /// The unit of a channel whose values are as in the file.
+    fn scale(&mut self, field: Field, label: &Label, channel: &Channel<f64>) -> Scale {
+        let assumed = |remarks: &mut Remarks, unit: Unit| {
+            remarks.info(Some(&label.name), format!("no unit stated: taken to be in {}", unit.symbol));
+            Scale::Stated(unit)
+        };
+        let unstated = |remarks: &mut Remarks, units: &'static [Unit]| {
+            let symbols: Vec<&str> = units.iter().map(|unit| unit.symbol).collect();
+            let message =
+                format!("no unit stated: may be {}; the length of the path will tell", symbols.join(", "));
+            remarks.info(Some(&label.name), message);
+            Scale::Unstated(units)
+        };
+        match (label.unit, field) {
+            (Some(unit), _) => Scale::Stated(unit),
+            (None, Field::Position(..)) => unstated(self.remarks, LENGTHS),
+            (None, Field::Feed(_)) => unstated(self.remarks, FEEDS),
+            (None, Field::SpindleSpeed) => assumed(self.remarks, RPM),
+            (None, Field::FeedOverride | Field::RapidOverride) => {
+                let largest = channel.extent().map_or(0.0, |(_, largest)| largest);
+                assumed(self.remarks, if LARGEST_RATIO < largest { PERCENT } else { RATIO })
+            }
+            _ => Scale::Unitless,
+        }
+    }
+
+    fn line(&mut self, signals: &mut Vec<Signal>) -> Option<Channel<u32>> {
+        let signal = self.take(signals, Field::Line)?;
+        let Data::Numbers(numbers) = &signal.data else { return None };
+        let is_line = |value: f64| value.fract() == 0.0 && 0.0 <= value && value <= f64::from(u32::MAX);
+        let (channel, missing) =
+            self.channel(&signal, |at| is_line(numbers[at]).then_some(numbers[at] as u32));
+        if 0 < missing {
+            let message = format!("{missing} of {} values are missing or no line numbers", numbers.len());
+            self.remarks.warn(None, Some(&channel.name), message);
+        }
+        (!channel.values.is_empty()).then_some(channel)
+    }
+
+    fn text(&mut self, signals: &mut Vec<Signal>, field: Field) -> Option<Channel<String>> {
+        let signal = self.take(signals, field)?;
+        let Data::Texts(texts) = &signal.data else { return None };
+        let clean = |text: &str| match number(text, false) {
+            // Tools come as 21.000000 from adapters that know only numbers.
+            Cell::Number(value) if field == Field::Tool && value.fract() == 0.0 => format!("{value:.0}"),
+            _ => text.to_owned(),
+        };
+        let (channel, _) = self.channel(&signal, |at| texts[at].as_deref().map(clean));
+        (!channel.values.is_empty()).then_some(channel)
+    }
+
+    fn status(&mut self, signals: &mut Vec<Signal>) -> Option<Channel<Status>> {
+        let signal = self.take(signals, Field::Status)?;
+        let Data::Texts(texts) = &signal.data else { return None };
+        let (channel, _) = self.channel(&signal, |at| texts[at].as_deref().and_then(status));
+        if let Some(word) = texts.iter().flatten().find(|word| status(word).is_none()) {
+            let message = format!("`{word}` is no known status; such values are left out");
+            self.remarks.warn(None, Some(&signal.label.name), message);
+        }
+        (!channel.values.is_empty()).then_some(channel)
+    }
+}
+
+/// The status a word names: MTConnect's Execution and what Hurco, Okuma and LinuxCNC write.
+fn status(word: &str) -> Option<Status> {
+    let word = word.trim().to_ascii_uppercase().replace([' ', '-'], "_");
+    Some(match word.as_str() {
+        "ACTIVE" | "RUNNING" | "RUN" | "EXECUTING" | "START" => Status::Active,
+        "FEED_HOLD" | "HOLD" | "INTERRUPTED" | "PAUSED" => Status::Held,
+        "PROGRAM_STOPPED" | "STOPPED" | "STOP" | "OPTIONAL_STOP" | "PROGRAM_OPTIONAL_STOP" | "WAIT" => {
+            Status::Stopped
+        }
+        "PROGRAM_COMPLETED" | "COMPLETED" | "FINISHED" | "END" => Status::Ended,
+        "READY" | "IDLE" | "RESET" => Status::Idle,
+        _ => return None,
+    })
+}
+
+/// From every event that says UNAVAILABLE to the next value.
+fn unavailable<V>(time: &[f64], values: &[Option<V>]) -> Vec<Range<f64>> {
+    let mut gaps = Vec::new();
+    let mut since = None;
+    for (stamp, value) in time.iter().zip(values) {
+        match (value, since) {
+            (None, None) => since = Some(*stamp),
+            (Some(_), Some(from)) => {
+                gaps.push(from..*stamp);
+                since = None;
+            }
+            _ => {}
+        }
+    }
+    if let Some(from) = since {
+        gaps.push(from..f64::INFINITY);
+    }
+    gaps
+}
+
+/// Where samples are missing between ascending stamps.
+fn gaps_between(time: &[f64]) -> Vec<Range<f64>> {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if steps.len() < 3 {
+        return Vec::new();
+    }
+    let middle = steps.len() / 2;
+    let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let gaps = time.windows(2).filter(|pair| GAP * usual < pair[1] - pair[0]);
+    gaps.map(|pair| pair[0]..pair[1]).collect()
+}
+
+/// Seconds of `stamps` (ns) from the earliest.
+pub(super) fn from_origin(stamps: &[i64]) -> (i64, Vec<f64>) {
+    let origin = stamps.first().copied().unwrap_or(0);
+    (origin, stamps.iter().map(|stamp| seconds(origin, *stamp)).collect())
+}

@@ -1,0 +1,196 @@
+//! Where the head of a table ends, which character separates its cells, and its rows as fields.
+//!
+//! ```text
+//! table     = { preamble } [ names ] [ units ] { row }
+//! separator = tab | ";" | "," | "|" | blanks        the one under which most cells are numbers
+//! ```
+//!
+//! The separator is the one that cuts the second half of the first [`SNIFFED`] lines into rows of one
+//! width with the largest share of numbers and stamps. The first row as wide as those with a number
+//! in it begins the data; the one or two lines above it are names and units, and anything before is
+//! preamble. Lines that begin with `#` or `%` are comments, but may hold the names.
+//!
+//! A last row without its line end may be cut within a number, so it is kept only where it has as
+//! many decimals as the row before. Left out: units in a third row, line breaks within quotes above
+//! the data.
+
+use crate::identification::recording::clock::iso;
+use crate::identification::recording::field::{Field, Label};
+use crate::identification::recording::text::{Cell, is_missing, number};
+use crate::identification::recording::unit::Unit;
+use crate::identification::recording::{Options, RecordingError};
+
+/// Lines looked at to tell separator and head.
+const SNIFFED: usize = 200;
+
+/// Separators, the more telling first: a tie goes to the earlier.
+const SEPARATORS: &[char] = &['\t', ';', ',', '|', ' '];
+
+/// What was found out about a table before it is read.
+#[derive(Debug)]
+pub(super) struct Layout {
+    pub(super) separator: char,
+    /// Fields in a row.
+    pub(super) width: usize,
+    /// Names, if there is a row of them.
+    pub(super) names: Vec<String>,
+    /// Units, one a name.
+    pub(super) units: Vec<Option<Unit>>,
+    /// Lines before the first row.
+    pub(super) skipped: usize,
+}
+
+/// Separator, names, units and first row of a table; refused where names and rows do not go together.
+pub(super) fn layout(text: &str, options: &Options) -> Result<Layout, RecordingError> {
+    let lines: Vec<(usize, &str)> =
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(SNIFFED).collect();
+    // Values of events may hold any separator, so a head of time, item and value speaks for itself.
+    for separator in SEPARATORS.iter().take(4) {
+        let names: Vec<String> = lines
+            .first()
+            .map(|(_, line)| split(line, *separator))
+            .unwrap_or_default()
+            .iter()
+            .map(|n| (*n).to_owned())
+            .collect();
+        let labels: Vec<Label> = names.iter().map(|name| Label::read(name, None)).collect();
+        if event_columns(&labels).is_some() {
+            let (width, units) = (names.len(), vec![None; names.len()]);
+            return Ok(Layout { separator: *separator, width, names, units, skipped: lines[0].0 + 1 });
+        }
+    }
+    let body = &lines[lines.len() / 2..];
+    let mut best: Option<(f64, char, usize)> = None;
+    for separator in SEPARATORS {
+        let rows: Vec<Vec<&str>> = body.iter().map(|(_, line)| split(line, *separator)).collect();
+        let mut widths: Vec<usize> = rows.iter().map(Vec::len).collect();
+        widths.sort_unstable();
+        let Some(width) = widths.get(widths.len() / 2).copied() else { continue };
+        let regular = rows.iter().filter(|row| row.len() == width);
+        let values = regular.clone().flatten().filter(|cell| is_value(cell)).count();
+        let cells = rows.iter().map(Vec::len).sum::<usize>().max(1);
+        // One wide column is a table of one column only if nothing cuts it.
+        let score = values as f64 / cells as f64 * if width < 2 { 0.1 } else { 1.0 };
+        if best.is_none_or(|(other, ..)| other < score) {
+            best = Some((score, *separator, width));
+        }
+    }
+    let (score, separator, width) = best.ok_or(RecordingError::Empty)?;
+    if score <= 0.0 {
+        return Err(RecordingError::UnknownFormat("no separator makes rows of numbers of it"));
+    }
+    let is_row = |line: &str| {
+        let cells = split(line, separator);
+        // A row may have lost some fields, and a name may look like a number, but not most of them.
+        let values = cells.iter().filter(|cell| is_value(cell)).count();
+        cells.len() == width && 0 < values && !line.trim_start().starts_with(['#', '%'])
+    };
+    let first = lines.iter().position(|(_, line)| is_row(line));
+    let first = first.ok_or(RecordingError::UnknownFormat("no row of numbers was found"))?;
+    let above = first.checked_sub(1).map(|above| split(lines[above].1, separator)).unwrap_or_default();
+    let known = above.iter().filter(|name| Label::read(name, None).field.is_some()).count();
+    if 2 <= known && above.len() <= 2 * known && width + 1 != above.len() && above.len() + 1 < width.max(3) {
+        // Names they are, but of other columns: a decimal comma doubles the fields.
+        let (line, count) = (lines[first].0 + 1, lines.len() - first);
+        return Err(RecordingError::FieldCount { line, found: width, expected: above.len(), count });
+    }
+    let bare = |line: &'_ str| line.trim().trim_start_matches(['#', '%', '/']).trim().to_owned();
+    let heads: Vec<Vec<String>> = lines[..first]
+        .iter()
+        .map(|(_, line)| split(&bare(line), separator).iter().map(|cell| (*cell).to_owned()).collect())
+        .filter(|cells: &Vec<String>| {
+            cells.len() + 1 == width || cells.len() == width || cells.len() == width + 1
+        })
+        .collect();
+    let is_unit = |cell: &String| Unit::parse(cell).is_some();
+    let (names, unit_row) = match heads.as_slice() {
+        [.., names, units]
+            if names.iter().any(|name| Label::read(name, None).field.is_some())
+                && units.iter().any(is_unit)
+                && units.iter().all(|cell| {
+                    is_unit(cell) || is_missing(cell) || cell.len() <= 3 || cell.starts_with(['[', '('])
+                }) =>
+        {
+            (names.clone(), units.clone())
+        }
+        [.., names] => (names.clone(), Vec::new()),
+        [] => (options.columns.clone().unwrap_or_default(), Vec::new()),
+    };
+    let units = (0..names.len()).map(|at| unit_row.get(at).and_then(|cell| Unit::parse(cell))).collect();
+    Ok(Layout { separator, width, names, units, skipped: lines[first].0 })
+}
+
+/// Columns of time, item and value, if that is what the table has.
+pub(super) fn event_columns(labels: &[Label]) -> Option<(usize, usize, usize)> {
+    let find = |words: &[&str]| labels.iter().position(|l| words.contains(&l.name.to_lowercase().as_str()));
+    let item = find(&["key", "item", "dataitem", "dataitemid", "id", "name", "tag", "signal", "variable"])?;
+    let value = find(&["value", "wert", "val"])?;
+    let time = labels.iter().position(|label| label.field == Some(Field::Time))?;
+    Some((time, item, value))
+}
+
+/// Fields of a line, quotes taken into account; enough to look at a table, not to read it.
+fn split(line: &str, separator: char) -> Vec<&str> {
+    if separator == ' ' {
+        return line.split_whitespace().collect();
+    }
+    let mut quoted = false;
+    line.split(|c: char| {
+        quoted ^= c == '"';
+        c == separator && !quoted
+    })
+    .map(|cell| cell.trim().trim_matches('"'))
+    .collect()
+}
+
+fn is_value(cell: &str) -> bool {
+    matches!(number(cell, true), Cell::Number(_)) || iso(cell).is_some()
+}
+
+/// The rows of `text`, and whether the last one was left out because it may be cut within a cell.
+pub(super) fn body<'a>(text: &'a str, layout: &Layout) -> (&'a str, bool) {
+    let from: usize = text.split_inclusive('\n').take(layout.skipped).map(str::len).sum();
+    let body = &text[from..];
+    if body.ends_with(['\n', '\r']) {
+        return (body, false);
+    }
+    let last = body.rfind('\n').map_or(0, |at| at + 1);
+    let before = body[..last].trim_end().rsplit('\n').next().unwrap_or("");
+    let whole = decimals(&body[last..], layout.separator) == decimals(before, layout.separator);
+    if whole { (body, false) } else { (&body[..last], true) }
+}
+
+/// Calls `row` with line and fields of every row; blank lines and comments are none.
+pub(super) fn each_row(text: &str, layout: &Layout, mut row: impl FnMut(usize, &[&str])) {
+    let (body, _) = body(text, layout);
+    if layout.separator == ' ' {
+        for (at, line) in body.lines().enumerate() {
+            let line = line.trim();
+            if !line.is_empty() && !line.starts_with(['#', '%']) {
+                row(layout.skipped + at + 1, &line.split_whitespace().collect::<Vec<_>>());
+            }
+        }
+        return;
+    }
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(layout.separator as u8)
+        .comment(Some(b'#'))
+        .from_reader(body.as_bytes());
+    let mut record = csv::StringRecord::new();
+    // The text is UTF-8 and in memory, so nothing but its end stops the reader.
+    while let Ok(true) = reader.read_record(&mut record) {
+        let line = record.position().map_or(0, |position| position.line() as usize);
+        let fields: Vec<&str> = record.iter().map(str::trim).collect();
+        if fields.iter().any(|field| !field.is_empty()) {
+            row(layout.skipped + line, &fields);
+        }
+    }
+}
+
+/// Decimals of every cell of a row.
+fn decimals(line: &str, separator: char) -> Vec<usize> {
+    let cells = split(line.trim_end(), separator).into_iter();
+    cells.map(|cell| cell.rfind(['.', ',']).map_or(0, |point| cell.len() - point)).collect()
+}

@@ -1,0 +1,105 @@
+//! Bytes → text, and cells → numbers.
+//!
+//! Encodings: UTF-8, UTF-16 with a byte order mark, and otherwise Latin-1, in which every byte is
+//! a character, so that decoding never fails. Numbers: decimal point or comma, exponent, blanks
+//! around; no thousands separators, because `1,234` would mean two things.
+
+use crate::identification::recording::RecordingError;
+
+/// First bytes of files that people drop by mistake or still have to unpack.
+const MAGIC: &[(&[u8], &str)] = &[
+    (b"PK\x03\x04", "a ZIP archive (or Excel workbook); unpack it or save it as CSV"),
+    (b"\x1f\x8b", "gzip-compressed; unpack it"),
+    (b"\x78\x9c", "zlib-compressed (Klipper's motan logs are); it is not read"),
+    (b"\x78\xda", "zlib-compressed (Klipper's motan logs are); it is not read"),
+    (b"\x78\x01", "zlib-compressed (Klipper's motan logs are); it is not read"),
+    (b"%PDF", "a PDF document"),
+    (b"\x89PNG", "a picture"),
+    (b"\xff\xd8\xff", "a picture"),
+    (b"\xd0\xcf\x11\xe0", "an old Excel workbook; save it as CSV"),
+    (b"MATLAB 5.0", "a MATLAB file"),
+    (b"\x89HDF", "an HDF5 file"),
+];
+
+/// The text of a log.
+pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
+    if let Some((_, kind)) = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        return Err(RecordingError::Binary(kind));
+    }
+    let text = match bytes {
+        [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => utf8_or_latin1(rest),
+        _ => utf8_or_latin1(bytes),
+    };
+    if text.trim().is_empty() {
+        return Err(RecordingError::Empty);
+    }
+    // Line ends of old recorders; everything after this knows `\n` and `\r\n`.
+    let text = if text.contains('\n') { text } else { text.replace('\r', "\n") };
+    let control =
+        text.chars().filter(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t' | '\u{c}')).count();
+    let nul = text.contains('\0');
+    if nul || text.chars().count() / 50 < control {
+        return Err(RecordingError::Binary("binary data"));
+    }
+    Ok(text)
+}
+
+fn utf8_or_latin1(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        // A cut in the middle of the last character is no reason to misread all the others.
+        Err(error) if error.error_len().is_none() && 0 < error.valid_up_to() => {
+            String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
+        }
+        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
+    }
+}
+
+fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
+    let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+    char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+}
+
+/// What a cell holds where a number is expected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Cell {
+    /// A finite number.
+    Number(f64),
+    /// Nothing known: empty, NaN, infinite, UNAVAILABLE.
+    Missing,
+    /// Something else.
+    Other,
+}
+
+/// Words for a value that is not known.
+const MISSING: &[&str] =
+    &["nan", "-nan", "inf", "+inf", "-inf", "infinity", "unavailable", "null", "none", "n/a", "na", "-", "?"];
+
+/// Whether `text` says that the value is not known.
+pub(super) fn is_missing(text: &str) -> bool {
+    text.is_empty() || MISSING.iter().any(|word| text.eq_ignore_ascii_case(word))
+}
+
+/// What `text` holds. `comma` allows a decimal comma.
+pub(super) fn number(text: &str, comma: bool) -> Cell {
+    let text = text.trim().trim_matches('"').trim();
+    if is_missing(text) {
+        return Cell::Missing;
+    }
+    // `parse` also takes words such as `infinity`, which are no decimals of a file.
+    if !text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.' | b',' | b'e' | b'E')) {
+        return Cell::Other;
+    }
+    let parsed = if comma && text.contains(',') && !text.contains('.') {
+        text.replacen(',', ".", 1).parse::<f64>()
+    } else {
+        text.parse::<f64>()
+    };
+    match parsed {
+        Ok(value) if value.is_finite() => Cell::Number(value),
+        Ok(_) => Cell::Missing,
+        Err(_) => Cell::Other,
+    }
+}
