@@ -46,8 +46,6 @@ pub(super) struct Heidenhain {
     continued: bool,
     /// What goes on is not read.
     skips: bool,
-    /// Modal words of DIN/ISO.
-    pub(super) iso: crate::simulation::gcode::heidenhain_iso::Modal,
 }
 
 impl Reader<'_> {

@@ -37,7 +37,6 @@ mod diagnostic;
 mod expression;
 mod flow;
 mod formula;
-mod heidenhain_iso;
 mod iso;
 mod klartext;
 mod line;
