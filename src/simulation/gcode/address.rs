@@ -69,6 +69,30 @@ addresses! {
     PLANE_ANGLE = 165 "RPL",
     /// Repetitions.
     REPETITIONS = 151 "REP",
+    /// Side of the contour the tool is on: 1 left, −1 right, 0 no compensation.
+    SIDE = 152 "R0",
+    /// The move of the block is a rapid one.
+    RAPID = 153 "FMAX",
+    /// The feedrate of the tool call.
+    AUTO_FEED = 154 "F AUTO",
+    /// Feed per revolution.
+    FEED_PER_REVOLUTION = 155 "FU",
+    /// Feed per tooth.
+    FEED_PER_TOOTH = 156 "FZ",
+    /// Time of the move.
+    FEED_TIME = 157 "FT",
+    /// What the tool is longer than in its table.
+    LENGTH_DIFFERENCE = 158 "DL",
+    /// What the radius of the tool is greater than in its table.
+    RADIUS_DIFFERENCE = 159 "DR",
+    /// Retraction along the tool axis.
+    RETRACTION = 160 "MB",
+    /// Axis of the tool: 0 to 2 for X to Z.
+    TOOL_AXIS = 161 "",
+    /// First factor or setting of a cycle that is written in lines of its own.
+    SETTING = 162 "",
+    /// Waiting time.
+    DWELL_TIME = 163 "DWELL",
 }
 
 /// The first argument of a call; the others follow in order.

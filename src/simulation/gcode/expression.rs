@@ -225,7 +225,7 @@ impl<'a> Expressions<'a> {
         let prefix = match self.notation {
             Notation::Iso => return Ok(false),
             Notation::Siemens => b'R',
-            Notation::Klartext => b'Q',
+            Notation::Klartext => return self.klartext_variable(letters),
             Notation::Okuma => return Ok(self.okuma_variable(letters)),
         };
         let digits = name[1..].iter().all(u8::is_ascii_digit);
@@ -249,7 +249,7 @@ impl<'a> Expressions<'a> {
             return Ok(true);
         }
         let is_function = FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()));
-        if self.notation == Notation::Klartext || is_function || name.eq_ignore_ascii_case(b"ATAN2") {
+        if is_function || name.eq_ignore_ascii_case(b"ATAN2") {
             return Ok(false);
         }
         let is_system = name[0] == b'$';
@@ -258,6 +258,15 @@ impl<'a> Expressions<'a> {
         self.at = end;
         let index = self.names.index(name);
         self.steps.push(Step::Named(index));
+        Ok(true)
+    }
+
+    /// `Q1`, `QL1`, `QR1`; not a function. A text (`QS1`) has no value.
+    fn klartext_variable(&mut self, letters: usize) -> Result<bool, Fault> {
+        let name = &self.text[self.at..self.at + letters];
+        let Some((number, length)) = klartext_number(name) else { return Ok(false) };
+        self.steps.extend([Step::Number(f64::from(number)), Step::Numbered]);
+        self.at += length;
         Ok(true)
     }
 
@@ -432,6 +441,27 @@ pub(super) fn okuma_number(name: &[u8]) -> Option<u32> {
     let digits = upper.strip_prefix(b"VC").or(upper.strip_prefix(b"V"))?;
     std::str::from_utf8(digits).ok()?.parse().ok()
 }
+
+/// The number of the Q parameter that `text` begins with, and its length. Local and non-volatile
+/// parameters (QL, QR) are numbered behind the others.
+pub(super) fn klartext_number(text: &[u8]) -> Option<(u32, usize)> {
+    let is = |at: usize, letter: u8| text.get(at).is_some_and(|byte: &u8| byte.eq_ignore_ascii_case(&letter));
+    let (first, letters) = match () {
+        () if !is(0, b'Q') => return None,
+        () if is(1, b'L') => (LOCAL_PARAMETERS, 2),
+        () if is(1, b'R') => (STORED_PARAMETERS, 2),
+        () => (0, 1),
+    };
+    let digits = text[letters..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let number: u32 = std::str::from_utf8(&text[letters..letters + digits]).ok()?.parse().ok()?;
+    (number < LOCAL_PARAMETERS).then_some((first + number, letters + digits))
+}
+
+/// The number of QL0.
+pub const LOCAL_PARAMETERS: u32 = 1_000_000;
+
+/// The number of QR0.
+pub const STORED_PARAMETERS: u32 = 2_000_000;
 
 /// Length of the name that `text` begins with: letters, digits, `_` and a leading `$`.
 pub(super) fn identifier(text: &[u8]) -> usize {

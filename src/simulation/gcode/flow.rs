@@ -61,6 +61,8 @@ pub enum Action {
     },
     /// Leaves the subprogram; at the top, ends the program.
     Return,
+    /// Leaves the subprogram; at the top, goes on.
+    SubprogramEnd,
     /// Ends the program where no subprogram is being run: the text of a subprogram begins here.
     Border,
     /// Words of the block (M98, M99, G65 and the like) call or return, as their values say.

@@ -40,6 +40,7 @@ mod expression;
 mod flow;
 mod formula;
 mod iso;
+mod klartext;
 mod line;
 mod number;
 mod reader;
@@ -49,8 +50,13 @@ mod structure;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
 pub use dialect::Dialect;
+pub use expression::{LOCAL_PARAMETERS, STORED_PARAMETERS};
 pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, When};
 pub use formula::{Formula, Function, Operator, Step, Target};
+pub use klartext::{
+    CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, POSITION_PARAMETERS,
+    STATEMENTS as KLARTEXT_STATEMENTS,
+};
 pub use reader::{Options, read, read_with};
 pub use siemens::STATEMENTS as SIEMENS_STATEMENTS;
 

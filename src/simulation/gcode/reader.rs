@@ -3,6 +3,7 @@
 use crate::simulation::gcode::dialect::detect;
 use crate::simulation::gcode::encoding;
 use crate::simulation::gcode::expression::{Expressions, Fault, Names, Notation};
+use crate::simulation::gcode::klartext::Heidenhain;
 use crate::simulation::gcode::line::{Line, lines, split_line};
 use crate::simulation::gcode::number::{is_blank, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
@@ -66,6 +67,7 @@ pub(super) struct Reader<'a> {
     pub(super) names: Names,
     pub(super) remarks: Remarks<Unread>,
     pub(super) structures: Structures,
+    pub(super) heidenhain: Heidenhain,
     /// How many blocks began with `/`, and the first of them.
     pub(super) optional: usize,
     pub(super) first_optional: LineNumber,
@@ -87,6 +89,7 @@ impl<'a> Reader<'a> {
             names: Names::default(),
             remarks: Remarks::default(),
             structures: Structures::default(),
+            heidenhain: Heidenhain::default(),
             optional: 0,
             first_optional: LineNumber(0),
             names_sequence: false,
@@ -178,6 +181,7 @@ impl<'a> Reader<'a> {
         let mut line = Line::default();
         let outcome = match self.program.dialect {
             Dialect::Siemens => self.siemens_line(text, &mut line),
+            Dialect::Klartext => self.klartext_line(text, &mut line),
             _ => self.iso_line(text, &mut line),
         };
         if let Err((remark, columns)) = outcome {

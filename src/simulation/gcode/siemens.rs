@@ -359,7 +359,7 @@ impl Reader<'_> {
     }
 
     /// Keeps a text as the name of an operation or of a tool.
-    fn name(&mut self, index: u32, is_alone: bool) {
+    pub(super) fn name(&mut self, index: u32, is_alone: bool) {
         let text = self.program.texts.get(index as usize).cloned().unwrap_or_default();
         if self.program.comments.len() < MOST_COMMENTS && !text.trim().is_empty() {
             self.program.comments.push(Comment {

@@ -45,6 +45,7 @@ mod feed_mode;
 mod frame;
 mod functions;
 mod increment;
+mod klartext;
 mod motion;
 mod operations;
 mod own;

@@ -202,6 +202,8 @@ impl<'a> Run<'a> {
                 self.enter(blocks.start, blocks.end, times, false)?;
             }
             Action::Return => self.leave(Some(parameters)),
+            Action::SubprogramEnd if self.calls.len() == 1 => {}
+            Action::SubprogramEnd => self.leave(Some(parameters)),
             Action::Border => {
                 if self.calls.len() == 1 {
                     self.at = u32::MAX;

@@ -8,6 +8,7 @@ use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
+use crate::simulation::toolpath::klartext::Klartext;
 use crate::simulation::toolpath::motion::has_dwell_by_feed;
 use crate::simulation::toolpath::own::{self, OwnState};
 use crate::simulation::toolpath::parameters::{Parameters, Values};
@@ -60,12 +61,14 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             tracer.remarks.add(Place::line(block.line), remark);
         }
         if let Some(code) = tracer.ended {
-            if let Some((line, blocks)) = run.rest(index + 1) {
+            // Subprograms stand behind the end of Heidenhain programs.
+            if let Some((line, blocks)) = run.rest(index + 1).filter(|_| !tracer.is_heidenhain()) {
                 tracer.remarks.add(Place::line(line), Untraced::AfterEnd { blocks, code });
             }
             break;
         }
     }
+    tracer.end_klartext();
     tracer.end_contour();
     tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
@@ -134,7 +137,8 @@ pub(super) enum Family {
 impl Family {
     fn of(dialect: Dialect) -> Family {
         match dialect {
-            Dialect::Iso | Dialect::Okuma => Family::Fanuc,
+            // TNC controls too count a degree of a rotary axis as a millimetre.
+            Dialect::Iso | Dialect::Okuma | Dialect::Klartext | Dialect::HeidenhainIso => Family::Fanuc,
             _ => Family::Rs274,
         }
     }
@@ -157,11 +161,12 @@ pub(super) struct Tracer<'a> {
     pub(super) dialect: Dialect,
     pub(super) siemens: Siemens,
     pub(super) own: OwnState,
+    pub(super) klartext: Klartext,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     pub(super) functions: Functions,
     pub(super) path_mode: InForce,
-    ended: Option<Code>,
+    pub(super) ended: Option<Code>,
     pub(super) compensation: CompensationWords,
     pub(super) contour: Contour,
     pub(super) toolpath: Toolpath,
@@ -194,6 +199,7 @@ impl<'a> Tracer<'a> {
             dialect: Dialect::default(),
             siemens: Siemens::default(),
             own: OwnState::default(),
+            klartext: Klartext::default(),
             exact_stop: false,
             functions: Functions::default(),
             path_mode: InForce::default(),
@@ -207,6 +213,9 @@ impl<'a> Tracer<'a> {
 
     /// Runs one block in the order of execution of the module's head.
     pub(super) fn block(&mut self, block: Block) {
+        if self.dialect == Dialect::Klartext {
+            return self.klartext_block(block);
+        }
         let mut request = self.take_words(block);
         for (word, code, place) in std::mem::take(&mut request.path_words) {
             let has_cycle = request.groups[9].is_some() && self.cycle.is_active();
