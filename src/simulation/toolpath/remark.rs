@@ -95,7 +95,7 @@ pub(super) enum Untraced {
     WorkOffsets { code: Code },
     #[error("{code} needs P with the number of an offset: left out")]
     NoOffsetNumber { code: Code },
-    #[error("the setting of this {code} is not applied: work offsets (L2, L20) and tool lengths (L1) are")]
+    #[error("the setting of this {code} is not applied: work offsets (L2, L20), tool lengths (L1) and, on Fanuc controls, radii of tools (L12) are")]
     DataSetting { code: Code },
     #[error(
         "{code}: the length of this tool is not known and taken as zero; length offsets shift the whole program and change no time"

@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour, KnownDiameters};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
@@ -26,6 +26,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     tracer.family = Family::of(program.dialect);
     tracer.dialect = program.dialect;
     let mut parameters = Parameters::new(program.dialect);
+    tracer.compensation.known = KnownDiameters::told_by(&program.comments);
     let mut run = Run::new(program);
     let mut values = Values::default();
     while let Some(index) = run.block() {

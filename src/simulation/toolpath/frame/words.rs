@@ -125,6 +125,7 @@ impl Tracer<'_> {
                 }
                 self.frame.tool_lengths.insert(tool, length);
             }
+            (Some(12), Some(register), Family::Fanuc) if self.set_diameter(u32::from(register)) => {}
             _ => self.remarks.add(block.place(), Untraced::DataSetting { code }),
         }
     }
