@@ -37,6 +37,7 @@
 mod block;
 mod compensation;
 mod control;
+mod coupled;
 mod curve;
 mod cycle;
 mod feed_mode;

@@ -156,6 +156,12 @@ pub(super) enum Untraced {
     Statement { name: &'static str, what: &'static str },
     #[error("{name} is a curve that is not modelled: its points are joined by straight lines")]
     Curve { name: &'static str },
+    #[error(
+        "{code} (probing): run to its end at the feedrate in force, since nobody can tell where the probe touches: the time is an upper bound, and what is measured is that end"
+    )]
+    Probing { code: Code },
+    #[error("{code} needs a pitch (K) and a spindle speed (S): run at the feedrate in force")]
+    NoThreadFeed { code: Code },
     #[error("{name} (milling cycle) is not modelled: its moves are missing from the time")]
     MillingCycle { name: &'static str },
     #[error("{name}: {no_hole}: hole not made")]
@@ -277,6 +283,8 @@ impl Remark for Untraced {
             | Untraced::Statement { .. }
             | Untraced::Curve { .. }
             | Untraced::NoTapFeed
+            | Untraced::Probing { .. }
+            | Untraced::NoThreadFeed { .. }
             | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::PathMode(remark) => remark.severity(),
             Untraced::NoMotionWord
@@ -304,6 +312,7 @@ impl Remark for Untraced {
                 | Untraced::Curve { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
+                | Untraced::Probing { .. }
                 | Untraced::NoFeed { .. }
                 | Untraced::NoSpindleSpeed { .. }
                 | Untraced::RotaryFeed { .. }

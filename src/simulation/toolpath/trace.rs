@@ -43,6 +43,9 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             tracer.remarks.add(Place::line(block.line), Untraced::Alarm);
             break;
         }
+        if values.stop {
+            tracer.stop(Block { words: &[], line: block.line }, StopCause::MCode { code: 0 });
+        }
         let words = if formulas.is_empty() { program.words(block) } else { &values.words };
         let outcome = if run.has_flow() {
             let own = run.without_call(words);
@@ -148,6 +151,8 @@ pub(super) struct Tracer<'a> {
     pub(super) position: Point,
     /// From program coordinates to the machine's.
     pub(super) frame: Frame,
+    /// Where the last probing move ended, mm.
+    pub(super) probed: Option<Point>,
     pub(super) rotary: Rotary,
     pub(super) family: Family,
     pub(super) dialect: Dialect,
@@ -184,6 +189,7 @@ impl<'a> Tracer<'a> {
             cycle: Cycles::default(),
             position: Point::origin(),
             frame: Frame::new(machine),
+            probed: None,
             rotary: Rotary::default(),
             family: Family::default(),
             dialect: Dialect::default(),

@@ -53,6 +53,10 @@ pub(super) enum Special {
     Unmirror,
     /// G43.1 with axis words.
     ToolOffset,
+    /// G31 and G38.2 to G38.5.
+    Probe,
+    /// G33, and G33.1 with the way back.
+    Thread { is_tapping: bool },
 }
 
 /// What a G word asks for.
@@ -127,6 +131,9 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         922 => (0, Special(self::Special::SuspendShift)),
         923 => (0, Special(self::Special::RestoreShift)),
 
+        310 | 382..=385 => (0, Special(self::Special::Probe)),
+        330 | 331 => (0, Special(self::Special::Thread { is_tapping: tenths == 331 })),
+
         170 => (2, Plane(self::Plane::Xy)),
         180 => (2, Plane(self::Plane::Zx)),
         190 => (2, Plane(self::Plane::Yz)),
@@ -153,7 +160,8 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         990 => (10, ReturnToReference(true)),
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 | 1540 => (12, WorkOffset),
         610 | 611 => (13, Path(PathWord::ExactStop)),
-        640 => (13, Path(PathWord::Continuous)),
+        // Of the two others, G62 slows compensated inner corners, and G63 ignores overrides.
+        620 | 630 | 640 => (13, Path(PathWord::Continuous)),
         960 => (14, SurfaceSpeed),
         970 => (14, Neutral),
 

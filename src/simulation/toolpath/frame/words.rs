@@ -55,7 +55,11 @@ impl Tracer<'_> {
                 let given = self.axis_values().map(Option::unwrap_or_default);
                 self.frame.set_tool(Vector::from(given));
             }
-            Special::Dwell | Special::Reference | Special::MachineCoordinates => {}
+            Special::Dwell
+            | Special::Reference
+            | Special::MachineCoordinates
+            | Special::Probe
+            | Special::Thread { .. } => {}
         }
         self.frame.refresh();
     }
