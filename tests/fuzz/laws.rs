@@ -28,8 +28,8 @@ pub fn program_in(bytes: &[u8], dialect: Option<Dialect>) {
 
 /// A machine that knows tools and reference points, so that compensation and G28 move.
 fn machine() -> Machine {
-    let mut machine = Machine::default();
-    machine.tools = (1..10).map(|number| (number, Tool { diameter: f64::from(number) })).collect();
+    let tools = (1..10).map(|number| (number, Tool { diameter: f64::from(number) })).collect();
+    let mut machine = Machine { tools, ..Machine::default() };
     for axis in &mut machine.axes {
         axis.home = Some(0.0);
     }

@@ -58,6 +58,25 @@ pub(super) enum Unread {
         /// As written.
         text: String,
     },
+    /// Two bytes a character.
+    #[error(
+        "the file is in UTF-16 (\"Unicode\"), which controls do not read: taken as the text it stands for"
+    )]
+    Utf16,
+    /// A call after every move.
+    #[error("{word} (a call after every move) is not modelled: the subprogram is not run")]
+    ModalCall {
+        /// As written.
+        word: String,
+    },
+    /// A word of the control that is read and has no part in the simulation.
+    #[error("{name}: {what}")]
+    Own {
+        /// The word.
+        name: String,
+        /// What is not modelled.
+        what: &'static str,
+    },
     /// Letters or signs that are no word.
     #[error("`{text}` is not understood: block not run")]
     Text {
@@ -119,12 +138,14 @@ impl Remark for Unread {
             | Unread::Unopened { .. }
             | Unread::Unclosed { .. }
             | Unread::DeepFlow
+            | Unread::ModalCall { .. }
             | Unread::Text { .. }
             | Unread::MissingNumber { .. }
             | Unread::MalformedNumber { .. }
             | Unread::HugeNumber { .. } => Severity::Error,
-            Unread::OpenComment | Unread::Leader { .. } => Severity::Warning,
+            Unread::OpenComment | Unread::Leader { .. } | Unread::Own { .. } => Severity::Warning,
             Unread::Command { .. }
+            | Unread::Utf16
             | Unread::Trailer
             | Unread::OptionalRun { .. }
             | Unread::OptionalSkipped { .. } => Severity::Info,

@@ -64,3 +64,6 @@ impl Tracer<'_> {
         self.push(block, end, Curve::Line, length, Motion::Feed { feedrate });
     }
 }
+
+#[cfg(test)]
+mod tests;

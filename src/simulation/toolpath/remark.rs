@@ -17,6 +17,8 @@ pub(super) enum Untraced {
     NoValue(#[from] NoValue),
     #[error("{code} is not understood: left out, and the axis words of its block are not run")]
     UnknownG { code: Code },
+    #[error("{code}: {what}")]
+    Left { code: Code, what: &'static str },
     #[error("{code} is not understood: left out")]
     UnknownM { code: Code },
     #[error("{code} ({name}) is not modelled: from here on the path is taken as written")]
@@ -27,6 +29,10 @@ pub(super) enum Untraced {
     Conflict { first: Code, second: Code },
     #[error("{letter} is given twice in one block: the last one counts")]
     RepeatedWord { letter: char },
+    #[error(
+        "{letter}{value} has no decimal point, other lengths of the program have: taken as written; set program.increment_mm = 0.001 if the control counts thousandths"
+    )]
+    MissingPoint { letter: char, value: f64 },
     #[error("{letter} words are not modelled: only moves in X, Y, Z, A, B and C are timed")]
     UnmodelledWord { letter: char },
     #[error("no G0 to G3 before the first axis words: taken as G0")]
@@ -95,7 +101,9 @@ pub(super) enum Untraced {
     WorkOffsets { code: Code },
     #[error("{code} needs P with the number of an offset: left out")]
     NoOffsetNumber { code: Code },
-    #[error("the setting of this {code} is not applied: work offsets (L2, L20), tool lengths (L1) and, on Fanuc controls, radii of tools (L12) are")]
+    #[error(
+        "the setting of this {code} is not applied: work offsets (L2, L20), tool lengths (L1) and, on Fanuc controls, radii of tools (L12) are"
+    )]
     DataSetting { code: Code },
     #[error(
         "{code}: the length of this tool is not known and taken as zero; length offsets shift the whole program and change no time"
@@ -150,6 +158,8 @@ pub(super) enum Untraced {
     DeepCall,
     #[error("more than {MOST_RUN} blocks were repeated: the program seems to loop for ever, and ends here")]
     EndlessRun,
+    #[error("M99 at the end of the main program begins it again: one run is timed")]
+    BeginsAgain,
     #[error("the program raises an alarm (#3000) and ends here")]
     Alarm,
     #[error("{name}: {what}")]
@@ -234,6 +244,7 @@ impl Remark for Untraced {
             Untraced::NoValue(_)
             | Untraced::UnknownG { .. }
             | Untraced::UnknownM { .. }
+            | Untraced::Left { .. }
             | Untraced::Transformation { .. }
             | Untraced::Conflict { .. }
             | Untraced::RepeatedWord { .. }
@@ -268,6 +279,7 @@ impl Remark for Untraced {
             | Untraced::NoArcThrough
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
+            | Untraced::MissingPoint { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }
@@ -297,6 +309,7 @@ impl Remark for Untraced {
             | Untraced::RotaryFeed { .. }
             | Untraced::SameTool { .. }
             | Untraced::ManyOperations { .. }
+            | Untraced::BeginsAgain
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }

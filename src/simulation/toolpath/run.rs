@@ -6,7 +6,7 @@
 //!
 //! - `M98 P1000 L3` runs O1000 three times; without L, `P31000` says the same
 //!   where there is no O31000. `M97 P10` runs from
-//!   N10 on. `G65 P1000 A1. B2.` runs O1000 with #1 = 1, #2 = 2. `M99` returns, `M99 P20` to N20.
+//!   N10 on, and so does `M98 Q10`; `M98 P1000 Q10` runs O1000 from N10 on. `G65 P1000 A1. B2.` runs O1000 with #1 = 1, #2 = 2. `M99` returns, `M99 P20` to N20.
 //! - In the main program M99 ends it: the control would begin again.
 //!
 //! A program may loop for ever, and a short text may ask for endless work. So no more than
@@ -200,7 +200,7 @@ impl<'a> Run<'a> {
             Action::Call { to, has_own_parameters } => {
                 let first = self.find(own, *to, values)?;
                 let times = if values.count.is_some() { count(values.count)? } else { 1 };
-                if *has_own_parameters {
+                if *has_own_parameters && 0 < times {
                     parameters.enter(&values.arguments);
                 }
                 self.enter(first, u32::MAX, times, *has_own_parameters)?;
@@ -270,6 +270,9 @@ impl<'a> Run<'a> {
         let label = |kind, id| Destination::Label(Label { kind, id }, Direction::Either);
         let (target, repeats) = (value(b'P').and_then(whole), value(b'L'));
         if code(b'M', 99.0) {
+            if self.calls.len() == 1 {
+                return Err(self.stop(Untraced::BeginsAgain));
+            }
             let back = target.filter(|_| 1 < self.calls.len());
             self.leave(Some(parameters));
             if let Some(id) = back {
@@ -284,11 +287,18 @@ impl<'a> Run<'a> {
         if !is_macro && !code(b'M', 98.0) && !code(b'M', 97.0) {
             return if code(b'M', 198.0) { Err(Untraced::ExternalProgram) } else { Ok(()) };
         }
+        let sequence = value(b'Q').and_then(whole).filter(|_| code(b'M', 98.0));
+        let sequence = sequence.map(|id| label(LabelKind::Sequence, id));
+        if let (None, Some(local)) = (target, sequence) {
+            let first = self.find(own, local, &Values::default())?;
+            let times = if repeats.is_some() { count(repeats)? } else { 1 };
+            return self.enter(first, u32::MAX, times, false);
+        }
         let Some(target) = target else { return Err(Untraced::NoSubprogram) };
         let packed = code(b'M', 98.0)
             && repeats.is_none()
             && 9999 < target
-            && self.program.dialect != Dialect::LinuxCnc
+            && !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Mach)
             && !self.has_label(LabelKind::Program, target);
         let (target, packed_times) = if packed { (target % 10_000, target / 10_000) } else { (target, 1) };
         let times = if repeats.is_some() { count(repeats)? } else { packed_times };
@@ -299,8 +309,11 @@ impl<'a> Run<'a> {
         } else {
             label(LabelKind::Numbered, target)
         };
-        let first = self.find(own, to, &Values::default())?;
-        if is_macro {
+        let mut first = self.find(own, to, &Values::default())?;
+        if let Some(inside) = sequence {
+            first = self.find(first, inside, &Values::default())?;
+        }
+        if is_macro && 0 < times {
             parameters.enter(&arguments(words));
         }
         self.enter(first, u32::MAX, times, is_macro)

@@ -7,6 +7,7 @@ use crate::simulation::gcode::Word;
 use crate::simulation::toolpath::compensation::{CompensationWord, Side};
 use crate::simulation::toolpath::feed_mode::FeedMode;
 use crate::simulation::toolpath::frame::Kind;
+use crate::simulation::toolpath::own::{Own, OwnModal};
 use crate::simulation::toolpath::path_mode::PathWord;
 use crate::simulation::toolpath::plane::{Plane, Turn};
 use crate::simulation::toolpath::siemens::SiemensWord;
@@ -57,6 +58,8 @@ pub(super) enum Special {
     Probe,
     /// G33, and G33.1 with the way back.
     Thread { is_tapping: bool },
+    /// A word of one family of controls.
+    Own(Own),
 }
 
 /// What a G word asks for.
@@ -98,8 +101,12 @@ pub(super) enum Meaning {
     TransformationAbout(&'static str),
     /// A word of SINUMERIK controls.
     Siemens(SiemensWord),
+    /// A word of one family of controls.
+    Own(OwnModal),
     /// It changes neither path nor time.
     Neutral,
+    /// It changes neither, and the axis words of its block are its own.
+    NeutralAbout,
 }
 
 /// Modal groups are numbered as in RS274/NGC and on Fanuc; words of no group may be combined.
@@ -169,7 +176,7 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         50 | 80 => (NO_GROUP, Path(PathWord::LookAhead)),
         51 => (NO_GROUP, Path(PathWord::ContourControl)),
         1870 => (NO_GROUP, Path(PathWord::Smoothness)),
-        71 | 1070 => (NO_GROUP, Transformation("cylindrical interpolation")),
+        71 | 1070 => (NO_GROUP, TransformationAbout("cylindrical interpolation")),
         121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
         150 => (NO_GROUP, Polar(false)),
         160 => (NO_GROUP, Polar(true)),
@@ -181,9 +188,13 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         250 | 501 => (NO_GROUP, Special(self::Special::Unmirror)),
         680 => (NO_GROUP, Special(self::Special::Rotate)),
         690 => (NO_GROUP, EndOf(Kind::Rotation)),
+        531 => (NO_GROUP, Transformation("turning the tool's axis into the tilted plane")),
+        542 => (NO_GROUP, Transformation("dynamic fixture offset")),
         682 => (NO_GROUP, TransformationAbout("tilted working plane")),
         // What cancels a mode that is not in force, or that does not touch the path.
-        110 | 131 | 1130 | 220 | 230 | 260 | 670 | 691 => (NO_GROUP, Neutral),
+        110 | 131 | 1130 | 230 | 260 | 670 | 691 => (NO_GROUP, Neutral),
+        // The limits of a protected zone.
+        220 => (NO_GROUP, NeutralAbout),
         _ => return None,
     })
 }

@@ -77,7 +77,8 @@ impl Tracer<'_> {
             return None;
         }
         if self.compensation.remarked.insert(tool) {
-            self.remarks.add(block.place(), Untraced::Contour(Trouble::ToldDiameter { tool, diameter, line }));
+            self.remarks
+                .add(block.place(), Untraced::Contour(Trouble::ToldDiameter { tool, diameter, line }));
         }
         Some(diameter)
     }
