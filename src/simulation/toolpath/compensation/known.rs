@@ -24,7 +24,10 @@ use crate::simulation::toolpath::trace::Tracer;
 use std::collections::BTreeMap;
 
 /// What stands for a diameter in a header, the longer ones first.
-const NAMES: [&str; 7] = ["DIAMETER", "DIAM.", "DIAM", "DIA.", "DIA", "D=", "Ø"];
+const NAMES: [&str; 8] = ["DIAMETER", "DIAM.", "DIAM", "DIA.", "DIA", "D=", "Ø", REGISTER];
+
+/// Registers are whole numbers (`D01`), diameters have a point (`D12.0`).
+const REGISTER: &str = "D";
 
 /// Diameters by the number of their tool.
 #[derive(Default)]
@@ -95,9 +98,14 @@ fn diameter_in(text: &str) -> Option<f64> {
         text.match_indices(name).find_map(|(at, _)| {
             let is_word = !text[..at].ends_with(|c: char| c.is_alphanumeric());
             let rest = text[at + name.len()..].trim_start_matches([' ', ':', '=', '-']);
-            is_word.then(|| positive_number(rest))?
+            let may_be_it = *name != REGISTER || has_point(rest);
+            (is_word && may_be_it).then(|| positive_number(rest))?
         })
     })
+}
+
+fn has_point(text: &str) -> bool {
+    text.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with('.')
 }
 
 /// The number above 0 that a text begins with.
@@ -122,6 +130,8 @@ mod tests {
             ("DIA. OFF. - 2 LEN. - 2", None),
             ("END MILL DIA 16.0 R0. MM", Some(16.0)),
             ("Ø12 VHM", Some(12.0)),
+            ("12MM 3FL CARBIDE EM - H01 - D01 - D12.000MM", Some(12.0)),
+            ("BALL D6 R3", None),
             ("MEDIA 5", None),
             ("NO. 7 DRILL | H3", None),
             ("D=0.", None),
