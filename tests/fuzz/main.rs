@@ -7,6 +7,7 @@ mod mutate;
 
 use mutate::Random;
 use std::path::{Path, PathBuf};
+use truefeed::simulation::gcode::Dialect;
 
 /// How many files are made of each kind; more by `TRUEFEED_EXECUTIONS=100000`.
 const EXECUTIONS: usize = 2_000;
@@ -80,7 +81,7 @@ fn programs_cut_off_anywhere_hold_the_laws() {
 
 /// Reads one that fuzzing found, in the dialect that it was found in.
 fn in_linuxcnc(bytes: &[u8]) {
-    laws::program_in(bytes, Some(truefeed::simulation::gcode::Dialect::LinuxCnc));
+    laws::program_in(bytes, Some(Dialect::LinuxCnc));
 }
 
 /// A block that opened a loop and was then found faulty left its jump behind.
@@ -94,4 +95,11 @@ fn a_faulty_block_opens_nothing() {
 #[test]
 fn an_endless_subprogram_ends_the_program() {
     in_linuxcnc(b"o1 sub\no2 while [1]\nG4 P0\no2 endwhile\no1 endsub\no1 call\nM2\n");
+}
+
+/// Found by `scripts/fuzz`: a move of no length after G40, where the tool was on the path already.
+#[test]
+fn a_move_of_no_length_after_compensation_is_none() {
+    let text = "G42.1 D4\nG3 X30 Y30 I-10 J0\nG1 X0\nY0\nG40 X-2\nY0";
+    laws::program_in(text.as_bytes(), Some(Dialect::LinuxCnc));
 }

@@ -142,7 +142,10 @@ impl Queue {
     /// A move without compensation: as programmed, from wherever the tool is.
     fn leave(&mut self, segment: Segment, out: &mut Toolpath) {
         let Some(at) = self.at.take().filter(|at| *at != segment.start) else {
-            out.segments.push(segment);
+            // A move of no length was let in for a tool beside the path; here it is on it.
+            if ROUNDING <= segment.length {
+                out.segments.push(segment);
+            }
             return;
         };
         let straight_to = |end: Point| {
