@@ -268,7 +268,12 @@ fn is_linuxcnc(code: &[u8]) -> bool {
                 &[b"SUB", b"CALL", b"IF", b"WHILE", b"DO", b"REPEAT", b"ENDSUB", b"ENDIF"],
             )
     };
-    code.starts_with(b"O<")
+    // Alone on its line, `O<BRACKET>` is the name of a program on Fanuc controls.
+    let is_name_alone = || {
+        let end = code.iter().position(|byte| *byte == b'(').unwrap_or(code.len());
+        code[..end].trim_ascii_end().ends_with(b">")
+    };
+    (code.starts_with(b"O<") && !is_name_alone())
         || is_o_word()
         || contains(code, b"#<")
         || code.iter().any(|byte| matches!(byte, b'@' | b'^'))

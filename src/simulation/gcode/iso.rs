@@ -20,6 +20,9 @@ const CALLING_M: &[f64] = &[97.0, 98.0, 99.0, 198.0];
 /// G words that call or return, by their values.
 const CALLING_G: &[f64] = &[65.0, 66.0, 66.1, 67.0];
 
+/// Words of custom macros that print or name variables: nothing on their lines moves the machine.
+const OUTPUT: &[&[u8]] = &[b"POPEN", b"PCLOS", b"DPRNT", b"BPRNT", b"SETVN"];
+
 impl Reader<'_> {
     /// Reads one line of an ISO program.
     pub(super) fn iso_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
@@ -143,6 +146,9 @@ impl Reader<'_> {
         }
         if let Some(keyword) = Keyword::of(&text[at..at + length]) {
             return self.macro_word(text, (at, at + length), keyword, line);
+        }
+        if OUTPUT.iter().any(|name| text[at..at + length].eq_ignore_ascii_case(name)) {
+            return Ok(text.len());
         }
         if letter != b'N' && Expressions::begin_at(text, at + 1) {
             return self.word_with_formula(text, at, line);

@@ -3,6 +3,9 @@
 //! | Fanuc | LinuxCNC | value |
 //! |---|---|---|
 //! | #5001–#5003, #5041–#5043 | #5420–#5422, `_x` `_y` `_z` | position in the program's coordinates and unit |
+//! | #5061–#5063 | #5061–#5063 | where the last probing move ended, in the same |
+//! | #4001, #4002 | | 0 to 3 by G0 to G3; 17 to 19 by the plane |
+//! | #4119 | | spindle speed |
 //! | #4109 | `_feed` | feedrate, unit of the program per minute |
 //! | #4120 | #5400, `_current_tool` | tool |
 //! | #4003 | `_incremental` | 90 or 91; 1 under G91 |
@@ -11,7 +14,9 @@
 //! Sources: Fanuc B-63944EN, Sect. 16.2; LinuxCNC 2.9, Parameters.
 
 use crate::simulation::toolpath::parameters::Control;
+use crate::simulation::toolpath::plane::Turn;
 use crate::simulation::toolpath::trace::Tracer;
+use crate::simulation::toolpath::words::Mode;
 use crate::units::{MM_PER_INCH, mm_per_min};
 
 impl Control for Tracer<'_> {
@@ -23,6 +28,13 @@ impl Control for Tracer<'_> {
             5001..=5003 => Some(self.program_position((number - 5001) as usize)),
             5041..=5043 => Some(self.program_position((number - 5041) as usize)),
             5420..=5422 => Some(self.program_position((number - 5420) as usize)),
+            5061..=5063 => {
+                let probed = self.frame.to_program(&self.probed?);
+                Some(probed[(number - 5061) as usize] / self.modal.unit)
+            }
+            4001 => Some(self.mode_of_program()),
+            4002 => Some(19.0 - self.modal.plane.axes()[2] as f64),
+            4119 => self.functions.speed,
             4109 => Some(self.feed_of_program()),
             4120 | 5400 => Some(self.modal.tool.map_or(0.0, f64::from)),
             4003 => Some(if self.modal.is_incremental { 91.0 } else { 90.0 }),
@@ -53,6 +65,16 @@ impl Tracer<'_> {
     /// Where the tool is on an axis, in the program's coordinates and unit.
     pub(in crate::simulation::toolpath) fn program_position(&self, axis: usize) -> f64 {
         self.frame.to_program(&self.position)[axis] / self.modal.unit
+    }
+
+    /// The word of group 1 in force.
+    fn mode_of_program(&self) -> f64 {
+        match self.modal.mode {
+            None | Some(Mode::Rapid) => 0.0,
+            Some(Mode::Straight) => 1.0,
+            Some(Mode::Arc(Turn::Clockwise)) => 2.0,
+            Some(Mode::Arc(Turn::Counterclockwise)) => 3.0,
+        }
     }
 
     /// The feedrate in force, in the program's unit per minute.

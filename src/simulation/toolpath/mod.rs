@@ -39,6 +39,7 @@
 mod block;
 mod compensation;
 mod control;
+mod coupled;
 mod curve;
 mod cycle;
 mod feed_mode;

@@ -31,6 +31,8 @@ impl Tracer<'_> {
             Special::Dwell => self.dwell(block, code),
             Special::Reference => self.uncompensated(|tracer| tracer.reference(block, code)),
             Special::MachineCoordinates => self.uncompensated(|tracer| tracer.machine_coordinates(block)),
+            Special::Probe => self.probe(block, code),
+            Special::Thread { is_tapping } => self.thread(block, code, is_tapping),
             Special::Own(word) => self.own_word(block, word, code),
             _ => self.change_frame(block, special, code),
         }

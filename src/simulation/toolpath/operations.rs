@@ -265,11 +265,11 @@ fn tool_names(comments: &[Comment]) -> BTreeMap<u32, &str> {
 }
 
 /// The tool that a comment begins with, and the rest of the comment.
-fn tool_and_name(text: &str) -> Option<(u32, &str)> {
+pub(super) fn tool_and_name(text: &str) -> Option<(u32, &str)> {
     let text = bare(text);
     let rest = ["TOOL", "T"].iter().find_map(|word| {
         let head = text.get(..word.len()).filter(|head| head.eq_ignore_ascii_case(word))?;
-        Some(text[head.len()..].trim_start_matches([' ', '#', '=', ':']))
+        Some(text[head.len()..].trim_start_matches([' ', '#', '=', ':', '-']))
     })?;
     let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
     let tool = rest[..digits].parse().ok()?;

@@ -17,8 +17,7 @@
 //! ```
 //!
 //! Angles are in degrees, counter-clockwise from X. Each word of the second kind says what is
-//! missing: the tool stays where it is. After a probing move the control is at the contact, which
-//! is not known here, or at the end if nothing was touched.
+//! missing: the tool stays where it is.
 //!
 //! Okuma: M52 (return to the upper limit) needs the reference point of Z. That G80 stops the
 //! spindle on some of its machines is not modelled.
@@ -104,8 +103,8 @@ pub(super) fn meaning(dialect: Dialect, tenths: u16) -> Option<(usize, Meaning)>
             "homing: where the switches are is unknown, so its moves are missing from the time and the tool stays where it is",
         )),
         (Dialect::Mach, 120 | 130) => own(POCKET),
-        (_, 310..=313 | 382..=385) => own(PROBING),
-        (_, 320 | 330 | 331) => own(THREAD),
+        (_, 311..=313) => own(PROBING),
+        (_, 320) => own(THREAD),
 
         (Dialect::Iso, 120 | 130 | 1500) => own(POCKET),
         (Dialect::Iso, 350 | 360 | 370 | 1360) => own(MEASURING),

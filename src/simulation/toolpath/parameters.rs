@@ -16,7 +16,8 @@
 //! - A call with arguments has parameters 1 to 33 of its own (1 to 30 on LinuxCNC, and all names
 //!   without `_`).
 //! - Comparisons are exact and give 1 or 0; AND, OR and XOR take any value but 0 as true.
-//! - MOD is at least 0, FIX rounds down, FUP up, ROUND to the nearest, halves away from 0.
+//! - MOD is at least 0, FIX rounds down, FUP up, ROUND to the nearest, halves away from 0. On Fanuc
+//!   controls FIX rounds toward 0 and FUP away from it.
 //! - Angles are in degrees, arctangents in −180 to 180.
 //!
 //! A value that does not exist or is not finite is a fault, and its block is not run.
@@ -86,18 +87,24 @@ pub(super) struct Values {
     pub(super) arguments: Vec<(u32, f64)>,
     /// The program raises an alarm (`#3000=1`).
     pub(super) alarm: bool,
+    /// The program stops for the operator (`#3006=1`), as by M0.
+    pub(super) stop: bool,
 }
 
 impl Values {
     fn clear(&mut self) {
         self.words.clear();
         self.arguments.clear();
-        (self.condition, self.count, self.destination, self.alarm) = (None, None, None, false);
+        (self.condition, self.count, self.destination) = (None, None, None);
+        (self.alarm, self.stop) = (false, false);
     }
 }
 
 /// The parameter that raises an alarm when something is assigned to it.
 const ALARM: u32 = 3000;
+
+/// The parameter that stops the program when something is assigned to it.
+const STOP: u32 = 3006;
 
 /// A parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -162,6 +169,7 @@ impl Parameters {
         for index in 0..self.assignments.len() {
             let (name, value) = self.assignments[index];
             values.alarm |= is_macro && name == Name::Number(ALARM);
+            values.stop |= is_macro && name == Name::Number(STOP);
             self.assign(program, name, value);
         }
         Ok(())
@@ -290,7 +298,7 @@ impl Parameters {
                     if is_there { 1.0 } else { 0.0 }
                 }
                 Step::Negate => -zero_if_vacant(pop(&mut self.stack)),
-                Step::Function(function) => apply(function, zero_if_vacant(pop(&mut self.stack)))?,
+                Step::Function(function) => self.apply(function)?,
                 Step::Operator(operator) => {
                     let right = pop(&mut self.stack);
                     combine_vacant(operator, pop(&mut self.stack), right)?
@@ -302,6 +310,16 @@ impl Parameters {
             self.stack.push(value);
         }
         Ok(pop(&mut self.stack))
+    }
+
+    fn apply(&mut self, function: Function) -> Result<f64, NoValue> {
+        let value = zero_if_vacant(pop(&mut self.stack));
+        let is_below_zero = self.dialect == Dialect::Iso && value < 0.0;
+        match function {
+            Function::Fix if is_below_zero => apply(Function::Fup, value),
+            Function::Fup if is_below_zero => apply(Function::Fix, value),
+            _ => apply(function, value),
+        }
     }
 }
 

@@ -251,7 +251,13 @@ impl Tracer<'_> {
             {
                 return false;
             }
-            PathWord::ContourControl => self.contour_control(place, code),
+            PathWord::ContourControl => {
+                // They name the axes to be smoothed.
+                for axis in *b"XYZABC" {
+                    self.given.take(axis);
+                }
+                self.contour_control(place, code);
+            }
             PathWord::LookAhead => {
                 let p = self.given.take(b'P');
                 self.remark_on_path(place, PathRemark::LookAhead { source_words: words(code, 'P', p) });

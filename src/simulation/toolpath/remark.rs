@@ -102,7 +102,9 @@ pub(super) enum Untraced {
     WorkOffsets { code: Code },
     #[error("{code} needs P with the number of an offset: left out")]
     NoOffsetNumber { code: Code },
-    #[error("the setting of this {code} is not applied: work offsets (L2, L20) and tool lengths (L1) are")]
+    #[error(
+        "the setting of this {code} is not applied: work offsets (L2, L20), tool lengths (L1) and, on Fanuc controls, radii of tools (L12) are"
+    )]
     DataSetting { code: Code },
     #[error(
         "{code}: the length of this tool is not known and taken as zero; length offsets shift the whole program and change no time"
@@ -157,12 +159,20 @@ pub(super) enum Untraced {
     DeepCall,
     #[error("more than {MOST_RUN} blocks were repeated: the program seems to loop for ever, and ends here")]
     EndlessRun,
+    #[error("M99 at the end of the main program begins it again: one run is timed")]
+    BeginsAgain,
     #[error("the program raises an alarm (#3000) and ends here")]
     Alarm,
     #[error("{name}: {what}")]
     Statement { name: &'static str, what: &'static str },
     #[error("{name} is a curve that is not modelled: its points are joined by straight lines")]
     Curve { name: &'static str },
+    #[error(
+        "{code} (probing): run to its end at the feedrate in force, since nobody can tell where the probe touches: the time is an upper bound, and what is measured is that end"
+    )]
+    Probing { code: Code },
+    #[error("{code} needs a pitch (K) and a spindle speed (S): run at the feedrate in force")]
+    NoThreadFeed { code: Code },
     #[error("{name} (milling cycle) is not modelled: its moves are missing from the time")]
     MillingCycle { name: &'static str },
     #[error("{name}: {no_hole}: hole not made")]
@@ -288,6 +298,8 @@ impl Remark for Untraced {
             | Untraced::Statement { .. }
             | Untraced::Curve { .. }
             | Untraced::NoTapFeed
+            | Untraced::Probing { .. }
+            | Untraced::NoThreadFeed { .. }
             | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::PathMode(remark) => remark.severity(),
             Untraced::Klartext(remark) => remark.severity(),
@@ -301,6 +313,7 @@ impl Remark for Untraced {
             | Untraced::RotaryFeed { .. }
             | Untraced::SameTool { .. }
             | Untraced::ManyOperations { .. }
+            | Untraced::BeginsAgain
             | Untraced::AfterEnd { .. } => Severity::Info,
         }
     }
@@ -319,6 +332,7 @@ impl Remark for Untraced {
                 | Untraced::Curve { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
+                | Untraced::Probing { .. }
                 | Untraced::NoFeed { .. }
                 | Untraced::NoSpindleSpeed { .. }
                 | Untraced::RotaryFeed { .. }

@@ -4,8 +4,9 @@
 //! came from; a subprogram ends at its return, at the border of the next program in the text, or
 //! with the last block. M98, M99, M97 and G65 are read here, since they say where to go:
 //!
-//! - `M98 P1000 L3` runs O1000 three times; without L, `P31000` says the same. `M97 P10` runs from
-//!   N10 on. `G65 P1000 A1. B2.` runs O1000 with #1 = 1, #2 = 2. `M99` returns, `M99 P20` to N20.
+//! - `M98 P1000 L3` runs O1000 three times; without L, `P31000` says the same
+//!   where there is no O31000. `M97 P10` runs from
+//!   N10 on, and so does `M98 Q10`; `M98 P1000 Q10` runs O1000 from N10 on. `G65 P1000 A1. B2.` runs O1000 with #1 = 1, #2 = 2. `M99` returns, `M99 P20` to N20.
 //! - In the main program M99 ends it: the control would begin again.
 //!
 //! A program may loop for ever, and a short text may ask for endless work. So no more than
@@ -56,6 +57,8 @@ pub(super) struct Run<'a> {
     borders: Vec<u32>,
     /// Blocks that may still be run.
     left: usize,
+    /// Whether each block was run.
+    was_run: Vec<bool>,
 }
 
 /// What happened after a block.
@@ -79,6 +82,7 @@ impl<'a> Run<'a> {
             calls: vec![main],
             borders: borders.collect(),
             left: program.blocks.len() + MOST_RUN,
+            was_run: vec![false; program.blocks.len()],
         }
     }
 
@@ -88,7 +92,8 @@ impl<'a> Run<'a> {
             // A section has no parameters of its own, so that none are left here.
             self.leave(None);
         }
-        ((self.at as usize) < self.program.blocks.len()).then_some(self.at)
+        *self.was_run.get_mut(self.at as usize)? = true;
+        Some(self.at)
     }
 
     /// Whether the block that is run now has flow, so that its values are needed.
@@ -119,12 +124,15 @@ impl<'a> Run<'a> {
         words.iter().filter(|word| !is_of_call(word)).copied().collect()
     }
 
-    /// What follows block `index` in the text of the same program: its first line and how many blocks.
+    /// What follows block `index` in the text of the same program and was not run: its first line
+    /// and how many blocks. Local subprograms (M97) stand behind the end, and may have been run.
     pub(super) fn rest(&self, index: u32) -> Option<(LineNumber, usize)> {
         let next = self.borders.partition_point(|border| *border < index);
         let end = self.borders.get(next).map_or(self.program.blocks.len(), |border| *border as usize);
-        let line = self.program.blocks.get(index as usize)?.line;
-        ((index as usize) < end).then(|| (line, end - index as usize))
+        let is_left = |index: &usize| !self.was_run[*index];
+        let mut left = (index as usize..end).filter(is_left);
+        let first = left.next()?;
+        Some((self.program.blocks[first].line, 1 + left.count()))
     }
 
     /// Ends the program.
@@ -264,6 +272,9 @@ impl<'a> Run<'a> {
         let label = |kind, id| Destination::Label(Label { kind, id }, Direction::Either);
         let (target, repeats) = (value(b'P').and_then(whole), value(b'L'));
         if code(b'M', 99.0) {
+            if self.calls.len() == 1 {
+                return Err(self.stop(Untraced::BeginsAgain));
+            }
             let back = target.filter(|_| 1 < self.calls.len());
             self.leave(Some(parameters));
             if let Some(id) = back {
@@ -278,11 +289,19 @@ impl<'a> Run<'a> {
         if !is_macro && !code(b'M', 98.0) && !code(b'M', 97.0) {
             return if code(b'M', 198.0) { Err(Untraced::ExternalProgram) } else { Ok(()) };
         }
+        let sequence = value(b'Q').and_then(whole).filter(|_| code(b'M', 98.0));
+        let sequence = sequence.map(|id| label(LabelKind::Sequence, id));
+        if let (None, Some(local)) = (target, sequence) {
+            let first = self.find(own, local, &Values::default())?;
+            let times = if repeats.is_some() { count(repeats)? } else { 1 };
+            return self.enter(first, u32::MAX, times, false);
+        }
         let Some(target) = target else { return Err(Untraced::NoSubprogram) };
-        let packed = !is_macro
+        let packed = code(b'M', 98.0)
             && repeats.is_none()
             && 9999 < target
-            && !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Mach);
+            && !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Mach)
+            && !self.has_label(LabelKind::Program, target);
         let (target, packed_times) = if packed { (target % 10_000, target / 10_000) } else { (target, 1) };
         let times = if repeats.is_some() { count(repeats)? } else { packed_times };
         let to = if code(b'M', 97.0) {
@@ -292,7 +311,10 @@ impl<'a> Run<'a> {
         } else {
             label(LabelKind::Numbered, target)
         };
-        let first = self.find(own, to, &Values::default())?;
+        let mut first = self.find(own, to, &Values::default())?;
+        if let Some(inside) = sequence {
+            first = self.find(first, inside, &Values::default())?;
+        }
         if is_macro && 0 < times {
             parameters.enter(&arguments(words));
         }

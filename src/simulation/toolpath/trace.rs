@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour, KnownDiameters};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
@@ -29,6 +29,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     tracer.dialect = program.dialect;
     tracer.is_tape |= program.dialect == Dialect::Okuma;
     let mut parameters = Parameters::new(program.dialect);
+    tracer.compensation.known = KnownDiameters::told_by(&program.comments);
     tracer.tell_missing_points(program);
     let mut run = Run::new(program);
     let mut values = Values::default();
@@ -45,6 +46,9 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
         if values.alarm {
             tracer.remarks.add(Place::line(block.line), Untraced::Alarm);
             break;
+        }
+        if values.stop {
+            tracer.stop(Block { words: &[], line: block.line }, StopCause::MCode { code: 0 });
         }
         let words = if formulas.is_empty() { program.words(block) } else { &values.words };
         let scaled = tracer.by_increments(words, program.words(block));
@@ -156,6 +160,8 @@ pub(super) struct Tracer<'a> {
     pub(super) position: Point,
     /// From program coordinates to the machine's.
     pub(super) frame: Frame,
+    /// Where the last probing move ended, mm.
+    pub(super) probed: Option<Point>,
     pub(super) rotary: Rotary,
     pub(super) family: Family,
     pub(super) dialect: Dialect,
@@ -194,6 +200,7 @@ impl<'a> Tracer<'a> {
             cycle: Cycles::default(),
             position: Point::origin(),
             frame: Frame::new(machine),
+            probed: None,
             rotary: Rotary::default(),
             family: Family::default(),
             dialect: Dialect::default(),
@@ -340,6 +347,7 @@ impl<'a> Tracer<'a> {
             Meaning::Own(word) => self.own_g_word(block, place, code, word, request),
             Meaning::Siemens(word) => self.siemens_g_word(block, place, code, word, request),
             Meaning::Neutral => {}
+            Meaning::NeutralAbout => request.has_foreign_axis_words = true,
         }
     }
 

@@ -54,6 +54,10 @@ pub(super) enum Special {
     Unmirror,
     /// G43.1 with axis words.
     ToolOffset,
+    /// G31 and G38.2 to G38.5.
+    Probe,
+    /// G33, and G33.1 with the way back.
+    Thread { is_tapping: bool },
     /// A word of one family of controls.
     Own(Own),
 }
@@ -101,6 +105,8 @@ pub(super) enum Meaning {
     Own(OwnModal),
     /// It changes neither path nor time.
     Neutral,
+    /// It changes neither, and the axis words of its block are its own.
+    NeutralAbout,
 }
 
 /// Modal groups are numbered as in RS274/NGC and on Fanuc; words of no group may be combined.
@@ -132,6 +138,9 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         922 => (0, Special(self::Special::SuspendShift)),
         923 => (0, Special(self::Special::RestoreShift)),
 
+        310 | 382..=385 => (0, Special(self::Special::Probe)),
+        330 | 331 => (0, Special(self::Special::Thread { is_tapping: tenths == 331 })),
+
         170 => (2, Plane(self::Plane::Xy)),
         180 => (2, Plane(self::Plane::Zx)),
         190 => (2, Plane(self::Plane::Yz)),
@@ -158,7 +167,8 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         990 => (10, ReturnToReference(true)),
         540 | 541 | 550 | 560 | 570 | 580 | 590..=593 | 1540 => (12, WorkOffset),
         610 | 611 => (13, Path(PathWord::ExactStop)),
-        640 => (13, Path(PathWord::Continuous)),
+        // Of the two others, G62 slows compensated inner corners, and G63 ignores overrides.
+        620 | 630 | 640 => (13, Path(PathWord::Continuous)),
         960 => (14, SurfaceSpeed),
         970 => (14, Neutral),
 
@@ -166,7 +176,7 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         50 | 80 => (NO_GROUP, Path(PathWord::LookAhead)),
         51 => (NO_GROUP, Path(PathWord::ContourControl)),
         1870 => (NO_GROUP, Path(PathWord::Smoothness)),
-        71 | 1070 => (NO_GROUP, Transformation("cylindrical interpolation")),
+        71 | 1070 => (NO_GROUP, TransformationAbout("cylindrical interpolation")),
         121 | 1120 => (NO_GROUP, Transformation("polar interpolation")),
         150 => (NO_GROUP, Polar(false)),
         160 => (NO_GROUP, Polar(true)),
@@ -178,9 +188,13 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         250 | 501 => (NO_GROUP, Special(self::Special::Unmirror)),
         680 => (NO_GROUP, Special(self::Special::Rotate)),
         690 => (NO_GROUP, EndOf(Kind::Rotation)),
+        531 => (NO_GROUP, Transformation("turning the tool's axis into the tilted plane")),
+        542 => (NO_GROUP, Transformation("dynamic fixture offset")),
         682 => (NO_GROUP, TransformationAbout("tilted working plane")),
         // What cancels a mode that is not in force, or that does not touch the path.
-        110 | 131 | 1130 | 220 | 230 | 260 | 670 | 691 => (NO_GROUP, Neutral),
+        110 | 131 | 1130 | 230 | 260 | 670 | 691 => (NO_GROUP, Neutral),
+        // The limits of a protected zone.
+        220 => (NO_GROUP, NeutralAbout),
         _ => return None,
     })
 }

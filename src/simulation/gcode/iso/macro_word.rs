@@ -167,12 +167,17 @@ impl Reader<'_> {
 
     /// A program number: what stands before it is another program.
     pub(super) fn program_number(&mut self, number: f64) {
+        self.program_border();
+        if let Some(id) = whole(number) {
+            self.label(LabelKind::Program, id);
+        }
+    }
+
+    /// A program ends, and another begins.
+    pub(super) fn program_border(&mut self) {
         if 0 < self.index() {
             self.act(Action::Border);
             self.end_block();
-        }
-        if let Some(id) = whole(number) {
-            self.label(LabelKind::Program, id);
         }
     }
 

@@ -7,6 +7,8 @@
 //! o2 break     o2 continue
 //! ```
 //!
+//! `O<BRACKET>` alone is the name of a program on Fanuc 30i and later; calls by such a name are not read.
+//!
 //! Source: LinuxCNC 2.9, G-code → O codes.
 
 use crate::simulation::gcode::expression::{Notation, Place as Parameter};
@@ -16,7 +18,7 @@ use crate::simulation::gcode::number::{number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::Kind;
-use crate::simulation::gcode::{Action, Destination, Direction, Label, LabelKind, Target, When};
+use crate::simulation::gcode::{Action, Destination, Dialect, Direction, Label, LabelKind, Target, When};
 
 const KEYWORDS: [&str; 14] = [
     "SUB",
@@ -55,6 +57,15 @@ impl Reader<'_> {
     pub(super) fn o_word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let (destination, key, next) = self.o_name(text, at, line)?;
         let Some((keyword, next)) = self.o_word_keyword(text, next) else {
+            // Fanuc 30i and later name programs as well: `O<BRACKET>`.
+            if self.program.dialect == Dialect::Iso
+                && let Destination::Label(label @ Label { kind: LabelKind::Named, .. }, _) = destination
+            {
+                self.program_border();
+                self.label(label.kind, label.id);
+                (line.has_o_word, line.begun) = (true, true);
+                return Ok(next);
+            }
             let end = code_end(text, at).max(at + 1);
             return Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)));
         };

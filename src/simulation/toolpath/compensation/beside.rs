@@ -2,8 +2,8 @@
 //! the tool is: what approach and departure of Klartext need.
 
 use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::compensation::LARGEST;
 use crate::simulation::toolpath::compensation::queue::{Queue, Setting};
-use crate::simulation::toolpath::compensation::words::LARGEST;
 use crate::simulation::toolpath::compensation::{Diameter, Side};
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::{Point, Toolpath};

@@ -9,7 +9,8 @@
 //! and at once. All geometry is in the working plane; the third coordinate is carried along.
 //! Where a control would refuse, the path goes on, and a trouble says how.
 //!
-//! Words: G41 and G42 with D, the number of a tool in the machine's table; without D the tool in
+//! Words: G41 and G42 with D, the number of a tool, whose diameter the program, the machine's table
+//! or a comment tells; without D the tool in
 //! the spindle, or, in a program with a `%` line or an O number, the tool of the last D. G41.1 and G42.1 with D, a diameter in the unit of length in force; without D as
 //! G41. G40 ends both. The words act on the move of their own block. A negative diameter changes
 //! the side; a diameter of 0 leaves the path as programmed.
@@ -22,6 +23,7 @@
 mod beside;
 mod corner;
 mod geometry;
+mod known;
 mod queue;
 mod rounding;
 mod space;
@@ -32,6 +34,7 @@ mod words;
 
 pub(super) use beside::Beside;
 pub(super) use corner::OuterCorner;
+pub(super) use known::KnownDiameters;
 pub(super) use rounding::{CornerShape, CornerTreatment};
 pub(super) use trouble::Trouble;
 pub(super) use words::{CompensationWord, CompensationWords, Diameter, Side};
@@ -41,6 +44,9 @@ use crate::simulation::toolpath::compensation::queue::{Queue, Setting};
 use crate::simulation::toolpath::compensation::rounding::Treated;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Motion, Segment, Stop, Toolpath};
+
+/// The largest size of a tool or of a corner treatment that is taken at its word, mm.
+const LARGEST: f64 = 1e6;
 
 /// A move kept back for the corner at its end.
 struct Held {

@@ -1,6 +1,6 @@
 //! What the stage between contour and toolpath could not do as a control would.
 
-use crate::simulation::gcode::Severity;
+use crate::simulation::gcode::{LineNumber, Severity};
 use thiserror::Error;
 
 /// Where compensation, rounding or a chamfer gave way. Lengths are in mm.
@@ -43,6 +43,10 @@ pub(in crate::simulation::toolpath) enum Trouble {
     )]
     UnknownDiameter { tool: u32 },
     #[error(
+        "diameter {diameter} mm of tool {tool} taken from the comment in line {}; where the path is that of the tool's centre and its register holds wear alone, set tools.{tool}.diameter_mm = 0", .line.0
+    )]
+    ToldDiameter { tool: u32, diameter: f64, line: LineNumber },
+    #[error(
         "cutter compensation without a tool number: path taken as programmed; give D, and set tools.1.diameter_mm and so on"
     )]
     NoTool,
@@ -56,6 +60,7 @@ impl Trouble {
             Trouble::NotInPlane { .. } | Trouble::BadSize { .. } | Trouble::BadNumber { .. } => {
                 Severity::Error
             }
+            Trouble::ToldDiameter { .. } => Severity::Info,
             _ => Severity::Warning,
         }
     }

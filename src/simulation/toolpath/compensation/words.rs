@@ -4,7 +4,9 @@
 use crate::simulation::gcode::{Dialect, Place, address};
 use crate::simulation::toolpath::block::{Block, bits};
 use crate::simulation::toolpath::compensation::queue::Setting;
-use crate::simulation::toolpath::compensation::{CornerShape, CornerTreatment, OuterCorner, Trouble};
+use crate::simulation::toolpath::compensation::{
+    CornerShape, CornerTreatment, KnownDiameters, LARGEST, OuterCorner, Trouble,
+};
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::{Stop, StopCause};
@@ -12,9 +14,6 @@ use std::collections::BTreeSet;
 
 /// The greatest number a tool can have.
 const LAST_TOOL: f64 = 99_999_999.0;
-
-/// The largest size of a tool or of a corner treatment that is taken at its word, mm.
-pub(super) const LARGEST: f64 = 1e6;
 
 /// Where the tool is, seen along the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,11 +52,15 @@ pub(in crate::simulation::toolpath) struct CompensationWords {
     /// Of the block being run.
     pub(in crate::simulation::toolpath) word: Option<CompensationWord>,
     /// The tool in the spindle, where there was a tool change.
-    spindle: Option<u32>,
+    pub(super) spindle: Option<u32>,
     /// D of the last G41 or G42 on a tape, where it stays in force.
     number: Option<u32>,
     /// The tools whose diameter was found missing.
     missing: BTreeSet<Option<u32>>,
+    /// What the program tells of diameters.
+    pub(in crate::simulation::toolpath) known: KnownDiameters,
+    /// The tools whose diameter was taken from a comment.
+    pub(super) remarked: BTreeSet<u32>,
 }
 
 impl Tracer<'_> {
@@ -134,12 +137,12 @@ impl Tracer<'_> {
             Diameter::Tool(tool) => Some(tool),
             Diameter::Spindle => self.compensation.spindle.or(self.modal.tool),
         };
-        let known = tool.and_then(|tool| self.machine.tools.get(&tool));
+        let known = self.known_diameter(block, tool);
         if known.is_none() && self.compensation.missing.insert(tool) {
             let trouble = tool.map_or(Trouble::NoTool, |tool| Trouble::UnknownDiameter { tool });
             self.remarks.add(block.place(), trouble.into());
         }
-        known.map(|tool| tool.diameter)
+        known
     }
 
     /// RND, CHF, CHR, RNDM, and `,R` and `,C`, once the move of their block was run.

@@ -149,7 +149,16 @@ pub enum Turn {
 }
 
 impl Turn {
-    fn reversed(self) -> Turn {
+    /// The number of its M word.
+    pub fn code(self) -> u32 {
+        match self {
+            Turn::Right => 3,
+            Turn::Left => 4,
+        }
+    }
+
+    /// The other way.
+    pub fn reversed(self) -> Turn {
         match self {
             Turn::Right => Turn::Left,
             Turn::Left => Turn::Right,

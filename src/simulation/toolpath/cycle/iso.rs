@@ -24,6 +24,7 @@
 //! | to the hole | in the plane at the height it has, then to R | from below R: up to R first; later holes straight to the return height |
 //! | G74, G84, G89: feed out | to R | to the return height |
 //! | dwell of G74, G84 | inside and outside | inside |
+//! | dwell of G86 | none | at the bottom |
 //! | G73, G83: back to z + c | not above R | as written |
 //! | c (1 mm typical of set-ups; 0.254 mm built in) | machine parameter | machine parameter |
 //! | P | ms without a decimal point, else s | s |
@@ -50,7 +51,7 @@ use crate::simulation::toolpath::cycle::{Hole, NoHole};
 use crate::simulation::toolpath::motion::LONGEST_DWELL;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::ROTARY_WORDS;
-use crate::simulation::toolpath::trace::Tracer;
+use crate::simulation::toolpath::trace::{Family, Tracer};
 
 /// The most often one block repeats its hole.
 const MOST_REPEATS: f64 = 10_000.0;
@@ -302,7 +303,9 @@ impl Tracer<'_> {
             }
             86 | 88 => {
                 hole.kind = Kind::BoreAndStop { turn, by_hand: active.number == 88 };
-                hole.dwell = dwell;
+                // P that stays in force from another cycle means nothing to G86 of Fanuc controls.
+                let waits = active.number == 88 || self.family != Family::Fanuc;
+                hole.dwell = if waits { dwell } else { 0.0 };
             }
             76 if !is_tape && active.center.iter().all(Option::is_some) => return Err(NoHole::Threading),
             76 => {

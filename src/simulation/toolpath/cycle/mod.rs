@@ -35,7 +35,7 @@ pub(super) struct Cycles {
     /// G99: back to R, or G98: to the initial height.
     pub(super) returns_to_reference: Option<bool>,
     /// The turn of the spindle by the last M3 or M4.
-    turn: Turn,
+    pub(super) turn: Turn,
     /// M29: tapping is rigid.
     is_rigid: bool,
     /// The last P of a cycle, s.

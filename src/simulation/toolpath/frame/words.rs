@@ -55,7 +55,12 @@ impl Tracer<'_> {
                 let given = self.axis_values().map(Option::unwrap_or_default);
                 self.frame.set_tool(Vector::from(given));
             }
-            Special::Dwell | Special::Reference | Special::MachineCoordinates | Special::Own(_) => {}
+            Special::Dwell
+            | Special::Reference
+            | Special::MachineCoordinates
+            | Special::Probe
+            | Special::Thread { .. }
+            | Special::Own(_) => {}
         }
         self.frame.refresh();
     }
@@ -125,6 +130,7 @@ impl Tracer<'_> {
                 }
                 self.frame.tool_lengths.insert(tool, length);
             }
+            (Some(12), Some(register), Family::Fanuc) if self.set_diameter(u32::from(register)) => {}
             _ => self.remarks.add(block.place(), Untraced::DataSetting { code }),
         }
     }

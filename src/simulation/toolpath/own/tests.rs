@@ -127,16 +127,12 @@ fn a_kept_position_is_the_reference_point() {
 #[test]
 fn words_that_are_not_run_say_what_is_missing() {
     let words = [
-        (Dialect::Iso, "G31 Z-5. F10", "contact"),
-        (Dialect::LinuxCnc, "G38.2 Z-5 F10", "contact"),
-        (Dialect::Grbl, "G38.5 Z-5 F10", "contact"),
-        (Dialect::Mach, "G31 Z-5 F10", "contact"),
+        (Dialect::Iso, "G31.1 Z-5. F10", "contact"),
         (Dialect::Mach, "G28.1 X0", "homing"),
         (Dialect::Mach, "G13 I5", "pocket"),
         (Dialect::Iso, "G12 I5. D1", "pocket"),
         (Dialect::Iso, "G47 X1. (ABC)", "engraving"),
-        (Dialect::LinuxCnc, "G33 Z-5 K1", "threading"),
-        (Dialect::LinuxCnc, "G33.1 Z-5 K1", "threading"),
+        (Dialect::Mach, "G32 Z-5 K1", "threading"),
         (Dialect::Iso, "G37 Z-5.", "measuring"),
         (Dialect::LinuxCnc, "G7", "diameters"),
         (Dialect::Iso, "G5.4 X9.", "not understood"),

@@ -329,10 +329,22 @@ fn what_is_left_out_is_said() {
 
 #[test]
 fn axis_words_of_others_move_nothing() {
-    for text in
-        ["G10 L2 P1 X5", "G68 X5 Y5 R45", "G51 X5 P2", "G51.1 X5", "G31 Z-5", "G92 X5", "G52 X5", "G4 X5"]
-    {
+    for text in [
+        "G10 L2 P1 X5",
+        "G68 X5 Y5 R45",
+        "G51 X5 P2",
+        "G51.1 X5",
+        "G92 X5",
+        "G52 X5",
+        "G4 X5",
+        "G22 X5 Z-5 I-5 K-9",
+    ] {
         assert_eq!(run(&format!("F1 G1\n{text}")).segments, [], "{text}");
+    }
+    // G5.1 names the axes that it smooths; the cylinder of G7.1 has the radius C.
+    for text in ["G5.1 Q1 X0 Y0 Z0", "G5.1 Q0 X0 Y0 Z0", "G7.1 C25", "G107 C0"] {
+        let found = run(&format!("%\nO1\nF1 G1 X5\n{text}\n"));
+        assert_eq!((found.segments.len(), found.stops.len()), (1, 0), "{text}");
     }
 }
 

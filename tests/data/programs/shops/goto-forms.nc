@@ -1,0 +1,20 @@
+%
+O2100
+#1=3
+IF[#1EQ3]GOTO 30
+G1X100.F100
+N30
+IF [#1 GE 2] THEN #1 = 0
+WHILE[#1 LT 3] DO 1
+  WHILE [#2 LT 2] DO 2
+    G91 G0 X1.
+    #2=#2+1
+  END 2
+  #2=0
+  #1=#1+1
+END 1
+G90
+IF[[#1GT2]OR[#2LT0]] GOTO 99
+X500.
+N99 M30
+%
