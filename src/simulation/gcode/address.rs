@@ -65,6 +65,10 @@ addresses! {
     TOOL_LENGTH = 149 "L",
     /// Length of approach or departure.
     APPROACH_LENGTH = 150 "LEN",
+    /// Angle of a straight line to the first axis of the plane.
+    LINE_ANGLE = 163 "ANG",
+    /// Feedrate of its own block alone.
+    BLOCK_FEED = 164 "FB",
     /// Rotation in the plane in force.
     PLANE_ANGLE = 165 "RPL",
     /// Repetitions.

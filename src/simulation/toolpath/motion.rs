@@ -63,10 +63,13 @@ impl Tracer<'_> {
     /// G28 and G30: over the programmed point to the reference point, in the axes that are
     /// given, or in all where none is. One reference point serves both.
     fn reference(&mut self, block: Block) {
-        let Some(over) = self.target(block) else { return };
-        self.take_rotary(block);
-        self.rapid_to(block, over);
-        self.turn_alone(block, true);
+        // The axis words of G74 and G75 name axes, not a point.
+        if self.dialect != Dialect::Siemens {
+            let Some(over) = self.target(block) else { return };
+            self.take_rotary(block);
+            self.rapid_to(block, over);
+            self.turn_alone(block, true);
+        }
         let goes = |letter: char| {
             !self.given.has(AXIS_WORDS | ROTARY_WORDS) || self.given.get(letter as u8).is_some()
         };
@@ -221,7 +224,7 @@ impl Tracer<'_> {
             return Ok(self.modal.plane.center_of_radius(ends, turn, radius * self.modal.unit)?);
         }
         if !has_center {
-            return Err(Untraced::NoCenter);
+            return self.pole_as_center(ends.0).ok_or(Untraced::NoCenter);
         }
         let mut center = ends.0;
         for (axis, value) in axes {

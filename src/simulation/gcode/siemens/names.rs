@@ -19,10 +19,11 @@ pub(super) const ADDRESSES: &[(&str, u8)] = &[
     ("J1", address::MIDDLE_Y),
     ("K1", address::MIDDLE_Z),
     ("SPOS", address::SPINDLE_POSITION),
-    ("SPOSA", address::SPINDLE_POSITION),
     ("ADIS", address::SMOOTHING),
     ("ADISPOS", address::RAPID_SMOOTHING),
     ("RPL", address::PLANE_ANGLE),
+    ("ANG", address::LINE_ANGLE),
+    ("FB", address::BLOCK_FEED),
 ];
 
 /// What the tracer acts on, or names in a diagnostic; the value of a word is its place here.

@@ -125,9 +125,9 @@ fn drilling_cycles_make_their_holes() {
     assert!((rapid - (50.0 + 2.0 * (48.0 + 60.0))).abs() < 1e-9, "{rapid}");
     let dwells = clean("G0 Z50\nG1 F600\nCYCLE82(50,0,2,,10,1.5)").stops;
     assert!(matches!(dwells[..], [Stop { cause: StopCause::Dwell { seconds: 1.5 }, .. }]), "{dwells:?}");
-    // First peck to −4 from +2, then 3, 2 and 1: chip breaking by 1 mm.
+    // Strokes to −4, −7, −9 and −10; to break chips the tool goes up by 1 mm three times, in feed.
     let pecks = lengths(&clean("G0 Z50\nG1 F600\nCYCLE83(50,0,2,-10,,-4,,1,0,0,1,0)"));
-    assert!(12.0 < pecks.0 && pecks.0 < 16.0 + 1e-9, "{pecks:?}");
+    assert!((pecks.0 - (12.0 + 3.0 * 2.0)).abs() < 1e-9, "{pecks:?}");
     let tap = clean("G0 Z50\nS600 M3\nG1 F100\nCYCLE84(50,0,2,-10,,0,3,,1.25)");
     let feedrates: Vec<f64> = tap
         .segments

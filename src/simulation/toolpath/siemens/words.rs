@@ -24,8 +24,10 @@ pub(in crate::simulation::toolpath) enum SiemensWord {
     Limits,
     /// G147, G148, G247, G248, G347, G348.
     SoftApproach,
-    /// G331 and G332: a tap's stroke.
-    Tap,
+    /// G33 to G35, G331 and G332: a stroke along a thread.
+    Thread,
+    /// G63: a tap in a floating chuck.
+    FloatingTap,
     /// G450 and G451: around outer corners by an arc, or to where the offset paths meet.
     OuterCorner,
 }
@@ -44,7 +46,8 @@ pub(in crate::simulation::toolpath) fn meaning(tenths: u16) -> Option<(usize, Me
         250 | 260 => (NO_GROUP, Siemens(SiemensWord::Limits)),
         1470 | 1480 | 2470 | 2480 | 3470 | 3480 => (NO_GROUP, Siemens(SiemensWord::SoftApproach)),
         4500 | 4510 => (NO_GROUP, Siemens(SiemensWord::OuterCorner)),
-        3310 | 3320 => (1, Siemens(SiemensWord::Tap)),
+        330 | 340 | 350 | 3310 | 3320 => (1, Siemens(SiemensWord::Thread)),
+        630 => (NO_GROUP, Siemens(SiemensWord::FloatingTap)),
         6010 | 6020 | 6030 | 3400 | 3410 | 4600 | 4610 | 4620 | 1400 | 1410 | 1420 | 1430 | 2900 | 9610
         | 9710 | 9620 | 9720 | 8100 | 8110 | 8200 | 8210 => (NO_GROUP, Neutral),
         2910 => (NO_GROUP, Transformation("ISO mode")),
@@ -92,7 +95,15 @@ impl Tracer<'_> {
                 451 => OuterCorner::Intersection { reach: FARTHEST },
                 _ => OuterCorner::Arc,
             }),
-            SiemensWord::Tap => request.statement = Some(Statement::Tap(code.value == 331.0)),
+            SiemensWord::Thread => {
+                let turn = match code.value as u16 {
+                    331 => Some(4),
+                    332 => Some(3),
+                    _ => None,
+                };
+                request.statement = Some(Statement::Thread(turn));
+            }
+            SiemensWord::FloatingTap => request.statement = Some(Statement::FloatingTap),
         }
     }
 }
