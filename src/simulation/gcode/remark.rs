@@ -37,6 +37,14 @@ pub(super) enum Unread {
     /// More brackets within brackets than are followed.
     #[error("brackets and # are nested deeper than {DEEPEST}: block not run")]
     Nesting,
+    /// MCALL with a subprogram.
+    #[error(
+        "MCALL of a subprogram (`{name}`) is not modelled: what it does after each move is missing from the time"
+    )]
+    ModalCall {
+        /// Its name.
+        name: String,
+    },
     /// A word that ends or divides what was never begun.
     #[error("`{word}` without its beginning: left out")]
     Unopened {
@@ -116,6 +124,7 @@ impl Remark for Unread {
             | Unread::Name { .. }
             | Unread::HugeValue { .. }
             | Unread::Nesting
+            | Unread::ModalCall { .. }
             | Unread::Unopened { .. }
             | Unread::Unclosed { .. }
             | Unread::DeepFlow

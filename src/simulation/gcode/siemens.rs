@@ -17,8 +17,10 @@
 //!
 //! Source: SINUMERIK 840D sl, Programming Manual Fundamentals and Job Planning, 2013.
 
+mod calls;
 mod flow;
 mod names;
+mod variables;
 
 pub use names::STATEMENTS;
 
@@ -27,7 +29,7 @@ use crate::simulation::gcode::line::{Line, character_length, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::reader::{MOST_COMMENTS, Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, statement};
+use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, named_word, statement};
 use crate::simulation::gcode::{Action, Comment, LabelKind, Reference, Target, Word, address};
 
 impl Reader<'_> {
@@ -78,6 +80,7 @@ impl Reader<'_> {
             self.act(Action::Border);
             self.end_block();
         }
+        self.names.next_program();
         self.siemens_label(name.as_bytes());
     }
 
@@ -100,17 +103,19 @@ impl Reader<'_> {
         let is_assigned = text.get(next) == Some(&b'=') && text.get(next + 1) != Some(&b'=');
         if !line.begun && text.get(end) == Some(&b':') && text.get(end + 1) != Some(&b'=') {
             self.siemens_label(name);
+            if matches!(text.get(skip_blanks(text, end + 1)), None | Some(b';')) {
+                // A label alone is a block of its own, which REPEAT can end with.
+                let nothing = statement(b"SBLOF").map_or(0.0, f64::from);
+                self.push_word(address::STATEMENT, nothing, line.columns(at, end + 1));
+            }
             return Ok(end + 1);
         }
-        let is_digits = |text: &[u8]| text.iter().all(u8::is_ascii_digit);
-        let is_number = |text: &[u8]| {
-            let exponent = text.windows(2).position(|two| two.eq_ignore_ascii_case(b"EX"));
-            exponent
-                .map_or(is_digits(text), |at| 0 < at && is_digits(&text[..at]) && is_digits(&text[at + 2..]))
-        };
-        let is_word = name[0].is_ascii_alphabetic() && is_number(&name[1..]);
-        let is_parameter = name[0].eq_ignore_ascii_case(&b'R');
-        if is_word && !is_assigned && !is_parameter && text.get(end) != Some(&b'[') {
+        // Names begin with two letters, so that `N10X5` is two words; `S1=5` and `R1` are none.
+        let digits = name[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let is_alone = 1 + digits == length;
+        let is_word = name[0].is_ascii_alphabetic() && (0 < digits || is_alone);
+        let is_other = is_alone && (is_assigned || text.get(end) == Some(&b'['));
+        if is_word && !is_other && !name[0].eq_ignore_ascii_case(&b'R') {
             return self.siemens_word(text, at, line);
         }
         line.begun = true;
@@ -195,7 +200,10 @@ impl Reader<'_> {
             return Ok(end);
         }
         let Some(address) = address else {
-            return self.siemens_variable(text, (at, end), value, line);
+            let code = named_word(&name).filter(|_| !self.names.is_defined(&lower(&name)));
+            let Some(code) = code else { return self.siemens_variable(text, (at, end), value, line) };
+            self.push_word(address::STATEMENT, f64::from(code), line.columns(at, end));
+            return self.siemens_unused_value(text, value, line);
         };
         let (reference, start) = reference(text, start);
         let target = Target::Word(self.program.words.len() as u32);
@@ -266,16 +274,46 @@ impl Reader<'_> {
             return Ok(end);
         }
         if IGNORED.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())) {
+            return self.siemens_unused_value(text, equals + 1, line);
+        }
+        let name = name.to_ascii_uppercase();
+        if let Some(code) = named_word(&name) {
+            self.push_word(address::STATEMENT, f64::from(code), columns);
+            return self.siemens_unused_value(text, equals + 1, line);
+        }
+        if name == b"SPOS" {
+            let target = Target::Word(self.program.words.len() as u32);
+            let (start, letter) = (reference(text, equals + 1).1, address::SPINDLE_POSITION);
+            let (end, columns) = self.formula(Notation::Siemens, text, (at, start), line, |expressions| {
+                expressions.expression(0)?;
+                Ok(target)
+            })?;
+            self.push_word(letter, f64::NAN, columns);
+            return Ok(end);
+        }
+        if name[0] == b'$' {
+            let index = self.names.index(lower(&text[at..close]));
             let (end, _) = self.formula(Notation::Siemens, text, (at, equals + 1), line, |expressions| {
                 expressions.expression(0)?;
-                Ok(Target::Result)
+                Ok(Target::Named(index))
             })?;
             return Ok(end);
         }
-        let index = self.names.index(lower(&text[at..close]));
-        let (end, _) = self.formula(Notation::Siemens, text, (at, equals + 1), line, |expressions| {
+        let (end, _) = self.formula(Notation::Siemens, text, (at, end), line, |expressions| {
+            expressions.element(&name)?;
+            expressions.expect(b'=')?;
             expressions.expression(0)?;
-            Ok(Target::Named(index))
+            Ok(Target::Numbered)
+        })?;
+        Ok(end)
+    }
+
+    /// A value that nothing is done with.
+    fn siemens_unused_value(&mut self, text: &[u8], value: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let (_, start) = reference(text, skip_blanks(text, value));
+        let (end, _) = self.formula(Notation::Siemens, text, (value, start), line, |expressions| {
+            expressions.expression(0)?;
+            Ok(Target::Result)
         })?;
         Ok(end)
     }
@@ -353,6 +391,11 @@ impl Reader<'_> {
                 }
             }
         }
+    }
+
+    /// Whether the block being read has words.
+    fn block_has_words(&self) -> bool {
+        self.program.blocks.last().map_or(0, |block| block.words.end as usize) < self.program.words.len()
     }
 
     /// Keeps a text as the name of an operation or of a tool.

@@ -135,6 +135,11 @@ let source = format!("CYCLE832({tolerance})");
             name if name.starts_with("POCKET") || name.starts_with("SLOT") || name == "LONGHOLE" || (name.starts_with("CYCLE") && name != "CYCLE62") => {
                 self.remarks.add(place, Untraced::MillingCycle { name });
             }
+            "A3" => self.remarks.add(place, Untraced::Statement { name: "A3, B3, C3, LEAD, TILT", what: "the direction of the tool is not modelled: the path of its tip is taken as written, the turning of the head is not timed" }),
+            "OFFN" => self.remarks.add(place, Untraced::Statement { name, what: "the allowance is not modelled: the path is taken without it" }),
+            "FZ" => self.remarks.add(place, Untraced::Statement { name, what: "a feed per tooth needs the number of teeth: F in force is taken" }),
+            "POS" => self.remarks.add(place, Untraced::Statement { name: "POS, POSA", what: "positioning axes are not modelled: their moves are missing from the time" }),
+            "X2" => self.remarks.add(place, Untraced::Statement { name: "axes with a number beyond 1", what: "only X, Y, Z, A, B and C are modelled: their moves are missing from the time" }),
             "ROTS" | "AROTS" | "TOROT" | "PAROT" => self.remarks.add(place, Untraced::Statement { name, what: "this frame is not modelled: coordinates are taken as written" }),
             _ => {}
         }

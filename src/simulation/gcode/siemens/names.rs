@@ -126,6 +126,11 @@ pub const STATEMENTS: &[&str] = &[
     "OEMIPO1",
     "SPCON",
     "SPCOF",
+    "A3",
+    "OFFN",
+    "FZ",
+    "POS",
+    "X2",
 ];
 
 /// What changes neither path nor time, so that nothing needs to be said.
@@ -141,7 +146,6 @@ pub(super) const IGNORED: &[&str] = &[
     "DIAM90",
     "WALIMON",
     "WALIMOF",
-    "EXTERN",
     "DYNNORM",
     "DYNPOS",
     "DYNROUGH",
@@ -235,9 +239,47 @@ pub(super) const IGNORED: &[&str] = &[
     "DELAYFSTOF",
     "MASLON",
     "SETPIECE",
+    "FL",
+    "FA",
+    "SPOSA",
+    "WRITE",
+    "DELETE",
+    "NEWCONF",
+    "SETINT",
+    "WAITP",
+    "BRISKA",
+    "SOFTA",
+    "DRIVEA",
+    "COARSEA",
+    "FINEA",
+    "ORISON",
+    "ORISOF",
+    "DISC",
+    "DISR",
+    "DISCL",
+    "DISRP",
+    "FAD",
+    "SF",
 ];
 
 /// The code of a statement.
 pub(super) fn statement(name: &[u8]) -> Option<u8> {
     STATEMENTS.iter().position(|known| known.as_bytes() == name).map(|index| index as u8)
+}
+
+/// The code of a statement that says what an address with a value is, where it is one that is not modelled.
+pub(super) fn named_word(name: &[u8]) -> Option<u8> {
+    let group: &[u8] = match name {
+        b"A2" | b"B2" | b"C2" | b"A3" | b"B3" | b"C3" | b"A4" | b"B4" | b"C4" | b"A5" | b"B5" | b"C5"
+        | b"LEAD" | b"TILT" | b"THETA" | b"NUT" => b"A3",
+        b"OFFN" | b"FZ" => name,
+        b"POS" | b"POSA" => b"POS",
+        [b'A'..=b'C' | b'U'..=b'Z', digits @ ..]
+            if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) =>
+        {
+            b"X2"
+        }
+        _ => return None,
+    };
+    statement(group)
 }

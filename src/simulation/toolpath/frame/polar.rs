@@ -40,6 +40,9 @@ impl Tracer<'_> {
         if let Some((axis, value)) = self.siemens_by_angle(&values) {
             values[axis] = Some(value);
         }
+        for (axis, value) in self.siemens_by_opening().into_iter().flatten() {
+            values[axis] = Some(value);
+        }
         if let Some(point) = self.siemens_polar() {
             let at = self.frame.to_program(&self.position);
             for (axis, value) in point {

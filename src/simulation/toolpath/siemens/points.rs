@@ -9,9 +9,11 @@
 
 use crate::machine::AXES;
 use crate::simulation::gcode::{Dialect, address};
-use crate::simulation::toolpath::block::{Block, POLAR_WORDS};
+use crate::simulation::toolpath::block::{Block, CENTER_WORDS, POLAR_WORDS};
+use crate::simulation::toolpath::plane::Turn;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
+use crate::simulation::toolpath::words::Mode;
 use crate::simulation::toolpath::{Arc, Point};
 
 impl Tracer<'_> {
@@ -64,7 +66,8 @@ impl Tracer<'_> {
         {
             if let Some(value) = self.given.get(address) {
                 let value = value * self.modal.unit;
-                middle[axis] = if self.modal.is_incremental { middle[axis] + value } else { value };
+                let is_incremental = self.given.is_incremental(address, self.modal.is_incremental);
+                middle[axis] = if is_incremental { middle[axis] + value } else { value };
             }
         }
         let middle = self.frame.to_machine(&middle);
@@ -123,6 +126,31 @@ impl Tracer<'_> {
         }
     }
 
+    /// The end of an arc by its centre and opening angle, as the coordinates of the plane, mm, in the
+    /// distance mode in force.
+    pub(in crate::simulation::toolpath) fn siemens_by_opening(&self) -> Option<[(usize, f64); 2]> {
+        let opening = self.given.get(address::OPENING_ANGLE)?.to_radians();
+        let Some(Mode::Arc(turn)) = self.modal.mode else { return None };
+        let [a, b, _] = self.modal.plane.axes();
+        if !self.given.has(CENTER_WORDS)
+            || [a, b].iter().any(|axis| self.given.get(AXES[*axis] as u8).is_some())
+        {
+            return None;
+        }
+        let at = self.frame.to_program(&self.position);
+        let offset = |axis: usize| {
+            let value = self.given.get(b"IJK"[axis])? * self.modal.unit;
+            let is_incremental = self.given.is_incremental(b"IJK"[axis], self.modal.has_incremental_center);
+            Some(if is_incremental { value } else { value - at[axis] })
+        };
+        let (u, v) = (offset(a).unwrap_or(0.0), offset(b).unwrap_or(0.0));
+        let (sine, cosine) = if turn == Turn::Clockwise { -opening } else { opening }.sin_cos();
+        // From the centre the start lies at (-u, -v).
+        let end = [(a, u - u * cosine + v * sine), (b, v - u * sine - v * cosine)];
+        let from = |axis: usize| if self.modal.is_incremental { 0.0 } else { at[axis] };
+        Some(end.map(|(axis, step)| (axis, from(axis) + step)))
+    }
+
     /// Says where ANG stands without an end.
     pub(super) fn check_angle(&mut self, block: Block) {
         let [a, b, _] = self.modal.plane.axes();
@@ -139,7 +167,9 @@ impl Tracer<'_> {
         &self,
         (start, end): (Point, Point),
     ) -> Option<f64> {
-        let opening = self.given.get(address::OPENING_ANGLE).filter(|angle| (1e-6..360.0).contains(angle));
+        let has_center = self.given.has(CENTER_WORDS);
+        let opening = self.given.get(address::OPENING_ANGLE);
+        let opening = opening.filter(|angle| !has_center && (1e-6..360.0).contains(angle));
         let by_angle = opening.map(|degrees| {
             let [a, b, _] = self.modal.plane.axes();
             let chord = (end[a] - start[a]).hypot(end[b] - start[b]) / self.modal.unit;

@@ -44,7 +44,7 @@ fn flow_is_followed() {
     assert_eq!(ends("G0 R1=0\nUP: R1=R1+1\nX=R1\nIF (R1<3) AND (R1>0) GOTOB UP\nX9"), [1.0, 2.0, 3.0, 9.0]);
     assert_eq!(ends("G0 G91\nA:\nX1\nREPEAT A P=2"), [1.0, 2.0, 3.0]);
     assert_eq!(ends("G0 G91\nA: X1\nX5\nB: X2\nREPEATB A P=2"), [1.0, 6.0, 8.0, 9.0, 10.0]);
-    assert_eq!(ends("G0 G91\nA: X1\nB: X5\nREPEAT A B"), [1.0, 6.0, 7.0]);
+    assert_eq!(ends("G0 G91\nA: X1\nB: X5\nREPEAT A B"), [1.0, 6.0, 7.0, 12.0]);
     assert_eq!(ends("G0\nGOTOF N30\nN20 X1\nN30 X3"), [3.0]);
 }
 
