@@ -116,7 +116,7 @@ fn check_laws(path: &Path, toolpath: &Toolpath) {
 fn own_programs_give_what_is_expected() {
     let programs = files(&root().join("tests/data/programs"));
     let programs: Vec<_> =
-        programs.iter().filter(|path| path.extension().is_some_and(|e| e == "nc")).collect();
+        programs.iter().filter(|path| path.extension().is_some_and(|e| e == "nc" || e == "mpf")).collect();
     assert!(!programs.is_empty(), "the programs of the repository are always there");
     for path in programs {
         let toolpath = trace(path);

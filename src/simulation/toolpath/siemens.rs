@@ -136,6 +136,8 @@ let source = format!("CYCLE832({tolerance})");
                 self.remarks.add(place, Untraced::MillingCycle { name });
             }
             "A3" => self.remarks.add(place, Untraced::Statement { name: "A3, B3, C3, LEAD, TILT", what: "the direction of the tool is not modelled: the path of its tip is taken as written, the turning of the head is not timed" }),
+            "WHEN" => self.remarks.add(place, Untraced::Statement { name: "WHEN, WHENEVER, EVERY, DO", what: "synchronized actions are not modelled: left out" }),
+            "$P_UIFR" => self.remarks.add(place, Untraced::Statement { name: "$P_UIFR, $P_PFRAME", what: "frames by system variables are not applied: moves to and from the offset are too short or too long" }),
             "OFFN" => self.remarks.add(place, Untraced::Statement { name, what: "the allowance is not modelled: the path is taken without it" }),
             "FZ" => self.remarks.add(place, Untraced::Statement { name, what: "a feed per tooth needs the number of teeth: F in force is taken" }),
             "POS" => self.remarks.add(place, Untraced::Statement { name: "POS, POSA", what: "positioning axes are not modelled: their moves are missing from the time" }),
@@ -248,7 +250,14 @@ let source = format!("CYCLE832({tolerance})");
             |letter: u8| block.words.iter().rfind(|word| word.letter == letter).map(|word| word.value);
         let seconds = match (given_as(b'F'), given_as(b'S')) {
             (Some(seconds), _) => seconds,
-            (None, Some(turns)) => 60.0 * turns / self.functions.speed.unwrap_or(f64::NAN),
+            (None, Some(turns)) => match self.functions.speed.filter(|speed| 0.0 < *speed) {
+                Some(speed) => 60.0 * turns / speed,
+                None => {
+                    let what = "turns of a spindle whose speed is unknown: no dwell";
+                    self.remarks.add(block.place(), Untraced::Statement { name: "G4 S", what });
+                    return;
+                }
+            },
             (None, None) => {
                 self.remarks.add(block.place(), Untraced::NoDwellTime);
                 return;

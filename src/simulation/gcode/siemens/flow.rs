@@ -14,9 +14,10 @@ use crate::simulation::gcode::line::{Line, excerpt};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::siemens::names::statement;
 use crate::simulation::gcode::structure::{Counter, Kind};
 use crate::simulation::gcode::{
-    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, When,
+    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, When, address,
 };
 
 /// The key of structures without a number.
@@ -112,6 +113,11 @@ impl Reader<'_> {
             }
             b"PROC" => self.siemens_proc(text, end, line)?,
             b"DEF" => self.siemens_definition(text, end, line)?,
+            b"WHEN" | b"WHENEVER" | b"EVERY" | b"DO" => {
+                let code = statement(b"WHEN").map_or(0.0, f64::from);
+                self.push_word(address::STATEMENT, code, columns);
+                text.iter().position(|byte| *byte == b';').unwrap_or(text.len())
+            }
             b"EXTERN" => text.iter().position(|byte| *byte == b';').unwrap_or(text.len()),
             b"CALL" | b"EXTCALL" | b"PCALL" => self.siemens_call_by_text(text, end, line)?,
             b"CASE" => self.siemens_case(text, end, line)?,

@@ -131,6 +131,8 @@ pub const STATEMENTS: &[&str] = &[
     "FZ",
     "POS",
     "X2",
+    "WHEN",
+    "$P_UIFR",
 ];
 
 /// What changes neither path nor time, so that nothing needs to be said.
@@ -260,6 +262,14 @@ pub(super) const IGNORED: &[&str] = &[
     "DISRP",
     "FAD",
     "SF",
+    "COUPON",
+    "COUPOF",
+    "COUPDEF",
+    "COUPDEL",
+    "GET",
+    "GETD",
+    "RELEASE",
+    "POLYPATH",
 ];
 
 /// The code of a statement.

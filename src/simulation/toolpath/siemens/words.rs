@@ -22,6 +22,8 @@ pub(in crate::simulation::toolpath) enum SiemensWord {
     Offset,
     /// G25, G26: limits, not moves.
     Limits,
+    /// G58 and G59: shifts, not moves.
+    AxialOffset,
     /// G147, G148, G247, G248, G347, G348.
     SoftApproach,
     /// G33 to G35, G331 and G332: a stroke along a thread.
@@ -44,6 +46,7 @@ pub(in crate::simulation::toolpath) fn meaning(tenths: u16) -> Option<(usize, Me
         1100 | 1110 | 1120 => (NO_GROUP, Siemens(SiemensWord::Pole)),
         5000 | 5050..=5990 => (12, Siemens(SiemensWord::Offset)),
         250 | 260 => (NO_GROUP, Siemens(SiemensWord::Limits)),
+        580 | 590 => (NO_GROUP, Siemens(SiemensWord::AxialOffset)),
         1470 | 1480 | 2470 | 2480 | 3470 | 3480 => (NO_GROUP, Siemens(SiemensWord::SoftApproach)),
         4500 | 4510 => (NO_GROUP, Siemens(SiemensWord::OuterCorner)),
         330 | 340 | 350 | 3310 | 3320 => (1, Siemens(SiemensWord::Thread)),
@@ -87,6 +90,11 @@ impl Tracer<'_> {
                 self.frame.select_work_offset(number);
             }
             SiemensWord::Limits => request.has_foreign_axis_words = true,
+            SiemensWord::AxialOffset => {
+                request.has_foreign_axis_words = true;
+                let what = "shifts axis by axis are not applied: moves to and from the offset are too short or too long";
+                self.remarks.add(place, Untraced::Statement { name: "G58, G59", what });
+            }
             SiemensWord::SoftApproach => {
                 let what = "the soft approach is not modelled: a straight move to its end";
                 self.remarks.add(place, Untraced::Statement { name: "G147 to G348", what });
