@@ -149,6 +149,12 @@ impl Reader<'_> {
         };
         let (value, end) = exponent(text, found.value, found.end);
         let columns = line.columns(at, end);
+        // Exponents are written EX: `X1E3` would be X1 and an axis E.
+        let is_sloppy = text.get(end).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'E'))
+            && text.get(end + 1).is_some_and(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-'));
+        if is_sloppy {
+            return Err((Unread::Text { text: excerpt(&text[at..]) }, columns));
+        }
         if !value.is_finite() {
             return Err((Unread::HugeNumber { text: excerpt(&text[at..end]) }, columns));
         }

@@ -173,7 +173,7 @@ impl Reader<'_> {
             let end = text[next..].iter().position(|byte| matches!(byte, b',' | b')' | b'=' | b'['));
             let end = end.map_or(text.len(), |length| next + length);
             let words = text[next..end].split(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_');
-            let name = words.filter(|word| !word.is_empty()).last().unwrap_or_default();
+            let name = words.rev().find(|word| !word.is_empty()).unwrap_or_default();
             let index = self.names.define(String::from_utf8_lossy(name).to_ascii_lowercase());
             let has_default =
                 text.get(end) == Some(&b'=') && text.get(skip_blanks(text, end + 1)) != Some(&b'"');

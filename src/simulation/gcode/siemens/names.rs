@@ -282,7 +282,7 @@ pub(super) fn named_word(name: &[u8]) -> Option<u8> {
     let group: &[u8] = match name {
         b"A2" | b"B2" | b"C2" | b"A3" | b"B3" | b"C3" | b"A4" | b"B4" | b"C4" | b"A5" | b"B5" | b"C5"
         | b"LEAD" | b"TILT" | b"THETA" | b"NUT" => b"A3",
-        b"OFFN" | b"FZ" => name,
+        b"OFFN" | b"FZ" | b"MEAS" | b"MEAW" => name,
         b"POS" | b"POSA" => b"POS",
         [b'A'..=b'C' | b'U'..=b'Z', digits @ ..]
             if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) =>

@@ -75,7 +75,8 @@ fn places(name: &str, a: &[f64], is_given: impl Fn(usize) -> bool) -> Vec<[f64; 
                 [a[0] + u * cosine - v * sine, a[1] + u * sine + v * cosine]
             };
             let to_and_fro = |row: usize| {
-                (0..columns).map(move |index| (row, if row % 2 == 0 { index } else { columns - 1 - index }))
+                (0..columns)
+                    .map(move |index| (row, if row.is_multiple_of(2) { index } else { columns - 1 - index }))
             };
             let is_there = |(row, column): &(usize, usize)| {
                 !is_frame || [0, rows - 1].contains(row) || [0, columns - 1].contains(column)
