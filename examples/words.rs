@@ -82,7 +82,7 @@ const CHAPTERS: &[(&str, &[Row])] = &[
             Row(
                 "polar coordinates",
                 &[
-                    (&[Dialect::Iso, Dialect::Okuma], "G16\nG1 X5 Y30\nG15"),
+                    (&[Dialect::Iso], "G16\nG1 X5 Y30\nG15"),
                     (&[Dialect::LinuxCnc], "G1 @5 ^30"),
                     (SIEMENS, "G111 X0 Y0\nG1 AP=30 RP=5"),
                     (KLARTEXT, "CC X+0 Y+0\nLP PR+5 PA+30 F500"),

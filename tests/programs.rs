@@ -7,7 +7,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use truefeed::machine::Machine;
-use truefeed::simulation::gcode::{self, Severity};
+use truefeed::simulation::gcode::{self, Dialect, Severity};
 use truefeed::simulation::toolpath::{self, Curve, Motion, PathMode, StopCause, Toolpath};
 use truefeed::units::mm_per_min;
 
@@ -186,5 +186,26 @@ fn a_program_of_expressions_stays_on_its_part() {
         assert!(end.x.abs() <= 60.0 && end.y.abs() <= 60.0, "line {line}: beside the part");
         assert!((-50.0..=10.0).contains(&end.z), "line {line}: above or below the part");
         assert!(segment.length <= 120.0, "line {line}: {} mm", segment.length);
+    }
+}
+
+/// The programs of others lie in folders that say what they were written for; one of plain words
+/// is plain ISO.
+#[test]
+fn programs_of_others_are_told_apart() {
+    let folders = [
+        ("fanuc_haas", [Dialect::Iso].as_slice()),
+        ("linuxcnc", &[Dialect::LinuxCnc, Dialect::Iso]),
+        ("camotics", &[Dialect::LinuxCnc, Dialect::Iso]),
+        ("grbl", &[Dialect::Grbl, Dialect::Iso]),
+        ("mach3", &[Dialect::Mach]),
+        ("siemens840d", &[Dialect::Siemens]),
+        ("heidenhain", &[Dialect::Klartext]),
+    ];
+    for (folder, dialects) in folders {
+        for path in files(&root().join("../shared/gcode").join(folder)) {
+            let found = gcode::read(&std::fs::read(&path).expect("a readable file")).dialect;
+            assert!(dialects.contains(&found), "{}: {found:?}", path.display());
+        }
     }
 }

@@ -47,6 +47,8 @@ pub struct Machine {
     pub overrides: Overrides,
     /// What cycles leave to the control.
     pub cycles: Cycles,
+    /// How the control reads a program.
+    pub program: Reading,
     /// Times that are not motion.
     pub times: Times,
     /// The tools it holds, by number; neutral none.
@@ -201,6 +203,14 @@ pub struct Cycles {
     pub peck_clearance: Option<f64>,
 }
 
+/// How the control reads a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// Length of one unit of the last place of a number without a decimal point, mm; in inch its
+    /// tenth in inch; neutral none: such a number is a length as written.
+    pub increment: Option<f64>,
+}
+
 /// A tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tool {
@@ -243,6 +253,7 @@ impl Default for Machine {
             work_offsets: [None; 6],
             overrides: Overrides { feed: 1.0, rapid: 1.0 },
             cycles: Cycles { peck_retract: None, peck_clearance: None },
+            program: Reading::default(),
             times: Times::default(),
             tools: BTreeMap::new(),
             rates: Rates { hourly: 0.0 },

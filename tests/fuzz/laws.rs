@@ -1,6 +1,6 @@
 //! What holds whatever is read: no panic, and these laws. The fuzz targets and the tests share it.
 
-use truefeed::machine::Machine;
+use truefeed::machine::{Machine, Tool};
 use truefeed::project::{machine_from_toml, toml_from_machine};
 use truefeed::simulation::gcode::{Dialect, Options, read_with};
 use truefeed::simulation::toolpath::{Curve, Motion, Toolpath, trace};
@@ -23,7 +23,17 @@ pub fn program(bytes: &[u8]) {
 #[allow(dead_code)]
 pub fn program_in(bytes: &[u8], dialect: Option<Dialect>) {
     let program = read_with(bytes, &Options { dialect, ..Options::default() });
-    check(bytes, &trace(&program, &Machine::default()));
+    check(bytes, &trace(&program, &machine()));
+}
+
+/// A machine that knows tools and reference points, so that compensation and G28 move.
+fn machine() -> Machine {
+    let tools = (1..10).map(|number| (number, Tool { diameter: f64::from(number) })).collect();
+    let mut machine = Machine { tools, ..Machine::default() };
+    for axis in &mut machine.axes {
+        axis.home = Some(0.0);
+    }
+    machine
 }
 
 fn check(bytes: &[u8], toolpath: &Toolpath) {

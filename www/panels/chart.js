@@ -34,7 +34,7 @@ export function mount(root) {
   let filled = []
   /** @type {Outcome | null | undefined} */
   let outcome
-  /** @type {Program | undefined} */
+  /** The path that the view fits: its program and its length. @type {string | undefined} */
   let fitted
   let frame = 0
   let readAt = NaN
@@ -270,8 +270,10 @@ export function mount(root) {
         const curve = outcome.runs.get(column)?.columns
         if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arc)
       }
-      chart.fit(fitted !== program)
-      fitted = program
+      // A path of another length has no use for the view of the former one.
+      const path = `${program?.id} ${end.at(-1)}`
+      chart.fit(fitted !== path)
+      fitted = path
       rapids.hidden = !chart.hidesRapids()
       redraw()
     },

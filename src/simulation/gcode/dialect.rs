@@ -2,7 +2,8 @@
 //!
 //! Every line is looked at for marks that only one family of controls reads. The dialect with the
 //! most lines so marked is taken; where there are none it is plain ISO, which Fanuc, Haas and
-//! most others read. The marks of a dialect and what they are worth are one table below.
+//! most others read. The marks of a dialect and what they are worth are two tables below: marks of
+//! the code, and the few that comments may hold.
 //!
 //! Sources: the programming manuals of SINUMERIK 840D sl (2013), TNC 640 (Klartext and DIN/ISO),
 //! Fanuc 30i, OSP-P300M, LinuxCNC 2.9, grbl 1.1 and Mach3.
@@ -63,12 +64,13 @@ impl Dialect {
 /// The dialect of `text`.
 pub(super) fn detect(text: &[u8]) -> Dialect {
     let mut scores = [0_usize; Dialect::WORDS.len()];
-    let mut code = Vec::new();
+    let (mut whole, mut code) = (Vec::new(), Vec::new());
     for line in lines(text).take(LOOKED_AT) {
-        plain(line, &mut code);
-        for (dialect, worth, is_mark) in MARKS {
-            if is_mark(&code) {
-                scores[dialect as usize] += worth;
+        plain(line, &mut whole);
+        without_comments(&whole, &mut code);
+        for (marks, text) in [(MARKS.as_slice(), &code), (SAID.as_slice(), &whole)] {
+            for (dialect, worth, _) in marks.iter().filter(|(.., is_mark)| is_mark(text)) {
+                scores[*dialect as usize] += worth;
             }
         }
     }
@@ -84,8 +86,7 @@ const LOOKED_AT: usize = 3_000;
 /// The longest part of a line that is looked at, bytes.
 const WIDTH: usize = 200;
 
-/// `line` in upper case, without a block number, runs of blanks as one, without comments in
-/// parentheses where they open the line.
+/// `line` in upper case, without a block number, runs of blanks as one.
 fn plain(line: &[u8], into: &mut Vec<u8>) {
     into.clear();
     for byte in line.iter().take(WIDTH).map(u8::to_ascii_uppercase) {
@@ -106,13 +107,27 @@ fn plain(line: &[u8], into: &mut Vec<u8>) {
     into.drain(..end);
 }
 
+/// `whole` without what stands in parentheses, which are left, or behind a semicolon.
+fn without_comments(whole: &[u8], into: &mut Vec<u8>) {
+    into.clear();
+    let mut depth = 0_usize;
+    for byte in whole.iter().take_while(|byte| **byte != b';') {
+        depth -= usize::from(*byte == b')' && 0 < depth);
+        if depth == 0 {
+            into.push(*byte);
+        }
+        depth += usize::from(*byte == b'(');
+    }
+    into.truncate(into.trim_ascii_end().len());
+}
+
 type Mark = (Dialect, usize, fn(&[u8]) -> bool);
 
-/// What marks a line, and how much it is worth.
+/// What marks the code of a line, and how much it is worth.
 const MARKS: [Mark; 12] = [
     (Dialect::Klartext, 100, |code| code.starts_with(b"BEGIN PGM ")),
     (Dialect::Klartext, 2, |code| begins_with_any(code, KLARTEXT)),
-    (Dialect::Siemens, 50, |code| code.starts_with(b"%_N_") || code.starts_with(b";$PATH=")),
+    (Dialect::Siemens, 50, |code| code.starts_with(b"%_N_")),
     (Dialect::Siemens, 2, is_siemens),
     (Dialect::LinuxCnc, 3, is_linuxcnc),
     (Dialect::HeidenhainIso, 100, |code| {
@@ -122,12 +137,20 @@ const MARKS: [Mark; 12] = [
         code.ends_with(b"*") && (code.starts_with(b"G") || code.starts_with(b"X"))
     }),
     (Dialect::Okuma, 50, |code| code.starts_with(b"$") && contains(code, b".MIN%")),
-    (Dialect::Okuma, 3, |code| begins_with_any(code, OKUMA) || is_numbered(code, b"VC", b"=")),
+    (Dialect::Okuma, 3, is_okuma),
     (Dialect::Iso, 3, |code| {
         code.starts_with(b"IF[") || code.starts_with(b"IF [") || code.starts_with(b"WHILE[")
     }),
-    (Dialect::Grbl, 5, |code| code.starts_with(b"$H") || code.starts_with(b"$J=") || contains(code, b"GRBL")),
-    (Dialect::Mach, 5, |code| contains(code, b"MACH3") || contains(code, b"MACH4")),
+    (Dialect::Grbl, 5, is_grbl),
+    (Dialect::Mach, 3, |code| code.ends_with(b"M47")),
+];
+
+/// What marks a line with its comments: names of controls, and comments that a control acts on.
+const SAID: [Mark; 4] = [
+    (Dialect::Siemens, 50, |line| line.starts_with(b";$PATH=")),
+    (Dialect::LinuxCnc, 3, |line| contains(line, b"(DEBUG,") || contains(line, b"(PRINT,")),
+    (Dialect::Grbl, 5, |line| contains(line, b"GRBL")),
+    (Dialect::Mach, 5, |line| contains(line, b"MACH3") || contains(line, b"MACH4")),
 ];
 
 const KLARTEXT: &[&[u8]] = &[
@@ -161,7 +184,7 @@ const KLARTEXT: &[&[u8]] = &[
     b"END PGM",
 ];
 
-const OKUMA: &[&[u8]] = &[b"CALL O", b"NOEX", b"DEF WORK", b"MODIN", b"MODOUT", b"CALL OO"];
+const OKUMA: &[&[u8]] = &[b"CALL O", b"NOEX", b"NCYL", b"DEF WORK", b"MODIN", b"MODOUT", b"VZOF", b"VTOF"];
 
 const SIEMENS: &[&[u8]] = &[
     b"DEF REAL",
@@ -202,10 +225,30 @@ const SIEMENS: &[&[u8]] = &[
     b"UNTIL ",
 ];
 
-fn is_siemens(code: &[u8]) -> bool {
-    if code.starts_with(b"(") || code.starts_with(b";") {
-        return false;
+fn is_okuma(code: &[u8]) -> bool {
+    let by_h = [&b"G15 H"[..], b"G15H", b"G16 H", b"G16H", b"G56 H", b"G56H", b"[VC"];
+    begins_with_any(code, OKUMA)
+        || is_numbered(code, b"VC", b"=")
+        || (!contains(code, b"G43") && by_h.iter().any(|mark| contains(code, mark)))
+        || (code.ends_with(b"M53") && contains(code, b"G8"))
+        || code == b"RTS"
+}
+
+/// A line for the control itself: `$H`, `$110=500`, `$J=G91 X10`, or a real-time character alone.
+fn is_grbl(code: &[u8]) -> bool {
+    let Some(command) = code.strip_prefix(b"$") else { return matches!(code, b"!" | b"~" | b"?") };
+    let digits = |text: &[u8]| text.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let is_setting = |text: &[u8]| text.get(digits(text)) == Some(&b'=');
+    match command {
+        [] | [b'$' | b'#' | b'G' | b'I' | b'C' | b'X' | b'N' | b'H'] | b"SLP" => true,
+        [b'H', axis] => b"XYZABC".contains(axis),
+        [b'J', b'=', ..] | [b'R', b'S', b'T', b'=', ..] => true,
+        [b'N', rest @ ..] => is_setting(rest),
+        rest => 0 < digits(rest) && is_setting(rest),
     }
+}
+
+fn is_siemens(code: &[u8]) -> bool {
     begins_with_any(code, SIEMENS)
         || is_numbered(code, b"R", b"=")
         || [
@@ -245,12 +288,8 @@ fn is_linuxcnc(code: &[u8]) -> bool {
     };
     code.starts_with(b"O<")
         || is_o_word()
-        || (!code.starts_with(b"(") && contains(code, b"#<"))
-        || (!code.starts_with(b"(")
-            && !code.starts_with(b";")
-            && code.iter().any(|byte| matches!(byte, b'@' | b'^')))
-        || contains(code, b"(DEBUG,")
-        || contains(code, b"(PRINT,")
+        || contains(code, b"#<")
+        || code.iter().any(|byte| matches!(byte, b'@' | b'^'))
         || (contains(code, b"G64 P") || contains(code, b"G64P"))
 }
 
@@ -268,3 +307,6 @@ fn is_numbered(code: &[u8], name: &[u8], then: &[u8]) -> bool {
 fn contains(code: &[u8], mark: &[u8]) -> bool {
     code.windows(mark.len()).any(|window| window == mark)
 }
+
+#[cfg(test)]
+mod tests;

@@ -299,8 +299,9 @@ impl<'a> Expressions<'a> {
         Ok(true)
     }
 
-    /// `VC1`, `V1` or a name of the program; not a function.
+    /// `VC1`, `V1`, a name of the program or one of the control (`VZOFZ[1]`); not a function.
     fn okuma_variable(&mut self, letters: usize) -> bool {
+        let letters = letters + index_of_array(&self.text[self.at + letters..], true);
         let name = &self.text[self.at..self.at + letters];
         if FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes())) {
             return false;

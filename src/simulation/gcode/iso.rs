@@ -75,12 +75,18 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `$H`, `$110=500`: what is said to a grbl control or by the file of an Okuma control, not run.
+    /// `$H`, `$110=500` and `!` alone: what is said to a grbl control or by the file of an Okuma
+    /// control, not run.
     fn is_command_of_sender(&mut self, text: &[u8]) -> bool {
         let start = skip_blanks(text, 0);
-        let is_command = text.get(start) == Some(&b'$');
-        if is_command && self.program.dialect == Dialect::Grbl {
-            let end = code_end(text, start);
+        if !matches!(text.get(start), Some(b'$' | b'~' | b'!' | b'?')) {
+            return false;
+        }
+        let end = code_end(text, start);
+        let is_grbl = self.program.dialect == Dialect::Grbl;
+        let is_immediate = is_grbl && matches!(text.get(start..end), Some(b"~" | b"!" | b"?"));
+        let is_command = is_immediate || text.get(start) == Some(&b'$');
+        if is_command && is_grbl {
             let place = Place { line: self.line, columns: Line::default().columns(start, end) };
             self.remarks.add(place, Unread::Command { text: excerpt(&text[start..end]) });
         }

@@ -19,6 +19,7 @@
 //! what stands in the text, or chosen. The other dialects have a reader of their own, and all
 //! give the same [`Program`]: words by address, formulas, and the flow of blocks.
 //!
+//! A file in UTF-16 is read as what it stands for, and said.
 //! A line ends with LF, CR LF or a lone CR. White space within a block means nothing, not even
 //! inside a number; lower case is upper case; there is no exponent (`X1E3` is X1 and E3).
 //! N words, program numbers (`O1234`, `:1234`) and checksums are no words; what a jump or a call
@@ -34,6 +35,7 @@
 pub mod address;
 mod dialect;
 mod diagnostic;
+mod encoding;
 mod expression;
 mod flow;
 mod formula;

@@ -1,6 +1,7 @@
 //! The reader: one pass over the bytes, line by line, each line by the rules of its dialect.
 
 use crate::simulation::gcode::dialect::detect;
+use crate::simulation::gcode::encoding;
 use crate::simulation::gcode::expression::{Expressions, Fault, Names, Notation};
 use crate::simulation::gcode::line::{Line, lines, split_line};
 use crate::simulation::gcode::number::{is_blank, skip_blanks};
@@ -27,7 +28,8 @@ pub fn read(bytes: &[u8]) -> Program {
 
 /// Reads a program.
 pub fn read_with(bytes: &[u8], options: &Options) -> Program {
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let (text, is_utf16) = encoding::text(bytes);
+    let text = &text[..];
     let mut reader = Reader::new(options, text);
     let mut rest = text;
     while let Some((line, after)) = split_line(rest) {
@@ -40,6 +42,9 @@ pub fn read_with(bytes: &[u8], options: &Options) -> Program {
             reader.trailer(rest);
             break;
         }
+    }
+    if is_utf16 {
+        reader.remarks.add(Place::line(LineNumber(1)), Unread::Utf16);
     }
     reader.finish(text)
 }

@@ -37,14 +37,6 @@ pub(super) enum Unread {
     /// More brackets within brackets than are followed.
     #[error("brackets and # are nested deeper than {DEEPEST}: block not run")]
     Nesting,
-    /// MCALL with a subprogram.
-    #[error(
-        "MCALL of a subprogram (`{name}`) is not modelled: what it does after each move is missing from the time"
-    )]
-    ModalCall {
-        /// Its name.
-        name: String,
-    },
     /// A word that ends or divides what was never begun.
     #[error("`{word}` without its beginning: left out")]
     Unopened {
@@ -65,6 +57,25 @@ pub(super) enum Unread {
     Command {
         /// As written.
         text: String,
+    },
+    /// Two bytes a character.
+    #[error(
+        "the file is in UTF-16 (\"Unicode\"), which controls do not read: taken as the text it stands for"
+    )]
+    Utf16,
+    /// A call after every move.
+    #[error("{word} (a call after every move) is not modelled: the subprogram is not run")]
+    ModalCall {
+        /// As written.
+        word: String,
+    },
+    /// A word of the control that is read and has no part in the simulation.
+    #[error("{name}: {what}")]
+    Own {
+        /// The word.
+        name: String,
+        /// What is not modelled.
+        what: &'static str,
     },
     /// Letters or signs that are no word.
     #[error("`{text}` is not understood: block not run")]
@@ -124,16 +135,17 @@ impl Remark for Unread {
             | Unread::Name { .. }
             | Unread::HugeValue { .. }
             | Unread::Nesting
-            | Unread::ModalCall { .. }
             | Unread::Unopened { .. }
             | Unread::Unclosed { .. }
             | Unread::DeepFlow
+            | Unread::ModalCall { .. }
             | Unread::Text { .. }
             | Unread::MissingNumber { .. }
             | Unread::MalformedNumber { .. }
             | Unread::HugeNumber { .. } => Severity::Error,
-            Unread::OpenComment | Unread::Leader { .. } => Severity::Warning,
+            Unread::OpenComment | Unread::Leader { .. } | Unread::Own { .. } => Severity::Warning,
             Unread::Command { .. }
+            | Unread::Utf16
             | Unread::Trailer
             | Unread::OptionalRun { .. }
             | Unread::OptionalSkipped { .. } => Severity::Info,

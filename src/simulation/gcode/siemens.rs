@@ -97,6 +97,9 @@ impl Reader<'_> {
 
     /// Reads what begins with a letter at `at`; returns where it ends.
     fn siemens_item(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        if is_run(&text[at..]) {
+            return self.siemens_word(text, at, line);
+        }
         let length = identifier(&text[at..]);
         let end = at + length;
         let name = &text[at..end];
@@ -111,7 +114,7 @@ impl Reader<'_> {
             }
             return Ok(end + 1);
         }
-        // Names begin with two letters, so that `N10X5` is two words; `S1=5` and `R1` are none.
+        // `S1=5` and `R1` are no words of a letter and a number.
         let digits = name[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
         let is_alone = 1 + digits == length;
         let is_word = name[0].is_ascii_alphabetic() && (0 < digits || is_alone);
@@ -299,4 +302,16 @@ fn exponent(text: &[u8], value: f64, end: usize) -> (f64, usize) {
         Some(found) if found.value.abs() <= 300.0 => (value * 10f64.powf(found.value), found.end),
         _ => (value, end),
     }
+}
+
+/// Words without blanks between them (`G1X10`): names begin with two letters, so this is none.
+fn is_run(text: &[u8]) -> bool {
+    let digits = text[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let rest = &text[1 + digits..];
+    let is_exponent = rest.len() > 1 && rest[..2].eq_ignore_ascii_case(b"EX");
+    text[0].is_ascii_alphabetic()
+        && !text[0].eq_ignore_ascii_case(&b'R')
+        && 0 < digits
+        && rest.first().is_some_and(u8::is_ascii_alphabetic)
+        && !is_exponent
 }

@@ -28,6 +28,8 @@
 //! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
 //! - Corner treatments and cutter compensation are in the compensation module.
 //! - Tilted planes (G68.2) and cylindrical or polar interpolation are not applied. Each says so.
+//! - Lengths without a decimal point are lengths as written, but where the machine file gives an
+//!   increment for them.
 //!
 //! Where controls read a word in two ways, the dialect decides: Fanuc for ISO programs and Okuma's,
 //! RS274/NGC and LinuxCNC for the others.
@@ -42,8 +44,10 @@ mod cycle;
 mod feed_mode;
 mod frame;
 mod functions;
+mod increment;
 mod motion;
 mod operations;
+mod own;
 mod parameters;
 mod path_mode;
 mod plane;

@@ -29,8 +29,9 @@ impl Tracer<'_> {
     pub(super) fn special(&mut self, block: Block, special: Special, code: Code) {
         match special {
             Special::Dwell => self.dwell(block, code),
-            Special::Reference => self.uncompensated(|tracer| tracer.reference(block)),
+            Special::Reference => self.uncompensated(|tracer| tracer.reference(block, code)),
             Special::MachineCoordinates => self.uncompensated(|tracer| tracer.machine_coordinates(block)),
+            Special::Own(word) => self.own_word(block, word, code),
             _ => self.change_frame(block, special, code),
         }
     }
@@ -61,8 +62,9 @@ impl Tracer<'_> {
     }
 
     /// G28 and G30: over the programmed point to the reference point, in the axes that are
-    /// given, or in all where none is. One reference point serves both.
-    fn reference(&mut self, block: Block) {
+    /// given, or in all where none is. One reference point serves both but where G28.1 or G30.1 kept
+    /// another.
+    fn reference(&mut self, block: Block, code: Code) {
         // The axis words of G74 and G75 name axes, not a point.
         if self.dialect != Dialect::Siemens {
             let Some(over) = self.target(block) else { return };
@@ -76,7 +78,7 @@ impl Tracer<'_> {
         let axes = AXES.map(goes);
         let mut home = self.position;
         for (axis, _) in axes.into_iter().enumerate().filter(|(_, goes)| *goes) {
-            home[axis] = self.home(block, axis).unwrap_or(home[axis]);
+            home[axis] = self.reference_point(block, axis, code).unwrap_or(home[axis]);
         }
         self.turn_home(!self.given.has(AXIS_WORDS | ROTARY_WORDS));
         self.rapid_to(block, home);
@@ -103,7 +105,7 @@ impl Tracer<'_> {
     }
 
     /// Reference point of an axis, mm, or a remark that it is not known.
-    fn home(&mut self, block: Block, axis: usize) -> Option<f64> {
+    pub(super) fn home(&mut self, block: Block, axis: usize) -> Option<f64> {
         let home = self.machine.axes[axis].home;
         if home.is_none() {
             let (axis, key) = (AXES[axis], AXES[axis].to_ascii_lowercase());

@@ -213,6 +213,10 @@ impl Parameters {
             Name::Number(number) => number.to_string(),
             Name::Index(index) => {
                 let name = program.names.get(index as usize).map_or("", String::as_str);
+                if self.dialect == Dialect::Okuma {
+                    self.unassigned.get_or_insert((self.line, name.to_ascii_uppercase()));
+                    return Ok(VACANT);
+                }
                 let parameter = match self.dialect {
                     Dialect::Siemens => name.to_ascii_uppercase(),
                     _ => format!("#<{name}>"),

@@ -17,6 +17,8 @@ pub(super) enum Untraced {
     NoValue(#[from] NoValue),
     #[error("{code} is not understood: left out, and the axis words of its block are not run")]
     UnknownG { code: Code },
+    #[error("{code}: {what}")]
+    Left { code: Code, what: &'static str },
     #[error("{code} is not understood: left out")]
     UnknownM { code: Code },
     #[error("{code} ({name}) is not modelled: from here on the path is taken as written")]
@@ -27,6 +29,10 @@ pub(super) enum Untraced {
     Conflict { first: Code, second: Code },
     #[error("{letter} is given twice in one block: the last one counts")]
     RepeatedWord { letter: char },
+    #[error(
+        "{letter}{value} has no decimal point, other lengths of the program have: taken as written; set program.increment_mm = 0.001 if the control counts thousandths"
+    )]
+    MissingPoint { letter: char, value: f64 },
     #[error("{letter} words are not modelled: only moves in X, Y, Z, A, B and C are timed")]
     UnmodelledWord { letter: char },
     #[error("no G0 to G3 before the first axis words: taken as G0")]
@@ -230,6 +236,7 @@ impl Remark for Untraced {
             Untraced::NoValue(_)
             | Untraced::UnknownG { .. }
             | Untraced::UnknownM { .. }
+            | Untraced::Left { .. }
             | Untraced::Transformation { .. }
             | Untraced::Conflict { .. }
             | Untraced::RepeatedWord { .. }
@@ -264,6 +271,7 @@ impl Remark for Untraced {
             | Untraced::NoArcThrough
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
+            | Untraced::MissingPoint { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }

@@ -192,7 +192,7 @@ impl<'a> Run<'a> {
             Action::Call { to, has_own_parameters } => {
                 let first = self.find(own, *to, values)?;
                 let times = if values.count.is_some() { count(values.count)? } else { 1 };
-                if *has_own_parameters {
+                if *has_own_parameters && 0 < times {
                     parameters.enter(&values.arguments);
                 }
                 self.enter(first, u32::MAX, times, *has_own_parameters)?;
@@ -277,8 +277,10 @@ impl<'a> Run<'a> {
             return if code(b'M', 198.0) { Err(Untraced::ExternalProgram) } else { Ok(()) };
         }
         let Some(target) = target else { return Err(Untraced::NoSubprogram) };
-        let packed =
-            !is_macro && repeats.is_none() && 9999 < target && self.program.dialect != Dialect::LinuxCnc;
+        let packed = !is_macro
+            && repeats.is_none()
+            && 9999 < target
+            && !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Mach);
         let (target, packed_times) = if packed { (target % 10_000, target / 10_000) } else { (target, 1) };
         let times = if repeats.is_some() { count(repeats)? } else { packed_times };
         let to = if code(b'M', 97.0) {
@@ -289,7 +291,7 @@ impl<'a> Run<'a> {
             label(LabelKind::Numbered, target)
         };
         let first = self.find(own, to, &Values::default())?;
-        if is_macro {
+        if is_macro && 0 < times {
             parameters.enter(&arguments(words));
         }
         self.enter(first, u32::MAX, times, is_macro)

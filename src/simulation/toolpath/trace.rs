@@ -9,6 +9,7 @@ use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::motion::has_dwell_by_feed;
+use crate::simulation::toolpath::own::{self, OwnState};
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::path_mode::{InForce, PathWord};
 use crate::simulation::toolpath::plane::Plane;
@@ -25,7 +26,9 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     let mut tracer = Tracer::new(machine, program.is_tape);
     tracer.family = Family::of(program.dialect);
     tracer.dialect = program.dialect;
+    tracer.is_tape |= program.dialect == Dialect::Okuma;
     let mut parameters = Parameters::new(program.dialect);
+    tracer.tell_missing_points(program);
     let mut run = Run::new(program);
     let mut values = Values::default();
     while let Some(index) = run.block() {
@@ -43,6 +46,8 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             break;
         }
         let words = if formulas.is_empty() { program.words(block) } else { &values.words };
+        let scaled = tracer.by_increments(words, program.words(block));
+        let words = scaled.as_deref().unwrap_or(words);
         let outcome = if run.has_flow() {
             let own = run.without_call(words);
             tracer.block(Block { words: &own, line: block.line });
@@ -102,7 +107,7 @@ pub(super) struct Request {
     pub(super) has_foreign_axis_words: bool,
     has_m_word: bool,
     work_offset: Option<(Code, Place)>,
-    tool_length: Option<Code>,
+    pub(super) tool_length: Option<Code>,
     /// The word of each modal group so far.
     groups: [Option<Code>; 15],
 }
@@ -151,6 +156,7 @@ pub(super) struct Tracer<'a> {
     pub(super) family: Family,
     pub(super) dialect: Dialect,
     pub(super) siemens: Siemens,
+    pub(super) own: OwnState,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     pub(super) functions: Functions,
@@ -187,6 +193,7 @@ impl<'a> Tracer<'a> {
             family: Family::default(),
             dialect: Dialect::default(),
             siemens: Siemens::default(),
+            own: OwnState::default(),
             exact_stop: false,
             functions: Functions::default(),
             path_mode: InForce::default(),
@@ -236,6 +243,7 @@ impl<'a> Tracer<'a> {
         if request.has_m_word {
             self.m_words(block, When::AfterMotion);
         }
+        self.end_own_words();
     }
 
     /// Takes in all words: G words change the modal state, the others are kept by letter.
@@ -278,7 +286,10 @@ impl<'a> Tracer<'a> {
         let code = Code { letter: 'G', value: word.value };
         let place = block.place_of(word);
         let tenths = tenths(word);
-        let own = |tenths| if self.dialect == Dialect::Siemens { siemens::meaning(tenths) } else { None };
+        let own = |tenths| match self.dialect {
+            Dialect::Siemens => siemens::meaning(tenths),
+            dialect => own::meaning(dialect, tenths),
+        };
         let Some((group, meaning)) = tenths.and_then(|tenths| own(tenths).or_else(|| meaning(tenths))) else {
             self.remarks.add(place, Untraced::UnknownG { code });
             request.has_foreign_axis_words = true;
@@ -321,6 +332,7 @@ impl<'a> Tracer<'a> {
                 self.remarks.add(place, Untraced::Transformation { code, name });
                 request.has_foreign_axis_words = true;
             }
+            Meaning::Own(word) => self.own_g_word(block, place, code, word, request),
             Meaning::Siemens(word) => self.siemens_g_word(block, place, code, word, request),
             Meaning::Neutral => {}
         }
@@ -338,6 +350,9 @@ impl<'a> Tracer<'a> {
                 continue;
             }
             self.cycle.m_word(number);
+            if self.own_m_word(number) {
+                continue;
+            }
             let cause = match number {
                 None => {
                     self.remarks.add(block.place_of(word), Untraced::UnknownM { code });
@@ -348,7 +363,7 @@ impl<'a> Tracer<'a> {
                 Some(number) => StopCause::MCode { code: number },
             };
             self.stop(block, cause);
-            if matches!(number, Some(2 | 30)) {
+            if self.is_end(block, number) {
                 self.ended = Some(code);
             }
         }

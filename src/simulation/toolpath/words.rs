@@ -7,6 +7,7 @@ use crate::simulation::gcode::Word;
 use crate::simulation::toolpath::compensation::{CompensationWord, Side};
 use crate::simulation::toolpath::feed_mode::FeedMode;
 use crate::simulation::toolpath::frame::Kind;
+use crate::simulation::toolpath::own::{Own, OwnModal};
 use crate::simulation::toolpath::path_mode::PathWord;
 use crate::simulation::toolpath::plane::{Plane, Turn};
 use crate::simulation::toolpath::siemens::SiemensWord;
@@ -53,6 +54,8 @@ pub(super) enum Special {
     Unmirror,
     /// G43.1 with axis words.
     ToolOffset,
+    /// A word of one family of controls.
+    Own(Own),
 }
 
 /// What a G word asks for.
@@ -94,6 +97,8 @@ pub(super) enum Meaning {
     TransformationAbout(&'static str),
     /// A word of SINUMERIK controls.
     Siemens(SiemensWord),
+    /// A word of one family of controls.
+    Own(OwnModal),
     /// It changes neither path nor time.
     Neutral,
 }

@@ -11,7 +11,7 @@ use crate::simulation::gcode::number::{number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::Kind;
-use crate::simulation::gcode::{Action, Destination, Direction, Label, LabelKind, Target, When};
+use crate::simulation::gcode::{Action, Destination, Dialect, Direction, Label, LabelKind, Target, When};
 
 /// A word of program flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,11 @@ impl Reader<'_> {
 
     /// Reads a condition in brackets.
     fn condition(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let (end, _) = self.formula(Notation::Iso, text, (at, at), line, |expressions| {
+        let notation = match self.program.dialect {
+            Dialect::Okuma => Notation::Okuma,
+            _ => Notation::Iso,
+        };
+        let (end, _) = self.formula(notation, text, (at, at), line, |expressions| {
             expressions.value()?;
             Ok(Target::Condition)
         })?;
@@ -133,6 +137,12 @@ impl Reader<'_> {
     fn goto(&mut self, text: &[u8], at: usize, line: &mut Line, when: When) -> Result<usize, Refusal> {
         self.names_sequence = true;
         let mut start = skip_blanks(text, at);
+        if self.program.dialect == Dialect::Okuma
+            && let Some((label, end)) = self.okuma_name(text, start)
+        {
+            self.act(Action::Jump { to: Destination::Label(label, Direction::Either), when });
+            return Ok(end);
+        }
         if text.get(start).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'N')) {
             start += 1;
         }

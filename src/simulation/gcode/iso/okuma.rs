@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! variables    VC1=5     V1=2     DIA=10 (a name of the program)     X=VC1+2     X=[VC1*2]
-//! flow         IF [VC1 EQ 2] N100     GOTO N100     CALL O1000 Q3     RTS
+//! flow         IF [VC1 EQ 2] N100     GOTO NEND     NEND     CALL O1000 Q3     RTS
 //! ```
 //!
 //! `CALL O1000` may give the subprogram names of its own (`CALL O1000 DIA=10`). NOEX, which hides
-//! a block, is passed over. MODIN and MODOUT, calls after every move, are named in a diagnostic.
+//! a block, is passed over. NCYL (no hole in this block) is a word for the tracer. MODIN and MODOUT,
+//! calls after every move, system variables (`VZOFZ[1]=0`) and FA=, the feedrate out of a bore, are
+//! named in a diagnostic.
 //!
 //! Source: Okuma OSP-P300M programming manual, ch. 12 and 13.
 
@@ -16,8 +18,15 @@ use crate::simulation::gcode::number::{number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{
-    Action, Destination, Direction, Label, LabelKind, Reference, Step, Target, Word,
+    Action, Destination, Direction, Label, LabelKind, Place, Reference, Step, Target, Word, address,
 };
+
+/// Longer names than this there are none, so that a line without blanks is not searched again from
+/// each of its words.
+const LONGEST_NAME: usize = 64;
+
+/// The value of the statement that no hole is made in its block.
+const NCYL: f64 = 1.0;
 
 impl Reader<'_> {
     /// Reads what stands at `at` where it is Okuma's own; returns where it ends.
@@ -27,11 +36,20 @@ impl Reader<'_> {
         at: usize,
         line: &mut Line,
     ) -> Result<Option<usize>, Refusal> {
-        let length = identifier(&text[at..]);
+        let length = identifier(&text[at..text.len().min(at + LONGEST_NAME)]);
         let end = at + length;
         let name = text[at..end].to_ascii_uppercase();
         let equals = skip_blanks(text, end);
+        if name.starts_with(b"V") && text.get(equals) == Some(&b'[') {
+            let what = "system variables are not modelled: left out";
+            return Ok(Some(self.okuma_left_out(text, (at, code_end(text, at)), what, line)));
+        }
         if text.get(equals) == Some(&b'=') {
+            if &name[..] == b"FA" {
+                let what = "a feedrate out of the hole is not modelled: the tool leaves it at F";
+                let past = number(text, equals + 1).map_or(equals + 1, |number| number.end);
+                return Ok(Some(self.okuma_left_out(text, (at, past), what, line)));
+            }
             return self.okuma_assignment(text, (at, end), equals + 1, line).map(Some);
         }
         match &name[..] {
@@ -41,13 +59,48 @@ impl Reader<'_> {
                 self.act(Action::Return);
                 Ok(Some(end))
             }
+            b"NCYL" => {
+                line.begun = true;
+                self.push_word(address::STATEMENT, NCYL, line.columns(at, end));
+                Ok(Some(end))
+            }
+            _ if !line.begun && self.okuma_name(text, at).is_some() => {
+                let label = self.okuma_name(text, at).map(|(label, _)| label);
+                label.into_iter().for_each(|label| self.label(label.kind, label.id));
+                Ok(Some(end))
+            }
             b"CALL" => self.okuma_call(text, end, line).map(Some),
             b"MODIN" | b"MODOUT" => {
-                let end = code_end(text, at);
-                Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)))
+                let word = String::from_utf8_lossy(&name).into_owned();
+                Err((Unread::ModalCall { word }, line.columns(at, code_end(text, at))))
             }
             _ => Ok(None),
         }
+    }
+
+    /// The name of a block (`NLOOP`) that stands at `at`, and where it ends.
+    pub(super) fn okuma_name(&mut self, text: &[u8], at: usize) -> Option<(Label, usize)> {
+        let length = identifier(&text[at..text.len().min(at + LONGEST_NAME)]);
+        let name = &text[at..at + length];
+        let is_name = name.first().is_some_and(|first| first.eq_ignore_ascii_case(&b'N'))
+            && name.get(1).is_some_and(u8::is_ascii_alphabetic);
+        let id = is_name.then(|| self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase()))?;
+        Some((Label { kind: LabelKind::Named, id }, at + length))
+    }
+
+    /// Leaves out what stands between `ends` and says why; returns where it ends.
+    fn okuma_left_out(
+        &mut self,
+        text: &[u8],
+        ends: (usize, usize),
+        what: &'static str,
+        line: &mut Line,
+    ) -> usize {
+        let (at, end) = ends;
+        let place = Place { line: self.line, columns: line.columns(at, end) };
+        self.remarks.add(place, Unread::Own { name: excerpt(&text[at..end]), what });
+        line.begun = true;
+        end
     }
 
     /// `X=VC1+2` is a word, `VC1=2` and `DIA=2` are variables.

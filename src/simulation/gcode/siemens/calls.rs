@@ -41,6 +41,7 @@ impl Reader<'_> {
         end: usize,
         line: &mut Line,
     ) -> Result<usize, Refusal> {
+        self.refuse_modal_call(format!("L{value}").as_bytes(), line.columns(end - 1, end))?;
         let end = self.siemens_times(text, end, line)?;
         let label = Label { kind: LabelKind::Numbered, id: value.abs().min(1e9) as u32 };
         let to = Destination::Label(label, Direction::Either);
@@ -75,13 +76,7 @@ impl Reader<'_> {
         (at, end): (usize, usize),
         line: &mut Line,
     ) -> Result<usize, Refusal> {
-        let statements = &self.program.words;
-        if statements.last().is_some_and(|word| word.letter == address::STATEMENT && word.value == 0.0)
-            && self.block_has_words()
-        {
-            let name = String::from_utf8_lossy(&text[at..end]).into_owned();
-            return Err((Unread::ModalCall { name }, line.columns(at, end)));
-        }
+        self.refuse_modal_call(&text[at..end], line.columns(at, end))?;
         let open = skip_blanks(text, end);
         let (mut next, mut given) = (end, 0_u64);
         if text.get(open) == Some(&b'(') {
@@ -212,6 +207,16 @@ impl Reader<'_> {
             }
         }
         Ok(text.len())
+    }
+
+    /// `MCALL` before a subprogram would run it after each move.
+    fn refuse_modal_call(&self, name: &[u8], columns: (u32, u32)) -> Result<(), Refusal> {
+        let last = self.program.words.last().filter(|_| self.block_has_words());
+        if last.is_some_and(|word| word.letter == address::STATEMENT && word.value == 0.0) {
+            let word = format!("MCALL {}", String::from_utf8_lossy(name));
+            return Err((Unread::ModalCall { word }, columns));
+        }
+        Ok(())
     }
 
     /// Gives a parameter a number.

@@ -42,6 +42,7 @@
 //! Sources: LinuxCNC, G-code reference, canned cycles; Fanuc Series 15i/150i, Operator's Manual
 //! (Programming), canned cycles; Haas, Mill Operator's Manual, G73 to G89.
 
+use crate::simulation::gcode::Dialect;
 use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, bits};
 use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, Turn};
@@ -111,10 +112,30 @@ impl Tracer<'_> {
         if !self.given.has(asks) {
             return;
         }
+        if self.is_without_hole(block) {
+            return;
+        }
         let Some(mut active) = self.cycle.active.take() else { return };
         self.take_cycle_words(block, &mut active);
         if let Err(no_hole) = self.holes(block, &active) {
             self.remarks.add(block.place(), Untraced::NoHole { code: active.code, no_hole });
+        }
+        self.cycle.active = Some(active);
+    }
+
+    /// A hole of the cycle in force at each of these places, mm; the block names none itself.
+    pub(in crate::simulation::toolpath) fn holes_at(&mut self, block: Block, places: &[Point]) {
+        let Some(mut active) = self.cycle.active.take() else { return };
+        self.take_cycle_words(block, &mut active);
+        let normal = self.modal.plane.axes()[2];
+        for place in places {
+            let mut target = *place;
+            target[normal] = self.position[normal];
+            self.rapid_to(block, target);
+            if let Err(no_hole) = self.holes(block, &active) {
+                self.remarks.add(block.place(), Untraced::NoHole { code: active.code, no_hole });
+                break;
+            }
         }
         self.cycle.active = Some(active);
     }
@@ -131,6 +152,7 @@ impl Tracer<'_> {
         }
         active.dwell = self.cycle_dwell(block).or(active.dwell);
         let not_modelled = match active.number {
+            83 if self.has_full_retracts_by_j(active) => b'J',
             73 | 83 => b'P',
             74 | 84 => b'Q',
             _ => return,
@@ -139,6 +161,11 @@ impl Tracer<'_> {
             let (code, letter) = (active.code, not_modelled as char);
             self.remarks.add(block.place_of_letter(not_modelled), Untraced::CycleWord { code, letter });
         }
+    }
+
+    /// Okuma's G83 with I and J: chips are broken every I, and the tool leaves the hole every J.
+    fn has_full_retracts_by_j(&self, active: &Active) -> bool {
+        self.dialect == Dialect::Okuma && active.center[0].is_some()
     }
 
     /// P of the block, s.
@@ -222,6 +249,7 @@ impl Tracer<'_> {
         let initial = if is_tape { initial } else { initial.max(reference) };
         let returns_to_reference = self.cycle.returns_to_reference.unwrap_or(!is_tape);
         let return_to = if returns_to_reference { reference } else { initial };
+        let return_to = self.return_by_m_word(block, normal, reference).unwrap_or(return_to);
         let dwell = self.dwell_of(block, active);
         let feed_in = self.feedrate(block);
         let mut hole = Hole {
@@ -245,6 +273,11 @@ impl Tracer<'_> {
             73 => {
                 let retract = self.machine.cycles.peck_retract.unwrap_or(usual);
                 hole.kind = Kind::ChipBreak { pecks: self.pecks(active)?, retract, ceiling };
+            }
+            83 if self.has_full_retracts_by_j(active) => {
+                let retract = self.machine.cycles.peck_retract.unwrap_or(usual);
+                let depth = active.center[0].unwrap_or_default().abs();
+                hole.kind = Kind::ChipBreak { pecks: Pecks::equal(depth), retract, ceiling };
             }
             83 => {
                 let clearance = self.machine.cycles.peck_clearance.unwrap_or(usual);

@@ -55,7 +55,7 @@ impl Tracer<'_> {
                 let given = self.axis_values().map(Option::unwrap_or_default);
                 self.frame.set_tool(Vector::from(given));
             }
-            Special::Dwell | Special::Reference | Special::MachineCoordinates => {}
+            Special::Dwell | Special::Reference | Special::MachineCoordinates | Special::Own(_) => {}
         }
         self.frame.refresh();
     }
@@ -192,6 +192,16 @@ impl Tracer<'_> {
             591..=593 => tenths - 584,
             _ => tenths / 10 - 53,
         };
+        self.take_work_offset(code, place, number);
+    }
+
+    /// Puts the work offset with this number in force.
+    pub(in crate::simulation::toolpath) fn take_work_offset(
+        &mut self,
+        code: Code,
+        place: Place,
+        number: u16,
+    ) {
         let before = self.frame.work_offset;
         let is_known = |number: u16| self.frame.work_offset_of(number).is_some();
         let leaves_the_known = number != before && !(is_known(number) && is_known(before));

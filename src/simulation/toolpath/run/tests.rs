@@ -50,6 +50,11 @@ fn programs_call_programs() {
     assert_eq!(ends("%\nO1\nM97 P50\nG0 X9\nM30\nN50 G0 X5\nM99\n%"), [5.0, 9.0]);
     assert_eq!(ends("%\nO1\nM98 P2\nX8\nN5 X9\nM30\nO2\nG0 X1\nM99 P5\n%"), [1.0, 9.0]);
     assert_eq!(ends("%\nO1\nG0 X1\nO2\nX2\nM99\n%"), [1.0], "the text of the next program is not run");
+    assert_eq!(
+        ends("%\nO1\n#1=5\nG65 P7 L0 A2.\nG0 X#1\nM30\nO7\nX9\nM99\n%"),
+        [5.0],
+        "a macro that is run no time leaves nothing behind"
+    );
     let same_number = "%\nO1\nN5 G0 X1\nM98 P2\nM30\nO2\n#1=0\nN5 X[2+#1]\n#1=#1+1\nIF[#1LT2]GOTO5\nM99\n%";
     assert_eq!(ends(same_number), [1.0, 2.0, 3.0], "N5 of the own program");
 }

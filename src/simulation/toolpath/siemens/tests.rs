@@ -57,6 +57,26 @@ fn subprograms_are_run() {
 }
 
 #[test]
+fn subprograms_keep_to_themselves() {
+    let file = "%_N_MAIN_MPF\nDEF INT I\nDEF REAL A[3]=SET(4,5,6)\nG0\nFOR I=0 TO 1\nX=A[I]\nPART(,7)\nPART(2)\nENDFOR\nM30\n%_N_PART_SPF\nPROC PART(REAL X1=1,REAL Y1=3)\nDEF INT I=9\nX=X1 Y=Y1\nI=50\nRET\n";
+    let ends: Vec<_> = clean(file).segments.iter().map(|s| (s.end.x, s.end.y)).collect();
+    assert_eq!(ends, [(4.0, 0.0), (1.0, 7.0), (2.0, 3.0), (5.0, 3.0), (1.0, 7.0), (2.0, 3.0)]);
+    for call in ["MCALL PART(1)", "MCALL L10"] {
+        let found = run(&format!("G0 X1\n{call}\nX2\nMCALL")).diagnostics;
+        assert!(found.iter().any(|d| d.message.contains("after every move")), "{call}: {found:?}");
+    }
+}
+
+#[test]
+fn branches_by_value_and_words_without_blanks() {
+    let branch = |value: i32| {
+        ends(&format!("G0 R1={value}\nCASE R1 OF -1 GOTOF A 2 GOTOF B DEFAULT GOTOF C\nA: X1\nB:\nX2\nC:X3"))
+    };
+    assert_eq!([branch(-1), branch(2), branch(7)], [vec![1.0, 2.0, 3.0], vec![2.0, 3.0], vec![3.0]]);
+    assert_eq!(ends("N10G0X1Y2\nN20G1X=3F100\nN30X4.5Z-1M8"), [1.0, 3.0, 4.5]);
+}
+
+#[test]
 fn statements_become_words() {
     let options = Options { dialect: Some(Dialect::Siemens), ..Options::default() };
     let program = read_with(

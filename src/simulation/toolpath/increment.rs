@@ -1,0 +1,97 @@
+//! Lengths without a decimal point on controls that count them in their least input increment.
+//!
+//! Fanuc controls and their relatives, Okuma too, may be set to read `X10000` as 10000 increments of
+//! 0.001 mm, that is 10 mm, while `X10.` is 10 mm. The machine file says so by its increment; in
+//! inch one increment is a tenth of its number (0.0001 inch for 0.001 mm). It holds for X Y Z U V W
+//! I J K R Q; not for rotary axes, nor for words that are no lengths: those of macro calls (G65,
+//! G66), of M98, of look-ahead and contour modes (G5.1, G8, G187). Values of formulas count as
+//! written with a point, as on Fanuc controls.
+//!
+//! LinuxCNC, grbl, Mach, SINUMERIK and Heidenhain controls read a number as it is written.
+//!
+//! Where the machine file gives no increment, words are taken as they are; a program that writes
+//! points and has a large number without one is told of it once.
+//!
+//! Source: Fanuc B-63944EN, decimal point programming.
+
+use crate::simulation::gcode::{Program, Word};
+use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::remark::Untraced;
+use crate::simulation::toolpath::trace::{Family, Tracer};
+use crate::units::MM_PER_INCH;
+
+/// Letters of lengths.
+const LENGTHS: &[u8] = b"XYZUVWIJKRQ";
+
+/// G words in whose blocks these letters are no lengths.
+const OTHER_G: [f64; 6] = [5.1, 8.0, 65.0, 66.0, 66.1, 187.0];
+
+/// M words in whose blocks they are none.
+const OTHER_M: [f64; 3] = [97.0, 98.0, 198.0];
+
+/// A number without a point that is at least this looks like increments, units of length.
+const LARGE: f64 = 1000.0;
+
+fn has_lengths(words: &[Word]) -> bool {
+    !words.iter().any(|word| match word.letter {
+        b'G' => OTHER_G.contains(&word.value),
+        b'M' => OTHER_M.contains(&word.value),
+        _ => false,
+    })
+}
+
+impl Tracer<'_> {
+    /// The words of a block with lengths by increments; none where they are as written. `read` are
+    /// its words as they were read, where formulas have no value.
+    pub(super) fn by_increments(&self, words: &[Word], read: &[Word]) -> Option<Vec<Word>> {
+        let increment = self.machine.program.increment.filter(|_| self.family == Family::Fanuc)?;
+        let unit_after = words.iter().rev().find_map(|word| match word {
+            Word { letter: b'G', value: 20.0, .. } => Some(MM_PER_INCH),
+            Word { letter: b'G', value: 21.0, .. } => Some(1.0),
+            _ => None,
+        });
+        let is_inch = unit_after.unwrap_or(self.modal.unit) == MM_PER_INCH;
+        let increment = if is_inch { increment / 10.0 } else { increment };
+        if !has_lengths(words) {
+            return None;
+        }
+        let mut read = read.iter();
+        let mut words = words.to_vec();
+        for word in &mut words {
+            // Words without a value are missing here, the others stand in the same order.
+            let as_read = read.find(|as_read| as_read.columns == word.columns);
+            let is_written = as_read.is_some_and(|as_read| !as_read.value.is_nan());
+            if is_written && !word.has_point && LENGTHS.contains(&word.letter) {
+                word.value *= increment;
+            }
+        }
+        Some(words)
+    }
+
+    /// Tells of a large length without a point in a program that writes points.
+    pub(super) fn tell_missing_points(&mut self, program: &Program) {
+        if self.family != Family::Fanuc || self.machine.program.increment.is_some() {
+            return;
+        }
+        let lengths = |words: &mut dyn Iterator<Item = &Word>, is_one: &dyn Fn(&Word) -> bool| {
+            words.filter(|word| LENGTHS.contains(&word.letter)).find(|word| is_one(word)).copied()
+        };
+        if lengths(&mut program.words.iter(), &|word| word.has_point).is_none() {
+            return;
+        }
+        let is_large = |word: &Word| !word.has_point && LARGE <= word.value.abs();
+        for block in &program.blocks {
+            let words = program.words(block);
+            let Some(word) = lengths(&mut words.iter(), &is_large).filter(|_| has_lengths(words)) else {
+                continue;
+            };
+            let place = Block { words, line: block.line }.place_of(&word);
+            let letter = char::from(word.letter);
+            self.remarks.add(place, Untraced::MissingPoint { letter, value: word.value });
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

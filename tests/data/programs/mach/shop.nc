@@ -1,0 +1,19 @@
+(Mach3 program: routines at the end, probing, homing, pockets)
+G21 G90 G94 G17
+G0 X10 Y10 Z5
+G31 Z-20 F50
+G28.1 X0 Y0
+G12 I5
+G92 X0 Y0
+G1 X5 F300
+G92.1
+G4 P1.5
+M98 P12 L3
+G83 X0 Y0 Z-6 R1 Q2 F100
+G80
+G33 Z-5 K1
+M47
+O12
+G91 G0 X1
+G90
+M99
