@@ -57,18 +57,18 @@ addresses! {
     SENSE = 145 "DR",
     /// Block of a dialect's own, by the number its module gives it.
     STATEMENT = 146 "",
-    /// A message for the operator: index of the text.
-    MESSAGE = 147 "MSG",
     /// Radius of the tool, given in the program.
     TOOL_RADIUS = 148 "R",
     /// Length of the tool, given in the program.
     TOOL_LENGTH = 149 "L",
     /// Length of approach or departure.
     APPROACH_LENGTH = 150 "LEN",
+    /// Angle of a straight line to the first axis of the plane.
+    LINE_ANGLE = 163 "ANG",
+    /// Feedrate of its own block alone.
+    BLOCK_FEED = 164 "FB",
     /// Rotation in the plane in force.
     PLANE_ANGLE = 165 "RPL",
-    /// Repetitions.
-    REPETITIONS = 151 "REP",
     /// Side of the contour the tool is on: 1 left, −1 right, 0 no compensation.
     SIDE = 152 "R0",
     /// The move of the block is a rapid one.
@@ -91,8 +91,6 @@ addresses! {
     TOOL_AXIS = 161 "",
     /// First factor or setting of a cycle that is written in lines of its own.
     SETTING = 162 "",
-    /// Waiting time.
-    DWELL_TIME = 163 "DWELL",
 }
 
 /// The first argument of a call; the others follow in order.

@@ -251,9 +251,27 @@ fn is_grbl(code: &[u8]) -> bool {
 fn is_siemens(code: &[u8]) -> bool {
     begins_with_any(code, SIEMENS)
         || is_numbered(code, b"R", b"=")
-        || [&b" CR="[..], b"=AC(", b"=IC(", b" SUPA", b" TURN=", b" RND=", b" CHF=", b"$P_", b"$A"]
-            .iter()
-            .any(|mark| contains(code, mark))
+        || [
+            &b" CR="[..],
+            b"=AC(",
+            b"=IC(",
+            b" SUPA",
+            b" SPOS=",
+            b" AP=",
+            b" RP=",
+            b" ANG=",
+            b" CHR=",
+            b" FB=",
+            b"G331",
+            b"G642",
+            b" TURN=",
+            b" RND=",
+            b" CHF=",
+            b"$P_",
+            b"$A",
+        ]
+        .iter()
+        .any(|mark| contains(code, mark))
         || code.starts_with(b"T=\"")
 }
 

@@ -71,12 +71,43 @@ pub(super) type Fault = (Unread, std::ops::Range<usize>);
 #[derive(Debug, Default)]
 pub(super) struct Names {
     indices: HashMap<String, u32>,
+    /// Those that the program within the text defines for itself, by the name that it writes.
+    own: HashMap<String, u32>,
+    /// How many programs of the text came before.
+    programs: u32,
 }
 
 impl Names {
     pub(super) fn index(&mut self, name: String) -> u32 {
+        if let Some(index) = self.own.get(&name) {
+            return *index;
+        }
         let next = self.indices.len() as u32;
         *self.indices.entry(name).or_insert(next)
+    }
+
+    /// A name of the program being read alone, from here on to its end.
+    pub(super) fn define(&mut self, name: String) -> u32 {
+        if self.programs == 0 {
+            let index = self.index(name.clone());
+            self.own.insert(name, index);
+            return index;
+        }
+        let next = self.indices.len() as u32;
+        let index = *self.indices.entry(format!("{name}@{}", self.programs)).or_insert(next);
+        self.own.insert(name, index);
+        index
+    }
+
+    /// Whether the program being read defines this name.
+    pub(super) fn is_defined(&self, name: &str) -> bool {
+        self.own.contains_key(name)
+    }
+
+    /// Another program of the text begins.
+    pub(super) fn next_program(&mut self) {
+        self.own.clear();
+        self.programs += 1;
     }
 
     /// The names in order of their index.
@@ -253,6 +284,13 @@ impl<'a> Expressions<'a> {
             return Ok(false);
         }
         let is_system = name[0] == b'$';
+        if !is_system && self.text.get(self.at + letters) == Some(&b'[') {
+            let name = name.to_vec();
+            self.at += letters;
+            self.nested(|inner| inner.element(&name))?;
+            self.steps.push(Step::Numbered);
+            return Ok(true);
+        }
         let end = self.at + letters + index_of_array(&self.text[self.at + letters..], is_system);
         let name = String::from_utf8_lossy(&self.text[self.at..end]).to_ascii_lowercase();
         self.at = end;
@@ -315,7 +353,9 @@ impl<'a> Expressions<'a> {
             return Err((Unread::Function { text }, start..start + letters));
         };
         self.at = end;
-        if self.notation == Notation::Klartext {
+        let needs_no_bracket = self.notation == Notation::Klartext
+            || (self.notation == Notation::Siemens && function == Function::Not);
+        if needs_no_bracket {
             self.nested(Self::value)?;
         } else {
             self.bracket()?;

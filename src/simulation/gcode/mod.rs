@@ -149,6 +149,12 @@ pub enum Reference {
     Absolute,
     /// Where the tool is, whatever the distance mode.
     Incremental,
+    /// A position of a rotary axis, gone to by the shortest way.
+    Shortest,
+    /// The same, gone to by turning on, with growing angles.
+    Onward,
+    /// The same, with falling angles.
+    Backward,
 }
 
 /// A comment that may name an operation or a tool.

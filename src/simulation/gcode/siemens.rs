@@ -17,8 +17,11 @@
 //!
 //! Source: SINUMERIK 840D sl, Programming Manual Fundamentals and Job Planning, 2013.
 
+mod calls;
 mod flow;
 mod names;
+mod values;
+mod variables;
 
 pub use names::STATEMENTS;
 
@@ -27,7 +30,7 @@ use crate::simulation::gcode::line::{Line, character_length, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::reader::{MOST_COMMENTS, Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, statement};
+use crate::simulation::gcode::siemens::names::{IGNORED, statement};
 use crate::simulation::gcode::{Action, Comment, LabelKind, Reference, Target, Word, address};
 
 impl Reader<'_> {
@@ -78,6 +81,7 @@ impl Reader<'_> {
             self.act(Action::Border);
             self.end_block();
         }
+        self.names.next_program();
         self.siemens_label(name.as_bytes());
     }
 
@@ -103,17 +107,19 @@ impl Reader<'_> {
         let is_assigned = text.get(next) == Some(&b'=') && text.get(next + 1) != Some(&b'=');
         if !line.begun && text.get(end) == Some(&b':') && text.get(end + 1) != Some(&b'=') {
             self.siemens_label(name);
+            if matches!(text.get(skip_blanks(text, end + 1)), None | Some(b';')) {
+                // A label alone is a block of its own, which REPEAT can end with.
+                let nothing = statement(b"SBLOF").map_or(0.0, f64::from);
+                self.push_word(address::STATEMENT, nothing, line.columns(at, end + 1));
+            }
             return Ok(end + 1);
         }
-        let is_digits = |text: &[u8]| text.iter().all(u8::is_ascii_digit);
-        let is_number = |text: &[u8]| {
-            let exponent = text.windows(2).position(|two| two.eq_ignore_ascii_case(b"EX"));
-            exponent
-                .map_or(is_digits(text), |at| 0 < at && is_digits(&text[..at]) && is_digits(&text[at + 2..]))
-        };
-        let is_word = name[0].is_ascii_alphabetic() && is_number(&name[1..]);
-        let is_parameter = name[0].eq_ignore_ascii_case(&b'R');
-        if is_word && !is_assigned && !is_parameter && text.get(end) != Some(&b'[') {
+        // `S1=5` and `R1` are no words of a letter and a number.
+        let digits = name[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let is_alone = 1 + digits == length;
+        let is_word = name[0].is_ascii_alphabetic() && (0 < digits || is_alone);
+        let is_other = is_alone && (is_assigned || text.get(end) == Some(&b'['));
+        if is_word && !is_other && !name[0].eq_ignore_ascii_case(&b'R') {
             return self.siemens_word(text, at, line);
         }
         line.begun = true;
@@ -146,6 +152,12 @@ impl Reader<'_> {
         };
         let (value, end) = exponent(text, found.value, found.end);
         let columns = line.columns(at, end);
+        // Exponents are written EX: `X1E3` would be X1 and an axis E.
+        let is_sloppy = text.get(end).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'E'))
+            && text.get(end + 1).is_some_and(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-'));
+        if is_sloppy {
+            return Err((Unread::Text { text: excerpt(&text[at..]) }, columns));
+        }
         if !value.is_finite() {
             return Err((Unread::HugeNumber { text: excerpt(&text[at..end]) }, columns));
         }
@@ -165,129 +177,6 @@ impl Reader<'_> {
         }
         line.begun = true;
         Ok(end)
-    }
-
-    /// `X=…`, `CR=…`, `R1=…`, `_DEPTH=…`, `T="MILL"`, `S1=…`.
-    fn siemens_assignment(
-        &mut self,
-        text: &[u8],
-        (at, end): (usize, usize),
-        value: usize,
-        line: &mut Line,
-    ) -> Result<usize, Refusal> {
-        let name = text[at..end].to_ascii_uppercase();
-        let address = match &name[..] {
-            [letter] => Some(*letter),
-            // The number of a spindle, or of an axis.
-            [letter @ (b'S' | b'M' | b'T'), digits @ ..] if digits.iter().all(u8::is_ascii_digit) => {
-                Some(*letter)
-            }
-            [letter @ (b'A'..=b'C' | b'X'..=b'Z'), b'1'] => Some(*letter),
-            _ => ADDRESSES.iter().find(|(known, _)| known.as_bytes() == name).map(|(_, address)| *address),
-        };
-        let start = skip_blanks(text, value);
-        if text.get(start) == Some(&b'"') {
-            let end = quoted(text, start);
-            let index =
-                self.text(String::from_utf8_lossy(&text[start + 1..end.max(start + 2) - 1]).into_owned());
-            let columns = line.columns(at, end);
-            if address == Some(b'T') {
-                self.name(index, false);
-                self.push_word(address::TOOL_NAME, f64::from(index), columns);
-            }
-            return Ok(end);
-        }
-        let Some(address) = address else {
-            return self.siemens_variable(text, (at, end), value, line);
-        };
-        let (reference, start) = reference(text, start);
-        let target = Target::Word(self.program.words.len() as u32);
-        let (end, columns) = self.formula(Notation::Siemens, text, (at, start), line, |expressions| {
-            expressions.expression(0)?;
-            Ok(target)
-        })?;
-        let word = Word { value: f64::NAN, columns, letter: address, has_point: false, reference };
-        self.program.words.push(word);
-        if address == b'M' {
-            line.has_call_words = false;
-        }
-        Ok(end)
-    }
-
-    /// Gives R parameters and variables their values.
-    fn siemens_variable(
-        &mut self,
-        text: &[u8],
-        (at, end): (usize, usize),
-        value: usize,
-        line: &mut Line,
-    ) -> Result<usize, Refusal> {
-        let name = &text[at..end];
-        let digits = &name[1..];
-        let number = std::str::from_utf8(digits).ok().and_then(|digits| digits.parse::<u32>().ok());
-        let is_parameter = name[0].eq_ignore_ascii_case(&b'R') && !digits.is_empty() && number.is_some();
-        if is_parameter {
-            self.program.steps.push(crate::simulation::gcode::Step::Number(f64::from(number.unwrap_or(0))));
-        }
-        let index = if is_parameter { 0 } else { self.names.index(lower(name)) };
-        let first_step = self.program.steps.len() - usize::from(is_parameter);
-        let outcome = self.formula(Notation::Siemens, text, (at, value), line, |expressions| {
-            expressions.expression(0)?;
-            Ok(if is_parameter { Target::Numbered } else { Target::Named(index) })
-        });
-        let (end, _) = outcome?;
-        if let Some(formula) = self.program.formulas.last_mut() {
-            formula.steps.start = first_step as u32;
-        }
-        Ok(end)
-    }
-
-    /// `R[R1+1]=…`, `_LIST[2]=…`, `$P_UIFR[1,X,TR]=…`.
-    fn siemens_indexed(
-        &mut self,
-        text: &[u8],
-        (at, end): (usize, usize),
-        line: &mut Line,
-    ) -> Result<usize, Refusal> {
-        let name = &text[at..end];
-        let close =
-            text[end..].iter().position(|byte| *byte == b']').map_or(text.len(), |length| end + length + 1);
-        let equals = skip_blanks(text, close);
-        let columns = line.columns(at, close);
-        if text.get(equals) != Some(&b'=') {
-            // Settings of an axis such as ACC[X] or FGREF[A].
-            return self.siemens_setting(name, columns, close);
-        }
-        if name.eq_ignore_ascii_case(b"R") {
-            let (end, _) = self.formula(Notation::Siemens, text, (at, end + 1), line, |expressions| {
-                expressions.expression(0)?;
-                expressions.expect(b']')?;
-                expressions.expect(b'=')?;
-                expressions.expression(0)?;
-                Ok(Target::Numbered)
-            })?;
-            return Ok(end);
-        }
-        if IGNORED.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())) {
-            let (end, _) = self.formula(Notation::Siemens, text, (at, equals + 1), line, |expressions| {
-                expressions.expression(0)?;
-                Ok(Target::Result)
-            })?;
-            return Ok(end);
-        }
-        let index = self.names.index(lower(&text[at..close]));
-        let (end, _) = self.formula(Notation::Siemens, text, (at, equals + 1), line, |expressions| {
-            expressions.expression(0)?;
-            Ok(Target::Named(index))
-        })?;
-        Ok(end)
-    }
-
-    fn siemens_setting(&mut self, name: &[u8], columns: (u32, u32), end: usize) -> Result<usize, Refusal> {
-        if IGNORED.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())) {
-            return Ok(end);
-        }
-        Err((Unread::Text { text: excerpt(name) }, columns))
     }
 
     /// A keyword with its arguments, or the call of a subprogram.
@@ -358,6 +247,11 @@ impl Reader<'_> {
         }
     }
 
+    /// Whether the block being read has words.
+    fn block_has_words(&self) -> bool {
+        self.program.blocks.last().map_or(0, |block| block.words.end as usize) < self.program.words.len()
+    }
+
     /// Keeps a text as the name of an operation or of a tool.
     pub(super) fn name(&mut self, index: u32, is_alone: bool) {
         let text = self.program.texts.get(index as usize).cloned().unwrap_or_default();
@@ -379,29 +273,6 @@ impl Reader<'_> {
                 .pop_if(|formula| formula.target == Target::Word(self.program.words.len() as u32));
         }
     }
-}
-
-/// A name as it is kept.
-fn lower(name: &[u8]) -> String {
-    String::from_utf8_lossy(name)
-        .chars()
-        .filter(|c| !c.is_whitespace())
-        .collect::<String>()
-        .to_ascii_lowercase()
-}
-
-/// `AC(`, `IC(` and the like before a value: what it counts from, and where the value begins.
-fn reference(text: &[u8], at: usize) -> (Reference, usize) {
-    let length = identifier(&text[at..]);
-    if text.get(at + length) != Some(&b'(') {
-        return (Reference::Modal, at);
-    }
-    let reference = match text[at..at + length].to_ascii_uppercase().as_slice() {
-        b"AC" | b"DC" | b"ACP" | b"ACN" => Reference::Absolute,
-        b"IC" => Reference::Incremental,
-        _ => return (Reference::Modal, at),
-    };
-    (reference, at + length)
 }
 
 /// Where the text that opens at `at` ends: past its closing quotation mark.

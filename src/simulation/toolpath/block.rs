@@ -1,6 +1,7 @@
 //! One block as the tracer takes it: its words, and their values by letter.
 
 use crate::simulation::gcode::{LineNumber, Place, Reference, Word, address};
+use std::f64::consts::{PI, TAU};
 
 /// The block being run.
 #[derive(Clone, Copy)]
@@ -32,6 +33,10 @@ pub(super) struct Given {
     /// Those whose words say themselves what they count from.
     absolute: u64,
     incremental: u64,
+    /// Of those that count from the origin, those that say which way a rotary axis turns.
+    shortest: u64,
+    onward: u64,
+    backward: u64,
     values: [f64; 64],
 }
 
@@ -54,6 +59,7 @@ impl Given {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         (self.addresses, self.absolute, self.incremental) = (0, 0, 0);
+        (self.shortest, self.onward, self.backward) = (0, 0, 0);
     }
 
     /// Takes in a word; arguments of a call are not kept by address.
@@ -78,10 +84,33 @@ impl Given {
 
     /// Notes what the word of an address counts from.
     pub(super) fn refer(&mut self, address: u8, reference: Reference) {
+        let own = bits(&[address]);
         match reference {
-            Reference::Modal => {}
-            Reference::Absolute => self.absolute |= bits(&[address]),
-            Reference::Incremental => self.incremental |= bits(&[address]),
+            Reference::Modal => return,
+            Reference::Incremental => {
+                self.incremental |= own;
+                return;
+            }
+            Reference::Absolute => {}
+            Reference::Shortest => self.shortest |= own,
+            Reference::Onward => self.onward |= own,
+            Reference::Backward => self.backward |= own,
+        }
+        self.absolute |= own;
+    }
+
+    /// The turn of a rotary axis, rad, by the way that its word says, given the plain difference.
+    pub(super) fn turn(&self, address: u8, difference: f64) -> f64 {
+        let own = bits(&[address]);
+        let onward = difference.rem_euclid(TAU);
+        if self.shortest & own != 0 {
+            if PI < onward { onward - TAU } else { onward }
+        } else if self.onward & own != 0 {
+            onward
+        } else if self.backward & own != 0 && 0.0 < onward {
+            onward - TAU
+        } else {
+            difference
         }
     }
 
@@ -99,7 +128,15 @@ impl Given {
 
 impl Default for Given {
     fn default() -> Given {
-        Given { addresses: 0, absolute: 0, incremental: 0, values: [0.0; 64] }
+        Given {
+            addresses: 0,
+            absolute: 0,
+            incremental: 0,
+            shortest: 0,
+            onward: 0,
+            backward: 0,
+            values: [0.0; 64],
+        }
     }
 }
 

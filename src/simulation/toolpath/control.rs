@@ -13,6 +13,7 @@
 //!
 //! Sources: Fanuc B-63944EN, Sect. 16.2; LinuxCNC 2.9, Parameters.
 
+use crate::simulation::gcode::Dialect;
 use crate::simulation::toolpath::parameters::Control;
 use crate::simulation::toolpath::plane::Turn;
 use crate::simulation::toolpath::trace::Tracer;
@@ -45,6 +46,9 @@ impl Control for Tracer<'_> {
 
     fn named(&self, name: &str) -> Option<f64> {
         let truth = |is_true: bool| Some(if is_true { 1.0 } else { 0.0 });
+        if self.dialect == Dialect::Siemens {
+            return self.siemens_variable(name);
+        }
         match name {
             "_x" => Some(self.program_position(0)),
             "_y" => Some(self.program_position(1)),

@@ -85,6 +85,9 @@ impl Tracer<'_> {
 
     /// The feedrate in force of a move of `length` (mm), mm/s.
     pub(super) fn feedrate_along(&mut self, block: Block, length: f64) -> f64 {
+        if let Some(feedrate) = self.siemens_block_feedrate() {
+            return feedrate;
+        }
         match self.modal.feed.mode {
             FeedMode::InverseTime => {
                 let per_minute = self.per_minute_in_block(block);

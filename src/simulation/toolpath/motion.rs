@@ -67,10 +67,13 @@ impl Tracer<'_> {
     /// given, or in all where none is. One reference point serves both but where G28.1 or G30.1 kept
     /// another.
     fn reference(&mut self, block: Block, code: Code) {
-        let Some(over) = self.target(block) else { return };
-        self.take_rotary(block);
-        self.rapid_to(block, over);
-        self.turn_alone(block, true);
+        // The axis words of G74 and G75 name axes, not a point.
+        if self.dialect != Dialect::Siemens {
+            let Some(over) = self.target(block) else { return };
+            self.take_rotary(block);
+            self.rapid_to(block, over);
+            self.turn_alone(block, true);
+        }
         let goes = |letter: char| {
             !self.given.has(AXIS_WORDS | ROTARY_WORDS) || self.given.get(letter as u8).is_some()
         };
@@ -225,7 +228,7 @@ impl Tracer<'_> {
             return Ok(self.modal.plane.center_of_radius(ends, turn, radius * self.modal.unit)?);
         }
         if !has_center {
-            return Err(Untraced::NoCenter);
+            return self.pole_as_center(ends.0).ok_or(Untraced::NoCenter);
         }
         let mut center = ends.0;
         for (axis, value) in axes {

@@ -37,7 +37,7 @@ const WHOLE: f64 = 1e-4;
 /// Why a formula has no value.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum NoValue {
-    #[error("#{parameter} has no value, since nothing was assigned to it before")]
+    #[error("{parameter} has no value, since nothing was assigned to it before")]
     Unassigned { parameter: String },
     #[error("{value} is not the number of a parameter")]
     NoParameter { value: f64 },
@@ -225,7 +225,11 @@ impl Parameters {
                     self.unassigned.get_or_insert((self.line, name.to_ascii_uppercase()));
                     return Ok(VACANT);
                 }
-                return Err(NoValue::Unassigned { parameter: format!("<{name}>") });
+                let parameter = match self.dialect {
+                    Dialect::Siemens => name.to_ascii_uppercase(),
+                    _ => format!("#<{name}>"),
+                };
+                return Err(NoValue::Unassigned { parameter });
             }
         };
         let sign = match self.dialect {
@@ -233,7 +237,8 @@ impl Parameters {
             Dialect::Klartext | Dialect::HeidenhainIso => 'Q',
             _ => '#',
         };
-        if name != Name::Number(0) {
+        // Elements of arrays and arguments of calls are 0 before anything is assigned to them.
+        if !matches!(name, Name::Number(0 | 3_000_000_000..)) {
             self.unassigned.get_or_insert((self.line, format!("{sign}{parameter}")));
         }
         let is_vacant = matches!(self.dialect, Dialect::Iso | Dialect::Mach | Dialect::Okuma);

@@ -173,13 +173,15 @@ pub(super) enum Untraced {
     Probing { code: Code },
     #[error("{code} needs a pitch (K) and a spindle speed (S): run at the feedrate in force")]
     NoThreadFeed { code: Code },
-    #[error("{name} (milling cycle) is not modelled: its moves are missing from the time")]
+    #[error(
+        "{name} (milling cycle) is not modelled: its moves are missing from the time; post the operation as moves, or add its time"
+    )]
     MillingCycle { name: &'static str },
     #[error("{name}: {no_hole}: hole not made")]
     NoSiemensHole { name: &'static str, no_hole: NoHole },
     #[error("no arc goes through these three points: a straight move to the end")]
     NoArcThrough,
-    #[error("G331 and G332 need a pitch (K) and a spindle speed (S): run at the feedrate in force")]
+    #[error("G33, G331 and G332 need a pitch (K) and a spindle speed (S): run at the feedrate in force")]
     NoTapFeed,
     #[error("{0}")]
     Klartext(KlartextRemark),

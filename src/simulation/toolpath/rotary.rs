@@ -1,5 +1,5 @@
 //! Rotary axes A, B and C: positions in degrees, absolute or incremental, as programmed — neither
-//! the shortest way nor modulo 360.
+//! the shortest way nor modulo 360, but where the word says so (DC, ACP and ACN on SINUMERIK).
 //!
 //! - Beside a move in X, Y or Z they turn along with it. F holds for the length in X, Y, Z
 //!   (RS274/NGC, Sect. 2.1.2.5); on Fanuc controls for √(x² + y² + z² + a² + b² + c²), a degree
@@ -46,9 +46,14 @@ impl Tracer<'_> {
         }
         for (axis, letter) in ROTARY_AXES.into_iter().enumerate() {
             let Some(degrees) = self.angle(block, letter) else { continue };
-            let target = match self.modal.is_incremental {
-                true => self.rotary.position[axis] + degrees.to_radians(),
-                false => self.frame.rotary_coordinate(axis, degrees.to_radians()),
+            let from = self.rotary.position[axis];
+            let target = match self.given.is_incremental(letter as u8, self.modal.is_incremental) {
+                true => from + degrees.to_radians(),
+                false => {
+                    let target = self.frame.rotary_coordinate(axis, degrees.to_radians());
+                    let turn = self.given.turn(letter as u8, target - from);
+                    if turn == target - from { target } else { from + turn }
+                }
             };
             self.turn_axis(axis, target);
         }

@@ -7,7 +7,8 @@
 //! - G110, G111 and G112 set the pole of AP and RP, from the position, the origin and the last pole.
 //! - G60 and G9 stop at the end of a move; G64 does not; G641 begins a rounding ADIS before a corner;
 //!   G642 to G645 and `CYCLE832` keep a contour tolerance.
-//! - Modal calls and drilling cycles are those of the cycle module.
+//! - Modal calls, drilling cycles and patterns of holes are those of the modules below.
+//! - G33, G331 and G332 run at the pitch times the spindle speed, G63 at F.
 //!
 //! Not modelled, and said: swivelled planes (`CYCLE800`), orientation transformations (`TRAORI`),
 //! splines, compressors, milling cycles, measuring.
@@ -15,13 +16,17 @@
 //! Source: SINUMERIK 840D sl, Programming Manual Fundamentals and Job Planning, 2013.
 
 mod cycle;
+mod deep;
+mod points;
+mod positions;
+mod variables;
 mod words;
 
 pub(super) use cycle::Drilling;
 pub(super) use words::{SiemensWord, meaning};
 
 use crate::machine::AXES;
-use crate::simulation::gcode::{Dialect, SIEMENS_STATEMENTS, Word, address};
+use crate::simulation::gcode::{SIEMENS_STATEMENTS, Word, address};
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, POLAR_WORDS};
 use crate::simulation::toolpath::frame::{Affine, Kind};
 use crate::simulation::toolpath::motion::LONGEST_DWELL;
@@ -30,7 +35,7 @@ use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::words::Special;
-use crate::simulation::toolpath::{Arc, Curve, Motion, Point, StopCause, Vector};
+use crate::simulation::toolpath::{Curve, Motion, Point, StopCause, Vector};
 
 /// What stays in force in SINUMERIK programs alone.
 #[derive(Default)]
@@ -41,7 +46,7 @@ pub(super) struct Siemens {
     pub(super) modal: Option<Drilling>,
     /// The last polar angle, rad, and radius, mm.
     polar: (f64, f64),
-    /// The pitch of the last G331, mm.
+    /// The pitch of the last G331 or G33, mm.
     pitch: Option<f64>,
 }
 
@@ -54,7 +59,7 @@ pub(super) enum Statement {
     Modal(Option<&'static str>),
     /// A drilling cycle at the place.
     Cycle(&'static str),
-    /// HOLES1, HOLES2.
+    /// HOLES1, HOLES2, CYCLE801, CYCLE802.
     Holes(&'static str),
     /// CIP.
     Through,
@@ -64,8 +69,11 @@ pub(super) enum Statement {
     MachineCoordinates,
     /// G110 to G112.
     Pole(u16),
-    /// G331, or G332 for the way back.
-    Tap(bool),
+    /// G331, or G332 for the way back, with the M word that says how the spindle turns after it; G33
+    /// to G35 without.
+    Thread(Option<u32>),
+    /// G63.
+    FloatingTap,
 }
 
 /// A rotation, scaling or mirror image in place of an earlier one.
@@ -88,7 +96,7 @@ impl Tracer<'_> {
                     _ => Statement::Cycle(name),
                 });
             }
-            "HOLES1" | "HOLES2" => *asked = Some(Statement::Holes(name)),
+            "HOLES1" | "HOLES2" | "CYCLE801" | "CYCLE802" => *asked = Some(Statement::Holes(name)),
             "TRANS" | "ATRANS" | "ROT" | "AROT" | "SCALE" | "ASCALE" | "MIRROR" | "AMIRROR" => {
                 *asked = Some(Statement::Frame(name));
             }
@@ -97,7 +105,8 @@ impl Tracer<'_> {
             "CT" => *asked = Some(Statement::Tangential),
             "CYCLE832" => {
                 let tolerance = argument(0).unwrap_or(0.0);
-                let is_off = argument(1) == Some(0.0) || tolerance == 0.0;
+                // Units of the type: 0 off, 1 to 4 finish to rough.
+                let is_off = argument(1).is_some_and(|kind| kind % 10.0 == 0.0) || tolerance == 0.0;
                 let blending = if is_off { Blending::Machine } else { Blending::Within(tolerance * self.modal.unit) };
 let source = format!("CYCLE832({tolerance})");
                 // The cycle calls a continuous-path mode itself.
@@ -106,17 +115,33 @@ let source = format!("CYCLE832({tolerance})");
                 }
                 self.set_tolerance(place, source, blending);
             }
-            "CYCLE800" if block.words.iter().any(|word| address::ARGUMENT <= word.letter && word.value != 0.0) => {
-                self.remarks.add(place, Untraced::Statement { name, what: "a swivelled plane is not modelled: moves are taken as written" });
+            "CYCLE800" => {
+                let is_given = |mut arguments: std::ops::Range<u8>| arguments.any(|index| argument(index).unwrap_or(0.0) != 0.0);
+                // X0, Y0, Z0; A, B, C; X1, Y1, Z1.
+                let what = if is_given(7..10) {
+                    "a swivelled plane is not modelled: lengths in it are right, the time to swivel and the moves to the next plane are not"
+                } else if is_given(4..7) || is_given(10..13) {
+                    "the shift of its origin is not modelled: the first move after it is too short or too long"
+                } else {
+                    return;
+                };
+                self.remarks.add(place, Untraced::Statement { name, what });
             }
             "TRAORI" => self.remarks.add(place, Untraced::Statement { name, what: "the path of the tool tip and its feed are taken as written; the movement of the head is not modelled" }),
             "TRACYL" | "TRANSMIT" => self.remarks.add(place, Untraced::Statement { name, what: "the transformation is not modelled: moves are taken as written" }),
             "COMPON" | "COMPCURV" | "COMPCAD" => self.remarks.add(place, Untraced::Statement { name, what: "the compressor, which joins short blocks, is not modelled: each block is run as written" }),
             "ASPLINE" | "BSPLINE" | "CSPLINE" | "POLY" | "INVCW" | "INVCCW" | "OEMIPO1" => self.remarks.add(place, Untraced::Curve { name }),
             "MEAS" | "MEAW" | "CYCLE977" | "CYCLE978" | "CYCLE979" | "CYCLE998" => self.remarks.add(place, Untraced::Statement { name, what: "measuring is not modelled: its moves and its time are missing" }),
-            name if name.starts_with("POCKET") || name.starts_with("SLOT") || name == "LONGHOLE" || (name.starts_with("CYCLE") && name != "CYCLE800") => {
+            name if name.starts_with("POCKET") || name.starts_with("SLOT") || name == "LONGHOLE" || (name.starts_with("CYCLE") && name != "CYCLE62") => {
                 self.remarks.add(place, Untraced::MillingCycle { name });
             }
+            "A3" => self.remarks.add(place, Untraced::Statement { name: "A3, B3, C3, LEAD, TILT", what: "the direction of the tool is not modelled: the path of its tip is taken as written, the turning of the head is not timed" }),
+            "WHEN" => self.remarks.add(place, Untraced::Statement { name: "WHEN, WHENEVER, EVERY, DO", what: "synchronized actions are not modelled: left out" }),
+            "$P_UIFR" => self.remarks.add(place, Untraced::Statement { name: "$P_UIFR, $P_PFRAME", what: "frames by system variables are not applied: moves to and from the offset are too short or too long" }),
+            "OFFN" => self.remarks.add(place, Untraced::Statement { name, what: "the allowance is not modelled: the path is taken without it" }),
+            "FZ" => self.remarks.add(place, Untraced::Statement { name, what: "a feed per tooth needs the number of teeth: F in force is taken" }),
+            "POS" => self.remarks.add(place, Untraced::Statement { name: "POS, POSA", what: "positioning axes are not modelled: their moves are missing from the time" }),
+            "X2" => self.remarks.add(place, Untraced::Statement { name: "axes with a number beyond 1", what: "only X, Y, Z, A, B and C are modelled: their moves are missing from the time" }),
             "ROTS" | "AROTS" | "TOROT" | "PAROT" => self.remarks.add(place, Untraced::Statement { name, what: "this frame is not modelled: coordinates are taken as written" }),
             _ => {}
         }
@@ -137,7 +162,13 @@ let source = format!("CYCLE832({tolerance})");
             Statement::Through => self.arc_through(block),
             Statement::Tangential => self.tangential_arc(block),
             Statement::Pole(code) => self.set_pole(block, code),
-            Statement::Tap(is_way_in) => self.tap_stroke(block, is_way_in),
+            Statement::Thread(turn) => self.thread_stroke(block, turn),
+            Statement::FloatingTap => {
+                self.exact_stop = true;
+                if let Some(target) = self.target(block) {
+                    self.feed_to(block, target);
+                }
+            }
             Statement::MachineCoordinates => {
                 let code = Code { letter: 'G', value: 53.0 };
                 self.special(block, Special::MachineCoordinates, code);
@@ -189,76 +220,8 @@ let source = format!("CYCLE832({tolerance})");
         about(Plane::Xy, z).after(&about(Plane::Zx, y)).after(&about(Plane::Yz, x))
     }
 
-    /// G110 to G112.
-    fn set_pole(&mut self, block: Block, code: u16) {
-        let from = match code {
-            110 => self.frame.to_program(&self.position),
-            111 => Point::origin(),
-            _ => self.siemens.pole,
-        };
-        let mut pole = from;
-        for (axis, letter) in AXES.into_iter().enumerate() {
-            let value = self.given.get(letter as u8).unwrap_or(0.0) * self.modal.unit;
-            pole[axis] += value;
-            if !self.is_within_reach(block, letter, pole[axis]) {
-                return;
-            }
-        }
-        self.siemens.pole = pole;
-    }
-
-    /// The program coordinates in the plane that AP and RP mean, mm.
-    pub(super) fn siemens_polar(&mut self) -> Option<[(usize, f64); 2]> {
-        if self.dialect != Dialect::Siemens {
-            return None;
-        }
-        let (angle, radius) = (self.given.get(address::POLAR_ANGLE), self.given.get(address::POLAR_RADIUS));
-        if angle.is_none() && radius.is_none() {
-            return None;
-        }
-        let polar = &mut self.siemens.polar;
-        polar.0 = angle.map_or(polar.0, f64::to_radians);
-        polar.1 = radius.map_or(polar.1, |radius| radius * self.modal.unit);
-        let ([a, b, _], (angle, radius)) = (self.modal.plane.axes(), *polar);
-        let pole = self.siemens.pole;
-        Some([(a, pole[a] + radius * angle.cos()), (b, pole[b] + radius * angle.sin())])
-    }
-
-    /// CIP: the arc through a point of its own, in any plane of the axes.
-    fn arc_through(&mut self, block: Block) {
-        let Some(end) = self.target(block) else { return };
-        let mut middle = self.frame.to_program(&self.position);
-        for (axis, address) in
-            [address::MIDDLE_X, address::MIDDLE_Y, address::MIDDLE_Z].into_iter().enumerate()
-        {
-            if let Some(value) = self.given.get(address) {
-                let value = value * self.modal.unit;
-                middle[axis] = if self.modal.is_incremental { middle[axis] + value } else { value };
-            }
-        }
-        let middle = self.frame.to_machine(&middle);
-        match Arc::through(self.position, middle, end) {
-            Some(arc) => self.feed_along(block, end, arc),
-            None => {
-                self.remarks.add(block.place(), Untraced::NoArcThrough);
-                self.feed_to(block, end);
-            }
-        }
-    }
-
-    /// CT: the arc that goes on in the direction of the last move.
-    fn tangential_arc(&mut self, block: Block) {
-        let Some(end) = self.target(block) else { return };
-        let direction = self.toolpath.segments.last().map(|last| last.tangent(last.length));
-        let normal = self.modal.plane.axes()[2];
-        match direction.and_then(|direction| Arc::along(self.position, direction, end, normal)) {
-            Some(arc) => self.feed_along(block, end, arc),
-            None => self.feed_to(block, end),
-        }
-    }
-
-    /// G331 and G332: feed is the pitch (I, J or K of the axis) times the spindle speed.
-    fn tap_stroke(&mut self, block: Block, is_way_in: bool) {
+    /// G331, G332 and G33: feed is the pitch (I, J or K of the axis) times the spindle speed.
+    fn thread_stroke(&mut self, block: Block, turn: Option<u32>) {
         let pitch = b"IJK".iter().find_map(|letter| self.given.get(*letter));
         if let Some(pitch) = pitch {
             self.siemens.pitch = Some(pitch.abs() * self.modal.unit);
@@ -268,10 +231,11 @@ let source = format!("CYCLE832({tolerance})");
         let length = (target - self.position).norm();
         match self.siemens.pitch.zip(speed).map(|(pitch, speed)| pitch * speed / 60.0) {
             Some(feedrate) if (1e-6..=1e6).contains(&feedrate) => {
-                self.exact_stop = true;
+                self.exact_stop |= turn.is_some();
                 self.push(block, target, Curve::Line, length, Motion::Feed { feedrate });
-                let cause = self.turn_spindle(block, if is_way_in { 4 } else { 3 });
-                self.stop(block, cause);
+                if let Some(turn) = turn {
+                    self.spindle_stop(block, turn);
+                }
             }
             _ => {
                 self.remarks.add(block.place(), Untraced::NoTapFeed);
@@ -286,7 +250,14 @@ let source = format!("CYCLE832({tolerance})");
             |letter: u8| block.words.iter().rfind(|word| word.letter == letter).map(|word| word.value);
         let seconds = match (given_as(b'F'), given_as(b'S')) {
             (Some(seconds), _) => seconds,
-            (None, Some(turns)) => 60.0 * turns / self.functions.speed.unwrap_or(f64::NAN),
+            (None, Some(turns)) => match self.functions.speed.filter(|speed| 0.0 < *speed) {
+                Some(speed) => 60.0 * turns / speed,
+                None => {
+                    let what = "turns of a spindle whose speed is unknown: no dwell";
+                    self.remarks.add(block.place(), Untraced::Statement { name: "G4 S", what });
+                    return;
+                }
+            },
             (None, None) => {
                 self.remarks.add(block.place(), Untraced::NoDwellTime);
                 return;
@@ -299,21 +270,9 @@ let source = format!("CYCLE832({tolerance})");
         }
     }
 
-    /// The radius of CR, or that which AR gives with both ends, in the program's unit; negative for
-    /// the longer arc.
-    pub(super) fn siemens_radius(&self, (start, end): (Point, Point)) -> Option<f64> {
-        let opening = self.given.get(address::OPENING_ANGLE).filter(|angle| (1e-6..360.0).contains(angle));
-        let by_angle = opening.map(|degrees| {
-            let [a, b, _] = self.modal.plane.axes();
-            let chord = (end[a] - start[a]).hypot(end[b] - start[b]) / self.modal.unit;
-            let radius = 0.5 * chord / (0.5 * degrees.to_radians()).sin();
-            if 180.0 < degrees { -radius } else { radius }
-        });
-        self.given.get(address::CIRCLE_RADIUS).or(by_angle)
-    }
-
     /// Makes the hole of a modal call after a move.
     pub(super) fn siemens_after_move(&mut self, block: Block) {
+        self.check_angle(block);
         let moves = self.given.has(AXIS_WORDS | POLAR_WORDS);
         if let (true, Some(drilling)) = (moves, self.siemens.modal) {
             self.siemens_hole(block, &drilling);

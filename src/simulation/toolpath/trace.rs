@@ -239,8 +239,12 @@ impl<'a> Tracer<'a> {
         self.take_feed(block);
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
+        } else if self.given.get(address::TOOL_NAME).is_some() {
+            // A tool by its name is another one than the last by its number.
+            self.modal.tool = None;
         }
         self.take_speed(block);
+        self.orient_spindle(block);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }

@@ -4,28 +4,27 @@
 //! IF c … ELSE … ENDIF      IF c GOTOF label     GOTOF, GOTOB, GOTO, GOTOC label
 //! WHILE c … ENDWHILE       FOR i = a TO b … ENDFOR       LOOP … ENDLOOP
 //! REPEAT … UNTIL c         REPEAT label P=n     REPEAT from to P=n     REPEATB label P=n
-//! L100 P3     NAME     NAME(1, 2)     CALL "NAME"     PROC NAME(REAL A)     RET     M17
-//! DEF REAL A, B=2
+//! CASE a OF 1 GOTOF label 2 GOTOB label DEFAULT GOTOF label       CALL BLOCK from TO to
 //! ```
 //!
-//! Arguments go through parameters beyond all R numbers, from which `PROC` gives them to its own
-//! names. CASE is not followed.
+//! REPEAT and CALL BLOCK run the blocks of both labels and what stands between them. CASE becomes one jump after the other, with its value in a parameter beyond all R numbers.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::siemens::names::statement;
 use crate::simulation::gcode::structure::{Counter, Kind};
 use crate::simulation::gcode::{
-    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, When,
+    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, When, address,
 };
 
 /// The key of structures without a number.
 const PLAIN: u32 = 0;
 
-/// Where arguments of calls are put: beyond all R numbers.
-const ARGUMENTS: u32 = 3_000_000_000;
+/// Where the value of a CASE is put: beyond all R numbers.
+const CASE: u32 = 3_000_000_000;
 
 /// How many labels before a REPEAT are searched for its own.
 const NEAREST: usize = 1000;
@@ -114,14 +113,14 @@ impl Reader<'_> {
             }
             b"PROC" => self.siemens_proc(text, end, line)?,
             b"DEF" => self.siemens_definition(text, end, line)?,
-            b"CALL" => {
-                let start = skip_blanks(text, end);
-                let name: Vec<u8> = text[start..].iter().filter(|byte| **byte != b'"').copied().collect();
-                let length = identifier(&name);
-                self.siemens_call_by_name(&name[..length]);
-                text.len()
+            b"WHEN" | b"WHENEVER" | b"EVERY" | b"DO" => {
+                let code = statement(b"WHEN").map_or(0.0, f64::from);
+                self.push_word(address::STATEMENT, code, columns);
+                text.iter().position(|byte| *byte == b';').unwrap_or(text.len())
             }
-            b"CASE" => return Err((Unread::Text { text: "CASE".to_string() }, columns)),
+            b"EXTERN" => text.iter().position(|byte| *byte == b';').unwrap_or(text.len()),
+            b"CALL" | b"EXTCALL" | b"PCALL" => self.siemens_call_by_text(text, end, line)?,
+            b"CASE" => self.siemens_case(text, end, line)?,
             _ => return Ok(None),
         };
         Ok(Some(next))
@@ -139,7 +138,7 @@ impl Reader<'_> {
         self.siemens_value(text, at, line, Target::Condition)
     }
 
-    fn siemens_value(
+    pub(super) fn siemens_value(
         &mut self,
         text: &[u8],
         at: usize,
@@ -269,7 +268,7 @@ impl Reader<'_> {
         if word == b"REPEATB" {
             blocks.end = from + 1;
         } else if 0 < length && !is_count {
-            blocks.end = self.siemens_known_label(text, second, length, line)?.max(from);
+            blocks.end = self.siemens_known_label(text, second, length, line)?.max(from) + 1;
             end = second + length;
         }
         let count = skip_blanks(text, end);
@@ -280,6 +279,66 @@ impl Reader<'_> {
         }
         self.act(Action::Section { blocks });
         Ok(end)
+    }
+
+    /// `CALL BLOCK A TO B`.
+    pub(super) fn siemens_call_section(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let length = identifier(&text[start..]);
+        let from = self.siemens_known_label(text, start, length, line)?;
+        let to = skip_blanks(text, start + length);
+        if !text[to..].get(..2).is_some_and(|word| word.eq_ignore_ascii_case(b"TO")) {
+            let found = excerpt(&text[to..]);
+            return Err((Unread::Expected { expected: "TO", found }, line.columns(to, to + 1)));
+        }
+        let last = skip_blanks(text, to + 2);
+        let length = identifier(&text[last..]);
+        let until = self.siemens_known_label(text, last, length, line)?.max(from);
+        self.act(Action::Section { blocks: from..until + 1 });
+        Ok(last + length)
+    }
+
+    /// `CASE a OF 1 GOTOF label … DEFAULT GOTOF label`.
+    fn siemens_case(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let (end, _) = self.formula(Notation::Siemens, text, (at, at), line, |expressions| {
+            expressions.steps.push(Step::Number(f64::from(CASE)));
+            expressions.expression(0)?;
+            Ok(Target::Numbered)
+        })?;
+        let mut next = skip_blanks(text, end);
+        if !text[next..].get(..2).is_some_and(|word| word.eq_ignore_ascii_case(b"OF")) {
+            let found = excerpt(&text[next..]);
+            return Err((Unread::Expected { expected: "OF", found }, line.columns(next, next + 1)));
+        }
+        next = skip_blanks(text, next + 2);
+        while !matches!(text.get(next), None | Some(b';')) {
+            self.end_block();
+            let word = &text[next..next + identifier(&text[next..])];
+            let is_default = word.eq_ignore_ascii_case(b"DEFAULT");
+            let end = if is_default {
+                next + word.len()
+            } else {
+                let (end, _) = self.formula(Notation::Siemens, text, (next, next), line, |expressions| {
+                    expressions.steps.extend([Step::Number(f64::from(CASE)), Step::Numbered]);
+                    expressions.value()?;
+                    expressions.steps.push(Step::Operator(Operator::Equal));
+                    Ok(Target::Condition)
+                })?;
+                end
+            };
+            let Some((direction, label)) = goto(text, end) else {
+                let found = excerpt(&text[end..]);
+                return Err((Unread::Expected { expected: "GOTOF", found }, line.columns(end, end + 1)));
+            };
+            let when = if is_default { When::Always } else { When::True };
+            next = skip_blanks(text, self.siemens_goto(text, label, line, direction, when)?);
+        }
+        Ok(next)
     }
 
     /// The block of a label that stands before.
@@ -297,161 +356,6 @@ impl Reader<'_> {
         let missing = || (Unread::Unopened { word: name.clone() }, line.columns(start, start + length));
         found.map(|(_, block)| *block).ok_or_else(missing)
     }
-
-    /// `L100 P3`.
-    pub(super) fn siemens_call_by_number(
-        &mut self,
-        text: &[u8],
-        value: f64,
-        end: usize,
-        line: &mut Line,
-    ) -> Result<usize, Refusal> {
-        let end = self.siemens_times(text, end, line)?;
-        let label = Label { kind: LabelKind::Numbered, id: value.abs().min(1e9) as u32 };
-        let to = Destination::Label(label, Direction::Either);
-        self.act(Action::Call { to, has_own_parameters: false });
-        Ok(end)
-    }
-
-    /// `P3` or `P=3` after a call.
-    fn siemens_times(&mut self, text: &[u8], end: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let start = skip_blanks(text, end);
-        if !text.get(start).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P')) {
-            return Ok(end);
-        }
-        let next = skip_blanks(text, start + 1);
-        match text.get(next) {
-            Some(b'=') => self.siemens_value(text, next + 1, line, Target::Count),
-            Some(byte) if byte.is_ascii_digit() => self.siemens_value(text, next, line, Target::Count),
-            _ => Ok(end),
-        }
-    }
-
-    fn siemens_call_by_name(&mut self, name: &[u8]) {
-        let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
-        let to = Destination::Label(Label { kind: LabelKind::Named, id }, Direction::Either);
-        self.act(Action::Call { to, has_own_parameters: false });
-    }
-
-    /// `NAME`, `NAME(1, R2)`.
-    pub(super) fn siemens_call(
-        &mut self,
-        text: &[u8],
-        (at, end): (usize, usize),
-        line: &mut Line,
-    ) -> Result<usize, Refusal> {
-        let open = skip_blanks(text, end);
-        let mut next = end;
-        if text.get(open) == Some(&b'(') {
-            next = open + 1;
-            let mut argument = ARGUMENTS;
-            loop {
-                next = skip_blanks(text, next);
-                match text.get(next) {
-                    None => {
-                        let found = "the end of the line".to_string();
-                        return Err((
-                            Unread::Expected { expected: "`)`", found },
-                            line.columns(open, open + 1),
-                        ));
-                    }
-                    Some(b')') => break,
-                    Some(b',') => {
-                        argument += 1;
-                        next += 1;
-                    }
-                    Some(b'"') => {
-                        let length = text[next + 1..].iter().position(|byte| *byte == b'"');
-                        next = length.map_or(text.len(), |length| next + length + 2);
-                    }
-                    Some(_) => {
-                        (next, _) =
-                            self.formula(Notation::Siemens, text, (next, next), line, |expressions| {
-                                expressions.steps.push(Step::Number(f64::from(argument)));
-                                expressions.expression(0)?;
-                                Ok(Target::Numbered)
-                            })?;
-                    }
-                }
-            }
-            next += 1;
-        }
-        let next = self.siemens_times(text, next, line)?;
-        self.siemens_call_by_name(&text[at..end]);
-        Ok(next)
-    }
-
-    /// `PROC NAME(REAL A, INT B)`: a label, and the arguments by their names.
-    fn siemens_proc(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let start = skip_blanks(text, at);
-        let length = identifier(&text[start..]);
-        self.siemens_label(&text[start..start + length]);
-        let open = skip_blanks(text, start + length);
-        if text.get(open) != Some(&b'(') {
-            return Ok(text.len());
-        }
-        let close =
-            text[open..].iter().position(|byte| *byte == b')').map_or(text.len(), |length| open + length);
-        let columns = line.columns(start, close);
-        for (argument, parameter) in text[open + 1..close].split(|byte| *byte == b',').enumerate() {
-            let words = parameter.split(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_');
-            let Some(name) = words.filter(|word| !word.is_empty()).nth(1) else { continue };
-            let index = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
-            let first = self.program.steps.len() as u32;
-            let number = f64::from(ARGUMENTS) + argument as f64;
-            self.program.steps.extend([Step::Number(number), Step::Numbered]);
-            let steps = first..self.program.steps.len() as u32;
-            let block = self.index();
-            self.program.formulas.push(Formula { block, target: Target::Named(index), steps, columns });
-        }
-        Ok(text.len())
-    }
-
-    /// `DEF REAL A, B=2, C[3]`: variables with their first values, 0 where none is given.
-    fn siemens_definition(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
-        let mut next = skip_blanks(text, at);
-        let mut length = identifier(&text[next..]);
-        let mut kind = text[next..next + length].to_ascii_uppercase();
-        while matches!(&kind[..], b"NCK" | b"CHAN" | b"SYNR" | b"SYNW" | b"SYNRW") {
-            next = skip_blanks(text, next + length);
-            length = identifier(&text[next..]);
-            kind = text[next..next + length].to_ascii_uppercase();
-        }
-        if !matches!(&kind[..], b"REAL" | b"INT" | b"BOOL") {
-            return Ok(code_end(text));
-        }
-        next += length;
-        loop {
-            let start = skip_blanks(text, next);
-            let length = identifier(&text[start..]);
-            if length == 0 {
-                let found = excerpt(&text[start..]);
-                return Err((Unread::Expected { expected: "a name", found }, line.columns(start, start + 1)));
-            }
-            let end = start + length;
-            let mut after = skip_blanks(text, end);
-            if text.get(after) == Some(&b'[') {
-                let close = text[after..].iter().position(|byte| *byte == b']');
-                after = skip_blanks(text, close.map_or(text.len(), |length| after + length + 1));
-                next = after;
-            } else if text.get(after) == Some(&b'=') {
-                next = self.siemens_variable(text, (start, end), after + 1, line)?;
-            } else {
-                let index = self.names.index(String::from_utf8_lossy(&text[start..end]).to_ascii_lowercase());
-                let first = self.program.steps.len() as u32;
-                self.program.steps.push(Step::Number(0.0));
-                let (block, columns) = (self.index(), line.columns(start, end));
-                let steps = first..first + 1;
-                self.program.formulas.push(Formula { block, target: Target::Named(index), steps, columns });
-                next = end;
-            }
-            next = skip_blanks(text, next);
-            if text.get(next) != Some(&b',') {
-                return Ok(next);
-            }
-            next += 1;
-        }
-    }
 }
 
 /// The direction of a jump word at `at`, and where the word ends.
@@ -465,9 +369,4 @@ fn goto(text: &[u8], at: usize) -> Option<(Direction, usize)> {
         _ => return None,
     };
     Some((direction, start + length))
-}
-
-/// Where the code of a line ends.
-fn code_end(text: &[u8]) -> usize {
-    text.iter().position(|byte| *byte == b';').unwrap_or(text.len())
 }

@@ -19,10 +19,11 @@ pub(super) const ADDRESSES: &[(&str, u8)] = &[
     ("J1", address::MIDDLE_Y),
     ("K1", address::MIDDLE_Z),
     ("SPOS", address::SPINDLE_POSITION),
-    ("SPOSA", address::SPINDLE_POSITION),
     ("ADIS", address::SMOOTHING),
     ("ADISPOS", address::RAPID_SMOOTHING),
     ("RPL", address::PLANE_ANGLE),
+    ("ANG", address::LINE_ANGLE),
+    ("FB", address::BLOCK_FEED),
 ];
 
 /// What the tracer acts on, or names in a diagnostic; the value of a word is its place here.
@@ -125,6 +126,13 @@ pub const STATEMENTS: &[&str] = &[
     "OEMIPO1",
     "SPCON",
     "SPCOF",
+    "A3",
+    "OFFN",
+    "FZ",
+    "POS",
+    "X2",
+    "WHEN",
+    "$P_UIFR",
 ];
 
 /// What changes neither path nor time, so that nothing needs to be said.
@@ -140,7 +148,6 @@ pub(super) const IGNORED: &[&str] = &[
     "DIAM90",
     "WALIMON",
     "WALIMOF",
-    "EXTERN",
     "DYNNORM",
     "DYNPOS",
     "DYNROUGH",
@@ -234,9 +241,55 @@ pub(super) const IGNORED: &[&str] = &[
     "DELAYFSTOF",
     "MASLON",
     "SETPIECE",
+    "FL",
+    "FA",
+    "SPOSA",
+    "WRITE",
+    "DELETE",
+    "NEWCONF",
+    "SETINT",
+    "WAITP",
+    "BRISKA",
+    "SOFTA",
+    "DRIVEA",
+    "COARSEA",
+    "FINEA",
+    "ORISON",
+    "ORISOF",
+    "DISC",
+    "DISR",
+    "DISCL",
+    "DISRP",
+    "FAD",
+    "SF",
+    "COUPON",
+    "COUPOF",
+    "COUPDEF",
+    "COUPDEL",
+    "GET",
+    "GETD",
+    "RELEASE",
+    "POLYPATH",
 ];
 
 /// The code of a statement.
 pub(super) fn statement(name: &[u8]) -> Option<u8> {
     STATEMENTS.iter().position(|known| known.as_bytes() == name).map(|index| index as u8)
+}
+
+/// The code of a statement that says what an address with a value is, where it is one that is not modelled.
+pub(super) fn named_word(name: &[u8]) -> Option<u8> {
+    let group: &[u8] = match name {
+        b"A2" | b"B2" | b"C2" | b"A3" | b"B3" | b"C3" | b"A4" | b"B4" | b"C4" | b"A5" | b"B5" | b"C5"
+        | b"LEAD" | b"TILT" | b"THETA" | b"NUT" => b"A3",
+        b"OFFN" | b"FZ" | b"MEAS" | b"MEAW" => name,
+        b"POS" | b"POSA" => b"POS",
+        [b'A'..=b'C' | b'U'..=b'Z', digits @ ..]
+            if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) =>
+        {
+            b"X2"
+        }
+        _ => return None,
+    };
+    statement(group)
 }

@@ -160,6 +160,9 @@ impl Tracer<'_> {
             .or(size(address::CHAMFER_LEG).map(|leg| CornerShape::Chamfer { leg }))
             .or(size(address::CHAMFER).map(|width| CornerShape::ChamferWidth { width }));
         let every = size(address::MODAL_ROUNDING);
+        // RNDM rounds the corner at the end of its own block too.
+        let next =
+            next.or(every.filter(|radius| *radius != 0.0).map(|radius| CornerShape::Rounding { radius }));
         if let Some(shape) = next {
             self.treat_next_corner(block, CornerTreatment { shape, feedrate });
         }

@@ -37,6 +37,12 @@ impl Tracer<'_> {
         let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
         self.refer_to_mode(&mut values);
         let [a, b, _] = self.modal.plane.axes();
+        if let Some((axis, value)) = self.siemens_by_angle(&values) {
+            values[axis] = Some(value);
+        }
+        for (axis, value) in self.siemens_by_opening().into_iter().flatten() {
+            values[axis] = Some(value);
+        }
         if let Some(point) = self.siemens_polar().or_else(|| self.klartext_polar()) {
             let at = self.frame.to_program(&self.position);
             for (axis, value) in point {

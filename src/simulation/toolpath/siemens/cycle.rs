@@ -11,33 +11,39 @@
 //! CYCLE87 (RTP, RFP, SDIS, DP, DPR, SDIR)                 stop, out after a start by hand
 //! CYCLE88 (RTP, RFP, SDIS, DP, DPR, DTB, SDIR)            the same with dwell
 //! CYCLE89 (RTP, RFP, SDIS, DP, DPR, DTB)                  feed in, dwell, feed out
-//! HOLES1  (SPCA, SPCO, STA1, FDIS, DBH, NUM)              a row of holes, under MCALL
-//! HOLES2  (CPA, CPO, RAD, STA1, INDA, NUM)                a circle of holes, under MCALL
 //! ```
+//!
+//! Newer calls go on with GMODE, DMODE and AMODE (CYCLE84 and CYCLE840 with AXN, PITA, TECHNO and more
+//! before them). CYCLE81 then has DTB too, and with a 1 in the tens of GMODE its depth is the diameter
+//! of a centring: that of a tip of 90° is taken. The digits of AMODE say what the numbers are: units 1
+//! a depth below RFP, 2 a height; tens 1 seconds, 2 turns; in CYCLE83 hundred thousands 2 DAM in
+//! percent. PITA 2 gives the pitch in threads per inch, 3 in inches.
 //!
 //! RTP is the height to return to, RFP that of the part, SDIS the clearance above it, DP the depth
 //! and DPR the depth below RFP, DTB a dwell (s; turns of the spindle where negative). DAM is the
-//! amount by which pecks shrink, or the factor where it is negative; VARI 1 retracts, 0 breaks
-//! chips. Pitch is PIT (mm), or that of the metric thread M MPIT; negative for left hand.
+//! amount by which strokes shrink, or the factor where it is negative; VARI 1 retracts, 0 breaks
+//! chips (see `deep`). Pitch is PIT (mm), or that of the metric thread M MPIT; negative for left hand.
 //!
-//! Source: SINUMERIK 840D sl, Programming Manual Cycles, 2013.
+//! Source: SINUMERIK 840D sl, Programming Manuals Cycles and Job Planning
+//! (external programming of cycles), 2013.
 
 use crate::simulation::gcode::address;
 use crate::simulation::toolpath::block::Block;
-use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, Turn};
+use crate::simulation::toolpath::cycle::hole::{Kind, Turn};
 use crate::simulation::toolpath::cycle::{Hole, NoHole};
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
+use crate::units::MM_PER_INCH;
 
 /// A cycle with its arguments, heights in program coordinates, in the program's unit.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::simulation::toolpath) struct Drilling {
-    name: &'static str,
-    arguments: [f64; 20],
+    pub(super) name: &'static str,
+    pub(super) arguments: [f64; ARGUMENTS],
 }
 
-/// Retract of chip breaking and clearance of full retract where the program gives none, mm.
-const RETRACT: f64 = 1.0;
+/// The most arguments of a drilling cycle or a pattern.
+const ARGUMENTS: usize = 24;
 
 /// Coarse pitches of metric threads by their diameter, mm (ISO 261).
 const METRIC: [(f64, f64); 19] = [
@@ -64,15 +70,28 @@ const METRIC: [(f64, f64); 19] = [
 
 impl Drilling {
     /// An argument that is not 0.
-    fn given(&self, index: usize) -> Option<f64> {
+    pub(super) fn given(&self, index: usize) -> Option<f64> {
         Some(self.arguments[index]).filter(|value| *value != 0.0)
+    }
+
+    /// A decimal digit of AMODE, the units first; 0 leaves it to the signs of the arguments.
+    pub(super) fn mode(&self, digit: i32) -> u32 {
+        let place = match self.name {
+            "CYCLE81" | "CYCLE82" => 8,
+            "CYCLE83" | "CYCLE840" => 19,
+            "CYCLE84" => 23,
+            "CYCLE85" => 10,
+            "CYCLE86" => 13,
+            _ => return 0,
+        };
+        (self.arguments[place].abs().min(1e9) / 10f64.powi(digit)) as u32 % 10
     }
 }
 
 impl Tracer<'_> {
     /// A cycle with the arguments of the block.
     pub(super) fn siemens_drilling(&mut self, block: Block, name: &'static str) -> Option<Drilling> {
-        let mut arguments = [0.0; 20];
+        let mut arguments = [0.0; ARGUMENTS];
         for word in block.words {
             if let Some(slot) = word
                 .letter
@@ -88,7 +107,10 @@ impl Tracer<'_> {
     /// Makes a hole where the tool stands.
     pub(super) fn siemens_hole(&mut self, block: Block, drilling: &Drilling) {
         let outcome = self.siemens_hole_of(block, drilling).and_then(|hole| {
-            let work = self.plan_hole(block, &hole)?;
+            let work = match self.siemens_deep_work(block, drilling, &hole)? {
+                Some(work) => work,
+                None => self.plan_hole(block, &hole)?,
+            };
             let exact_stop = self.exact_stop;
             self.make_hole(block, &work)?;
             self.exact_stop = exact_stop;
@@ -104,16 +126,18 @@ impl Tracer<'_> {
         let unit = self.modal.unit;
         let a = &drilling.arguments;
         let (part, clearance) = (a[1] * unit, a[2].abs() * unit);
-        let depth = match drilling.given(4) {
-            Some(depth) => part - depth.abs() * unit,
-            None => a[3] * unit,
+        let depth = match (drilling.given(3), drilling.given(4), drilling.mode(0)) {
+            (Some(height), _, 2) => height * unit,
+            (Some(below), None, 1) | (_, Some(below), _) => part - below.abs() * unit,
+            _ => a[3] * unit,
         };
+        let depth = self.siemens_centring(block, drilling, part).unwrap_or(depth);
         let normal = self.modal.plane.axes()[2];
         let height = |value: f64| self.frame.coordinate_at(&self.position, normal, value);
         let [return_to, reference, bottom] = [a[0] * unit, part + clearance, depth].map(height);
         let feed_in = self.feedrate(block);
         let per_minute = |value: f64| value * unit / 60.0;
-        let dwell = self.siemens_seconds(if drilling.name == "CYCLE83" { a[8] } else { a[5] });
+        let dwell = self.siemens_seconds(a[5], drilling.mode(1));
         let mut hole = Hole {
             kind: Kind::Drill,
             reference,
@@ -127,35 +151,17 @@ impl Tracer<'_> {
         };
         let turn = if a[6] == 4.0 { Turn::Left } else { Turn::Right };
         match drilling.name {
-            "CYCLE82" => hole.dwell = dwell,
-            "CYCLE83" => {
-                let first = match (drilling.given(6), drilling.given(5)) {
-                    (Some(relative), _) => relative.abs() * unit,
-                    (None, Some(absolute)) => part - absolute * unit,
-                    (None, None) => part - depth,
-                };
-                let (ratio, decrease) = if a[7] < 0.0 { (-a[7], 0.0) } else { (1.0, a[7] * unit) };
-                let least = if drilling.given(7).is_none() { first } else { a[13].abs() * unit };
-                // The first depth counts from the part, pecks from the reference height.
-                let pecks = Pecks { first: first + clearance, ratio, decrease, least: least.max(0.01) };
-                hole.dwell = dwell;
-                hole.kind = match a[11] {
-                    0.0 => Kind::ChipBreak {
-                        pecks,
-                        retract: drilling.given(14).map_or(RETRACT, |retract| retract.abs() * unit),
-                        ceiling: reference,
-                    },
-                    _ => Kind::Peck {
-                        pecks,
-                        clearance: drilling.given(16).map_or(RETRACT, |distance| distance.abs() * unit),
-                        ceiling: reference,
-                    },
-                };
-            }
+            "CYCLE81" | "CYCLE82" => hole.dwell = dwell,
             "CYCLE84" | "CYCLE840" => {
                 let is_rigid = drilling.name == "CYCLE84";
                 let (thread, pitch, speed) = if is_rigid { (a[7], a[8], a[10]) } else { (a[9], a[10], 0.0) };
-                let pitch = if pitch != 0.0 { pitch * unit } else { pitch_of(thread) };
+                let pitch = match a[if is_rigid { 13 } else { 12 }] {
+                    _ if pitch == 0.0 => pitch_of(thread),
+                    2.0 => MM_PER_INCH / pitch,
+                    3.0 => pitch * MM_PER_INCH,
+                    1.0 => pitch,
+                    _ => pitch * unit,
+                };
                 let speed = Some(speed).filter(|speed| *speed != 0.0).or(self.functions.speed);
                 let turn = if pitch < 0.0 { Turn::Left } else { Turn::Right };
                 if let Some(speed) = speed.filter(|_| pitch != 0.0) {
@@ -195,45 +201,25 @@ impl Tracer<'_> {
         Ok(hole)
     }
 
-    /// A dwell of a cycle, s: turns of the spindle where it is negative.
-    fn siemens_seconds(&self, value: f64) -> f64 {
-        let seconds =
-            if value < 0.0 { 60.0 * value / -self.functions.speed.unwrap_or(f64::INFINITY) } else { value };
-        if (0.0..=1e5).contains(&seconds) { seconds } else { 0.0 }
+    /// The depth of a centring by its diameter, for a tip of 90°.
+    fn siemens_centring(&mut self, block: Block, drilling: &Drilling, part: f64) -> Option<f64> {
+        let is_diameter = drilling.name == "CYCLE81" && (drilling.arguments[6] / 10.0) as i64 % 10 == 1;
+        let diameter = drilling.given(4).unwrap_or(drilling.arguments[3]).abs() * self.modal.unit;
+        is_diameter.then(|| {
+            let what =
+                "the depth is given by a diameter, and the tip of the tool is unknown: a tip of 90° is taken";
+            self.remarks.add(block.place(), Untraced::Statement { name: drilling.name, what });
+            part - 0.5 * diameter
+        })
     }
 
-    /// HOLES1 and HOLES2: the holes of the modal cycle in a row or on a circle.
-    pub(super) fn siemens_holes(&mut self, block: Block, name: &'static str) {
-        let Some(Drilling { arguments: a, .. }) = self.siemens_drilling(block, name) else { return };
-        let Some(drilling) = self.siemens.modal else {
-            self.remarks.add(
-                block.place(),
-                Untraced::Statement { name, what: "no cycle is in force (MCALL): no hole is made" },
-            );
-            return;
-        };
-        let unit = self.modal.unit;
-        let count = if (1.0..=10_000.0).contains(&a[5]) { a[5] as usize } else { 0 };
-        let angle = |degrees: f64| degrees.to_radians();
-        for index in 0..count {
-            let place = if name == "HOLES1" {
-                let along = (a[3] + a[4] * index as f64) * unit;
-                [a[0] * unit + along * angle(a[2]).cos(), a[1] * unit + along * angle(a[2]).sin()]
-            } else {
-                let step = if a[4] == 0.0 { 360.0 / count as f64 } else { a[4] };
-                let at = angle(a[3] + step * index as f64);
-                [(a[0] + a[2] * at.cos()) * unit, (a[1] + a[2] * at.sin()) * unit]
-            };
-            let mut program = self.frame.to_program(&self.position);
-            let [first, second, _] = self.modal.plane.axes();
-            (program[first], program[second]) = (place[0], place[1]);
-            let target = self.frame.to_machine(&program);
-            if !self.is_within_reach(block, 'X', target.coords.amax()) {
-                return;
-            }
-            self.rapid_to(block, target);
-            self.siemens_hole(block, &drilling);
-        }
+    /// A dwell of a cycle, s: turns of the spindle where it is negative, or by the mode 2.
+    pub(super) fn siemens_seconds(&self, value: f64, mode: u32) -> f64 {
+        let is_turns = mode == 2 || mode == 0 && value < 0.0;
+        let value = value.abs();
+        let seconds =
+            if is_turns { 60.0 * value / self.functions.speed.unwrap_or(f64::INFINITY) } else { value };
+        if (0.0..=1e5).contains(&seconds) { seconds } else { 0.0 }
     }
 }
 

@@ -44,7 +44,7 @@ fn flow_is_followed() {
     assert_eq!(ends("G0 R1=0\nUP: R1=R1+1\nX=R1\nIF (R1<3) AND (R1>0) GOTOB UP\nX9"), [1.0, 2.0, 3.0, 9.0]);
     assert_eq!(ends("G0 G91\nA:\nX1\nREPEAT A P=2"), [1.0, 2.0, 3.0]);
     assert_eq!(ends("G0 G91\nA: X1\nX5\nB: X2\nREPEATB A P=2"), [1.0, 6.0, 8.0, 9.0, 10.0]);
-    assert_eq!(ends("G0 G91\nA: X1\nB: X5\nREPEAT A B"), [1.0, 6.0, 7.0]);
+    assert_eq!(ends("G0 G91\nA: X1\nB: X5\nREPEAT A B"), [1.0, 6.0, 7.0, 12.0]);
     assert_eq!(ends("G0\nGOTOF N30\nN20 X1\nN30 X3"), [3.0]);
 }
 
@@ -54,6 +54,26 @@ fn subprograms_are_run() {
     assert_eq!(ends(file), [1.0, 2.0, 3.0, 10.0, 9.0]);
     let missing = run("G0 X1\nBORE(1)\nX2").diagnostics;
     assert!(missing[0].message.contains("`bore` is not in this file"), "{missing:?}");
+}
+
+#[test]
+fn subprograms_keep_to_themselves() {
+    let file = "%_N_MAIN_MPF\nDEF INT I\nDEF REAL A[3]=SET(4,5,6)\nG0\nFOR I=0 TO 1\nX=A[I]\nPART(,7)\nPART(2)\nENDFOR\nM30\n%_N_PART_SPF\nPROC PART(REAL X1=1,REAL Y1=3)\nDEF INT I=9\nX=X1 Y=Y1\nI=50\nRET\n";
+    let ends: Vec<_> = clean(file).segments.iter().map(|s| (s.end.x, s.end.y)).collect();
+    assert_eq!(ends, [(4.0, 0.0), (1.0, 7.0), (2.0, 3.0), (5.0, 3.0), (1.0, 7.0), (2.0, 3.0)]);
+    for call in ["MCALL PART(1)", "MCALL L10"] {
+        let found = run(&format!("G0 X1\n{call}\nX2\nMCALL")).diagnostics;
+        assert!(found.iter().any(|d| d.message.contains("after every move")), "{call}: {found:?}");
+    }
+}
+
+#[test]
+fn branches_by_value_and_words_without_blanks() {
+    let branch = |value: i32| {
+        ends(&format!("G0 R1={value}\nCASE R1 OF -1 GOTOF A 2 GOTOF B DEFAULT GOTOF C\nA: X1\nB:\nX2\nC:X3"))
+    };
+    assert_eq!([branch(-1), branch(2), branch(7)], [vec![1.0, 2.0, 3.0], vec![2.0, 3.0], vec![3.0]]);
+    assert_eq!(ends("N10G0X1Y2\nN20G1X=3F100\nN30X4.5Z-1M8"), [1.0, 3.0, 4.5]);
 }
 
 #[test]
@@ -125,9 +145,9 @@ fn drilling_cycles_make_their_holes() {
     assert!((rapid - (50.0 + 2.0 * (48.0 + 60.0))).abs() < 1e-9, "{rapid}");
     let dwells = clean("G0 Z50\nG1 F600\nCYCLE82(50,0,2,,10,1.5)").stops;
     assert!(matches!(dwells[..], [Stop { cause: StopCause::Dwell { seconds: 1.5 }, .. }]), "{dwells:?}");
-    // First peck to −4 from +2, then 3, 2 and 1: chip breaking by 1 mm.
+    // Strokes to −4, −7, −9 and −10; to break chips the tool goes up by 1 mm three times, in feed.
     let pecks = lengths(&clean("G0 Z50\nG1 F600\nCYCLE83(50,0,2,-10,,-4,,1,0,0,1,0)"));
-    assert!(12.0 < pecks.0 && pecks.0 < 16.0 + 1e-9, "{pecks:?}");
+    assert!((pecks.0 - (12.0 + 3.0 * 2.0)).abs() < 1e-9, "{pecks:?}");
     let tap = clean("G0 Z50\nS600 M3\nG1 F100\nCYCLE84(50,0,2,-10,,0,3,,1.25)");
     let feedrates: Vec<f64> = tap
         .segments

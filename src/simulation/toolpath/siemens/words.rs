@@ -22,10 +22,14 @@ pub(in crate::simulation::toolpath) enum SiemensWord {
     Offset,
     /// G25, G26: limits, not moves.
     Limits,
+    /// G58 and G59: shifts, not moves.
+    AxialOffset,
     /// G147, G148, G247, G248, G347, G348.
     SoftApproach,
-    /// G331 and G332: a tap's stroke.
-    Tap,
+    /// G33 to G35, G331 and G332: a stroke along a thread.
+    Thread,
+    /// G63: a tap in a floating chuck.
+    FloatingTap,
     /// G450 and G451: around outer corners by an arc, or to where the offset paths meet.
     OuterCorner,
 }
@@ -42,9 +46,11 @@ pub(in crate::simulation::toolpath) fn meaning(tenths: u16) -> Option<(usize, Me
         1100 | 1110 | 1120 => (NO_GROUP, Siemens(SiemensWord::Pole)),
         5000 | 5050..=5990 => (12, Siemens(SiemensWord::Offset)),
         250 | 260 => (NO_GROUP, Siemens(SiemensWord::Limits)),
+        580 | 590 => (NO_GROUP, Siemens(SiemensWord::AxialOffset)),
         1470 | 1480 | 2470 | 2480 | 3470 | 3480 => (NO_GROUP, Siemens(SiemensWord::SoftApproach)),
         4500 | 4510 => (NO_GROUP, Siemens(SiemensWord::OuterCorner)),
-        3310 | 3320 => (1, Siemens(SiemensWord::Tap)),
+        330 | 340 | 350 | 3310 | 3320 => (1, Siemens(SiemensWord::Thread)),
+        630 => (NO_GROUP, Siemens(SiemensWord::FloatingTap)),
         6010 | 6020 | 6030 | 3400 | 3410 | 4600 | 4610 | 4620 | 1400 | 1410 | 1420 | 1430 | 2900 | 9610
         | 9710 | 9620 | 9720 | 8100 | 8110 | 8200 | 8210 => (NO_GROUP, Neutral),
         2910 => (NO_GROUP, Transformation("ISO mode")),
@@ -84,6 +90,11 @@ impl Tracer<'_> {
                 self.frame.select_work_offset(number);
             }
             SiemensWord::Limits => request.has_foreign_axis_words = true,
+            SiemensWord::AxialOffset => {
+                request.has_foreign_axis_words = true;
+                let what = "shifts axis by axis are not applied: moves to and from the offset are too short or too long";
+                self.remarks.add(place, Untraced::Statement { name: "G58, G59", what });
+            }
             SiemensWord::SoftApproach => {
                 let what = "the soft approach is not modelled: a straight move to its end";
                 self.remarks.add(place, Untraced::Statement { name: "G147 to G348", what });
@@ -92,7 +103,15 @@ impl Tracer<'_> {
                 451 => OuterCorner::Intersection { reach: FARTHEST },
                 _ => OuterCorner::Arc,
             }),
-            SiemensWord::Tap => request.statement = Some(Statement::Tap(code.value == 331.0)),
+            SiemensWord::Thread => {
+                let turn = match code.value as u16 {
+                    331 => Some(4),
+                    332 => Some(3),
+                    _ => None,
+                };
+                request.statement = Some(Statement::Thread(turn));
+            }
+            SiemensWord::FloatingTap => request.statement = Some(Statement::FloatingTap),
         }
     }
 }

@@ -1,0 +1,230 @@
+//! Calls of subprograms.
+//!
+//! ```text
+//! L100 P3     NAME     NAME(1, 2)     CALL "NAME"     EXTCALL "NAME.SPF"     PROC NAME(REAL A, INT B=1)
+//! ```
+//!
+//! Arguments go through parameters beyond all R numbers, together with a number whose binary digits say
+//! which were given; from there `PROC` gives them, or what stands in for them, to names of its own:
+//!
+//! ```text
+//! a = g argument + (1 - g) default,  g = (given DIV 2^k) MOD 2
+//! ```
+//!
+//! A program called by its file name is looked for in this file. Texts as arguments and `MCALL` of a
+//! subprogram are not followed.
+
+use crate::simulation::gcode::expression::{Notation, identifier};
+use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::number::skip_blanks;
+use crate::simulation::gcode::reader::{Reader, Refusal};
+use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::{
+    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, address,
+};
+
+/// Which arguments of the last call were given.
+const GIVEN: u32 = 3_000_000_001;
+
+/// Where arguments of calls are put: beyond all R numbers.
+const ARGUMENTS: u32 = 3_000_000_002;
+
+/// The most arguments that a PROC can take.
+const MOST_ARGUMENTS: usize = 50;
+
+impl Reader<'_> {
+    /// `L100 P3`.
+    pub(super) fn siemens_call_by_number(
+        &mut self,
+        text: &[u8],
+        value: f64,
+        end: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        self.refuse_modal_call(format!("L{value}").as_bytes(), line.columns(end - 1, end))?;
+        let end = self.siemens_times(text, end, line)?;
+        let label = Label { kind: LabelKind::Numbered, id: value.abs().min(1e9) as u32 };
+        let to = Destination::Label(label, Direction::Either);
+        self.act(Action::Call { to, has_own_parameters: false });
+        Ok(end)
+    }
+
+    /// `P3` or `P=3` after a call.
+    fn siemens_times(&mut self, text: &[u8], end: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, end);
+        if !text.get(start).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P')) {
+            return Ok(end);
+        }
+        let next = skip_blanks(text, start + 1);
+        match text.get(next) {
+            Some(b'=') => self.siemens_value(text, next + 1, line, Target::Count),
+            Some(byte) if byte.is_ascii_digit() => self.siemens_value(text, next, line, Target::Count),
+            _ => Ok(end),
+        }
+    }
+
+    fn siemens_call_by_name(&mut self, name: &[u8]) {
+        let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+        let to = Destination::Label(Label { kind: LabelKind::Named, id }, Direction::Either);
+        self.act(Action::Call { to, has_own_parameters: false });
+    }
+
+    /// `NAME`, `NAME(1, R2)`.
+    pub(super) fn siemens_call(
+        &mut self,
+        text: &[u8],
+        (at, end): (usize, usize),
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        self.refuse_modal_call(&text[at..end], line.columns(at, end))?;
+        let open = skip_blanks(text, end);
+        let (mut next, mut given) = (end, 0_u64);
+        if text.get(open) == Some(&b'(') {
+            next = open + 1;
+            let mut argument = 0;
+            loop {
+                next = skip_blanks(text, next);
+                match text.get(next) {
+                    None => {
+                        let found = "the end of the line".to_string();
+                        return Err((
+                            Unread::Expected { expected: "`)`", found },
+                            line.columns(open, open + 1),
+                        ));
+                    }
+                    Some(b')') => break,
+                    Some(b',') => {
+                        argument += 1;
+                        next += 1;
+                    }
+                    Some(b'"') => {
+                        let length = text[next + 1..].iter().position(|byte| *byte == b'"');
+                        next = length.map_or(text.len(), |length| next + length + 2);
+                    }
+                    Some(_) => {
+                        given |= 1_u64.checked_shl(argument).unwrap_or(0);
+                        let number = ARGUMENTS + argument;
+                        (next, _) =
+                            self.formula(Notation::Siemens, text, (next, next), line, |expressions| {
+                                expressions.steps.push(Step::Number(f64::from(number)));
+                                expressions.expression(0)?;
+                                Ok(Target::Numbered)
+                            })?;
+                    }
+                }
+            }
+            next += 1;
+        }
+        self.assign_number(GIVEN, given as f64, line.columns(at, end));
+        let next = self.siemens_times(text, next, line)?;
+        self.siemens_call_by_name(&text[at..end]);
+        Ok(next)
+    }
+
+    /// `CALL "NAME"`, `EXTCALL "DIR/NAME.SPF"`, `EXTCALL("NAME")`, `CALL BLOCK A TO B`.
+    pub(super) fn siemens_call_by_text(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let word = &text[start..start + identifier(&text[start..])];
+        if word.eq_ignore_ascii_case(b"BLOCK") {
+            return self.siemens_call_section(text, start + word.len(), line);
+        }
+        let open = start + usize::from(text.get(start) == Some(&b'('));
+        let open = skip_blanks(text, open);
+        let open = open + usize::from(text.get(open) == Some(&b'"'));
+        let past = text[open..].iter().position(|byte| matches!(byte, b'"' | b';' | b')'));
+        let name = &text[open..past.map_or(text.len(), |length| open + length)];
+        let file = name.rsplit(|byte| matches!(byte, b'/' | b'\\')).next().unwrap_or_default().trim_ascii();
+        let file = file.strip_prefix(b"_N_").unwrap_or(file);
+        let length = file.iter().position(|byte| *byte == b'.').unwrap_or(file.len());
+        let lower = file[..length].to_ascii_lowercase();
+        let name = lower.strip_suffix(b"_spf").or(lower.strip_suffix(b"_mpf")).unwrap_or(&lower);
+        if name.is_empty() {
+            let found = excerpt(&text[start..]);
+            return Err((
+                Unread::Expected { expected: "the name of a program", found },
+                line.columns(at, at + 1),
+            ));
+        }
+        self.siemens_call_by_name(name);
+        Ok(text.iter().position(|byte| *byte == b';').unwrap_or(text.len()))
+    }
+
+    /// `PROC NAME(REAL A, INT B=1)`: a label, and the arguments by names of its own.
+    pub(super) fn siemens_proc(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        let start = skip_blanks(text, at);
+        let length = identifier(&text[start..]);
+        self.siemens_label(&text[start..start + length]);
+        let open = skip_blanks(text, start + length);
+        if text.get(open) != Some(&b'(') {
+            return Ok(text.len());
+        }
+        let mut next = open + 1;
+        for argument in 0..MOST_ARGUMENTS {
+            let end = text[next..].iter().position(|byte| matches!(byte, b',' | b')' | b'=' | b'['));
+            let end = end.map_or(text.len(), |length| next + length);
+            let words = text[next..end].split(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_');
+            let name = words.rev().find(|word| !word.is_empty()).unwrap_or_default();
+            let index = self.names.define(String::from_utf8_lossy(name).to_ascii_lowercase());
+            let has_default =
+                text.get(end) == Some(&b'=') && text.get(skip_blanks(text, end + 1)) != Some(&b'"');
+            let from = if has_default { end + 1 } else { end };
+            (next, _) = self.formula(Notation::Siemens, text, (next, from), line, |expressions| {
+                let weight = Step::Number(2_f64.powi(argument as i32));
+                let is_given = [
+                    Step::Number(f64::from(GIVEN)),
+                    Step::Numbered,
+                    weight,
+                    Step::Operator(Operator::Quotient),
+                    Step::Number(2.0),
+                    Step::Operator(Operator::Modulo),
+                ];
+                let number = Step::Number(f64::from(ARGUMENTS) + argument as f64);
+                expressions.steps.extend(is_given);
+                expressions.steps.extend([
+                    number,
+                    Step::Numbered,
+                    Step::Operator(Operator::Times),
+                    Step::Number(1.0),
+                ]);
+                expressions.steps.extend(is_given);
+                expressions.steps.push(Step::Operator(Operator::Minus));
+                if has_default {
+                    expressions.expression(0)?;
+                } else {
+                    expressions.steps.push(Step::Number(0.0));
+                }
+                expressions.steps.extend([Step::Operator(Operator::Times), Step::Operator(Operator::Plus)]);
+                Ok(Target::Named(index))
+            })?;
+            match text[next..].iter().position(|byte| matches!(byte, b',' | b')')) {
+                Some(length) if text[next + length] == b',' => next += length + 1,
+                _ => break,
+            }
+        }
+        Ok(text.len())
+    }
+
+    /// `MCALL` before a subprogram would run it after each move.
+    fn refuse_modal_call(&self, name: &[u8], columns: (u32, u32)) -> Result<(), Refusal> {
+        let last = self.program.words.last().filter(|_| self.block_has_words());
+        if last.is_some_and(|word| word.letter == address::STATEMENT && word.value == 0.0) {
+            let word = format!("MCALL {}", String::from_utf8_lossy(name));
+            return Err((Unread::ModalCall { word }, columns));
+        }
+        Ok(())
+    }
+
+    /// Gives a parameter a number.
+    pub(super) fn assign_number(&mut self, parameter: u32, value: f64, columns: (u32, u32)) {
+        let first = self.program.steps.len() as u32;
+        self.program.steps.extend([Step::Number(f64::from(parameter)), Step::Number(value)]);
+        let steps = first..self.program.steps.len() as u32;
+        let block = self.index();
+        self.program.formulas.push(Formula { block, target: Target::Numbered, steps, columns });
+    }
+}
