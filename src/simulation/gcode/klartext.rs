@@ -32,6 +32,7 @@ pub use names::{
     CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, POSITION_PARAMETERS, STATEMENTS,
 };
 
+use crate::simulation::gcode::heidenhain_iso::Modal;
 use crate::simulation::gcode::klartext::names::{PATHS, WHOLE_LINES};
 use crate::simulation::gcode::line::{Line, character_length, excerpt, is_continuation};
 use crate::simulation::gcode::number::skip_blanks;
@@ -46,6 +47,8 @@ pub(super) struct Heidenhain {
     continued: bool,
     /// What goes on is not read.
     skips: bool,
+    /// Words of DIN/ISO that stay in force.
+    pub(super) din: Modal,
 }
 
 impl Reader<'_> {
@@ -109,7 +112,12 @@ impl Reader<'_> {
         skip_blanks(code, start + digits).min(code.len())
     }
 
-    fn klartext_statement(&mut self, code: &[u8], at: usize, line: &mut Line) -> Result<(), Refusal> {
+    pub(super) fn klartext_statement(
+        &mut self,
+        code: &[u8],
+        at: usize,
+        line: &mut Line,
+    ) -> Result<(), Refusal> {
         let found = PATHS.iter().find_map(|(words, name)| Some((begins(code, at, words)?, *name)));
         let whole = WHOLE_LINES.iter().find_map(|(words, name)| Some((begins(code, at, words)?, *name)));
         if let Some((end, name)) = whole.filter(|_| found.is_none_or(|(_, name)| name.starts_with("TRANS"))) {

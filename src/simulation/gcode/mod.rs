@@ -39,6 +39,7 @@ mod encoding;
 mod expression;
 mod flow;
 mod formula;
+mod heidenhain_iso;
 mod iso;
 mod klartext;
 mod line;

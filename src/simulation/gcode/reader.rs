@@ -181,6 +181,7 @@ impl<'a> Reader<'a> {
         let mut line = Line::default();
         let outcome = match self.program.dialect {
             Dialect::Siemens => self.siemens_line(text, &mut line),
+            Dialect::HeidenhainIso => self.heidenhain_iso_line(text, &mut line),
             Dialect::Klartext => self.klartext_line(text, &mut line),
             _ => self.iso_line(text, &mut line),
         };

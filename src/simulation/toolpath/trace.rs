@@ -220,7 +220,7 @@ impl<'a> Tracer<'a> {
 
     /// Runs one block in the order of execution of the module's head.
     pub(super) fn block(&mut self, block: Block) {
-        if self.dialect == Dialect::Klartext {
+        if self.is_heidenhain() {
             return self.klartext_block(block);
         }
         let mut request = self.take_words(block);
