@@ -123,6 +123,9 @@ fn statements(code: &[u8], modal: &mut Modal) -> Result<Vec<String>, String> {
         _ => 0,
     };
     let code = code.get(after_number..).unwrap_or_default().trim_ascii();
+    if code.is_empty() {
+        return Ok(Vec::new());
+    }
     if let Some(header) = code.strip_prefix(b"%") {
         return Ok(program_border(header, after_number == 0));
     }

@@ -118,6 +118,9 @@ impl Reader<'_> {
         at: usize,
         line: &mut Line,
     ) -> Result<(), Refusal> {
+        if code.len() <= at {
+            return Ok(());
+        }
         let found = PATHS.iter().find_map(|(words, name)| Some((begins(code, at, words)?, *name)));
         let whole = WHOLE_LINES.iter().find_map(|(words, name)| Some((begins(code, at, words)?, *name)));
         if let Some((end, name)) = whole.filter(|_| found.is_none_or(|(_, name)| name.starts_with("TRANS"))) {
