@@ -103,3 +103,16 @@ fn a_move_of_no_length_after_compensation_is_none() {
     let text = "G42.1 D4\nG3 X30 Y30 I-10 J0\nG1 X0\nY0\nG40 X-2\nY0";
     laws::program_in(text.as_bytes(), Some(Dialect::LinuxCnc));
 }
+
+/// Found by `scripts/fuzz`: the name of a parameter with a control character, which a remark showed.
+#[test]
+fn names_of_parameters_hold_no_control_characters() {
+    laws::program_in(b"X#<wid\x7fth>\nX#<wid\xc2\x85th>\nO<a\x7f> CALL", Some(Dialect::LinuxCnc));
+}
+
+/// Found by mutation: blocks of nothing but a number or a slash.
+#[test]
+fn empty_blocks_of_heidenhain_programs_are_none() {
+    laws::program_in(b"N10\nN20 *\n/\n*", Some(Dialect::HeidenhainIso));
+    laws::program_in(b"10 /\n/\n20", Some(Dialect::Klartext));
+}

@@ -414,7 +414,11 @@ impl<'a> Expressions<'a> {
         let name: Vec<u8> =
             written.iter().copied().filter(|byte| !is_blank(*byte)).take(LONGEST_NAME + 1).collect();
         match String::from_utf8(name) {
-            Ok(name) if length.is_some() && (1..=LONGEST_NAME).contains(&name.len()) => {
+            Ok(name)
+                if length.is_some()
+                    && (1..=LONGEST_NAME).contains(&name.len())
+                    && !name.contains(char::is_control) =>
+            {
                 self.continuation += written.iter().filter(|byte| is_continuation(**byte)).count();
                 self.at = end + 1;
                 Ok(Place::Named(self.names.index(name.to_lowercase())))
