@@ -537,7 +537,7 @@ fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
         assert_eq!(found.unit, unit::MM_PER_S, "{name}");
         // Of a short part the few polls that a rapid and a feed share are much; the holes of the
         // plates are rapid and feed moves of the same line.
-        let expected = if path < 1000.0 { 0.08 } else { 0.025 };
+        let expected = if path < 1000.0 { 0.08 } else { 0.03 };
         assert!((found.ratio - 1.0).abs() < expected, "{name}: {}", found.ratio);
     }
 }
