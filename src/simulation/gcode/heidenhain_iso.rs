@@ -6,7 +6,7 @@
 //! G02, G03, G05 X Y          C X Y DR-, DR+             L1, L1,0       CALL LBL 1
 //! … with R                   CR X Y R DR±               G200 Q200=2 …  CYCL DEF 200 Q200=2 …
 //! I, J                       CC X Y                     G79            CYCL CALL
-//! G06 X Y, G16 R H           CT X Y, CTP PR PA          G83 P01 2 …    CYCL DEF 1.1 2 …
+//! G06 X Y, G16 R H           CT X Y, CTP PR PA          G38            STOP
 //! G10, G11 R H               LP PR PA FMAX, LP PR PA    G04 F1         CYCL DEF 9.1 1
 //! G12, G13, G15 H            CP PA DR-, DR+             G62 T0.02      CYCL DEF 32.1 T0.02
 //! G24 R, G25 R               CHF R, RND R               G54 X, G28 X   CYCL DEF 7.1 X, 8.1 X
@@ -15,7 +15,7 @@
 //! ```
 //!
 //! What is wrong in a line is said of the whole line. Not read, and said: G26 and G27 (tangential
-//! approach), D04 and on, graphics and touch probes.
+//! approach), G83 to G86 with P01 and on, D05 and on, touch probes.
 //!
 //! Source: TNC 640, DIN/ISO Programming, 2018.
 
@@ -32,6 +32,12 @@ pub(super) struct Modal {
     motion: u32,
     is_incremental: bool,
 }
+
+/// The G words that are read, apart from cycles from 200 on; G17 to G20, G40, G50 and G51 without more.
+const KNOWN: &[u32] = &[
+    0, 1, 2, 3, 4, 5, 6, 10, 11, 12, 13, 15, 16, 17, 18, 19, 20, 24, 25, 26, 27, 28, 30, 31, 38, 40, 41, 42,
+    50, 51, 54, 62, 70, 71, 72, 73, 79, 90, 91, 98, 99,
+];
 
 /// The columns of a whole line.
 const WHOLE_LINE: (u32, u32) = (1, 1);
@@ -141,6 +147,9 @@ fn statements(code: &[u8], modal: &mut Modal) -> Result<Vec<String>, String> {
     let words = words(code)?;
     let codes: Vec<u32> =
         words.iter().filter(|word| word.letter == 'G').filter_map(Word::number).map(|g| g as u32).collect();
+    if let Some(unknown) = codes.iter().find(|code| !KNOWN.contains(code)) {
+        return Err(format!("G{unknown}"));
+    }
     let given =
         |letter: char| words.iter().rfind(|word| word.letter == letter).map(|word| word.value.as_str());
     let has = |code: u32| codes.contains(&code);
@@ -286,7 +295,7 @@ fn program_border(header: &[u8], begins: bool) -> Vec<String> {
     if begins { vec![format!("BEGIN PGM {name} {unit}")] } else { vec![format!("END PGM {name} {unit}")] }
 }
 
-/// `G200 Q200=2 …`, `Q200=2 …` and the cycles G83 and G84 with `P01 2 P02 -20`.
+/// `G200 Q200=2 …` and `Q200=2 …`.
 fn cycle_with_parameters(code: &[u8]) -> Option<String> {
     if code[..1].eq_ignore_ascii_case(b"Q") {
         return Some(String::from_utf8_lossy(code).into_owned());
