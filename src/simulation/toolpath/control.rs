@@ -16,6 +16,9 @@ use crate::units::{MM_PER_INCH, mm_per_min};
 
 impl Control for Tracer<'_> {
     fn numbered(&self, number: u32) -> Option<f64> {
+        if self.is_heidenhain() {
+            return self.klartext_parameter(number);
+        }
         match number {
             5001..=5003 => Some(self.program_position((number - 5001) as usize)),
             5041..=5043 => Some(self.program_position((number - 5041) as usize)),
@@ -48,7 +51,7 @@ impl Control for Tracer<'_> {
 
 impl Tracer<'_> {
     /// Where the tool is on an axis, in the program's coordinates and unit.
-    fn program_position(&self, axis: usize) -> f64 {
+    pub(in crate::simulation::toolpath) fn program_position(&self, axis: usize) -> f64 {
         self.frame.to_program(&self.position)[axis] / self.modal.unit
     }
 

@@ -51,6 +51,8 @@ pub(super) struct WorkOffset {
 /// Which word made an operation on coordinates; a new one of the same kind replaces it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
+    /// Datum shift of Heidenhain controls.
+    Datum,
     Mirror,
     Scaling,
     Rotation,

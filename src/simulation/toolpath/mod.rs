@@ -42,6 +42,7 @@ mod cycle;
 mod feed_mode;
 mod frame;
 mod functions;
+mod klartext;
 mod motion;
 mod operations;
 mod parameters;

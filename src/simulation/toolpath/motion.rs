@@ -166,7 +166,7 @@ impl Tracer<'_> {
         is_within
     }
 
-    fn arc_to(&mut self, block: Block, end: Point, turn: Turn) {
+    pub(super) fn arc_to(&mut self, block: Block, end: Point, turn: Turn) {
         for letter in *b"IJKR" {
             let value = self.given.get(letter).unwrap_or_default() * self.modal.unit;
             if !self.is_within_reach(block, letter as char, value) {
@@ -267,6 +267,7 @@ impl Tracer<'_> {
             self.turn_alone(block, motion == Motion::Rapid);
             return;
         }
+        self.klartext_before_move(end, &curve, length);
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
         let rotation = self.turned_along();
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, line };

@@ -3,6 +3,7 @@
 use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
 use crate::simulation::toolpath::compensation::Trouble;
 use crate::simulation::toolpath::cycle::NoHole;
+use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::path_mode::PathRemark;
 use crate::simulation::toolpath::plane::NoCircle;
@@ -164,6 +165,8 @@ pub(super) enum Untraced {
     NoArcThrough,
     #[error("G331 and G332 need a pitch (K) and a spindle speed (S): run at the feedrate in force")]
     NoTapFeed,
+    #[error("{0}")]
+    Klartext(KlartextRemark),
     #[error("{text}: not run")]
     NotRun { text: String },
     #[error(
@@ -279,6 +282,7 @@ impl Remark for Untraced {
             | Untraced::NoTapFeed
             | Untraced::Unassigned { .. } => Severity::Warning,
             Untraced::PathMode(remark) => remark.severity(),
+            Untraced::Klartext(remark) => remark.severity(),
             Untraced::NoMotionWord
             | Untraced::DwellUnit { .. }
             | Untraced::CycleDwellUnit
@@ -295,6 +299,9 @@ impl Remark for Untraced {
 
     fn is_said_once(&self) -> bool {
         if let Untraced::PathMode(remark) = self {
+            return remark.is_said_once();
+        }
+        if let Untraced::Klartext(remark) = self {
             return remark.is_said_once();
         }
         matches!(

@@ -8,6 +8,7 @@ use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
+use crate::simulation::toolpath::klartext::Klartext;
 use crate::simulation::toolpath::motion::has_dwell_by_feed;
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::path_mode::{InForce, PathWord};
@@ -55,12 +56,14 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
             tracer.remarks.add(Place::line(block.line), remark);
         }
         if let Some(code) = tracer.ended {
-            if let Some((line, blocks)) = run.rest(index + 1) {
+            // Subprograms stand behind the end of Heidenhain programs.
+            if let Some((line, blocks)) = run.rest(index + 1).filter(|_| !tracer.is_heidenhain()) {
                 tracer.remarks.add(Place::line(line), Untraced::AfterEnd { blocks, code });
             }
             break;
         }
     }
+    tracer.end_klartext();
     tracer.end_contour();
     tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
@@ -129,7 +132,8 @@ pub(super) enum Family {
 impl Family {
     fn of(dialect: Dialect) -> Family {
         match dialect {
-            Dialect::Iso | Dialect::Okuma => Family::Fanuc,
+            // TNC controls too count a degree of a rotary axis as a millimetre.
+            Dialect::Iso | Dialect::Okuma | Dialect::Klartext | Dialect::HeidenhainIso => Family::Fanuc,
             _ => Family::Rs274,
         }
     }
@@ -151,11 +155,12 @@ pub(super) struct Tracer<'a> {
     pub(super) family: Family,
     pub(super) dialect: Dialect,
     pub(super) siemens: Siemens,
+    pub(super) klartext: Klartext,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     pub(super) functions: Functions,
     pub(super) path_mode: InForce,
-    ended: Option<Code>,
+    pub(super) ended: Option<Code>,
     pub(super) compensation: CompensationWords,
     pub(super) contour: Contour,
     pub(super) toolpath: Toolpath,
@@ -187,6 +192,7 @@ impl<'a> Tracer<'a> {
             family: Family::default(),
             dialect: Dialect::default(),
             siemens: Siemens::default(),
+            klartext: Klartext::default(),
             exact_stop: false,
             functions: Functions::default(),
             path_mode: InForce::default(),
@@ -200,6 +206,9 @@ impl<'a> Tracer<'a> {
 
     /// Runs one block in the order of execution of the module's head.
     pub(super) fn block(&mut self, block: Block) {
+        if self.is_heidenhain() {
+            return self.klartext_block(block);
+        }
         let mut request = self.take_words(block);
         for (word, code, place) in std::mem::take(&mut request.path_words) {
             let has_cycle = request.groups[9].is_some() && self.cycle.is_active();

@@ -19,6 +19,7 @@
 //!
 //! Source: LinuxCNC user manual, cutter radius compensation.
 
+mod beside;
 mod corner;
 mod geometry;
 mod queue;
@@ -29,10 +30,11 @@ mod tests;
 mod trouble;
 mod words;
 
+pub(super) use beside::Beside;
 pub(super) use corner::OuterCorner;
 pub(super) use rounding::{CornerShape, CornerTreatment};
 pub(super) use trouble::Trouble;
-pub(super) use words::{CompensationWord, CompensationWords, Side};
+pub(super) use words::{CompensationWord, CompensationWords, Diameter, Side};
 
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::compensation::queue::{Queue, Setting};

@@ -76,12 +76,12 @@ pub(super) struct Queue {
     pub(super) outer_corner: OuterCorner,
     pieces: VecDeque<Piece>,
     /// The tool has reached its distance from the contour.
-    has_entered: bool,
+    pub(super) has_entered: bool,
     /// An inner arc was left out since the last piece.
     has_gap: bool,
     /// Where the tool's centre is after all that is put out, mm; none where the programmed
     /// position says so.
-    at: Option<Point>,
+    pub(super) at: Option<Point>,
     pub(super) troubles: Vec<(LineNumber, Trouble)>,
 }
 

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 const LAST_TOOL: f64 = 99_999_999.0;
 
 /// The largest size of a tool or of a corner treatment that is taken at its word, mm.
-const LARGEST: f64 = 1e6;
+pub(super) const LARGEST: f64 = 1e6;
 
 /// Where the tool is, seen along the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,7 +113,7 @@ impl Tracer<'_> {
     }
 
     /// Left of the program is right of the machine.
-    fn is_mirrored(&self) -> bool {
+    pub(super) fn is_mirrored(&self) -> bool {
         self.frame.turned().is_some_and(|chain| chain.flips(self.modal.plane))
     }
 
@@ -128,7 +128,7 @@ impl Tracer<'_> {
     }
 
     /// Diameter of a tool, mm, or a remark on the key that would tell it.
-    fn diameter(&mut self, block: Block, diameter: Diameter) -> Option<f64> {
+    pub(super) fn diameter(&mut self, block: Block, diameter: Diameter) -> Option<f64> {
         let tool = match diameter {
             Diameter::Given(diameter) => return Some(diameter),
             Diameter::Tool(tool) => Some(tool),

@@ -37,7 +37,7 @@ impl Tracer<'_> {
         let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
         self.refer_to_mode(&mut values);
         let [a, b, _] = self.modal.plane.axes();
-        if let Some(point) = self.siemens_polar() {
+        if let Some(point) = self.siemens_polar().or_else(|| self.klartext_polar()) {
             let at = self.frame.to_program(&self.position);
             for (axis, value) in point {
                 values[axis] = Some(if self.modal.is_incremental { value - at[axis] } else { value });
