@@ -20,6 +20,8 @@ mod frame;
 mod hole;
 mod path;
 mod remark;
+#[cfg(test)]
+mod tests;
 
 pub(super) use remark::KlartextRemark;
 

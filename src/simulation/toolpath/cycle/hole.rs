@@ -320,7 +320,11 @@ pub fn work(hole: &Hole) -> Result<Work, NoHole> {
 
 /// Calls `each` with what is left below every peck, mm, the last of which is 0; says whether
 /// pecks had to be deeper than written.
-fn peck(depth: f64, pecks: Pecks, mut each: impl FnMut(f64)) -> Result<bool, NoHole> {
+pub(in crate::simulation::toolpath) fn peck(
+    depth: f64,
+    pecks: Pecks,
+    mut each: impl FnMut(f64),
+) -> Result<bool, NoHole> {
     if pecks.first.is_nan() || pecks.first <= 0.0 {
         return Err(NoHole::BadPeck(pecks.first));
     }

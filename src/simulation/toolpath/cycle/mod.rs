@@ -49,6 +49,11 @@ impl Cycles {
         self.active.is_some()
     }
 
+    /// How the spindle turns.
+    pub(super) fn turn(&self) -> Turn {
+        self.turn
+    }
+
     /// G80, or a word of motion.
     pub(super) fn end(&mut self) {
         self.active = None;

@@ -1,194 +1,225 @@
-//! `CYCL DEF`: what a cycle is defined to do, and when it is called.
+//! Cycles: what their definitions say, and when their holes are made.
 //!
-//! Cycles of coordinates and settings (7, 8, 9, 10, 11, 26, 32, 247) act where they are defined. A
-//! drilling cycle waits for `CYCL CALL`, `CYCL CALL POS`, M99 (once, after the motion) or M89 (after
-//! every motion, until M99). Patterns (220, 221) call it at each of their points. Every other cycle is
-//! named in a diagnostic where it is called.
+//! A definition of a drilling cycle is kept until the next one; CYCL CALL and M99 make one hole
+//! where the tool is, CYCL CALL POS goes to one, M89 makes one after every move until M99. Cycles 220
+//! and 221 make a circle or rows of holes at once, with the cycle defined before. The other cycles
+//! below 100 act where they are defined.
 
-use crate::machine::AXES;
 use crate::simulation::gcode::{
-    CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, LineNumber, Reference, Word, address,
+    CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, LineNumber, Word, address,
 };
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::klartext::KlartextRemark;
+use crate::simulation::toolpath::klartext::hole::is_hole;
+use crate::simulation::toolpath::motion::LONGEST_DWELL;
 use crate::simulation::toolpath::path_mode::Blending;
+use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
-use crate::simulation::toolpath::{StopCause, Vector};
-use std::collections::BTreeMap;
+use crate::simulation::toolpath::{Point, StopCause};
 
-/// The longest dwell that is taken at its word, s.
-const LONGEST_DWELL: f64 = 1e6;
+/// The most holes of one pattern.
+const MOST_HOLES: f64 = 10_000.0;
 
-/// The most points of a pattern.
-const MOST_POINTS: f64 = 10_000.0;
+/// Cycles that have no moves of their own where they are defined: contours, their data, subprograms,
+/// orientation of the spindle, settings of touch probes.
+const WITHOUT_MOVES: &[u32] = &[12, 13, 14, 20, 30, 239, 270, 271];
 
-/// What cycles keep from block to block.
-#[derive(Default)]
+/// The definition in force, and the parameters of all.
 pub(super) struct Cycle {
-    /// The machining cycle that a call runs.
     pub(super) number: Option<u32>,
-    /// Its settings by line, for the cycles before 200.
-    pub(super) settings: [Option<f64>; 8],
-    /// What the parameters hold, as written.
-    parameters: BTreeMap<u32, f64>,
-    /// The number and the line of the `CYCL DEF` being read.
-    defined: (u32, u32),
+    /// The settings of a cycle with lines of its own, by line.
+    pub(super) settings: [Option<f64>; 10],
+    parameters: [Option<f64>; CYCLE_PARAMETERS.len()],
+    /// M89.
     is_modal: bool,
-    /// A pattern whose parameters may still follow.
+    /// A pattern (cycle 220, 221) that waits for its parameters.
     pattern: Option<(u32, LineNumber)>,
 }
 
+impl Default for Cycle {
+    fn default() -> Cycle {
+        let parameters = [None; CYCLE_PARAMETERS.len()];
+        Cycle { number: None, settings: [None; 10], parameters, is_modal: false, pattern: None }
+    }
+}
+
 impl Cycle {
-    /// Takes in an argument of a block.
+    /// Takes in an argument that is a parameter.
     pub(super) fn take_word(&mut self, word: &Word) {
-        let whole = word.value.clamp(0.0, 1e6) as u32;
-        match word.letter {
-            CYCLE_NUMBER => self.defined = (whole, 0),
-            CYCLE_STEP => self.defined.1 = whole,
-            letter => {
-                let place = letter.checked_sub(FIRST_PARAMETER).map(usize::from);
-                if let Some(number) = place.and_then(|place| CYCLE_PARAMETERS.get(place)) {
-                    self.parameters.insert(*number, word.value);
-                }
-            }
+        let place = word.letter.checked_sub(FIRST_PARAMETER).map(usize::from);
+        if let Some(parameter) = place.and_then(|place| self.parameters.get_mut(place)) {
+            *parameter = Some(word.value);
         }
     }
 
-    /// What a parameter holds; 0 where nothing was assigned to it.
-    pub(super) fn parameter(&self, number: u32) -> f64 {
-        self.parameters.get(&number).copied().unwrap_or(0.0)
+    /// A parameter as the program gave it; 0 where it did not.
+    pub(super) fn q(&self, number: u32) -> f64 {
+        let place = CYCLE_PARAMETERS.iter().position(|known| *known == number);
+        place.and_then(|place| self.parameters[place]).unwrap_or(0.0)
     }
 }
 
 impl Tracer<'_> {
-    /// `CYCL DEF`.
+    /// CYCL DEF.
     pub(super) fn define_cycle(&mut self, block: Block) {
-        let (number, step) = self.klartext.cycle.defined;
-        let setting = self.given.get(address::SETTING);
-        match number {
-            7 | 8 | 10 | 11 | 26 if 0 < step => self.transform_by_cycle(block, number),
-            7 | 8 | 10 | 11 | 26 => {}
-            9 => {
-                if let Some(seconds) = setting.filter(|_| 0 < step) {
-                    if (0.0..=LONGEST_DWELL).contains(&seconds) {
-                        self.stop(block, StopCause::Dwell { seconds });
-                    } else {
-                        let what = "this waiting time is not possible: no dwell";
-                        self.remark(block.place(), KlartextRemark::CycleSetting { number, what });
-                    }
-                }
+        let argument =
+            |address: u8| block.words.iter().find(|word| word.letter == address).map(|word| word.value);
+        let number = argument(CYCLE_NUMBER).unwrap_or(0.0).clamp(0.0, 1e6) as u32;
+        let step = argument(CYCLE_STEP).map(|step| step.clamp(0.0, 9.0) as usize);
+        let has_value = self.given.get(address::SETTING).is_some();
+        match (number, step) {
+            (7, Some(1..)) => self.shift_datum(block),
+            (8, Some(1..)) => self.mirror_axes(),
+            (8, Some(0)) => {}
+            (9, Some(1..)) => self.wait(block),
+            (10, Some(1..)) => self.rotate_plane(block, address::SETTING),
+            (11, Some(1..)) => self.scale_all(block),
+            (26, Some(1..)) => self.scale_axes(block),
+            (32, Some(1)) => self.tolerance(block),
+            (32, Some(0)) if !has_value => {
+                let source = "CYCL DEF 32".to_string();
+                self.set_tolerance(block.place(), source, Blending::Machine);
             }
-            32 => {
-                let tolerance = setting.filter(|tolerance| step == 1 && 0.0 < *tolerance);
-                if let Some(tolerance) = tolerance {
-                    let blending = Blending::Within(tolerance * self.modal.unit);
-                    self.set_tolerance(block.place(), format!("CYCL DEF 32 T{tolerance}"), blending);
-                } else if step <= 1 {
-                    self.set_tolerance(block.place(), "CYCL DEF 32".to_string(), Blending::Machine);
-                }
+            (7 | 9 | 10 | 11 | 26 | 32, _) => {}
+            (19, Some(1..))
+                if b"ABC".iter().any(|axis| self.given.get(*axis).is_some_and(|angle| angle != 0.0)) =>
+            {
+                let what = "the tilted working plane is not modelled: moves are taken as written";
+                self.remark(block.place(), KlartextRemark::CycleSetting { number, what });
             }
-            12 if step == 1 => {
-                let (name, what) =
-                    ("CYCL DEF 12", "the program is not in this file: its moves are missing from the time");
-                self.remark(block.place(), KlartextRemark::Statement { name, what });
+            (19, _) => {}
+            (247, _) => {
+                let what = "presets of the control are not known: coordinates go on in the one in force";
+                self.remark(block.place(), KlartextRemark::CycleSetting { number, what });
             }
-            12 | 13 | 14 | 20 | 247 => {}
-            220 | 221 => self.klartext.cycle.pattern = Some((number, block.line)),
+            (220 | 221, _) => self.klartext.cycle.pattern = Some((number, block.line)),
+            (400..=499, _) => self.remark(block.place(), KlartextRemark::Cycle { number }),
+            (_, Some(step @ 1..)) if self.klartext.cycle.number == Some(number) => {
+                self.klartext.cycle.settings[step] = self.given.get(address::SETTING);
+            }
+            _ if WITHOUT_MOVES.contains(&number) => {}
             _ => {
                 let cycle = &mut self.klartext.cycle;
-                if step == 0 {
-                    cycle.number = Some(number);
-                    cycle.settings = [None; 8];
-                } else if let Some(slot) = cycle.settings.get_mut(step as usize) {
-                    *slot = setting.or(self.given.get(b'F'));
-                }
+                (cycle.number, cycle.is_modal, cycle.settings) = (Some(number), false, [None; 10]);
             }
         }
     }
 
-    /// `CYCL CALL`.
+    /// Cycle 9.
+    fn wait(&mut self, block: Block) {
+        match self.given.get(address::SETTING) {
+            Some(seconds) if (0.0..=LONGEST_DWELL).contains(&seconds) => {
+                self.stop(block, StopCause::Dwell { seconds });
+            }
+            Some(seconds) => self.remarks.add(block.place(), Untraced::BadDwell { seconds }),
+            None => self.remarks.add(block.place(), Untraced::NoDwellTime),
+        }
+    }
+
+    /// Cycle 32: the contour tolerance; without T, or with 0, that of the machine.
+    fn tolerance(&mut self, block: Block) {
+        let tolerance = self.given.get(address::SETTING).filter(|tolerance| *tolerance != 0.0);
+        let source = tolerance.map_or("CYCL DEF 32".to_string(), |value| format!("CYCL DEF 32 T{value}"));
+        let blending = tolerance.map_or(Blending::Machine, |value| Blending::Within(value * self.modal.unit));
+        self.set_tolerance(block.place(), source, blending);
+    }
+
+    /// CYCL CALL.
     pub(super) fn call_cycle(&mut self, block: Block) {
-        if self.klartext.cycle.number.is_none() {
+        self.settle_approach();
+        self.klartext.cycle.is_modal = false;
+        self.run_cycle(block, 0.0);
+    }
+
+    /// CYCL CALL POS: in the plane to the hole; its Z lifts or lowers the surface of the cycle.
+    pub(super) fn call_cycle_at(&mut self, block: Block) {
+        self.settle_approach();
+        let Some(mut target) = self.target(block) else { return };
+        let axis = self.modal.plane.axes()[2];
+        let lift = self.given.get(b"XYZ"[axis]).unwrap_or(0.0) * self.modal.unit;
+        target[axis] = self.position[axis];
+        self.rapid_to(block, target);
+        self.run_cycle(block, lift);
+    }
+
+    /// The holes that M99 and M89 ask for, after the move of their block.
+    pub(super) fn call_after_move(&mut self, block: Block, called: bool, begins: bool) {
+        let cycle = &mut self.klartext.cycle;
+        if called {
+            cycle.is_modal = false;
+        } else if begins {
+            cycle.is_modal = true;
+        }
+        if called || (cycle.is_modal && self.moves_axes()) {
+            self.settle_approach();
+            self.run_cycle(block, 0.0);
+        }
+    }
+
+    /// Runs the cycle in force where the tool is, with its surface lifted (mm).
+    fn run_cycle(&mut self, block: Block, lift: f64) {
+        let Some(number) = self.klartext.cycle.number else {
             self.remark(block.place(), KlartextRemark::NoCycle);
             return;
-        }
-        self.klartext_hole(block);
-    }
-
-    /// `CYCL CALL POS`: to the place in the plane, then the cycle.
-    pub(super) fn call_cycle_at(&mut self, block: Block) {
-        self.straight(block);
-        self.call_cycle(block);
-    }
-
-    /// M99 and M89, and what M89 left in force.
-    pub(super) fn call_after_move(&mut self, block: Block, called: bool, is_modal: bool) {
-        let was_modal = self.klartext.cycle.is_modal && self.moves_axes();
-        self.klartext.cycle.is_modal = (self.klartext.cycle.is_modal || is_modal) && !called;
-        if called || is_modal || was_modal {
-            self.call_cycle(block);
+        };
+        if is_hole(number) {
+            self.make_klartext_hole(block, number, lift);
+        } else if number == 12 {
+            let (name, what) =
+                ("cycle 12", "the program it calls is not run: its moves are missing from the time");
+            self.remark(block.place(), KlartextRemark::Statement { name, what });
+        } else {
+            self.remark(block.place(), KlartextRemark::Cycle { number });
         }
     }
 
-    /// Runs a pattern once all of its parameters are known.
+    /// Runs a pattern once all its parameters are known: with the next statement.
     pub(super) fn run_pattern(&mut self) {
         let Some((number, line)) = self.klartext.cycle.pattern.take() else { return };
-        let q = |parameter: u32| self.klartext.cycle.parameter(parameter);
-        let unit = self.modal.unit;
-        let count = |value: f64| if (1.0..=MOST_POINTS).contains(&value) { value as u32 } else { 0 };
-        let mut points: Vec<[f64; 2]> = Vec::new();
-        if number == 220 {
-            // Start Q245, step Q247, or all of it from Q245 to Q246 in equal parts.
-            let holes = count(q(241));
-            let step = match q(247) {
-                0.0 if (q(246) - q(245)).rem_euclid(360.0) == 0.0 => 360.0 / f64::from(holes.max(1)),
-                0.0 => (q(246) - q(245)) / f64::from(holes.saturating_sub(1).max(1)),
-                step => step,
-            };
-            for hole in 0..holes {
-                let angle = (q(245) + f64::from(hole) * step).to_radians();
-                points.push([q(216) + 0.5 * q(244) * angle.cos(), q(217) + 0.5 * q(244) * angle.sin()]);
-            }
-        } else {
-            let (columns, rows) = (count(q(242)), count(q(243)));
-            let (sin, cos) = q(224).to_radians().sin_cos();
-            for row in 0..rows.min(MOST_POINTS as u32 / columns.max(1)) {
-                for column in 0..columns {
-                    // Every other row runs back.
-                    let column = if row % 2 == 0 { column } else { columns - 1 - column };
-                    let (along, across) = (f64::from(column) * q(237), f64::from(row) * q(238));
-                    points.push([q(225) + along * cos - across * sin, q(226) + along * sin + across * cos]);
-                }
-            }
-        }
         let block = Block { words: &[], line };
-        for point in points {
-            let [a, b, _] = self.modal.plane.axes();
-            let mut program = self.frame.to_program(&self.position);
-            (program[a], program[b]) = (point[0] * unit, point[1] * unit);
-            let target = self.frame.to_machine(&program);
+        let unit = self.modal.unit;
+        let cycle = &self.klartext.cycle;
+        let count = |number: u32| {
+            let count = cycle.q(number).round();
+            if (0.0..=MOST_HOLES).contains(&count) { count as u32 } else { 0 }
+        };
+        let q = |number: u32| cycle.q(number) * unit;
+        let angle = |number: u32| cycle.q(number).to_radians();
+        let mut places = Vec::new();
+        if number == 220 {
+            let count = count(241);
+            let (first, last, step) = (angle(245), angle(246), angle(247));
+            let is_closed = ((last - first).abs() - std::f64::consts::TAU).abs() < 1e-9;
+            let spaces = if is_closed { f64::from(count) } else { f64::from(count) - 1.0 };
+            let step = if step != 0.0 { step } else { (last - first) / spaces.max(1.0) };
+            places.extend((0..count).map(|index| {
+                let at = first + step * f64::from(index);
+                [q(216) + 0.5 * q(244) * at.cos(), q(217) + 0.5 * q(244) * at.sin()]
+            }));
+        } else {
+            let (columns, rows) = (count(242), count(243));
+            let (sin, cos) = angle(224).sin_cos();
+            let total = (f64::from(columns) * f64::from(rows)).min(MOST_HOLES) as u32;
+            places.extend((0..total).map(|index| {
+                let (row, column) = (index / columns, index % columns);
+                // Every other row is run back.
+                let column = if row % 2 == 0 { column } else { columns - 1 - column };
+                let (along, across) = (f64::from(column) * q(237), f64::from(row) * q(238));
+                [q(225) + cos * along - sin * across, q(226) + sin * along + cos * across]
+            }));
+        }
+        let [a, b, _] = self.modal.plane.axes();
+        for place in places {
+            let mut program: Point = self.frame.to_program(&self.position);
+            (program[a], program[b]) = (place[0], place[1]);
+            let mut target = self.frame.to_machine(&program);
+            let axis = self.modal.plane.axes()[2];
+            target[axis] = self.position[axis];
             if !self.is_within_reach(block, 'X', target.coords.amax()) {
                 return;
             }
             self.rapid_to(block, target);
-            self.call_cycle(block);
+            self.run_cycle(block, 0.0);
         }
-    }
-
-    /// The axis words of a block in mm, absolute or added to `from`.
-    pub(super) fn axis_words(&self, from: &Vector) -> [Option<f64>; 3] {
-        let mut axis = 0;
-        AXES.map(|letter| {
-            let value = self.given.get(letter as u8).map(|value| value * self.modal.unit);
-            let is_added = self.given.is_incremental(letter as u8, false);
-            let value = value.map(|value| if is_added { from[axis] + value } else { value });
-            axis += 1;
-            value
-        })
-    }
-
-    /// Whether the setting of a block is an increment.
-    pub(super) fn is_added(&self, block: Block, address: u8) -> bool {
-        block.words.iter().any(|word| word.letter == address && word.reference == Reference::Incremental)
     }
 }

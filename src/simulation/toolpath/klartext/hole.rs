@@ -1,183 +1,416 @@
-//! Drilling, tapping and boring cycles of Heidenhain controls, as holes of the cycle engine.
+//! The work at one hole, by the drilling cycles of TNC controls.
 //!
-//! ```text
-//! Q203 surface, Q200 clearance above it, Q204 second clearance, Q201 depth (negative), Q206 feed
+//! Heights in program coordinates: the surface Q203, from which the depth Q201 counts downwards; the
+//! set-up clearance Q200 above it, where feed begins; Q204 above it, where the tool is left.
 //!
-//! 200 drilling    Q202 peck, Q211 dwell            201 reaming     Q208 feed out, Q211 dwell
-//! 202 boring      Q208, Q211, off the wall         203, 205        Q202, Q212 less each time, Q205 least
-//! 206 tapping     feed Q206                        207, 209        Q239 pitch × spindle speed
-//! 240 centring    Q211 dwell                       241 deep hole   Q379 start, Q211 dwell
-//! 1 pecking, 2 tapping, 17 rigid tapping           set-up, depth, … from where the tool stands
-//! ```
+//! | cycle | pecks by Q202, from the surface | back between them | out |
+//! |---|---|---|---|
+//! | 200 | equal | rapid to Q200, wait Q210, rapid to Q200 above the last depth | rapid |
+//! | 201, 202 | none | | feed Q208 (0: Q206); 202 with an oriented spindle |
+//! | 203 | less by Q212 down to Q205 | after Q213 breaks by Q256 each | feed Q208 (0: rapid) |
+//! | 204 | counterbore Q249 from below a part of Q250 | | rapid |
+//! | 205 | less by Q212 down to Q205 | rapid, back to Q258 … Q259 above the last depth; breaks after Q257 by Q256 | rapid |
+//! | 206 | tap, feed Q206 | | feed, spindle reversed |
+//! | 207 | tap, pitch Q239 | | the same |
+//! | 209 | tap, pitch Q239, breaks after Q257 by Q256 | | the same, Q403 times faster |
+//! | 240 | none | | rapid |
+//! | 241 | none; from Q379 on, reached at Q253 | | feed Q208 |
+//! | 1 | line 3, from line 1 above the surface | rapid to the start, back to 0.6 mm (depth / 50 beyond 30 mm) | rapid |
+//! | 2, 17 | tap; 17 by its pitch | | feed |
 //!
-//! Full retracts begin again 0.2 mm above the last depth (205: Q258). Not modelled, and said: breaking
-//! chips of 209, the depth of 240 by its diameter, feeds of 241 other than Q206, 204 and 208.
-//!
-//! Source: TNC 640, Cycle Programming 2018, ch. 4 and 5.
+//! The cycles of the older kind begin where the tool is, and count their clearance (line 1) and depth
+//! (line 2) from there. Source: TNC 640, Cycle Programming, 2018; TNC 426, 1997. Limits: bore milling
+//! (208) and threads (18, 26x) are not modelled; cycle 202 leaves the hole in rapid where Q208 is 0.
 
 use crate::simulation::toolpath::block::Block;
-use crate::simulation::toolpath::cycle::Hole;
-use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, Turn};
+use crate::simulation::toolpath::cycle::NoHole;
+use crate::simulation::toolpath::cycle::hole::{Pecks, Step, Turn, Work, peck};
 use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::trace::Tracer;
+use crate::units::MM_PER_INCH;
 
-/// How far above the last depth feed begins again, mm.
-const ABOVE_LAST_DEPTH: f64 = 0.2;
+/// The feedrates that are taken at their word, mm/s.
+const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
-/// The least peck, mm, so that a hole ends.
-const LEAST_PECK: f64 = 0.01;
+/// From here on a feed of a cycle means rapid, units of length per minute.
+const RAPID: f64 = 99_999.0;
+
+/// How far an oriented tool is taken off the wall, mm.
+const OFF_THE_WALL: f64 = 0.2;
+
+/// Chip breaking without a value, mm.
+const BREAK: f64 = 0.2;
+
+/// The most steps of one hole.
+const MOST_STEPS: usize = 10_000;
+
+/// Cycles that make a hole.
+pub(super) fn is_hole(number: u32) -> bool {
+    matches!(number, 1 | 2 | 17 | 200..=207 | 209 | 240 | 241)
+}
+
+/// A hole in words of its cycle; lengths in mm, heights in program coordinates.
+#[derive(Clone, Copy)]
+struct Plan {
+    reference: f64,
+    surface: f64,
+    bottom: f64,
+    return_to: f64,
+    feed: f64,
+    /// None: in rapid.
+    feed_out: Option<f64>,
+    dwell: f64,
+}
+
+/// How a hole is drilled by pecks.
+#[derive(Clone, Copy)]
+struct Pecking {
+    pecks: Pecks,
+    /// Height to go on from, above the last depth: at the first and at the last peck.
+    advance: (f64, f64),
+    dwell_outside: f64,
+    /// Chips are broken so often before the tool comes out; and at least after this depth.
+    breaks: u32,
+    break_depth: Option<f64>,
+    break_by: f64,
+    /// Out between pecks at the feedrate of the way out.
+    feeds_out: bool,
+}
 
 impl Tracer<'_> {
-    /// Makes a hole of the cycle in force where the tool stands.
-    pub(super) fn klartext_hole(&mut self, block: Block) {
-        let Some(number) = self.klartext.cycle.number else { return };
-        let hole = match number {
-            200..=203 | 205..=207 | 209 | 240 | 241 => self.hole_by_parameters(block, number),
-            1 | 2 | 17 => self.hole_by_settings(block, number),
-            _ => {
-                self.remark(block.place(), KlartextRemark::Cycle { number });
-                return;
+    /// Makes a hole where the tool is.
+    pub(super) fn make_klartext_hole(&mut self, block: Block, number: u32, lift: f64) {
+        let outcome = self.klartext_steps(block, number, lift).and_then(|steps| {
+            let exact_stop = self.exact_stop;
+            let normal = self.modal.plane.axes()[2];
+            let height = |height: f64| self.frame.coordinate_at(&self.position, normal, height);
+            let mut steps: Vec<Step> = steps
+                .into_iter()
+                .filter(|step| !matches!(step, Step::Dwell(seconds) if *seconds <= 0.0))
+                .collect();
+            for step in &mut steps {
+                match step {
+                    Step::Rapid(to) | Step::Feed { to, .. } => *to = height(*to),
+                    _ => {}
+                }
             }
-        };
-        let exact_stop = self.exact_stop;
-        let outcome = self.plan_hole(block, &hole).and_then(|work| self.make_hole(block, &work));
-        self.exact_stop = exact_stop;
+            let is_far = |step: &Step| matches!(step, Step::Rapid(to) | Step::Feed { to, .. } if to.is_nan() || 1e7 < to.abs());
+            if steps.iter().any(is_far) {
+                return Err(NoHole::OutOfReach);
+            }
+            self.make_hole(block, &Work { steps, has_deeper_pecks: false })?;
+            self.exact_stop = exact_stop;
+            Ok(())
+        });
         if let Err(no_hole) = outcome {
             self.remark(block.place(), KlartextRemark::NoHole { number, what: no_hole.to_string() });
         }
     }
 
-    fn hole_by_parameters(&mut self, block: Block, number: u32) -> Hole {
+    /// A feed of a cycle, mm/s: 0 none, below 0 that of the tool call or the block; none in rapid.
+    fn cycle_feed(&mut self, block: Block, value: f64) -> Option<f64> {
+        let tenths = if self.modal.unit == MM_PER_INCH { 0.1 } else { 1.0 };
+        let feedrate = value * self.modal.unit * tenths / 60.0;
+        match value {
+            RAPID.. => None,
+            value if 0.0 < value && FEEDRATES.contains(&feedrate) => Some(feedrate),
+            _ => Some(self.klartext.auto_feed.unwrap_or_else(|| self.feedrate(block))),
+        }
+    }
+
+    fn klartext_steps(&mut self, block: Block, number: u32, lift: f64) -> Result<Vec<Step>, NoHole> {
         let unit = self.modal.unit;
-        let normal = self.modal.plane.axes()[2];
-        let q = |parameter: u32| self.klartext.cycle.parameter(parameter);
-        let length = |parameter: u32| q(parameter).abs() * unit;
-        let feed = |parameter: u32| self.cycle_feed(q(parameter));
-        let height = |value: f64| self.frame.coordinate_at(&self.position, normal, value);
-        let seconds = |parameter: u32| if (0.0..=1e5).contains(&q(parameter)) { q(parameter) } else { 0.0 };
-        let surface = q(203) * unit;
-        let (clearance, depth) = (length(200), q(201) * unit);
-        let own_feed = feed(206);
-        let feed_out = feed(208).or(own_feed);
-        // Pecks count from the surface, those of the engine from the clearance.
-        let pecks = |decrease: f64, least: f64| Pecks {
-            first: if q(202) == 0.0 { clearance - depth } else { length(202) + clearance },
-            ratio: 1.0,
-            decrease: if q(202) == 0.0 { 0.0 } else { decrease.max(clearance) },
-            least: least.max(LEAST_PECK),
+        let at = self.frame.to_program(&self.position)[self.modal.plane.axes()[2]];
+        let settings = self.klartext.cycle.settings;
+        let setting = |line: usize| settings[line].unwrap_or(0.0);
+        let q = |tracer: &Self, number: u32| tracer.klartext.cycle.q(number);
+        let length = |tracer: &Self, number: u32| q(tracer, number) * unit;
+        let rapid = self.machine.rapid.feedrate;
+        let is_old = number < 100;
+        let mut plan = if is_old {
+            let feed_line = match number {
+                1 => 5,
+                _ => 4,
+            };
+            let surface = at - setting(1).abs() * unit;
+            let bottom = surface - setting(2).abs() * unit;
+            let feed = self.cycle_feed(block, setting(feed_line)).unwrap_or(rapid);
+            Plan { reference: at, surface, bottom, return_to: at, feed, feed_out: None, dwell: 0.0 }
+        } else {
+            let surface = length(self, 203) + lift;
+            let reference = surface + length(self, 200).abs();
+            let return_to = reference.max(surface + length(self, 204));
+            let feed = self.cycle_feed(block, q(self, 206)).unwrap_or(rapid);
+            let dwell = q(self, 211);
+            let bottom = surface - length(self, 201).abs();
+            Plan { reference, surface, bottom, return_to, feed, feed_out: None, dwell }
         };
-        let (ceiling, peck) = (height(surface + clearance), length(202));
-        let (kind, approximated) = match number {
-            200 => (Kind::Peck { pecks: pecks(0.0, peck), clearance: ABOVE_LAST_DEPTH, ceiling }, None),
-            203 if 0.0 < q(213) => {
-                let retract = if q(256) == 0.0 { ABOVE_LAST_DEPTH } else { length(256) };
-                (Kind::ChipBreak { pecks: pecks(length(212), length(205).max(peck)), retract, ceiling }, None)
+        let out = match q(self, 208) {
+            0.0 => None,
+            value => self.cycle_feed(block, value),
+        };
+        let clearance = plan.reference - plan.surface;
+        let depth = plan.surface - plan.bottom;
+        let equal = |deep: f64| {
+            let deep = if 0.0 < deep { deep } else { depth.max(1e-3) };
+            Pecks::equal(deep)
+        };
+        let decreasing = |tracer: &Self| {
+            let deep = length(tracer, 202).abs();
+            let deep = if 0.0 < deep { deep } else { depth.max(1e-3) };
+            let (less, least) = (length(tracer, 212).abs(), length(tracer, 205).abs());
+            let least = if less == 0.0 { deep } else { least.max(0.01).min(deep) };
+            Pecks { first: deep, ratio: 1.0, decrease: less, least }
+        };
+        let plain = Pecking {
+            pecks: equal(0.0),
+            advance: (clearance, clearance),
+            dwell_outside: 0.0,
+            breaks: 0,
+            break_depth: None,
+            break_by: 0.0,
+            feeds_out: false,
+        };
+        let break_by = Some(length(self, 256).abs()).filter(|by| 0.0 < *by).unwrap_or(BREAK);
+        let turn = self.cycle.turn();
+        match number {
+            1 => {
+                plan.dwell = setting(4);
+                let advance = if depth <= 30.0 { 0.6 } else { (depth / 50.0).min(7.0) };
+                let pecks = equal(setting(3).abs() * unit);
+                plan.steps(&Pecking { pecks, advance: (advance, advance), ..plain })
             }
-            203 => (
-                Kind::Peck {
-                    pecks: pecks(length(212), length(205).max(peck)),
-                    clearance: ABOVE_LAST_DEPTH,
-                    ceiling,
-                },
-                None,
-            ),
+            200 => {
+                let pecks = equal(length(self, 202).abs());
+                plan.steps(&Pecking { pecks, dwell_outside: q(self, 210), ..plain })
+            }
+            201 => {
+                plan.feed_out = Some(out.unwrap_or(plan.feed));
+                plan.steps(&plain)
+            }
+            203 => {
+                let pecks = decreasing(self);
+                plan.feed_out = out;
+                let breaks = q(self, 213).clamp(0.0, 1000.0) as u32;
+                let dwell_outside = q(self, 210);
+                plan.steps(&Pecking {
+                    pecks,
+                    dwell_outside,
+                    breaks,
+                    break_by,
+                    feeds_out: out.is_some(),
+                    ..plain
+                })
+            }
             205 => {
-                let clearance = if q(258) == 0.0 { ABOVE_LAST_DEPTH } else { length(258) };
-                (Kind::Peck { pecks: pecks(length(212), length(205).max(peck)), clearance, ceiling }, None)
+                let pecks = decreasing(self);
+                let advance = (length(self, 258).abs(), length(self, 259).abs());
+                let break_depth = Some(length(self, 257).abs()).filter(|depth| 0.0 < *depth);
+                plan.surface -= length(self, 379).abs();
+                plan.steps(&Pecking { pecks, advance, break_depth, break_by, ..plain })
             }
-            201 => (Kind::Bore, None),
-            202 => (Kind::FineBore { turn: Turn::Right, shift: [ABOVE_LAST_DEPTH, 0.0] }, None),
-            206 => (Kind::Tap { turn: Turn::Right, is_rigid: false }, None),
-            207 | 209 => {
-                let turn = if q(239) < 0.0 { Turn::Left } else { Turn::Right };
-                let what =
-                    (number == 209).then_some("breaking of chips is not modelled: tapped in one stroke");
-                (Kind::Tap { turn, is_rigid: true }, what)
+            240 => plan.steps(&plain),
+            241 => {
+                plan.feed_out = out;
+                let start = plan.surface - length(self, 379).abs();
+                let mut steps = plan.steps(&plain)?;
+                if start < plan.surface
+                    && let Some(feedrate) = self.cycle_feed(block, q(self, 253))
+                {
+                    steps.insert(1, Step::Feed { to: start, feedrate });
+                }
+                Ok(steps)
             }
-            240 if q(343) == 1.0 => {
-                (Kind::Drill, Some("a depth by the diameter is not modelled: Q201 is drilled"))
-            }
-            241 => (
-                Kind::Drill,
-                Some("its own feeds and speeds are not modelled: drilled at Q206 from the clearance on"),
-            ),
-            _ => (Kind::Drill, None),
-        };
-        let pitch_feed = self.functions.speed.map(|speed| length(239) * speed / 60.0);
-        let pitch_feed = pitch_feed.filter(|feed| matches!(number, 207 | 209) && (1e-6..=1e6).contains(feed));
-        let (reference, bottom) = (height(surface + clearance), height(surface + depth));
-        let return_to = height(surface + clearance.max(q(204) * unit));
-        let dwell = seconds(211);
-        let feed_in = pitch_feed.or(own_feed);
-        let feed_in = feed_in.unwrap_or_else(|| self.feedrate(block));
-        let feed_out = if number == 201 { feed_out.unwrap_or(feed_in) } else { feed_in };
-        if let Some(what) = approximated {
-            self.remark(block.place(), KlartextRemark::CycleSetting { number, what });
-        }
-        Hole {
-            kind,
-            reference,
-            bottom,
-            feed_out_to: reference,
-            return_to,
-            feed_in,
-            feed_out,
-            dwell,
-            dwell_outside: 0.0,
-        }
-    }
-
-    /// Cycles 1, 2 and 17: from where the tool stands.
-    fn hole_by_settings(&mut self, block: Block, number: u32) -> Hole {
-        let unit = self.modal.unit;
-        let normal = self.modal.plane.axes()[2];
-        let setting = |line: usize| self.klartext.cycle.settings[line].unwrap_or(0.0);
-        let here = self.frame.to_program(&self.position)[normal];
-        let surface = here - setting(1).abs() * unit;
-        let bottom = self.frame.coordinate_at(&self.position, normal, surface + setting(2) * unit);
-        let reference = self.position[normal];
-        let clearance = here - surface;
-        let (peck, dwell) = (setting(3).abs() * unit, setting(if number == 1 { 4 } else { 3 }));
-        let own_feed = match number {
-            1 => self.cycle_feed(setting(5)),
-            2 => self.cycle_feed(setting(4)),
-            _ => self.functions.speed.map(|speed| peck * speed / 60.0),
-        };
-        let kind = match number {
-            1 if 0.0 < peck => {
-                let pecks = Pecks {
-                    first: peck + clearance,
-                    ratio: 1.0,
-                    decrease: clearance,
-                    least: peck.max(LEAST_PECK),
+            202 => {
+                let angle = q(self, 214) as i32;
+                let shift = match angle {
+                    1 => [-OFF_THE_WALL, 0.0],
+                    2 => [0.0, -OFF_THE_WALL],
+                    3 => [OFF_THE_WALL, 0.0],
+                    4 => [0.0, OFF_THE_WALL],
+                    _ => [0.0, 0.0],
                 };
-                Kind::Peck { pecks, clearance: 0.6, ceiling: reference }
+                plan.check()?;
+                let up = match out {
+                    Some(feedrate) => Step::Feed { to: plan.reference, feedrate },
+                    None => Step::Rapid(plan.reference),
+                };
+                let feed = Step::Feed { to: plan.bottom, feedrate: plan.feed };
+                Ok(vec![
+                    Step::Rapid(plan.reference),
+                    feed,
+                    Step::Dwell(plan.dwell),
+                    Step::Orient,
+                    Step::Shift(shift),
+                    up,
+                    Step::Rapid(plan.return_to),
+                    Step::Shift([0.0, 0.0]),
+                    Step::Start(turn),
+                ])
             }
-            1 => Kind::Drill,
-            _ => {
-                let turn = if setting(3) < 0.0 && number == 17 { Turn::Left } else { Turn::Right };
-                Kind::Tap { turn, is_rigid: number == 17 }
-            }
-        };
-        let dwell = if number != 17 && (0.0..=1e5).contains(&dwell) { dwell } else { 0.0 };
-        let feed =
-            own_feed.filter(|feed| (1e-6..=1e6).contains(feed)).unwrap_or_else(|| self.feedrate(block));
-        Hole {
-            kind,
-            reference,
-            bottom,
-            feed_out_to: reference,
-            return_to: reference,
-            feed_in: feed,
-            feed_out: feed,
-            dwell,
-            dwell_outside: 0.0,
+            204 => self.back_bore(block, plan, turn),
+            _ => self.tap(block, number, plan, turn),
         }
     }
 
-    /// A feedrate of a cycle, mm/s; none where it gives none.
-    fn cycle_feed(&self, value: f64) -> Option<f64> {
-        let feed = value * self.modal.unit / 60.0;
-        (1e-6..=1e6).contains(&feed).then_some(feed)
+    /// Cycle 204: Q249 depth of the counterbore, Q250 thickness of the part, Q251 off-centre of the
+    /// tool, Q252 height of its edge, Q253 feed of the way in, Q254 feed of the work, Q255 dwell.
+    fn back_bore(&mut self, block: Block, plan: Plan, turn: Turn) -> Result<Vec<Step>, NoHole> {
+        let unit = self.modal.unit;
+        let q = |tracer: &Self, number: u32| tracer.klartext.cycle.q(number);
+        let into = self.cycle_feed(block, q(self, 253)).unwrap_or(self.machine.rapid.feedrate);
+        let work = self.cycle_feed(block, q(self, 254)).unwrap_or(self.machine.rapid.feedrate);
+        let under = plan.surface - (q(self, 250) + q(self, 252)).abs() * unit;
+        let below = under - (plan.reference - plan.surface);
+        let top = under + q(self, 249).abs() * unit;
+        let aside = q(self, 251) * unit;
+        let shift = match q(self, 214) as i32 {
+            1 => [-aside, 0.0],
+            2 => [0.0, -aside],
+            3 => [aside, 0.0],
+            _ => [0.0, aside],
+        };
+        Ok(vec![
+            Step::Rapid(plan.reference),
+            Step::Orient,
+            Step::Shift(shift),
+            Step::Feed { to: below, feedrate: into },
+            Step::Shift([0.0, 0.0]),
+            Step::Start(turn),
+            Step::Feed { to: top, feedrate: work },
+            Step::Dwell(q(self, 255)),
+            Step::Feed { to: below, feedrate: work },
+            Step::Orient,
+            Step::Shift(shift),
+            Step::Feed { to: plan.reference, feedrate: into },
+            Step::Rapid(plan.return_to),
+            Step::Shift([0.0, 0.0]),
+            Step::Start(turn),
+        ])
+    }
+
+    /// Cycles 2, 17, 206, 207 and 209.
+    fn tap(&mut self, block: Block, number: u32, mut plan: Plan, turn: Turn) -> Result<Vec<Step>, NoHole> {
+        let unit = self.modal.unit;
+        let setting = |tracer: &Self, line: usize| tracer.klartext.cycle.settings[line].unwrap_or(0.0);
+        let q = |tracer: &Self, number: u32| tracer.klartext.cycle.q(number);
+        let pitch = match number {
+            17 => setting(self, 3) * unit,
+            207 | 209 => q(self, 239) * unit,
+            _ => 0.0,
+        };
+        let by_pitch = pitch.abs() * self.functions.speed.unwrap_or(0.0) / 60.0;
+        let turn = if pitch < 0.0 {
+            Turn::Left
+        } else if 0.0 < pitch {
+            Turn::Right
+        } else {
+            turn
+        };
+        if pitch != 0.0 {
+            if !FEEDRATES.contains(&by_pitch) {
+                let what = "a pitch without a spindle speed: run at the feedrate in force";
+                self.remark(block.place(), KlartextRemark::CycleSetting { number, what });
+                plan.feed = self.feedrate(block);
+            } else {
+                plan.feed = by_pitch;
+            }
+        }
+        if number == 2 {
+            plan.dwell = setting(self, 3);
+        }
+        if number == 207 {
+            plan.dwell = 0.0;
+        }
+        plan.check()?;
+        let back = if turn == Turn::Right { Turn::Left } else { Turn::Right };
+        let stops = matches!(number, 2 | 206).then_some(Step::Stop);
+        let mut steps = vec![Step::Rapid(plan.reference)];
+        let faster = Some(q(self, 403)).filter(|factor| number == 209 && 1.0 <= *factor && *factor <= 10.0);
+        let feed_out = plan.feed * faster.unwrap_or(1.0);
+        let deep = Some(q(self, 257).abs() * unit).filter(|deep| number == 209 && 0.0 < *deep);
+        let by = q(self, 256).abs() * unit;
+        if let Some(deep) = deep {
+            peck(plan.surface - plan.bottom, Pecks::equal(deep), |left| {
+                steps.push(Step::Feed { to: plan.bottom + left, feedrate: plan.feed });
+                if 0.0 < left {
+                    let to = if by == 0.0 {
+                        plan.reference
+                    } else {
+                        (plan.bottom + left + by).min(plan.reference)
+                    };
+                    steps.extend([
+                        Step::Start(back),
+                        Step::Feed { to, feedrate: feed_out },
+                        Step::Start(turn),
+                    ]);
+                }
+            })?;
+        } else {
+            steps.push(Step::Feed { to: plan.bottom, feedrate: plan.feed });
+        }
+        steps.push(Step::Dwell(plan.dwell));
+        steps.extend(stops.into_iter().chain([Step::Start(back)]));
+        steps.push(Step::Feed { to: plan.reference, feedrate: feed_out });
+        steps.extend(stops.into_iter().chain([Step::Start(turn)]));
+        steps.push(Step::Rapid(plan.return_to));
+        Ok(steps)
+    }
+}
+
+impl Plan {
+    fn check(&self) -> Result<(), NoHole> {
+        let Plan { reference, bottom, .. } = *self;
+        if !(reference - bottom).is_finite() {
+            return Err(NoHole::OutOfReach);
+        }
+        // A cycle with the depth 0 is not run by the control.
+        if self.bottom < self.surface { Ok(()) } else { Err(NoHole::NoBottom('Q')) }
+    }
+
+    /// Down by pecks, and out.
+    fn steps(&self, pecking: &Pecking) -> Result<Vec<Step>, NoHole> {
+        self.check()?;
+        let Plan { reference, surface, bottom, return_to, feed, feed_out, dwell } = *self;
+        let mut steps = vec![Step::Rapid(reference)];
+        let depth = surface - bottom;
+        let mut broken = 0;
+        let mut from = surface;
+        peck(depth, pecking.pecks, |left| {
+            let to = bottom + left;
+            if let Some(deep) = pecking.break_depth {
+                let mut at = from - deep;
+                while to + 1e-6 < at && steps.len() < MOST_STEPS {
+                    steps.push(Step::Feed { to: at, feedrate: feed });
+                    steps.push(Step::Rapid((at + pecking.break_by).min(reference)));
+                    at -= deep;
+                }
+            }
+            steps.push(Step::Feed { to, feedrate: feed });
+            from = to;
+            if left <= 0.0 {
+                return;
+            }
+            if broken < pecking.breaks {
+                broken += 1;
+                steps.push(Step::Rapid((to + pecking.break_by).min(reference)));
+                return;
+            }
+            broken = 0;
+            match feed_out.filter(|_| pecking.feeds_out) {
+                Some(feedrate) => steps.push(Step::Feed { to: reference, feedrate }),
+                None => steps.push(Step::Rapid(reference)),
+            }
+            let (first, last) = pecking.advance;
+            let share = if 0.0 < depth { 1.0 - left / depth } else { 0.0 };
+            let advance = first + (last - first) * share;
+            steps.extend([Step::Dwell(pecking.dwell_outside), Step::Rapid((to + advance).min(reference))]);
+        })?;
+        steps.push(Step::Dwell(dwell));
+        if let Some(feedrate) = feed_out {
+            steps.push(Step::Feed { to: reference, feedrate });
+        }
+        steps.push(Step::Rapid(return_to));
+        Ok(steps)
     }
 }
