@@ -7,6 +7,7 @@
 //! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
 //! feedrate is that of the tool, ‖Ṗ‖, which dips at corners.
 
+mod crossing;
 mod samples;
 mod state;
 

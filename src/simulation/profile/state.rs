@@ -149,6 +149,30 @@ impl Motion<'_> {
         }
     }
 
+    /// The distance along the programmed path (mm) and how fast it grows (mm/s): the sum of the
+    /// filtered feed command, which at a corner is more than the feedrate of the tool.
+    pub fn progress(&self, moment: Moment) -> (f64, f64) {
+        let filter = self.filter;
+        let (mut distance, mut feedrate) = (0.0, 0.0);
+        let (mut s_younger, mut v_younger) = (0.0, 0.0);
+        let oldest = self.for_each_slice(moment, |slice| {
+            let slope = slice.slope();
+            if s_younger == 0.0 {
+                (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
+            }
+            let (s_older, v_older) = (filter.displacement(slice.older), filter.step(slice.older));
+            distance += slice.first * s_older - slice.last * s_younger;
+            feedrate += slice.first * v_older - slice.last * v_younger;
+            if slope != 0.0 {
+                let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
+                distance += slope * q;
+                feedrate += slope * (s_older - s_younger);
+            }
+            (s_younger, v_younger) = (s_older, v_older);
+        });
+        (self.distances[oldest.segment] + oldest.offset + distance, feedrate)
+    }
+
     /// How the velocity changes.
     pub fn dynamics(&self, moment: Moment) -> Dynamics {
         let filter = self.filter;
