@@ -16,6 +16,8 @@ const FLOW: &[&str] = &[
     "simulation/contour",
     "quote",
     "identification/recording",
+    "identification/alignment",
+    "identification/comparison",
     "identification/step",
     "plot",
     "project",

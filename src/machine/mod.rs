@@ -70,6 +70,9 @@ pub struct Interpolator {
     pub corner_mode: CornerMode,
     /// Full stop where the path turns by more than this, rad; neutral π.
     pub exact_stop_angle: f64,
+    /// An arc is run as chords that turn by so much, rad, and what the command holds for a corner on
+    /// an arc ends with the first of them; neutral at 20π or more: an arc is one block. 1° where nothing is said.
+    pub arc_step: f64,
     /// Shortest time the control needs for a block, s; neutral 0.
     pub block_time: f64,
     /// Blocks the control sees ahead; neutral infinite.
@@ -175,6 +178,9 @@ pub struct RotaryAxis {
 /// usual for tables and heads of machining centres.
 const RAPID_ROTARY_RATE: f64 = 50.0 * std::f64::consts::PI / 60.0;
 
+/// What arcs are cut into where the machine does not say, rad: 1°.
+pub(crate) const ARC_STEP: f64 = std::f64::consts::PI / 180.0;
+
 /// A lightly damped oscillation between drive and tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
@@ -237,6 +243,7 @@ impl Default for Machine {
                 contour_tolerance: 0.010,
                 corner_mode: CornerMode::Paper,
                 exact_stop_angle: std::f64::consts::PI,
+                arc_step: ARC_STEP,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
             },

@@ -11,7 +11,7 @@ mod times;
 use crate::machine::parameters::axes::axes;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
-use crate::machine::{CornerMode, Machine, RAPID_ROTARY_RATE, TimeConstants};
+use crate::machine::{ARC_STEP, CornerMode, Machine, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
 use std::collections::BTreeMap;
 
@@ -156,7 +156,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 23] = [
+const GENERAL: [Parameter; 24] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -246,6 +246,17 @@ const GENERAL: [Parameter; 23] = [
             (0.0, 180.0),
             |m| Some(m.interpolator.exact_stop_angle),
             |m, v| m.interpolator.exact_stop_angle = v.unwrap_or(std::f64::consts::PI),
+        ),
+    },
+    Parameter {
+        key: "interpolator.arc_step_deg",
+        label: "Chords of arcs",
+        doc: "The control runs an arc as chords that turn by this angle: what it holds for a corner on an arc ends with the first of them; empty: 1, 3600: arcs are run whole.",
+        access: number(
+            Unit::Degree,
+            (0.01, 3600.0),
+            |m| Some(m.interpolator.arc_step),
+            |m, v| m.interpolator.arc_step = v.unwrap_or(ARC_STEP),
         ),
     },
     Parameter {

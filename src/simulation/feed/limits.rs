@@ -74,6 +74,15 @@ pub fn curve_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     block_time.min((acceleration / curvature(arc, segment.length)).sqrt())
 }
 
+/// How far along a segment a corner's command can be held, mm: on an arc to the end of the first of
+/// the chords that the control makes of it.
+pub fn first_chord(segment: &Segment, machine: &Machine) -> f64 {
+    match &segment.curve {
+        Curve::Line => f64::INFINITY,
+        Curve::Arc(arc) => segment.length * (machine.interpolator.arc_step / arc.sweep),
+    }
+}
+
 /// The acceleration limit along a segment, mm/s².
 pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
     if machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY) {

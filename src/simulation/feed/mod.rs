@@ -20,6 +20,11 @@
 //! Otherwise rapids are blended like feed moves, with the rapid feedrate along the path: that is
 //! the neutral setting of controls in contouring mode.
 //!
+//! Controls run an arc as chords. The corners between chords are too flat to cost anything, but what the
+//! command holds for the corner on which an arc begins or ends is held along one chord only. This is
+//! what the stand-in machine does, by a millisecond; a corner on an arc may so leave the tolerance by
+//! itself, which `CornerMode::Guaranteed` corrects.
+//!
 //! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest feedrate asked for in
 //! the stretch, so that the filters are constant while the machine moves; feed and rapid then
 //! differ, and are joined by a full stop.
@@ -324,7 +329,8 @@ fn add_stretch(
         let end = |corner: Corner| End {
             feedrate: corner.feedrate,
             hold: if corner.blended {
-                law.hold(corner.feedrate, without_tolerance[i]).max(corner.clearance(chain))
+                let chord = limits::first_chord(segment, machine) / corner.feedrate;
+                law.hold(corner.feedrate, without_tolerance[i]).min(chord).max(corner.clearance(chain))
             } else {
                 0.0
             },

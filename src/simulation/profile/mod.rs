@@ -108,6 +108,11 @@ impl<'a> Profile<'a> {
         low
     }
 
+    /// When a phase of the plan begins and ends, s.
+    pub fn phase_time(&self, phase: usize) -> std::ops::Range<f64> {
+        self.phase_starts[phase]..self.phase_starts[phase + 1]
+    }
+
     /// The motion of a stretch.
     pub fn motion(&self, stretch: &Stretch) -> Motion<'_> {
         Motion {

@@ -1,0 +1,149 @@
+//! Recorded line numbers → marks at the visits of the program.
+//!
+//! A control that is asked now and then what line it runs passes over short blocks: what it names is a
+//! subsequence of the visits. Each line it names is the next visit of that line, so that loops and
+//! subprograms are followed in order. The visit began within the poll before it was first seen,
+//!
+//! ```text
+//! begin = stamp − p/2 ± p/√12        p: time between polls, s
+//! ```
+//!
+//! where p is the median time between all stamps of line and feed, which are polled together.
+//!
+//! Some controls count from 0, or name the line before; the count that fits more visits is taken.
+//!
+//! Between the marks the distance is the integral of the feed, stretched so that it meets the next
+//! mark; it is for charts alone.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::identification::alignment::place::{Place, Visit};
+use crate::identification::alignment::positions::median;
+use crate::identification::alignment::{AlignmentError, Fix, Mark};
+use crate::identification::recording::{Channel, Recording, Sampling};
+
+/// By how much a control may count its lines differently, the likeliest first.
+const COUNTS: [i64; 5] = [0, 1, -1, 2, -2];
+/// Of the lines it names that move or wait, so many at least must be in order.
+const ENOUGH: f64 = 0.9;
+
+/// What the line numbers say.
+pub struct Followed {
+    /// Beginnings of visits.
+    pub marks: Vec<Mark>,
+    /// The visit of each mark.
+    pub visits: Vec<usize>,
+    /// Lines named that are visits in order, as a part of all that are visits at all.
+    pub in_order: f64,
+    /// What was added to the recorded numbers.
+    pub count: i64,
+}
+
+/// Marks of a recording by its line numbers, within the `run` (s).
+pub fn follow(recording: &Recording, run: &Range<f64>, visits: &[Visit]) -> Result<Followed, AlignmentError> {
+    let line = recording.line.as_ref().ok_or(AlignmentError::NothingToFollow)?.during(run);
+    let poll = poll(recording, &line, run);
+    let mut places: HashMap<i64, Vec<usize>> = HashMap::new();
+    for (index, visit) in visits.iter().enumerate() {
+        places.entry(i64::from(visit.line.0)).or_default().push(index);
+    }
+    let tried = COUNTS.map(|count| in_order(&line, &places, count));
+    // The first of the best: counts that fit alike differ by nothing that can be seen.
+    let mut best = 0;
+    for at in 1..tried.len() {
+        if tried[best].len() < tried[at].len() {
+            best = at;
+        }
+    }
+    let count = COUNTS[best];
+    let known = line.values.iter().filter(|value| places.contains_key(&(i64::from(**value) + count)));
+    let in_order = tried[best].len() as f64 / known.count().max(1) as f64;
+    if tried[best].len() < 3 || in_order < ENOUGH {
+        return Err(AlignmentError::LinesDoNotFit { in_order });
+    }
+    let (back, deviation) = match line.sampling {
+        Sampling::OnChange => (0.5 * poll, poll / 12.0f64.sqrt()),
+        Sampling::Sampled => (0.5 * poll, poll / 12.0f64.sqrt()),
+    };
+    let mut marks = Vec::new();
+    let mut named = Vec::new();
+    for &(event, visit) in &tried[best] {
+        // The line that stands there on entering the run began at an unknown time.
+        if event == 0 {
+            continue;
+        }
+        marks.push(Mark { place: visits[visit].begin, time: line.time[event] - back, deviation });
+        named.push(visit);
+    }
+    Ok(Followed { marks, visits: named, in_order, count })
+}
+
+/// The events that name a visit later than those before, with that visit.
+fn in_order(line: &Channel<u32>, places: &HashMap<i64, Vec<usize>>, count: i64) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let mut next = 0;
+    let mut last = None;
+    for (event, value) in line.values.iter().enumerate() {
+        if last == Some(*value) {
+            continue;
+        }
+        last = Some(*value);
+        let Some(all) = places.get(&(i64::from(*value) + count)) else { continue };
+        if let Some(&visit) = all.get(all.partition_point(|visit| *visit < next)) {
+            found.push((event, visit));
+            next = visit + 1;
+        }
+    }
+    found
+}
+
+/// Median time between stamps, s.
+fn poll(recording: &Recording, line: &Channel<u32>, run: &Range<f64>) -> f64 {
+    let feed = recording.feed.as_ref().map(|feed| feed.during(run));
+    let mut stamps: Vec<f64> = line.time.to_vec();
+    stamps.extend(feed.iter().flat_map(|feed| feed.time.iter().copied()));
+    stamps.sort_by(f64::total_cmp);
+    // Stamps of one poll lie closer together than polls do.
+    let mut between: Vec<f64> =
+        stamps.windows(2).map(|pair| pair[1] - pair[0]).filter(|between| 0.0 < *between).collect();
+    let typical = median(&mut between);
+    between.retain(|between| 0.5 * typical < *between);
+    median(&mut between)
+}
+
+/// Where the tool was between the marks, by the feed.
+pub fn fixes(recording: &Recording, marks: &[Mark], distance_of: impl Fn(Place) -> f64) -> Vec<Fix> {
+    let Some(feed) = &recording.feed else {
+        return marks
+            .iter()
+            .map(|mark| Fix { time: mark.time, distance: distance_of(mark.place), sample: None })
+            .collect();
+    };
+    let mut fixes = Vec::new();
+    for pair in marks.windows(2) {
+        let (from, to) = (distance_of(pair[0].place), distance_of(pair[1].place));
+        let span = pair[0].time..pair[1].time;
+        let part = feed.during(&span);
+        let mut way = vec![(span.start, 0.0)];
+        let mut sum = 0.0;
+        let mut last = (span.start, part.values.first().copied().unwrap_or(0.0));
+        for (time, value) in part.time.iter().copied().zip(part.values.iter().copied()) {
+            let mean = if feed.sampling == Sampling::Sampled { 0.5 * (last.1 + value) } else { last.1 };
+            sum += mean * (time - last.0);
+            way.push((time, sum));
+            last = (time, value);
+        }
+        sum += last.1 * (span.end - last.0);
+        let scale = if 0.0 < sum { (to - from) / sum } else { 0.0 };
+        fixes.extend(way.into_iter().map(|(time, run)| Fix {
+            time,
+            distance: from + scale * run,
+            sample: None,
+        }));
+    }
+    if let Some(last) = marks.last() {
+        fixes.push(Fix { time: last.time, distance: distance_of(last.place), sample: None });
+    }
+    fixes
+}

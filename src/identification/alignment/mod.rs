@@ -1,0 +1,254 @@
+//! Recording → [`Alignment`]: which moment of the recording belongs to which place in the program.
+//!
+//! Three ways, the first that the recording allows:
+//!
+//! | recorded | way | module |
+//! |---|---|---|
+//! | axis positions | the cheapest way along the path, never back | `positions` |
+//! | line numbers | the next visit of each line named | `lines` |
+//! | feed alone | its integral, anchored at the stops of the program | `feed` |
+//!
+//! The result is a list of [`Mark`]s, places with the time at which the machine was there. Time is
+//! never warped: a mark is a stamp of the recording with its uncertainty. What cannot be from this
+//! program is refused, with what would fit instead where that is known: other units, exchanged axes, a
+//! path run backwards, another zero point.
+//!
+//! Limits: rotary axes are not compared; one run is aligned at a time, the first that fits.
+
+mod feed;
+mod hints;
+mod lines;
+mod path;
+mod place;
+mod positions;
+mod stops;
+mod visited;
+mod travelled;
+
+use std::ops::Range;
+use thiserror::Error;
+
+pub use crate::identification::alignment::place::{Place, Visit, times, visits};
+pub use crate::identification::alignment::positions::{Track, median};
+use crate::identification::recording::{Channel, ClosureError, Recording, RunMark};
+use crate::machine::Machine;
+use crate::simulation::toolpath::Toolpath;
+
+/// The least of a program that is worth a comparison, as a part of its length and in marks.
+const LEAST: (f64, usize) = (0.01, 4);
+
+/// A place with the time at which the recorded machine was there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// The place.
+    pub place: Place,
+    /// When, s from the start of the recording.
+    pub time: f64,
+    /// Standard deviation of the time, s.
+    pub deviation: f64,
+}
+
+/// Where the recorded tool was when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// When, s from the start of the recording.
+    pub time: f64,
+    /// Distance along the programmed path, mm.
+    pub distance: f64,
+    /// The sample of the track it is from, where positions were recorded.
+    pub sample: Option<usize>,
+}
+
+/// How a recording was aligned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// By positions.
+    Positions,
+    /// By line numbers.
+    Lines,
+    /// By the integral of the feed.
+    Feed,
+}
+
+impl Method {
+    /// What it goes by, for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Positions => "axis positions",
+            Method::Lines => "line numbers",
+            Method::Feed => "the integral of the feed between stops",
+        }
+    }
+}
+
+/// A recording on a program.
+#[derive(Clone, Debug)]
+pub struct Alignment {
+    /// How.
+    pub method: Method,
+    /// The run within the recording, s.
+    pub run: Range<f64>,
+    /// Places with their times, ascending in both.
+    pub marks: Vec<Mark>,
+    /// Where the tool was when, ascending in time; finer than the marks.
+    pub fixes: Vec<Fix>,
+    /// What part of the path was recorded, mm along it.
+    pub covered: Range<f64>,
+    /// Length of the path, mm.
+    pub length: f64,
+    /// How well it fits, 0 to 1: the part of the recorded way on the path, of lines in order, or of
+    /// stops found.
+    pub fit: f64,
+    /// Root mean square of the distance from the path, mm; none without positions.
+    pub spread: Option<f64>,
+    /// The recorded positions in the program's coordinates, where there are any.
+    pub track: Option<std::sync::Arc<Track>>,
+    /// The feed that was recorded, where there is any and its unit is known.
+    pub feed: Option<Channel<f64>>,
+    /// What was assumed or repaired, for people.
+    pub remarks: Vec<String>,
+}
+
+/// Why a recording cannot be laid on a program.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum AlignmentError {
+    /// The program has no path.
+    #[error("the program moves nothing, so that there is nothing to compare with")]
+    NoPath,
+    /// Neither positions, nor lines, nor feed.
+    #[error("the recording has neither positions nor line numbers nor feed; record one of them")]
+    NothingToFollow,
+    /// Hardly a movement in it.
+    #[error("the machine stands still in the whole recording; record a run of the program")]
+    StandsStill,
+    /// No sample lies near the path.
+    #[error("no recorded position lies near the programmed path: is it a recording of another program?")]
+    NowhereNear,
+    /// The path does not fit.
+    #[error("{part:.0} % of the recorded way is off the programmed path{hint}")]
+    OffPath {
+        /// The part, %.
+        part: f64,
+        /// What would fit, as a clause; may be empty.
+        hint: String,
+    },
+    /// The way does not fit.
+    #[error(
+        "the recorded way is {ratio:.2} times as long as the path it was laid on: it is a recording of another program"
+    )]
+    OtherWay {
+        /// Recorded over programmed.
+        ratio: f64,
+    },
+    /// Line numbers do not come in the order of the program.
+    #[error("only {:.0} % of the recorded line numbers come in the order of the program: is it a recording of another program, or are they block numbers (N)?", 100.0 * in_order)]
+    LinesDoNotFit {
+        /// The part in order.
+        in_order: f64,
+    },
+    /// Stops do not come where the program has them.
+    #[error(
+        "the machine did not stop where the program does, near {at:.1} mm of the path: is it a recording of another program?"
+    )]
+    StopsDoNotFit {
+        /// Distance along the path, mm.
+        at: f64,
+    },
+    /// Too little to compare.
+    #[error("only {covered:.1} mm of the path were recorded, too little to compare")]
+    TooLittle {
+        /// The part, mm.
+        covered: f64,
+    },
+    /// Units do not close.
+    #[error("{0}")]
+    Units(#[from] ClosureError),
+}
+
+/// Lays a recording on a program: the first of its runs that fits, or why none does.
+pub fn align(
+    recording: &Recording,
+    toolpath: &Toolpath,
+    machine: &Machine,
+) -> Result<Alignment, AlignmentError> {
+    let mut refusal = None;
+    let runs = recording.runs.iter();
+    let mut ranges: Vec<(Range<f64>, bool)> = runs
+        .map(|run| (run.time.clone(), run.has_end && run.found_by == RunMark::Status))
+        .filter(|(range, _)| range.start < range.end)
+        .collect();
+    if ranges.is_empty() {
+        ranges.push((0.0..recording.duration + 1.0, false));
+    }
+    let several = 1 < ranges.len();
+    for (range, has_end) in ranges {
+        match align_run(recording, range.clone(), has_end, toolpath, machine) {
+            Ok(mut alignment) => {
+                if several {
+                    alignment.remarks.push(format!(
+                        "the recording has {} runs; the one from {:.1} s to {:.1} s is compared",
+                        recording.runs.len(),
+                        range.start,
+                        range.end
+                    ));
+                }
+                return Ok(alignment);
+            }
+            Err(error) => refusal = refusal.or(Some(error)),
+        }
+    }
+    Err(refusal.unwrap_or(AlignmentError::NothingToFollow))
+}
+
+fn align_run(
+    recording: &Recording,
+    run: Range<f64>,
+    has_end: bool,
+    toolpath: &Toolpath,
+    machine: &Machine,
+) -> Result<Alignment, AlignmentError> {
+    if toolpath.segments.is_empty() {
+        return Err(AlignmentError::NoPath);
+    }
+    let own = recording.during(&(run.start..run.end + 1e-9));
+    if own.positions().iter().any(Option::is_some) {
+        travelled::by_positions(&own, run, toolpath, machine)
+    } else if own.line.as_ref().is_some_and(|line| 2 < line.values.len()) {
+        visited::by_lines(&own, run, has_end, toolpath)
+    } else if own.feed.is_some() {
+        stops::by_feed(&own, run, toolpath, machine)
+    } else {
+        Err(AlignmentError::NothingToFollow)
+    }
+}
+
+fn is_of_units(error: &ClosureError) -> bool {
+    matches!(error, ClosureError::WouldFit { .. })
+}
+
+/// The place at which a program is over.
+fn end_of(toolpath: &Toolpath) -> Place {
+    let last = toolpath.stops.len().checked_sub(1);
+    match last.filter(|stop| toolpath.segments.len() <= toolpath.stops[*stop].after) {
+        Some(stop) => Place::After(stop),
+        None => Place::Along(toolpath.segments.iter().map(|segment| segment.length).sum::<f64>() * 1.000001),
+    }
+}
+
+/// Refuses what is too little to compare.
+fn checked(alignment: Alignment) -> Result<Alignment, AlignmentError> {
+    let covered = alignment.covered.end - alignment.covered.start;
+    if covered < LEAST.0 * alignment.length || alignment.marks.len() < LEAST.1 {
+        return Err(AlignmentError::TooLittle { covered });
+    }
+    let mut alignment = alignment;
+    let (start, end) = (alignment.covered.start, alignment.length - alignment.covered.end);
+    let part = 0.005 * alignment.length + 1.0;
+    if part < start {
+        alignment.remarks.push(format!("the first {start:.1} mm of the path were not recorded"));
+    }
+    if part < end {
+        alignment.remarks.push(format!("the last {end:.1} mm of the path were not recorded"));
+    }
+    Ok(alignment)
+}

@@ -1,0 +1,172 @@
+//! The programmed path as something to be near to.
+//!
+//! Within a range of distances along the path, [`Path::nearest`] gives every local minimum of the
+//! distance from a point: on a line the foot of the perpendicular, on an arc the best of points laid
+//! close to each other, improved by Newton's method. An axis that was not recorded does not count.
+
+use std::ops::Range;
+
+use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath, Vector};
+
+/// Points laid on an arc to search from are no farther apart than this, rad.
+const ARC_STEP: f64 = 0.2;
+
+/// A path with its distances.
+pub struct Path<'a> {
+    segments: &'a [Segment],
+    /// Distance before each segment, and at the end, mm.
+    distances: Vec<f64>,
+    /// 1 for each axis that counts, 0 for the others.
+    counts: Vector,
+}
+
+/// A place on the path near a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foot {
+    /// Distance along the path, mm.
+    pub along: f64,
+    /// Distance from the point, mm.
+    pub away: f64,
+}
+
+impl<'a> Path<'a> {
+    /// The path of a program; `recorded` says which axes count.
+    pub fn new(toolpath: &'a Toolpath, recorded: [bool; 3]) -> Path<'a> {
+        let mut distances = vec![0.0];
+        let mut distance = 0.0;
+        for segment in &toolpath.segments {
+            distance += segment.length;
+            distances.push(distance);
+        }
+        let counts = Vector::from_fn(|axis, _| f64::from(u8::from(recorded[axis])));
+        Path { segments: &toolpath.segments, distances, counts }
+    }
+
+    /// Length, mm.
+    pub fn length(&self) -> f64 {
+        self.distances.last().copied().unwrap_or(0.0)
+    }
+
+    /// Where the path is at a distance along it, mm.
+    pub fn point(&self, along: f64) -> Option<Point> {
+        let segment = self.segment_at(along)?;
+        Some(self.segments[segment].point((along - self.distances[segment]).max(0.0)))
+    }
+
+    /// The segment at a distance along the path, mm.
+    pub fn segment_at(&self, along: f64) -> Option<usize> {
+        let begun = self.distances.partition_point(|distance| *distance <= along);
+        begun.checked_sub(1).map(|segment| segment.min(self.segments.len().saturating_sub(1)))
+    }
+
+    /// The length of the path in the axes that count, mm.
+    pub fn recorded_length(&self) -> f64 {
+        let part = |segment: &Segment| match &segment.curve {
+            Curve::Line => self.norm(segment.end - segment.start),
+            Curve::Arc(_) => {
+                let parts = 64;
+                let point = |i: usize| segment.point(segment.length * i as f64 / parts as f64);
+                (0..parts).map(|i| self.norm(point(i + 1) - point(i))).sum()
+            }
+        };
+        self.segments.iter().map(part).sum()
+    }
+
+    /// Smallest and largest coordinates, mm; none where nothing moves.
+    pub fn extent(&self) -> Option<[Range<f64>; 3]> {
+        let first = self.segments.first()?.start;
+        let mut extent = [0, 1, 2].map(|axis: usize| first[axis]..first[axis]);
+        for segment in self.segments {
+            let parts = if segment.curve == Curve::Line { 1 } else { 16 };
+            for part in 1..=parts {
+                let point = segment.point(segment.length * f64::from(part) / f64::from(parts));
+                for axis in 0..3 {
+                    extent[axis].start = extent[axis].start.min(point[axis]);
+                    extent[axis].end = extent[axis].end.max(point[axis]);
+                }
+            }
+        }
+        Some(extent)
+    }
+
+    /// The places within a range of distances (mm) that are nearer to `point` than what is beside them.
+    pub fn nearest(&self, point: Point, within: Range<f64>, found: &mut Vec<Foot>) {
+        found.clear();
+        let Some(first) = self.segment_at(within.start) else { return };
+        for (index, segment) in self.segments.iter().enumerate().skip(first) {
+            let begin = self.distances[index];
+            if within.end < begin {
+                break;
+            }
+            let low = (within.start - begin).clamp(0.0, segment.length);
+            let high = (within.end - begin).clamp(low, segment.length);
+            match &segment.curve {
+                Curve::Line => {
+                    let offset = self.on_line(segment, point).clamp(low, high);
+                    found.push(self.foot(index, offset, point));
+                }
+                Curve::Arc(arc) => {
+                    let turning = arc.sweep / segment.length;
+                    let parts = ((high - low) * turning / ARC_STEP).ceil().clamp(1.0, 1e4) as usize;
+                    for part in 0..=parts {
+                        let offset = low + (high - low) * part as f64 / parts as f64;
+                        let offset = self.improved(segment, offset, point).clamp(low, high);
+                        found.push(self.foot(index, offset, point));
+                    }
+                }
+            }
+        }
+        keep_minima(found);
+    }
+
+    /// The nearest place on the whole path.
+    pub fn nearest_of_all(&self, point: Point) -> Option<Foot> {
+        let mut found = Vec::new();
+        self.nearest(point, 0.0..f64::INFINITY, &mut found);
+        found.into_iter().min_by(|a, b| a.away.total_cmp(&b.away))
+    }
+
+    fn norm(&self, vector: Vector) -> f64 {
+        vector.component_mul(&self.counts).norm()
+    }
+
+    fn foot(&self, segment: usize, offset: f64, point: Point) -> Foot {
+        let away = self.norm(self.segments[segment].point(offset) - point);
+        Foot { along: self.distances[segment] + offset, away }
+    }
+
+    /// Offset of the foot of the perpendicular on a line, mm; not bounded by its ends.
+    fn on_line(&self, segment: &Segment, point: Point) -> f64 {
+        let direction = segment.tangent(0.0).component_mul(&self.counts);
+        let squared = direction.norm_squared();
+        if squared < 1e-12 { 0.0 } else { direction.dot(&(point - segment.start)) / squared }
+    }
+
+    /// An offset on an arc after some steps of Newton's method towards the nearest place.
+    fn improved(&self, segment: &Segment, offset: f64, point: Point) -> f64 {
+        let mut offset = offset;
+        for _ in 0..3 {
+            let [tangent, curvature, _] = segment.derivatives(offset);
+            let away = (segment.point(offset) - point).component_mul(&self.counts);
+            let change = tangent.component_mul(&self.counts).norm_squared() + away.dot(&curvature);
+            if change <= 1e-9 {
+                break;
+            }
+            offset = (offset - away.dot(&tangent) / change).clamp(0.0, segment.length);
+        }
+        offset
+    }
+}
+
+/// Leaves of places in order along the path those with no nearer neighbour.
+fn keep_minima(found: &mut Vec<Foot>) {
+    found.sort_by(|a, b| a.along.total_cmp(&b.along));
+    let all = std::mem::take(found);
+    for (index, foot) in all.iter().enumerate() {
+        let before = index.checked_sub(1).map_or(f64::INFINITY, |at| all[at].away);
+        let after = all.get(index + 1).map_or(f64::INFINITY, |next| next.away);
+        if foot.away < before && foot.away <= after {
+            found.push(*foot);
+        }
+    }
+}

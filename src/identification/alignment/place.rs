@@ -1,0 +1,137 @@
+//! Places in a program at which recording and simulation have a time.
+//!
+//! A program is a sequence of items, segments and stops, and a visit is a run of items of one line; a
+//! line in a loop is visited often. A place is a distance along the path, or one of the two ends of a
+//! stop, where the distance stands still and only time goes on:
+//!
+//! ```text
+//! distance                    ┌──────────
+//!               ┌─────────────┘ After(k)
+//!      ─────────┘ Along(d)    ^ Stop(k) … After(k): the machine waits
+//!                                                        time →
+//! ```
+//!
+//! Places say nothing of the machine, so that one set of them serves every parameter that is tried.
+
+use std::ops::Range;
+
+use crate::simulation::feed::{FeedPlan, Phase};
+use crate::simulation::gcode::LineNumber;
+use crate::simulation::profile::Profile;
+use crate::simulation::toolpath::Toolpath;
+
+/// A place in a program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// So far along the programmed path, mm.
+    Along(f64),
+    /// Where a stop of the toolpath begins, by index: what was before it is over.
+    Stop(usize),
+    /// Where that stop is over.
+    After(usize),
+}
+
+/// A run of segments and stops of one line of the program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Visit {
+    /// The line.
+    pub line: LineNumber,
+    /// Its segments in the toolpath.
+    pub segments: Range<usize>,
+    /// Its stops in the toolpath.
+    pub stops: Range<usize>,
+    /// Where it begins.
+    pub begin: Place,
+}
+
+/// The visits of a program in the order they are run.
+pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
+    let mut visits: Vec<Visit> = Vec::new();
+    let (mut segment, mut stop) = (0, 0);
+    let mut distance = 0.0;
+    let mut last_was_stop = false;
+    while segment < toolpath.segments.len() || stop < toolpath.stops.len() {
+        let is_stop = toolpath
+            .stops
+            .get(stop)
+            .is_some_and(|next| next.after <= segment || segment == toolpath.segments.len());
+        let line = if is_stop { toolpath.stops[stop].line } else { toolpath.segments[segment].line };
+        if visits.last().is_none_or(|visit| visit.line != line) {
+            let begin = match (is_stop, last_was_stop) {
+                (true, _) => Place::Stop(stop),
+                (false, true) => Place::After(stop - 1),
+                (false, false) => Place::Along(distance),
+            };
+            visits.push(Visit { line, segments: segment..segment, stops: stop..stop, begin });
+        }
+        let visit = visits.last_mut().expect("one was pushed");
+        if is_stop {
+            stop += 1;
+            visit.stops.end = stop;
+        } else {
+            distance += toolpath.segments[segment].length;
+            segment += 1;
+            visit.segments.end = segment;
+        }
+        last_was_stop = is_stop;
+    }
+    visits
+}
+
+/// When the simulated machine is at each of `places`, s; they must be in program order.
+pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[Place]) -> Vec<f64> {
+    let profile = Profile::new(toolpath, plan);
+    let waits = wait_times(plan, &profile);
+    let along: Vec<f64> = places.iter().filter_map(|place| distance(*place)).collect();
+    let mut crossings = profile.crossing_times(&along).into_iter();
+    let at = |stop: usize| waits.get(stop).cloned().unwrap_or(profile.cycle_time()..profile.cycle_time());
+    let time = |place: &Place| match *place {
+        Place::Along(_) => crossings.next().expect("one for each distance"),
+        Place::Stop(stop) => at(stop).start,
+        Place::After(stop) => at(stop).end,
+    };
+    places.iter().map(time).collect()
+}
+
+fn distance(place: Place) -> Option<f64> {
+    match place {
+        Place::Along(distance) => Some(distance),
+        Place::Stop(_) | Place::After(_) => None,
+    }
+}
+
+/// When each stop begins and ends, s.
+fn wait_times(plan: &FeedPlan, profile: &Profile) -> Vec<Range<f64>> {
+    let mut waits = Vec::new();
+    for (index, phase) in plan.phases.iter().enumerate() {
+        if let Phase::Wait(_) = phase {
+            waits.push(profile.phase_time(index));
+        }
+    }
+    waits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+    use crate::simulation::feed::{Rule, plan};
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    #[test]
+    fn visits_hold_every_item_once_and_begin_in_order_of_time() {
+        let program = b"M3 S100\nG1 X10 F600\nG4 P1\nM8\nX20 M9\nM98 P10 L2\nX0\nM30\nO10\nY5\nY0\nM99\n";
+        let machine = Machine::default();
+        let toolpath = trace(&read(program), &machine);
+        let visits = visits(&toolpath);
+        assert_eq!(visits.iter().map(|visit| visit.segments.len()).sum::<usize>(), toolpath.segments.len());
+        assert_eq!(visits.iter().map(|visit| visit.stops.len()).sum::<usize>(), toolpath.stops.len());
+        let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+        let places: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
+        let times = times(&toolpath, &plan, &places);
+        assert!(times.windows(2).all(|pair| pair[0] <= pair[1]), "{visits:?}: {times:?}");
+        let lines: Vec<u32> = visits.iter().map(|visit| visit.line.0).collect();
+        assert_eq!(&lines[..5], [1, 2, 3, 4, 5], "{lines:?}");
+    }
+}

@@ -1,0 +1,89 @@
+//! A recording with line numbers → its alignment.
+
+use std::collections::HashSet;
+use std::ops::Range;
+
+use crate::identification::alignment::lines;
+use crate::identification::alignment::place::{Place, visits};
+use crate::identification::alignment::{
+    Alignment, AlignmentError, Mark, Method, checked, end_of, is_of_units,
+};
+use crate::identification::recording::{Recording, closure_on};
+use crate::simulation::toolpath::{Motion, Toolpath};
+
+pub fn by_lines(
+    recording: &Recording,
+    run: Range<f64>,
+    has_end: bool,
+    toolpath: &Toolpath,
+) -> Result<Alignment, AlignmentError> {
+    let visits = visits(toolpath);
+    let mut remarks = Vec::new();
+    let followed = lines::follow(recording, &run, &visits)?;
+    if followed.count != 0 {
+        remarks.push(format!(
+            "recorded line numbers are {} the lines of the program by {}",
+            if followed.count < 0 { "after" } else { "before" },
+            followed.count.abs()
+        ));
+    }
+    let settled = settle_feed(recording, toolpath)?;
+    let mut distances = vec![0.0];
+    for segment in &toolpath.segments {
+        distances.push(distances[distances.len() - 1] + segment.length);
+    }
+    let at_stop = |stop: usize| distances[toolpath.stops[stop].after.min(toolpath.segments.len())];
+    let distance_of = |place: Place| match place {
+        Place::Along(distance) => distance,
+        Place::Stop(stop) | Place::After(stop) => at_stop(stop),
+    };
+    let mut marks = followed.marks;
+    if has_end && followed.visits.last().is_some_and(|last| visits.len() <= last + 3) {
+        let deviation = marks.last().map_or(0.1, |mark| mark.deviation);
+        marks.push(Mark { place: end_of(toolpath), time: run.end, deviation });
+    }
+    let fixes = lines::fixes(&settled, &marks, distance_of);
+    let covered = marks.first().map_or(0.0, |mark| distance_of(mark.place))
+        ..marks.last().map_or(0.0, |mark| distance_of(mark.place));
+    let alignment = Alignment {
+        method: Method::Lines,
+        run,
+        marks,
+        fixes,
+        covered,
+        length: distances.last().copied().unwrap_or(0.0),
+        fit: followed.in_order,
+        spread: None,
+        track: None,
+        feed: settled.feed,
+        remarks,
+    };
+    checked(alignment)
+}
+
+/// The recording with a unit for its feed. What the machine also does between lines is not in the
+/// program, so only lines that cut are asked.
+fn settle_feed(recording: &Recording, toolpath: &Toolpath) -> Result<Recording, AlignmentError> {
+    if recording.feed.is_none() {
+        return Ok(recording.clone());
+    }
+    let mut cutting = HashSet::new();
+    let mut mixed = HashSet::new();
+    for segment in &toolpath.segments {
+        let set = if segment.motion == Motion::Rapid { &mut mixed } else { &mut cutting };
+        set.insert(segment.line.0);
+    }
+    mixed.extend(toolpath.stops.iter().map(|stop| stop.line.0));
+    cutting.retain(|line| !mixed.contains(line));
+    let path: f64 = toolpath
+        .segments
+        .iter()
+        .filter(|segment| cutting.contains(&segment.line.0))
+        .map(|segment| segment.length)
+        .sum();
+    match closure_on(recording, path, |line| cutting.contains(&line)) {
+        Ok(closure) => Ok(recording.clone().settled(&closure)),
+        Err(error) if is_of_units(&error) => Err(error.into()),
+        Err(_) => Ok(recording.clone()),
+    }
+}

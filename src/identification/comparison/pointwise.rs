@@ -1,0 +1,124 @@
+//! Both motions at the same places: the columns from which charts are drawn and errors are taken.
+
+use crate::identification::alignment::{Alignment, Method};
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::profile::Profile;
+use crate::simulation::toolpath::{Motion, Toolpath};
+
+/// Recorded speeds are means over at least so many samples, and so many standard deviations of noise.
+const SPEED_OVER: (usize, f64) = (4, 60.0);
+
+/// Columns of equal length, one row a place, ascending in distance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pointwise {
+    /// Distance along the path, mm.
+    pub distance: Vec<f64>,
+    /// When the recorded machine was there, s from the start of the recording.
+    pub recorded_time: Vec<f64>,
+    /// When the simulated machine is there, s.
+    pub simulated_time: Vec<f64>,
+    /// Feedrate recorded, mm/s.
+    pub recorded: Vec<f64>,
+    /// Feedrate simulated, mm/s.
+    pub simulated: Vec<f64>,
+    /// Feedrate programmed, mm/s; none on rapid moves.
+    pub programmed: Vec<Option<f64>>,
+    /// Line of the program.
+    pub line: Vec<u32>,
+}
+
+/// Both motions at the places of the recording.
+pub fn pointwise(
+    toolpath: &Toolpath,
+    plan: &FeedPlan,
+    alignment: &Alignment,
+    feed: Option<&crate::identification::recording::Channel<f64>>,
+) -> Pointwise {
+    let mut rows = Pointwise::default();
+    let profile = Profile::new(toolpath, plan);
+    let speeds = match (alignment.method, feed) {
+        (Method::Lines | Method::Feed, Some(feed)) => from_feed(alignment, feed),
+        _ => from_fixes(alignment),
+    };
+    let distances: Vec<f64> = speeds.iter().map(|(_, distance, _)| *distance).collect();
+    let times = profile.crossing_times(&distances);
+    // What a poll shows may be as late as the poll is long, on one side or the other.
+    let blur = match alignment.method {
+        Method::Positions => 0.0,
+        Method::Lines | Method::Feed => {
+            alignment.marks.first().map_or(0.0, |mark| mark.deviation * 12.0f64.sqrt())
+        }
+    };
+    let mut segment = 0;
+    for ((recorded_time, distance, speed), time) in speeds.into_iter().zip(times) {
+        while segment + 1 < toolpath.segments.len() && profile.distance_before(segment + 1) <= distance {
+            segment += 1;
+        }
+        let Some(on) = toolpath.segments.get(segment) else { break };
+        rows.distance.push(distance);
+        rows.recorded_time.push(recorded_time);
+        rows.simulated_time.push(time);
+        rows.recorded.push(speed);
+        rows.simulated.push(profile.at_time(time).velocity.norm());
+        let around = [-blur, blur].map(|late| profile.at_time(time + late).distance);
+        rows.programmed.push(programmed(toolpath, &profile, segment, around));
+        rows.line.push(on.line.0);
+    }
+    rows
+}
+
+/// The programmed feedrate on a segment, mm/s; none where it, or what lies between two distances (mm)
+/// around it, is rapid.
+fn programmed(toolpath: &Toolpath, profile: &Profile, segment: usize, around: [f64; 2]) -> Option<f64> {
+    let is_rapid = |at: usize| toolpath.segments[at].motion == Motion::Rapid;
+    let before = (0..segment).rev().take_while(|at| around[0] < profile.distance_before(at + 1));
+    let after =
+        (segment + 1..toolpath.segments.len()).take_while(|at| profile.distance_before(*at) < around[1]);
+    if before.chain(after).any(is_rapid) {
+        return None;
+    }
+    match toolpath.segments[segment].motion {
+        Motion::Feed { feedrate } => Some(feedrate),
+        Motion::Rapid => None,
+    }
+}
+
+/// Time, distance and speed from the feed that was recorded, where the machine moves.
+fn from_feed(
+    alignment: &Alignment,
+    feed: &crate::identification::recording::Channel<f64>,
+) -> Vec<(f64, f64, f64)> {
+    let mut rows: Vec<(f64, f64, f64)> = Vec::new();
+    for fix in &alignment.fixes {
+        let Some(speed) = feed.held(fix.time) else { continue };
+        if rows.last().is_none_or(|last| last.1 < fix.distance) {
+            rows.push((fix.time, fix.distance, *speed));
+        }
+    }
+    rows
+}
+
+/// Time, distance and speed from positions, or from the fixes alone.
+fn from_fixes(alignment: &Alignment) -> Vec<(f64, f64, f64)> {
+    let fixes = &alignment.fixes;
+    let noise = alignment.track.as_ref().map_or(0.0, |track| track.noise);
+    let mut rows = Vec::new();
+    let mut first = 0;
+    for last in 1..fixes.len() {
+        let way = match (&alignment.track, fixes[first].sample, fixes[last].sample) {
+            (Some(track), Some(a), Some(b)) => (track.position[b] - track.position[a]).norm(),
+            _ => fixes[last].distance - fixes[first].distance,
+        };
+        if last - first < SPEED_OVER.0 || way < SPEED_OVER.1 * noise {
+            continue;
+        }
+        let elapsed = fixes[last].time - fixes[first].time;
+        let time = 0.5 * (fixes[first].time + fixes[last].time);
+        let distance = 0.5 * (fixes[first].distance + fixes[last].distance);
+        if rows.last().is_none_or(|row: &(f64, f64, f64)| row.1 < distance) {
+            rows.push((time, distance, way / elapsed));
+        }
+        first = if last - first < 2 * SPEED_OVER.0 { first + 1 } else { last - SPEED_OVER.0 };
+    }
+    rows
+}
