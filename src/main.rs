@@ -211,9 +211,17 @@ fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> 
 
 /// What the other time is made of, a line for each part that takes any.
 fn other_parts(functions: &Functions) -> String {
-    let Functions { spindle, coolant, stops, pallet, clamp, m_words } = *functions;
-    let names = ["spindle", "coolant", "program stops", "pallet changes", "clamping", "other M-words"];
-    let times = [spindle, coolant, stops, pallet, clamp, m_words];
+    let Functions { spindle, coolant, stops, pallet, clamp, m_words, start } = *functions;
+    let names = [
+        "spindle",
+        "coolant",
+        "program stops",
+        "pallet changes",
+        "clamping",
+        "other M-words",
+        "program start",
+    ];
+    let times = [spindle, coolant, stops, pallet, clamp, m_words, start];
     let parts = names.into_iter().zip(times).filter(|(_, seconds)| *seconds != 0.0);
     parts.map(|(name, seconds)| format!("\nother: {name} {seconds:.2} s")).collect()
 }

@@ -18,6 +18,8 @@ const FLOW: &[&str] = &[
     "identification/recording",
     "identification/alignment",
     "identification/comparison",
+    "identification/fit",
+    "identification/calibration",
     "identification/step",
     "plot",
     "project",

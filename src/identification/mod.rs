@@ -1,6 +1,8 @@
 //! Identification: recording → what the control is made of.
 
 pub mod alignment;
+pub mod calibration;
 pub mod comparison;
+pub mod fit;
 pub mod recording;
 pub mod step;

@@ -17,6 +17,8 @@ use std::collections::BTreeMap;
 /// Times that are not motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Times {
+    /// From the start of the program to its first block, s; neutral 0.
+    pub start: f64,
     /// Tool change at M6, s.
     pub tool_change: f64,
     /// Tools with a time of their own, s, by number.
@@ -112,6 +114,7 @@ impl Spin {
 impl Default for Times {
     fn default() -> Times {
         Times {
+            start: 0.0,
             tool_change: 4.0,
             tools: BTreeMap::new(),
             spindle: SpindleTimes::default(),

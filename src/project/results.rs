@@ -105,6 +105,7 @@ struct Functions {
     pallet_s: f64,
     clamp_s: f64,
     m_words_s: f64,
+    start_s: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -176,6 +177,7 @@ impl From<&quote::Breakdown> for Breakdown {
                 pallet_s: functions.pallet,
                 clamp_s: functions.clamp,
                 m_words_s: functions.m_words,
+                start_s: functions.start,
             },
         }
     }

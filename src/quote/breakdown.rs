@@ -42,6 +42,8 @@ pub struct Functions {
     pub clamp: f64,
     /// Any other M-word.
     pub m_words: f64,
+    /// From the start of the program to its first block.
+    pub start: f64,
 }
 
 impl Breakdown {
@@ -70,6 +72,7 @@ impl std::ops::AddAssign for Functions {
         self.pallet += more.pallet;
         self.clamp += more.clamp;
         self.m_words += more.m_words;
+        self.start += more.start;
     }
 }
 
@@ -107,6 +110,10 @@ impl<'a> Ledger<'a> {
     /// Where the time of these segments and stops goes.
     pub(super) fn breakdown(&self, segments: Range<usize>, stops: Range<usize>) -> Breakdown {
         let mut breakdown = Breakdown::default();
+        if segments.start == 0 && stops.start == 0 {
+            breakdown.functions.start = self.plan.start;
+            breakdown.other = self.plan.start;
+        }
         let is_rapid = |segment: usize| self.toolpath.segments[segment].motion == Motion::Rapid;
         let pulses = &self.plan.pulses;
         let before = |segment: usize| pulses.partition_point(|pulse| (pulse.segment as usize) < segment);

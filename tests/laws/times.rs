@@ -47,13 +47,26 @@ fn breakdown_on(machine: &Machine) -> Breakdown {
     breakdown
 }
 
-fn parts(breakdown: &Breakdown) -> [f64; 11] {
+fn parts(breakdown: &Breakdown) -> [f64; 12] {
     let b = breakdown;
     let f = &b.functions;
-    let functions = [f.spindle, f.coolant, f.stops, f.pallet, f.clamp, f.m_words];
+    let functions = [f.spindle, f.coolant, f.stops, f.pallet, f.clamp, f.m_words, f.start];
     assert!((functions.iter().sum::<f64>() - b.other).abs() <= 1e-9 * (1.0 + b.other));
-    let [spindle, coolant, stops, pallet, clamp, m_words] = functions;
-    [b.cutting, b.rapid, b.dwell, b.tool_change, b.other, spindle, coolant, stops, pallet, clamp, m_words]
+    let [spindle, coolant, stops, pallet, clamp, m_words, start] = functions;
+    [
+        b.cutting,
+        b.rapid,
+        b.dwell,
+        b.tool_change,
+        b.other,
+        spindle,
+        coolant,
+        stops,
+        pallet,
+        clamp,
+        m_words,
+        start,
+    ]
 }
 
 const TOOL_CHANGE: usize = 3;
@@ -64,12 +77,14 @@ const STOPS: usize = 7;
 const PALLET: usize = 8;
 const CLAMP: usize = 9;
 const M_WORDS: usize = 10;
+const START: usize = 11;
 
 #[test]
 fn each_time_is_added_as_often_as_it_is_asked_for() {
     let before = parts(&breakdown_on(&Machine::default()));
     type Change = fn(&mut Times);
-    let cases: [(Change, usize, f64); 14] = [
+    let cases: [(Change, usize, f64); 15] = [
+        (|t| t.start = 4.5, START, 4.5),
         // The third M6 finds its tool in the spindle.
         (|t| t.tool_change += 1.0, TOOL_CHANGE, 2.0),
         (|t| t.tools = [(2, 9.0), (3, 50.0)].into(), TOOL_CHANGE, 5.0),

@@ -14,6 +14,7 @@ const FUNCTIONS = [
   ['pallet_s', 'Pallet changes'],
   ['clamp_s', 'Clamping'],
   ['m_words_s', 'Other M-words'],
+  ['start_s', 'Program start'],
 ]
 
 /** The kinds of time in the order of a breakdown; machine functions are the parts of what is other. @type {[string, (breakdown: Breakdown) => number][]} */

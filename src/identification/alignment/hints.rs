@@ -93,9 +93,9 @@ pub fn what_would_fit(
             return Some(format!("they fit if they are {what}"));
         }
     }
-    for mirrored in 0..3 {
+    for (mirrored, name) in AXES.iter().enumerate() {
         if fits(&with(&|axis| (axis, if axis == mirrored { -1.0 } else { 1.0 }))) {
-            return Some(format!("they fit if {} changes its sign", AXES[mirrored]));
+            return Some(format!("they fit if {name} changes its sign"));
         }
     }
     None

@@ -36,6 +36,8 @@ pub struct Followed {
     pub visits: Vec<usize>,
     /// Lines named that are visits in order, as a part of all that are visits at all.
     pub in_order: f64,
+    /// The first visit named.
+    pub first: usize,
     /// What was added to the recorded numbers.
     pub count: i64,
 }
@@ -62,10 +64,7 @@ pub fn follow(recording: &Recording, run: &Range<f64>, visits: &[Visit]) -> Resu
     if tried[best].len() < 3 || in_order < ENOUGH {
         return Err(AlignmentError::LinesDoNotFit { in_order });
     }
-    let (back, deviation) = match line.sampling {
-        Sampling::OnChange => (0.5 * poll, poll / 12.0f64.sqrt()),
-        Sampling::Sampled => (0.5 * poll, poll / 12.0f64.sqrt()),
-    };
+    let (back, deviation) = (0.5 * poll, poll / 12.0f64.sqrt());
     let mut marks = Vec::new();
     let mut named = Vec::new();
     for &(event, visit) in &tried[best] {
@@ -76,7 +75,8 @@ pub fn follow(recording: &Recording, run: &Range<f64>, visits: &[Visit]) -> Resu
         marks.push(Mark { place: visits[visit].begin, time: line.time[event] - back, deviation });
         named.push(visit);
     }
-    Ok(Followed { marks, visits: named, in_order, count })
+    let first = tried[best].first().map_or(0, |(_, visit)| *visit);
+    Ok(Followed { marks, visits: named, in_order, first, count })
 }
 
 /// The events that name a visit later than those before, with that visit.

@@ -173,16 +173,19 @@ pub fn align(
 ) -> Result<Alignment, AlignmentError> {
     let mut refusal = None;
     let runs = recording.runs.iter();
-    let mut ranges: Vec<(Range<f64>, bool)> = runs
-        .map(|run| (run.time.clone(), run.has_end && run.found_by == RunMark::Status))
+    let mut ranges: Vec<(Range<f64>, (bool, bool))> = runs
+        .map(|run| {
+            let by_status = run.found_by == RunMark::Status;
+            (run.time.clone(), (by_status && run.has_start, by_status && run.has_end))
+        })
         .filter(|(range, _)| range.start < range.end)
         .collect();
     if ranges.is_empty() {
-        ranges.push((0.0..recording.duration + 1.0, false));
+        ranges.push((0.0..recording.duration + 1.0, (false, false)));
     }
     let several = 1 < ranges.len();
-    for (range, has_end) in ranges {
-        match align_run(recording, range.clone(), has_end, toolpath, machine) {
+    for (range, ends) in ranges {
+        match align_run(recording, range.clone(), ends, toolpath, machine) {
             Ok(mut alignment) => {
                 if several {
                     alignment.remarks.push(format!(
@@ -203,7 +206,7 @@ pub fn align(
 fn align_run(
     recording: &Recording,
     run: Range<f64>,
-    has_end: bool,
+    ends: (bool, bool),
     toolpath: &Toolpath,
     machine: &Machine,
 ) -> Result<Alignment, AlignmentError> {
@@ -214,7 +217,7 @@ fn align_run(
     if own.positions().iter().any(Option::is_some) {
         travelled::by_positions(&own, run, toolpath, machine)
     } else if own.line.as_ref().is_some_and(|line| 2 < line.values.len()) {
-        visited::by_lines(&own, run, has_end, toolpath)
+        visited::by_lines(&own, run, ends, toolpath)
     } else if own.feed.is_some() {
         stops::by_feed(&own, run, toolpath, machine)
     } else {

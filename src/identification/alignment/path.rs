@@ -47,12 +47,6 @@ impl<'a> Path<'a> {
         self.distances.last().copied().unwrap_or(0.0)
     }
 
-    /// Where the path is at a distance along it, mm.
-    pub fn point(&self, along: f64) -> Option<Point> {
-        let segment = self.segment_at(along)?;
-        Some(self.segments[segment].point((along - self.distances[segment]).max(0.0)))
-    }
-
     /// The segment at a distance along the path, mm.
     pub fn segment_at(&self, along: f64) -> Option<usize> {
         let begun = self.distances.partition_point(|distance| *distance <= along);
@@ -117,13 +111,6 @@ impl<'a> Path<'a> {
             }
         }
         keep_minima(found);
-    }
-
-    /// The nearest place on the whole path.
-    pub fn nearest_of_all(&self, point: Point) -> Option<Foot> {
-        let mut found = Vec::new();
-        self.nearest(point, 0.0..f64::INFINITY, &mut found);
-        found.into_iter().min_by(|a, b| a.away.total_cmp(&b.away))
     }
 
     fn norm(&self, vector: Vector) -> f64 {

@@ -1,5 +1,6 @@
 //! Places in a program at which recording and simulation have a time.
 //!
+//! Before everything stands the start of the program, from which a control may need time to its first block.
 //! A program is a sequence of items, segments and stops, and a visit is a run of items of one line; a
 //! line in a loop is visited often. A place is a distance along the path, or one of the two ends of a
 //! stop, where the distance stands still and only time goes on:
@@ -23,6 +24,8 @@ use crate::simulation::toolpath::Toolpath;
 /// A place in a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
+    /// Where the program is started.
+    Start,
     /// So far along the programmed path, mm.
     Along(f64),
     /// Where a stop of the toolpath begins, by index: what was before it is over.
@@ -86,6 +89,7 @@ pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[Place]) -> Vec<f64>
     let mut crossings = profile.crossing_times(&along).into_iter();
     let at = |stop: usize| waits.get(stop).cloned().unwrap_or(profile.cycle_time()..profile.cycle_time());
     let time = |place: &Place| match *place {
+        Place::Start => 0.0,
         Place::Along(_) => crossings.next().expect("one for each distance"),
         Place::Stop(stop) => at(stop).start,
         Place::After(stop) => at(stop).end,
@@ -96,7 +100,7 @@ pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[Place]) -> Vec<f64>
 fn distance(place: Place) -> Option<f64> {
     match place {
         Place::Along(distance) => Some(distance),
-        Place::Stop(_) | Place::After(_) => None,
+        Place::Start | Place::Stop(_) | Place::After(_) => None,
     }
 }
 

@@ -46,8 +46,7 @@ pub fn by_feed(
 
 /// The motion between full stops that wait, as the machine is believed to stop.
 fn stretches(toolpath: &Toolpath, machine: &Machine) -> Vec<Stretch> {
-    let mut plain = Machine::default();
-    plain.times = machine.times.clone();
+    let plain = Machine { times: machine.times.clone(), ..Machine::default() };
     let plan = plan(toolpath, &plain, Rule::Programmed);
     let waits = plan.phases.iter().filter_map(|phase| match phase {
         Phase::Wait(wait) => Some(wait.duration),

@@ -14,7 +14,7 @@ use crate::simulation::toolpath::{Motion, Toolpath};
 pub fn by_lines(
     recording: &Recording,
     run: Range<f64>,
-    has_end: bool,
+    (has_start, has_end): (bool, bool),
     toolpath: &Toolpath,
 ) -> Result<Alignment, AlignmentError> {
     let visits = visits(toolpath);
@@ -34,10 +34,16 @@ pub fn by_lines(
     }
     let at_stop = |stop: usize| distances[toolpath.stops[stop].after.min(toolpath.segments.len())];
     let distance_of = |place: Place| match place {
+        Place::Start => 0.0,
         Place::Along(distance) => distance,
         Place::Stop(stop) | Place::After(stop) => at_stop(stop),
     };
     let mut marks = followed.marks;
+    // The line named first is taken for where it stands, wherever the file begins.
+    if has_start && followed.first == 0 {
+        let deviation = marks.first().map_or(0.1, |mark| mark.deviation);
+        marks.insert(0, Mark { place: Place::Start, time: run.start, deviation });
+    }
     if has_end && followed.visits.last().is_some_and(|last| visits.len() <= last + 3) {
         let deviation = marks.last().map_or(0.1, |mark| mark.deviation);
         marks.push(Mark { place: end_of(toolpath), time: run.end, deviation });

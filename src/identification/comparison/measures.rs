@@ -1,10 +1,16 @@
 //! How far apart two motions are, in one number each.
 
-use crate::identification::alignment::Alignment;
+use std::ops::Range;
+
+use crate::identification::alignment::{Alignment, Method};
+use crate::identification::comparison::Lost;
 use crate::identification::comparison::pointwise::{Pointwise, pointwise};
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::Toolpath;
+use crate::simulation::toolpath::{Motion, Toolpath};
+
+/// Feedrates of a log written by polls are means over so many of them.
+const POLLS: f64 = 10.0;
 
 /// Half the time around a mark over which the residual is a mean, s.
 const AROUND: f64 = 0.25;
@@ -32,31 +38,98 @@ pub struct PositionError {
 impl FeedError {
     /// Of rows at the same places; none where none is on a feed move.
     pub fn of(rows: &Pointwise) -> Option<FeedError> {
-        let (mut squares, mut programmed_squares, mut sum, mut way) = (0.0, 0.0, 0.0, 0.0);
+        let mut error = Sum::default();
         for row in 1..rows.distance.len() {
-            let Some(programmed) = rows.programmed[row] else { continue };
-            let step = rows.distance[row] - rows.distance[row - 1];
-            squares += step * (rows.recorded[row] - rows.simulated[row]).powi(2);
-            programmed_squares += step * (rows.recorded[row] - programmed).powi(2);
-            sum += step * programmed;
-            way += step;
+            if let Some(programmed) = rows.programmed[row] {
+                let step = rows.distance[row] - rows.distance[row - 1];
+                error.add(step, rows.recorded[row], rows.simulated[row], programmed);
+            }
         }
-        (0.0 < way).then(|| FeedError {
-            rms: (squares / way).sqrt(),
-            programmed_rms: (programmed_squares / way).sqrt(),
-            programmed: sum / way,
-        })
+        error.mean()
     }
 }
 
+/// Of a comparison: from point to point where places are known to the sample, else as means over
+/// stretches that are long against the time between polls.
 pub fn feed_error(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     alignment: &Alignment,
-    _simulated: &[f64],
-    _residuals: &[f64],
+    lost: &[Lost],
 ) -> Option<FeedError> {
-    FeedError::of(&pointwise(toolpath, plan, alignment, alignment.feed.as_ref()))
+    if alignment.method == Method::Positions {
+        return FeedError::of(&pointwise(toolpath, plan, alignment));
+    }
+    let poll = alignment.marks.first()?.deviation * 12.0f64.sqrt();
+    let mut distances = vec![0.0];
+    for segment in &toolpath.segments {
+        distances.push(distances[distances.len() - 1] + segment.length);
+    }
+    // No number where a rapid move is on the way.
+    let programmed = |range: &Range<f64>| -> f64 {
+        let at =
+            |distance: f64| distances.partition_point(|end| *end < distance).min(toolpath.segments.len());
+        let times =
+            toolpath.segments[at(range.start)..at(range.end)].iter().map(|segment| match segment.motion {
+                Motion::Feed { feedrate } => segment.length / feedrate,
+                Motion::Rapid => f64::NAN,
+            });
+        times.sum()
+    };
+    let mut error = Sum::default();
+    let mut window = Window::default();
+    for visit in lost {
+        let time = programmed(&visit.distance);
+        if visit.waits() || time.is_nan() {
+            window = Window::default();
+            continue;
+        }
+        window.way += visit.distance.end - visit.distance.start;
+        window.recorded += visit.recorded.end - visit.recorded.start;
+        window.simulated += visit.simulated.end - visit.simulated.start;
+        window.programmed += time;
+        if POLLS * poll <= window.recorded && 0.0 < window.way {
+            let of = |time: f64| window.way / time;
+            error.add(window.way, of(window.recorded), of(window.simulated), of(window.programmed));
+            window = Window::default();
+        }
+    }
+    error.mean()
+}
+
+/// What passes between two places.
+#[derive(Default)]
+struct Window {
+    way: f64,
+    recorded: f64,
+    simulated: f64,
+    programmed: f64,
+}
+
+/// Squares of differences, weighted by distance.
+#[derive(Default)]
+struct Sum {
+    way: f64,
+    squares: f64,
+    programmed_squares: f64,
+    programmed: f64,
+}
+
+impl Sum {
+    fn add(&mut self, way: f64, recorded: f64, simulated: f64, programmed: f64) {
+        self.way += way;
+        self.squares += way * (recorded - simulated).powi(2);
+        self.programmed_squares += way * (recorded - programmed).powi(2);
+        self.programmed += way * programmed;
+    }
+
+    fn mean(&self) -> Option<FeedError> {
+        (0.0 < self.way).then(|| FeedError {
+            rms: (self.squares / self.way).sqrt(),
+            programmed_rms: (self.programmed_squares / self.way).sqrt(),
+            programmed: self.programmed / self.way,
+        })
+    }
 }
 
 pub fn position_error(

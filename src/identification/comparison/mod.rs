@@ -11,7 +11,8 @@
 //! its line also moves, both; what a visit with a stop lost counts as waiting.
 //!
 //! The feedrates are compared over the distance, feed moves alone: root mean squares, weighted by
-//! distance. Positions are compared at equal places: the simulated one at the time shifted by r,
+//! distance; of a log that names lines now and then as means over some polls, because a place is not known
+//! better than that. Positions are compared at equal places: the simulated one at the time shifted by r,
 //! which is taken as the mean of a quarter of a second around, so that what is left is the form of the
 //! path and not the time lost.
 
@@ -39,11 +40,16 @@ pub struct Lost {
     pub recorded: Range<f64>,
     /// When it ran in the simulation, s.
     pub simulated: Range<f64>,
-    /// Whether the machine waits in it.
-    pub waits: bool,
+    /// Its stops in the toolpath.
+    pub stops: Range<usize>,
 }
 
 impl Lost {
+    /// Whether the machine waits in it.
+    pub fn waits(&self) -> bool {
+        !self.stops.is_empty()
+    }
+
     /// How much longer the recorded machine took, s.
     pub fn seconds(&self) -> f64 {
         (self.recorded.end - self.recorded.start) - (self.simulated.end - self.simulated.start)
@@ -85,7 +91,7 @@ pub fn compare(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> C
     let residuals = residuals(alignment, &simulated);
     let lost = lost_by_visit(toolpath, plan, alignment, &simulated, &residuals);
     let mut motion = Durations::default();
-    for visit in lost.iter().filter(|visit| !visit.waits) {
+    for visit in lost.iter().filter(|visit| !visit.waits()) {
         motion.recorded += visit.recorded.end - visit.recorded.start;
         motion.simulated += visit.simulated.end - visit.simulated.start;
     }
@@ -95,7 +101,7 @@ pub fn compare(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> C
         recorded: between(marks.first().map(|m| m.time), marks.last().map(|m| m.time)),
         simulated: between(simulated.first().copied(), simulated.last().copied()),
     };
-    let feed = measures::feed_error(toolpath, plan, alignment, &simulated, &residuals);
+    let feed = measures::feed_error(toolpath, plan, alignment, &lost);
     let position = measures::position_error(toolpath, plan, alignment, &simulated, &residuals);
     Comparison { residuals, simulated, lost, whole, motion, feed, position }
 }
@@ -111,6 +117,7 @@ pub fn residuals(alignment: &Alignment, simulated: &[f64]) -> Vec<f64> {
 fn order(place: Place, toolpath: &Toolpath, distances: &[f64]) -> (f64, usize, bool) {
     let at = |stop: usize| distances[toolpath.stops[stop].after.min(toolpath.segments.len())];
     match place {
+        Place::Start => (-1.0, 0, false),
         Place::Along(distance) => (distance, usize::MAX, true),
         Place::Stop(stop) => (at(stop), stop, false),
         Place::After(stop) => (at(stop), stop, true),
@@ -146,7 +153,7 @@ fn lost_by_visit(
             distance: distances[visit.segments.start]..distances[visit.segments.end],
             recorded: offset + from.1 + from.2..offset + until.0 + until.1,
             simulated: from.1..until.0,
-            waits: !visit.stops.is_empty(),
+            stops: visit.stops.clone(),
         });
     };
     for (index, (begin, time)) in begins.iter().zip(&begin_times).enumerate() {

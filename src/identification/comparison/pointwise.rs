@@ -1,6 +1,7 @@
 //! Both motions at the same places: the columns from which charts are drawn and errors are taken.
 
 use crate::identification::alignment::{Alignment, Method};
+use crate::identification::recording::Channel;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Motion, Toolpath};
@@ -28,20 +29,13 @@ pub struct Pointwise {
 }
 
 /// Both motions at the places of the recording.
-pub fn pointwise(
-    toolpath: &Toolpath,
-    plan: &FeedPlan,
-    alignment: &Alignment,
-    feed: Option<&crate::identification::recording::Channel<f64>>,
-) -> Pointwise {
+pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> Pointwise {
     let mut rows = Pointwise::default();
     let profile = Profile::new(toolpath, plan);
-    let speeds = match (alignment.method, feed) {
+    let stretches = match (alignment.method, &alignment.feed) {
         (Method::Lines | Method::Feed, Some(feed)) => from_feed(alignment, feed),
         _ => from_fixes(alignment),
     };
-    let distances: Vec<f64> = speeds.iter().map(|(_, distance, _)| *distance).collect();
-    let times = profile.crossing_times(&distances);
     // What a poll shows may be as late as the poll is long, on one side or the other.
     let blur = match alignment.method {
         Method::Positions => 0.0,
@@ -49,22 +43,44 @@ pub fn pointwise(
             alignment.marks.first().map_or(0.0, |mark| mark.deviation * 12.0f64.sqrt())
         }
     };
+    // Ends of stretches ascend, each on its own side, so that two passes do.
+    let ends = [0, 1].map(|end: usize| {
+        let distances: Vec<f64> = stretches.iter().map(|stretch| stretch.distance[end]).collect();
+        profile.crossing_times(&distances)
+    });
     let mut segment = 0;
-    for ((recorded_time, distance, speed), time) in speeds.into_iter().zip(times) {
+    for (row, stretch) in stretches.into_iter().enumerate() {
+        let distance = 0.5 * (stretch.distance[0] + stretch.distance[1]);
         while segment + 1 < toolpath.segments.len() && profile.distance_before(segment + 1) <= distance {
             segment += 1;
         }
         let Some(on) = toolpath.segments.get(segment) else { break };
+        let [begin, end] = [ends[0][row], ends[1][row]];
+        let states = [begin, end].map(|time| profile.at_time(time));
+        let simulated = match stretch.distance[0] < stretch.distance[1] && begin < end {
+            true => (states[1].position - states[0].position).norm() / (end - begin),
+            false => states[0].velocity.norm(),
+        };
         rows.distance.push(distance);
-        rows.recorded_time.push(recorded_time);
-        rows.simulated_time.push(time);
-        rows.recorded.push(speed);
-        rows.simulated.push(profile.at_time(time).velocity.norm());
-        let around = [-blur, blur].map(|late| profile.at_time(time + late).distance);
+        rows.recorded_time.push(0.5 * (stretch.time[0] + stretch.time[1]));
+        rows.simulated_time.push(0.5 * (begin + end));
+        rows.recorded.push(stretch.speed);
+        rows.simulated.push(simulated);
+        let around = [begin - blur, end + blur].map(|time| profile.at_time(time).distance);
         rows.programmed.push(programmed(toolpath, &profile, segment, around));
         rows.line.push(on.line.0);
     }
     rows
+}
+
+/// A piece of the recorded motion with one speed.
+struct Stretch {
+    /// When it began and ended, s.
+    time: [f64; 2],
+    /// Where along the path, mm.
+    distance: [f64; 2],
+    /// How fast, mm/s: from positions the chord over the time, and the same is asked of the simulation.
+    speed: f64,
 }
 
 /// The programmed feedrate on a segment, mm/s; none where it, or what lies between two distances (mm)
@@ -83,23 +99,20 @@ fn programmed(toolpath: &Toolpath, profile: &Profile, segment: usize, around: [f
     }
 }
 
-/// Time, distance and speed from the feed that was recorded, where the machine moves.
-fn from_feed(
-    alignment: &Alignment,
-    feed: &crate::identification::recording::Channel<f64>,
-) -> Vec<(f64, f64, f64)> {
-    let mut rows: Vec<(f64, f64, f64)> = Vec::new();
+/// Pieces from the feed that was recorded, where the machine moves.
+fn from_feed(alignment: &Alignment, feed: &Channel<f64>) -> Vec<Stretch> {
+    let mut rows: Vec<Stretch> = Vec::new();
     for fix in &alignment.fixes {
         let Some(speed) = feed.held(fix.time) else { continue };
-        if rows.last().is_none_or(|last| last.1 < fix.distance) {
-            rows.push((fix.time, fix.distance, *speed));
+        if rows.last().is_none_or(|last| last.distance[1] < fix.distance) {
+            rows.push(Stretch { time: [fix.time; 2], distance: [fix.distance; 2], speed: *speed });
         }
     }
     rows
 }
 
-/// Time, distance and speed from positions, or from the fixes alone.
-fn from_fixes(alignment: &Alignment) -> Vec<(f64, f64, f64)> {
+/// Pieces from positions, or from the fixes alone.
+fn from_fixes(alignment: &Alignment) -> Vec<Stretch> {
     let fixes = &alignment.fixes;
     let noise = alignment.track.as_ref().map_or(0.0, |track| track.noise);
     let mut rows = Vec::new();
@@ -112,12 +125,9 @@ fn from_fixes(alignment: &Alignment) -> Vec<(f64, f64, f64)> {
         if last - first < SPEED_OVER.0 || way < SPEED_OVER.1 * noise {
             continue;
         }
-        let elapsed = fixes[last].time - fixes[first].time;
-        let time = 0.5 * (fixes[first].time + fixes[last].time);
-        let distance = 0.5 * (fixes[first].distance + fixes[last].distance);
-        if rows.last().is_none_or(|row: &(f64, f64, f64)| row.1 < distance) {
-            rows.push((time, distance, way / elapsed));
-        }
+        let (a, b) = (&fixes[first], &fixes[last]);
+        let (time, distance) = ([a.time, b.time], [a.distance, b.distance]);
+        rows.push(Stretch { time, distance, speed: way / (b.time - a.time) });
         first = if last - first < 2 * SPEED_OVER.0 { first + 1 } else { last - SPEED_OVER.0 };
     }
     rows

@@ -40,7 +40,14 @@ fn read(words: Vec<f64>) -> Vec<u32> {
     words.into_iter().map(|word| word as u32).collect()
 }
 
-pub(super) const TIMES: [Parameter; 16] = [
+pub(super) const TIMES: [Parameter; 17] = [
+    time(
+        "times.start_s",
+        "Program start",
+        "Time from the start of the program to its first block; 0: none.",
+        |m| Some(m.times.start),
+        |m, v| m.times.start = v.unwrap_or(0.0),
+    ),
     time(
         "times.tool_change_s",
         "Tool change",

@@ -90,6 +90,8 @@ pub enum Phase {
 /// The pulse train of a whole program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FeedPlan {
+    /// Time before the first phase, s.
+    pub start: f64,
     /// Motion and waits in order.
     pub phases: Vec<Phase>,
     /// All pulses in order.
@@ -145,7 +147,7 @@ impl FeedPlan {
             Phase::Wait(wait) => [wait.duration, 0.0],
             Phase::Motion(stretch) => [self.command_time(stretch), self.filters[stretch.filter].delay()],
         });
-        running_sum(durations).last().unwrap_or(0.0)
+        running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
     }
 
     /// The stretches of motion in order.
@@ -176,7 +178,7 @@ pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f6
 
 /// The feed plan of a toolpath on a machine.
 pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
-    let mut plan = FeedPlan::default();
+    let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
     let mut begin = 0;

@@ -58,7 +58,8 @@ impl<'a> Profile<'a> {
         }
         let mut profile = Profile { toolpath, plan, distances, phase_starts: Vec::new(), pulse_starts };
         let durations: Vec<f64> = plan.phases.iter().map(|phase| profile.phase_duration(phase)).collect();
-        profile.phase_starts = from_zero(&mut running_sum(durations.into_iter()));
+        let first = [plan.start].into_iter();
+        profile.phase_starts = running_sum(first.chain(durations)).collect();
         profile
     }
 

@@ -54,6 +54,13 @@ impl Profile<'_> {
     pub fn samples(&self, resolution: Resolution) -> Samples {
         let mut samples = Samples::default();
         let mut segments_before = 0;
+        if 0.0 < self.plan.start {
+            samples.push(
+                0.0,
+                &self.standing(0),
+                self.toolpath.segments.first().map_or(0, |first| first.line.0),
+            );
+        }
         for (index, phase) in self.plan.phases.iter().enumerate() {
             let start = self.phase_starts[index];
             match phase {

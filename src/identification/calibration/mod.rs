@@ -1,0 +1,270 @@
+//! Machine and runs → [`Calibration`]: the machine that predicts the next program.
+//!
+//! What is fitted, each where the runs show it: order and constant of the filters, contour tolerance,
+//! rapid feedrate, and the time of each kind of stop. The fit is of [`crate::identification::fit`]; what
+//! belongs here is the judgement of its result:
+//!
+//! - a parameter that the runs say nothing of, or less than ±[`UNKNOWN`] of, stays at its value, and the
+//!   reason is said;
+//! - a value from which the fitted one is less than two standard deviations away is kept: the data do
+//!   not contradict it;
+//! - the order of the filters stays unless another one is better by [`BETTER_ORDER`] of the cost, the
+//!   total delay of the filters being kept as the first guess of each order.
+//!
+//! What then is left is fitted once more, so that nothing leans on what was put back.
+
+mod waits;
+
+use nalgebra::DMatrix;
+
+pub use waits::Kind;
+
+use crate::identification::comparison::{Comparison, compare};
+use crate::identification::fit::{Fit, Freed, Run, Scale, Whitening, fit};
+use crate::machine::{Machine, TimeConstants};
+use crate::simulation::toolpath::Motion;
+
+/// A relative standard deviation above which a positive parameter counts as unknown.
+const UNKNOWN: f64 = 0.4;
+/// By how much the cost must fall for another filter order.
+const BETTER_ORDER: f64 = 15.0;
+/// Within so many standard deviations a value is not contradicted.
+const CONTRADICTED: f64 = 2.0;
+/// Orders of filters tried.
+const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
+
+/// What became of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It has the fitted value.
+    Fitted,
+    /// The data do not contradict the value it had.
+    Agrees,
+    /// The data say nothing of it; it has the value it had.
+    Unknown,
+}
+
+/// One parameter after the calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Its key in the machine file.
+    pub key: String,
+    /// The value before, core units.
+    pub before: f64,
+    /// The value in the machine now, core units.
+    pub value: f64,
+    /// Standard deviation of the fitted value, core units; none where it is unknown.
+    pub deviation: Option<f64>,
+    /// What became of it.
+    pub verdict: Verdict,
+}
+
+/// A run before and after.
+#[derive(Clone, Debug)]
+pub struct RunResult {
+    /// Against the machine as it was.
+    pub before: Comparison,
+    /// Against the calibrated machine.
+    pub after: Comparison,
+}
+
+/// A calibrated machine, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    /// The machine.
+    pub machine: Machine,
+    /// What became of each parameter.
+    pub estimates: Vec<Estimate>,
+    /// Keys of what was fitted last, with their correlations.
+    pub correlations: (Vec<String>, DMatrix<f64>),
+    /// Cost of each order of filters that was tried.
+    pub orders: Vec<(usize, f64)>,
+    /// The runs, in the order given.
+    pub runs: Vec<RunResult>,
+    /// Whether the fit came to its end.
+    pub converged: bool,
+}
+
+/// Calibrates a machine from runs on it. `progress` is told the part that is done.
+pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Calibration {
+    let compared = |machine: &Machine| -> Vec<Comparison> {
+        runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
+    };
+    let before = compared(machine);
+    let mut guess = machine.clone();
+    let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(&before).collect();
+    let mut waits = Vec::new();
+    for (kind, seconds, _) in waits::guesses(machine, &pairs) {
+        let freed = kind.freed(seconds);
+        freed.apply(&mut guess, seconds);
+        waits.push((freed, kind.value(machine)));
+    }
+    if runs.iter().any(|run| run.starts()) {
+        let seconds = waits::start_guess(&pairs);
+        let freed =
+            Freed::new("times.start_s", seconds, (0.0, 600.0), Scale::Difference, |machine, seconds| {
+                machine.times.start = seconds;
+            });
+        freed.apply(&mut guess, seconds);
+        waits.push((freed, machine.times.start));
+    }
+    let whiten = |machine: &Machine| -> Vec<Whitening> {
+        runs.iter().map(|run| Whitening::of(run.alignment, &run.residuals(machine))).collect()
+    };
+    let parameters = |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
+        let mut all = motion(machine, guess, order, runs);
+        all.extend(waits.iter().map(|(freed, value)| {
+            let mut freed = freed.clone();
+            freed.start = current(&freed.key, guess).unwrap_or(freed.start);
+            (freed, *value)
+        }));
+        all
+    };
+    let nominal = machine.interpolator.filters;
+    let mut share = Share { done: 0.0, part: 0.25, progress };
+    let first = run_fit(&guess, runs, &parameters(nominal, &guess), &whiten(&guess), &mut share);
+    let whitenings = whiten(&first.machine);
+    let second = run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, &mut share);
+    let mut orders = vec![(nominal, second.cost)];
+    let mut best = second;
+    let mut order = nominal;
+    let is_equal = matches!(machine.interpolator.time_constants, TimeConstants::Equal(_));
+    for other in ORDERS.filter(|other| *other != nominal && is_equal) {
+        share.part = 0.1;
+        let mut start = best.machine.clone();
+        set_order(&mut start, other);
+        let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, &mut share);
+        orders.push((other, found.cost));
+        if found.cost + BETTER_ORDER < best.cost {
+            (best, order) = (found, other);
+        }
+    }
+    orders.sort_by_key(|(order, _)| *order);
+    let all = parameters(order, &best.machine);
+    let verdicts: Vec<Verdict> = all
+        .iter()
+        .enumerate()
+        .map(|(at, (freed, before))| verdict(freed, *before, best.values[at], best.deviations[at]))
+        .collect();
+    let kept: Vec<(Freed, f64)> = (all.iter().zip(&verdicts))
+        .filter(|(_, verdict)| **verdict == Verdict::Fitted)
+        .map(|(parameter, _)| parameter.clone())
+        .collect();
+    let mut base = best.machine.clone();
+    for ((freed, before), verdict) in all.iter().zip(&verdicts) {
+        if *verdict != Verdict::Fitted && before.is_finite() {
+            freed.apply(&mut base, *before);
+        }
+    }
+    share.part = 0.2;
+    let last = run_fit(&base, runs, &kept, &whitenings, &mut share);
+    let mut fitted = last.values.iter().zip(&last.deviations);
+    let estimates = all.iter().zip(&verdicts).enumerate().map(|(at, ((freed, before), verdict))| {
+        let own = if *verdict == Verdict::Fitted { fitted.next() } else { None };
+        let (value, deviation) = match own {
+            Some((value, deviation)) => (*value, *deviation),
+            None => (*before, best.deviations[at]),
+        };
+        Estimate {
+            key: freed.key.clone(),
+            before: *before,
+            value,
+            deviation: (deviation.is_finite() && *verdict != Verdict::Unknown).then_some(deviation),
+            verdict: *verdict,
+        }
+    });
+    let estimates = estimates.collect();
+    let after = compared(&last.machine);
+    let results = before.into_iter().zip(after).map(|(before, after)| RunResult { before, after });
+    Calibration {
+        runs: results.collect(),
+        estimates,
+        correlations: (kept.iter().map(|(freed, _)| freed.key.clone()).collect(), last.correlations),
+        orders,
+        converged: last.converged,
+        machine: last.machine,
+    }
+}
+
+/// Progress of one of several fits.
+struct Share<'a> {
+    done: f64,
+    part: f64,
+    progress: &'a mut dyn FnMut(f64),
+}
+
+fn run_fit(
+    machine: &Machine,
+    runs: &[Run],
+    parameters: &[(Freed, f64)],
+    whitenings: &[Whitening],
+    share: &mut Share,
+) -> Fit {
+    let freed: Vec<Freed> = parameters.iter().map(|(freed, _)| freed.clone()).collect();
+    let (done, part) = (share.done, share.part);
+    let progress = &mut share.progress;
+    let found =
+        fit(machine, runs, &freed, whitenings, &mut |of_this| progress((done + part * of_this).min(1.0)));
+    share.done += part;
+    found
+}
+
+fn verdict(freed: &Freed, before: f64, value: f64, deviation: f64) -> Verdict {
+    let is_unknown = match freed.scale {
+        Scale::Ratio => UNKNOWN * value < deviation,
+        Scale::Difference => !deviation.is_finite(),
+    };
+    if is_unknown {
+        Verdict::Unknown
+    } else if (value - before).abs() < CONTRADICTED * deviation {
+        Verdict::Agrees
+    } else {
+        Verdict::Fitted
+    }
+}
+
+/// The parameters of motion, each with the value it has before: time constant, tolerance, rapid rate.
+fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<(Freed, f64)> {
+    let mut all = Vec::new();
+    let mut add = |key: &'static str, before: f64, start: f64, bounds: (f64, f64)| {
+        all.extend(Freed::number(key, start, bounds, Scale::Ratio).map(|freed| (freed, before)));
+    };
+    if let (TimeConstants::Equal(own), TimeConstants::Equal(start)) =
+        (&before.interpolator.time_constants, &guess.interpolator.time_constants)
+    {
+        let own = own * before.interpolator.filters as f64 / order as f64;
+        add("interpolator.time_constant_s", own, *start, (5e-4, 0.5));
+    }
+    let tolerance = (before.interpolator.contour_tolerance, guess.interpolator.contour_tolerance);
+    add("interpolator.contour_tolerance_mm", tolerance.0, tolerance.1, (2e-4, 1.0));
+    let runs_rapid = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid);
+    if runs.iter().any(runs_rapid) {
+        let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
+        add("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own));
+    }
+    all
+}
+
+/// Gives a machine another number of filters with the same delay in all.
+fn set_order(machine: &mut Machine, order: usize) {
+    let interpolator = &mut machine.interpolator;
+    if let TimeConstants::Equal(constant) = &mut interpolator.time_constants {
+        *constant *= interpolator.filters as f64 / order as f64;
+    }
+    interpolator.filters = order;
+}
+
+/// What a machine has under the key of a wait, s.
+fn current(key: &str, machine: &Machine) -> Option<f64> {
+    match key {
+        "times.start_s" => Some(machine.times.start),
+        "times.tool_change_s" => Some(machine.times.tool_change),
+        "times.spindle_start_s" => machine.times.spindle.start,
+        "times.spindle_stop_s" => machine.times.spindle.stop,
+        _ => key
+            .strip_prefix("times.m_codes.M")?
+            .parse()
+            .ok()
+            .and_then(|code| machine.times.m_codes.get(&code).copied()),
+    }
+}

@@ -1,0 +1,194 @@
+//! Machine, runs and freed parameters → [`Fit`]: the values at which the simulation is closest.
+//!
+//! The whole simulation is run again for every value that is tried; what is minimised is
+//!
+//! ```text
+//! Σ_runs Σ_k ρ(ν_k),    ρ(ν) = ν² for |ν| ≤ c, then 2 c |ν| − c²
+//! ```
+//!
+//! over the whitened residuals ν of [`whitened`], so that a wait that nobody explained does not bend
+//! everything else (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients, a
+//! parameter at its bound standing still.
+//!
+//! Uncertainties are those of the sandwich estimator over contiguous sections, (JᵀWJ)⁻¹ (Σ g gᵀ) (JᵀWJ)⁻¹
+//! with g the gradient of a section: sections may be related within, not with each other, and more samples
+//! of the same motion make nothing more certain.
+
+mod freed;
+mod minimise;
+mod whitened;
+
+use nalgebra::DMatrix;
+
+pub use freed::{Freed, Scale};
+pub use whitened::Whitening;
+
+use crate::identification::alignment::{Alignment, Place, times};
+use crate::identification::comparison::residuals;
+use crate::machine::{CornerMode, Machine};
+use crate::simulation::contour::plan_within;
+use crate::simulation::feed::{FeedPlan, Rule, Tolerances, plan};
+use crate::simulation::toolpath::Toolpath;
+
+/// Sections a run is cut into for the uncertainties.
+const SECTIONS: usize = 16;
+
+/// A program with the recording of one of its runs.
+#[derive(Clone)]
+pub struct Run<'a> {
+    /// The program.
+    pub toolpath: &'a Toolpath,
+    /// The recording on it.
+    pub alignment: &'a Alignment,
+    /// Override switches that the recording itself shows, as ratios of feed and rapid.
+    pub overrides: (Option<f64>, Option<f64>),
+}
+
+/// Where a fit ended.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The machine with the values found.
+    pub machine: Machine,
+    /// The values, core units, in the order of what was freed.
+    pub values: Vec<f64>,
+    /// Their standard deviations, core units; infinite where the runs say nothing of one.
+    pub deviations: Vec<f64>,
+    /// How they depend on each other; 1 on the diagonal.
+    pub correlations: DMatrix<f64>,
+    /// What is left, Σ ρ.
+    pub cost: f64,
+    /// The whitened residuals of each run.
+    pub whitened: Vec<Vec<f64>>,
+    /// Whether it came to its end.
+    pub converged: bool,
+}
+
+impl Run<'_> {
+    /// Whether the start of the program was recorded.
+    pub fn starts(&self) -> bool {
+        self.alignment.marks.first().is_some_and(|mark| mark.place == Place::Start)
+    }
+
+    /// The machine as it was set in this run.
+    pub fn machine(&self, machine: &Machine) -> Machine {
+        let mut machine = machine.clone();
+        if let Some(ratio) = self.overrides.0 {
+            machine.overrides.feed = ratio;
+        }
+        if let Some(ratio) = self.overrides.1 {
+            machine.overrides.rapid = ratio;
+        }
+        machine
+    }
+
+    /// The plan of the run on a machine.
+    pub fn plan(&self, machine: &Machine) -> FeedPlan {
+        simulate(self.toolpath, &self.machine(machine))
+    }
+
+    /// By how much the recorded machine is later at each mark, s.
+    pub fn residuals(&self, machine: &Machine) -> Vec<f64> {
+        let places: Vec<Place> = self.alignment.marks.iter().map(|mark| mark.place).collect();
+        residuals(self.alignment, &times(self.toolpath, &self.plan(machine), &places))
+    }
+}
+
+/// The plan of a program on a machine, at the tolerances of the program or else the machine's.
+pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
+    match machine.interpolator.corner_mode {
+        CornerMode::Paper => plan(toolpath, machine, Rule::Programmed),
+        CornerMode::Guaranteed => plan_within(toolpath, machine, Tolerances::Programmed, &mut |_| {}).0,
+    }
+}
+
+/// Fits parameters of a machine to runs, from the values they begin with. `progress` is told the part
+/// that is done.
+pub fn fit(
+    machine: &Machine,
+    runs: &[Run],
+    freed: &[Freed],
+    whitenings: &[Whitening],
+    progress: &mut dyn FnMut(f64),
+) -> Fit {
+    let found = minimise::minimise(machine, runs, freed, whitenings, progress);
+    let values: Vec<f64> =
+        freed.iter().zip(found.varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
+    let covariance = covariance(&found);
+    let deviations = (0..freed.len())
+        .map(|at| freed[at].deviation(values[at], covariance[(at, at)].max(0.0).sqrt()))
+        .collect();
+    let correlations = DMatrix::from_fn(freed.len(), freed.len(), |i, j| {
+        let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+        if i == j {
+            1.0
+        } else if size.is_finite() && 0.0 < size {
+            covariance[(i, j)] / size
+        } else {
+            0.0
+        }
+    });
+    Fit {
+        machine: with(machine, freed, &values),
+        values,
+        deviations,
+        correlations,
+        cost: found.cost,
+        whitened: found.whitened,
+        converged: found.converged,
+    }
+}
+
+/// A machine with these values of what is freed, core units.
+pub fn with(machine: &Machine, freed: &[Freed], values: &[f64]) -> Machine {
+    let mut machine = machine.clone();
+    for (freed, value) in freed.iter().zip(values) {
+        freed.apply(&mut machine, *value);
+    }
+    machine
+}
+
+/// The covariance of what is varied; infinite on the diagonal of what the runs say nothing of.
+fn covariance(found: &minimise::Minimum) -> DMatrix<f64> {
+    let count = found.varied.len();
+    let mut normal = DMatrix::zeros(count, count);
+    let mut spread = DMatrix::zeros(count, count);
+    for (whitened, jacobian) in found.whitened.iter().zip(&found.jacobians) {
+        let length = whitened.len().div_ceil(SECTIONS).max(1);
+        for first in (0..whitened.len()).step_by(length) {
+            let last = (first + length).min(whitened.len());
+            let mut gradient = nalgebra::DVector::zeros(count);
+            for (row, value) in whitened.iter().enumerate().take(last).skip(first) {
+                let weight = minimise::weight(*value);
+                let slope = jacobian.row(row).transpose();
+                gradient += weight * value * &slope;
+                normal += weight * &slope * slope.transpose();
+            }
+            spread += &gradient * gradient.transpose();
+        }
+    }
+    let known: Vec<usize> = (0..count).filter(|at| 1e-9 < normal[(*at, *at)]).collect();
+    let part = normal.select_rows(&known).select_columns(&known);
+    let mut covariance = DMatrix::from_diagonal_element(count, count, f64::INFINITY);
+    covariance.fill_lower_triangle(0.0, 1);
+    covariance.fill_upper_triangle(0.0, 1);
+    let scale = part.diagonal().map(|own| 1.0 / own.sqrt());
+    let scaled = DMatrix::from_fn(known.len(), known.len(), |i, j| part[(i, j)] * scale[i] * scale[j]);
+    let ridge = DMatrix::identity(known.len(), known.len()) * 1e-12;
+    if let Some(factor) = (scaled + ridge).cholesky() {
+        let inverse = factor.inverse();
+        let inverse =
+            DMatrix::from_fn(known.len(), known.len(), |i, j| inverse[(i, j)] * scale[i] * scale[j]);
+        let own = spread.select_rows(&known).select_columns(&known);
+        let sandwich = &inverse * own * &inverse;
+        for (i, &row) in known.iter().enumerate() {
+            for (j, &column) in known.iter().enumerate() {
+                // Few sections say little of their own spread; the plain estimate is the least.
+                covariance[(row, column)] = match i == j {
+                    true => sandwich[(i, j)].max(inverse[(i, j)]),
+                    false => sandwich[(i, j)],
+                };
+            }
+        }
+    }
+    covariance
+}

@@ -1,0 +1,142 @@
+//! The residual of a run as numbers that are independent of each other.
+//!
+//! What a recording is later by at the marks is a sum: the time lost so far, which goes on from mark to
+//! mark, and the error of each mark, which does not. Of a process
+//!
+//! ```text
+//! x_k = x_{k−1} + w,  var w = q² Δt        lost so far, s, by what no model knows; q in s/√s
+//! r_k = x_k + v,      var v = σ_k²         the residual, s, with the error of the mark
+//! ```
+//!
+//! the innovations ν_k = r_k − E(x_k | r_1 … r_{k−1}), each divided by its standard deviation, are
+//! independent with variance 1 (Kalman 1960). They are linear in r, so that the same recursion whitens
+//! residuals and derivatives. The start offset is not known, so that the first mark gives none.
+//!
+//! q is chosen so that the median of |ν| is that of a normal variable: outliers do not count.
+
+use crate::identification::alignment::{Alignment, median};
+
+/// The median of the absolute value of a standard normal variable.
+const NORMAL_MEDIAN: f64 = 0.6745;
+
+/// What whitens the residuals of one run.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    /// Gain of each mark, and one over the standard deviation of its innovation.
+    steps: Vec<(f64, f64)>,
+    /// What no model knows, s/√s.
+    pub wander: f64,
+}
+
+impl Whitening {
+    /// The whitening for marks with this wander (s/√s).
+    pub fn new(alignment: &Alignment, wander: f64) -> Whitening {
+        let marks = &alignment.marks;
+        let mut variance = f64::INFINITY;
+        let mut before = marks.first().map_or(0.0, |mark| mark.time);
+        let steps = marks.iter().map(|mark| {
+            let error = mark.deviation * mark.deviation;
+            let predicted = variance + wander * wander * (mark.time - before).max(0.0);
+            before = mark.time;
+            if predicted.is_infinite() {
+                variance = error;
+                return (1.0, 0.0);
+            }
+            let gain = predicted / (predicted + error);
+            variance = (1.0 - gain) * predicted;
+            (gain, 1.0 / (predicted + error).sqrt())
+        });
+        Whitening { steps: steps.collect(), wander }
+    }
+
+    /// The normalised innovations of residuals, one a mark; 0 at the first.
+    pub fn apply(&self, residuals: &[f64]) -> Vec<f64> {
+        let mut state = 0.0;
+        let whiten = |(residual, (gain, scale)): (&f64, &(f64, f64))| {
+            let innovation = residual - state;
+            state += gain * innovation;
+            innovation * scale
+        };
+        residuals.iter().zip(&self.steps).map(whiten).collect()
+    }
+
+    /// The whitening by which residuals are normal.
+    pub fn of(alignment: &Alignment, residuals: &[f64]) -> Whitening {
+        let typical = |wander: f64| {
+            let whitened = Whitening::new(alignment, wander).apply(residuals);
+            let mut sizes: Vec<f64> = whitened.iter().skip(1).map(|value| value.abs()).collect();
+            median(&mut sizes)
+        };
+        let (mut low, mut high) = (1e-6f64, 1.0f64);
+        if typical(low) <= NORMAL_MEDIAN {
+            return Whitening::new(alignment, low);
+        }
+        for _ in 0..30 {
+            let middle = (low * high).sqrt();
+            if typical(middle) <= NORMAL_MEDIAN { high = middle } else { low = middle }
+        }
+        Whitening::new(alignment, high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::{Mark, Method, Place};
+
+    fn alignment(deviation: f64, count: usize) -> Alignment {
+        let mark = |at: usize| Mark { place: Place::Along(at as f64), time: 0.1 * at as f64, deviation };
+        Alignment {
+            method: Method::Positions,
+            run: 0.0..1.0,
+            marks: (0..count).map(mark).collect(),
+            fixes: Vec::new(),
+            covered: 0.0..count as f64,
+            length: count as f64,
+            fit: 1.0,
+            spread: None,
+            track: None,
+            feed: None,
+            remarks: Vec::new(),
+        }
+    }
+
+    /// Uniform numbers from −1 to 1, the same every time.
+    fn noise(seed: &mut u64) -> f64 {
+        *seed ^= *seed << 13;
+        *seed ^= *seed >> 7;
+        *seed ^= *seed << 17;
+        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    #[test]
+    fn innovations_of_the_process_are_white() {
+        let (deviation, wander, count) = (2e-3, 4e-3, 20_000);
+        let alignment = alignment(deviation, count);
+        let (mut seed, mut lost) = (7, 5.0);
+        let residuals: Vec<f64> = (0..count)
+            .map(|_| {
+                lost += 3.0f64.sqrt() * noise(&mut seed) * wander * 0.1f64.sqrt();
+                lost + 3.0f64.sqrt() * noise(&mut seed) * deviation
+            })
+            .collect();
+        let white = Whitening::new(&alignment, wander).apply(&residuals);
+        let white = &white[1..];
+        let mean_square = white.iter().map(|v| v * v).sum::<f64>() / white.len() as f64;
+        let lagged = white.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / white.len() as f64;
+        assert!((mean_square - 1.0).abs() < 0.03, "{mean_square}");
+        assert!(lagged.abs() < 0.03, "{lagged}");
+        let found = Whitening::of(&alignment, &residuals).wander;
+        assert!((found / wander - 1.0).abs() < 0.15, "{found}");
+    }
+
+    #[test]
+    fn a_start_offset_changes_nothing() {
+        let alignment = alignment(1e-3, 50);
+        let residuals: Vec<f64> = (0..50).map(|at| f64::from(at * at) * 1e-5).collect();
+        let shifted: Vec<f64> = residuals.iter().map(|residual| residual + 17.0).collect();
+        let whitening = Whitening::new(&alignment, 1e-3);
+        let (one, other) = (whitening.apply(&residuals), whitening.apply(&shifted));
+        assert!(one.iter().zip(&other).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+}
