@@ -18,6 +18,7 @@
 mod feed;
 mod hints;
 mod lines;
+mod log;
 mod path;
 mod place;
 mod positions;
@@ -28,6 +29,7 @@ mod travelled;
 use std::ops::Range;
 use thiserror::Error;
 
+pub use crate::identification::alignment::log::align_log;
 pub use crate::identification::alignment::place::{Place, Visit, times, visits};
 pub use crate::identification::alignment::positions::{Track, median};
 use crate::identification::recording::{Channel, ClosureError, Recording, RunMark};
