@@ -93,7 +93,7 @@ export function mountPlot(root, chart, { isShown, words, chosen }) {
     0: 'reset',
   }
 
-  for (const button of root.querySelectorAll('[data-do]')) {
+  for (const button of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll('[data-do]'))) {
     button.addEventListener('click', () => {
       verbs[/** @type {keyof typeof verbs} */ (button.dataset.do)]()
       moved()
