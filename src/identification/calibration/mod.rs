@@ -26,8 +26,8 @@ use crate::simulation::toolpath::Motion;
 
 /// A relative standard deviation above which a positive parameter counts as unknown.
 const UNKNOWN: f64 = 0.4;
-/// By how much the cost must fall for another filter order.
-const BETTER_ORDER: f64 = 15.0;
+/// By how much, and by what part, the cost must fall for another filter order.
+const BETTER_ORDER: (f64, f64) = (15.0, 0.1);
 /// Within so many standard deviations a value is not contradicted.
 const CONTRADICTED: f64 = 2.0;
 /// Orders of filters tried.
@@ -135,7 +135,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         set_order(&mut start, other);
         let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, &mut share);
         orders.push((other, found.cost));
-        if found.cost + BETTER_ORDER < best.cost {
+        if found.cost < best.cost - BETTER_ORDER.0.max(BETTER_ORDER.1 * best.cost) {
             (best, order) = (found, other);
         }
     }
@@ -241,6 +241,15 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     if runs.iter().any(runs_rapid) {
         let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
         add("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own));
+        if let (Some(TimeConstants::Equal(own)), Some(TimeConstants::Equal(start))) =
+            (&before.rapid.time_constants, &guess.rapid.time_constants)
+        {
+            let own = own * before.interpolator.filters as f64 / order as f64;
+            add("rapid.time_constant_s", own, *start, (5e-4, 0.5));
+        }
+        if before.path.acceleration.is_finite() {
+            add("path.acceleration_mm_s2", before.path.acceleration, guess.path.acceleration, (10.0, 1e5));
+        }
     }
     all
 }
