@@ -60,7 +60,9 @@ pub fn cases(seed: u64, counts: &Counts) -> Vec<Case> {
         wanted.swap(i, random.below(i + 1));
     }
     let draw = |(i, (stratum, ids)): (usize, &(&str, Vec<&str>))| {
-        (0..100).find_map(|attempt| case(stratum, ids, i + 1, &mut Random::new(seed, 1 + i as u64 * 1000 + attempt)))
+        (0..100).find_map(|attempt| {
+            case(stratum, ids, i + 1, &mut Random::new(seed, 1 + i as u64 * 1000 + attempt))
+        })
     };
     wanted.iter().enumerate().filter_map(draw).collect()
 }
@@ -73,7 +75,11 @@ struct Machine {
 
 impl Machine {
     fn run(&self, steps: &[Step]) -> Motion {
-        let mut motion = if self.planner { planner::command(steps, &self.physics) } else { fir::command(steps, &self.physics) };
+        let mut motion = if self.planner {
+            planner::command(steps, &self.physics)
+        } else {
+            fir::command(steps, &self.physics)
+        };
         drive::drive(&mut motion.position, &self.physics.drive);
         motion
     }
@@ -156,7 +162,8 @@ fn acted(clean: &Motion, real: &Motion) -> Vec<u32> {
     lines.filter(|line| 2e-4 < (of(clean, *line) - of(real, *line)).abs()).collect()
 }
 
-fn machine_file(name: &str, base: &Physics) -> String {
+/// The machine file that believes in the base.
+pub fn machine_file(name: &str, base: &Physics) -> String {
     let (filters, constant) = (base.boxes.len(), base.boxes[0]);
     format!(
         "name = \"{name}\"\n\n[interpolator]\nfilters = {filters}\ntime_constant_s = {constant}\n\
@@ -192,10 +199,13 @@ pub fn sample() -> Case {
     let program = program::write(&["rect", "zigzag", "drill", "arcs"], &mut random);
     let steps = read(&program);
     let base = Physics::base(3, 0.0255, 0.02);
-    let cuts: Vec<u32> = steps.iter().filter_map(|step| match step {
-        Step::Move { line, rapid: false, .. } => Some(*line),
-        _ => None,
-    }).collect();
+    let cuts: Vec<u32> = steps
+        .iter()
+        .filter_map(|step| match step {
+            Step::Move { line, rapid: false, .. } => Some(*line),
+            _ => None,
+        })
+        .collect();
     let mut truth = base.clone();
     truth.feed_override = (0.78, cuts[cuts.len() / 3], cuts[cuts.len() - 1]);
     let (ratio, from, to) = truth.feed_override;

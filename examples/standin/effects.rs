@@ -39,14 +39,25 @@ pub const LIBRARY: [&str; 23] = [
 ];
 
 /// Effects outside the library.
-pub const OUTSIDE: [&str; 4] = ["feed_modulation", "slow_zone", "position_dependent_limit", "quadrant_glitch"];
+pub const OUTSIDE: [&str; 4] =
+    ["feed_modulation", "slow_zone", "position_dependent_limit", "quadrant_glitch"];
 
 /// The program recorded is another one than the program given.
 pub const WRONG_PROGRAM: &str = "wrong_program";
 
 /// Effects that do not act on lines of their own.
 pub fn acts_everywhere(id: &str) -> bool {
-    let everywhere = ["filter_", "unequal_", "servo_", "backlash", "structural", "recorder", "feed_mod", "quadrant", "wrong"];
+    let everywhere = [
+        "filter_",
+        "unequal_",
+        "servo_",
+        "backlash",
+        "structural",
+        "recorder",
+        "feed_mod",
+        "quadrant",
+        "wrong",
+    ];
     everywhere.iter().any(|start| id.starts_with(start))
 }
 
@@ -54,17 +65,30 @@ const AXES: [&str; 3] = ["X", "Y", "Z"];
 
 /// Conceals one effect of strength k in `physics`, which held the base; gives its parameters, or nothing
 /// where the program has nothing for it to act on.
-pub fn conceal(id: &str, k: f64, steps: &[Step], physics: &mut Physics, random: &mut Random) -> Option<Value> {
-    let cuts: Vec<(u32, &Shape, f64)> = steps.iter().filter_map(|step| match step {
-        Step::Move { line, shape, rapid: false, feed } => Some((*line, shape, *feed)),
-        _ => None,
-    }).collect();
+pub fn conceal(
+    id: &str,
+    k: f64,
+    steps: &[Step],
+    physics: &mut Physics,
+    random: &mut Random,
+) -> Option<Value> {
+    let cuts: Vec<(u32, &Shape, f64)> = steps
+        .iter()
+        .filter_map(|step| match step {
+            Step::Move { line, shape, rapid: false, feed } => Some((*line, shape, *feed)),
+            _ => None,
+        })
+        .collect();
     let rapids = steps.iter().filter(|step| matches!(step, Step::Move { rapid: true, .. })).count();
     let fastest = cuts.iter().map(|c| c.2).fold(0.0, f64::max);
     let delay: f64 = physics.boxes.iter().sum();
     let n = physics.boxes.len();
     let axis = random.below(2);
-    let mean_of_short = cuts.iter().map(|c| c.1.length() / c.2).filter(|t| *t < 0.05).fold((0.0, 0), |(s, n), t| (s + t, n + 1));
+    let mean_of_short = cuts
+        .iter()
+        .map(|c| c.1.length() / c.2)
+        .filter(|t| *t < 0.05)
+        .fold((0.0, 0), |(s, n), t| (s + t, n + 1));
     Some(match id {
         // The ramp to full feed takes 0.2 k of the filter delay.
         "axis_acceleration_limit" => {
@@ -77,7 +101,8 @@ pub fn conceal(id: &str, k: f64, steps: &[Step], physics: &mut Physics, random: 
         }
         // The fastest cut along the axis loses a share of 0.05 k / (1 + 0.05 k).
         "axis_velocity_limit" => {
-            let reached = cuts.iter().filter(|c| 2.0 < c.1.length()).map(|c| c.2 * c.1.share(axis)).fold(0.0, f64::max);
+            let reached =
+                cuts.iter().filter(|c| 2.0 < c.1.length()).map(|c| c.2 * c.1.share(axis)).fold(0.0, f64::max);
             let limit = reached / (1.0 + 0.05 * k);
             physics.axis_velocity[axis] = limit;
             (1.0 < reached).then_some(json!({"axis": AXES[axis], "v_mm_min": 60.0 * limit}))?
@@ -89,7 +114,8 @@ pub fn conceal(id: &str, k: f64, steps: &[Step], physics: &mut Physics, random: 
         }
         "centripetal_acceleration_limit" => {
             let tolerated = 24.0 * physics.tolerance / physics.boxes.iter().map(|t| t * t).sum::<f64>();
-            let reached = cuts.iter().map(|c| (c.2 * c.2 * c.1.curvature()).min(tolerated)).fold(0.0, f64::max);
+            let reached =
+                cuts.iter().map(|c| (c.2 * c.2 * c.1.curvature()).min(tolerated)).fold(0.0, f64::max);
             physics.centripetal = reached / (1.0 + 0.05 * k).powi(2);
             (0.0 < reached).then_some(json!({"a_mm_s2": physics.centripetal}))?
         }

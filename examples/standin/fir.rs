@@ -13,7 +13,6 @@
 //! by which a filter is longer than whole ticks has its weight. A stop costs the whole delay.
 //! Limits: arcs no faster than √(24 R ε / ΣT²); speeds constant on a block.
 
-
 use crate::path::{Shape, between, norm};
 use crate::physics::{Motion, Physics, TICK};
 use crate::reader::Step;
@@ -31,10 +30,13 @@ struct Block {
 
 /// Commands the program.
 pub fn command(steps: &[Step], physics: &Physics) -> Motion {
-    let shapes: Vec<Shape> = steps.iter().filter_map(|step| match step {
-        Step::Move { shape, .. } => Some(shape.clone()),
-        Step::Wait { .. } => None,
-    }).collect();
+    let shapes: Vec<Shape> = steps
+        .iter()
+        .filter_map(|step| match step {
+            Step::Move { shape, .. } => Some(shape.clone()),
+            Step::Wait { .. } => None,
+        })
+        .collect();
     let mut motion = Motion::default();
     let mut offset = 0.0;
     if let Some(first) = shapes.first() {
@@ -52,7 +54,8 @@ pub fn command(steps: &[Step], physics: &Physics) -> Motion {
                     held || physics.exact_stop < 2.0 * (turn / 2.0).asin()
                 });
                 if stops {
-                    let wait = if stretch.last().is_some_and(|b| b.rapid) { physics.in_position } else { 0.0 };
+                    let wait =
+                        if stretch.last().is_some_and(|b| b.rapid) { physics.in_position } else { 0.0 };
                     offset = flush(&mut stretch, wait, &shapes, physics, offset, &mut motion);
                 }
                 stretch.push(block(shape, *line, *rapid, *feed, path, physics));
@@ -64,7 +67,13 @@ pub fn command(steps: &[Step], physics: &Physics) -> Motion {
                 let pause = seconds + more + if *tool_change { physics.tool_change } else { 0.0 };
                 if let Some(last) = shape.checked_sub(1) {
                     let end = shapes[last].length();
-                    offset = run(&[Phase::standing(last, *line, end, pause)], &shapes, physics, offset, &mut motion);
+                    offset = run(
+                        &[Phase::standing(last, *line, end, pause)],
+                        &shapes,
+                        physics,
+                        offset,
+                        &mut motion,
+                    );
                 }
             }
         }
@@ -157,7 +166,8 @@ pub fn running_mean(column: &mut [f64], start: f64, width: f64) {
 /// The staircase of speeds along a stretch, with ramps where an acceleration limit asks for them.
 fn stairs(blocks: &[Block], shapes: &[Shape], physics: &Physics, boxes: &[f64]) -> Vec<Phase> {
     let half = boxes.iter().sum::<f64>() / 2.0;
-    let feeds: Vec<f64> = (0..blocks.len()).map(|i| blocks[i].feed.min(ahead(&blocks[i..], physics, half))).collect();
+    let feeds: Vec<f64> =
+        (0..blocks.len()).map(|i| blocks[i].feed.min(ahead(&blocks[i..], physics, half))).collect();
     let law = CornerLaw::new(boxes);
     let corner = |i: usize| -> f64 {
         let slower = feeds[i].min(feeds[i + 1]);
@@ -227,7 +237,15 @@ fn ramps(pieces: &[(usize, f64, f64)], blocks: &[Block], physics: &Physics) -> V
         let mut go = |from: f64, to: f64, mm: f64, acceleration: f64| {
             if 1e-12 < mm {
                 let (shape, line, start, jerk) = (at.shape, at.line, place.1, 0.0);
-                phases.push(Phase { shape, line, start, seconds: 2.0 * mm / (from + to), speed: from, acceleration, jerk });
+                phases.push(Phase {
+                    shape,
+                    line,
+                    start,
+                    seconds: 2.0 * mm / (from + to),
+                    speed: from,
+                    acceleration,
+                    jerk,
+                });
                 place.1 += mm;
             }
         };
@@ -275,8 +293,7 @@ impl CornerLaw {
     }
 
     fn share(&self, allowed: f64) -> f64 {
-        let deviation =
-            |a: f64| a * self.displaced(self.half) + (1.0 - a) * self.displaced(a * self.half);
+        let deviation = |a: f64| a * self.displaced(self.half) + (1.0 - a) * self.displaced(a * self.half);
         if deviation(1.0) <= allowed {
             return 1.0;
         }
@@ -288,4 +305,3 @@ impl CornerLaw {
         f64::max(low, 1e-4)
     }
 }
-

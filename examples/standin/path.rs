@@ -125,7 +125,15 @@ fn parabola_speed(ends: &[Vector; 2], corner: Vector, q: f64) -> Vector {
 
 /// Arc length from the start to parameter `q`, by Simpson's rule on 32 intervals.
 fn parabola_length(ends: &[Vector; 2], corner: Vector, q: f64) -> f64 {
-    let weight = |i: usize| if i == 0 || i == 32 { 1.0 } else if i % 2 == 1 { 4.0 } else { 2.0 };
+    let weight = |i: usize| {
+        if i == 0 || i == 32 {
+            1.0
+        } else if i % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        }
+    };
     let at = |i: usize| weight(i) * norm(parabola_speed(ends, corner, q * i as f64 / 32.0));
     (0..=32).map(at).sum::<f64>() * q / 96.0
 }

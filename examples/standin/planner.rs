@@ -77,12 +77,14 @@ fn rounded(moves: &[(u32, Shape, f64)], physics: &Physics) -> (Vec<Shape>, Vec<P
             return;
         }
         let curvature = shape.curvature();
-        let mut piece = Piece { shape: shapes.len(), line, length, speed, acceleration: physics.path_acceleration };
+        let mut piece =
+            Piece { shape: shapes.len(), line, length, speed, acceleration: physics.path_acceleration };
         let weakest = physics.axis_acceleration.iter().copied().fold(ACCELERATION, f64::min);
         for axis in 0..3 {
             let share = shape.share(axis).max(1e-9);
             piece.speed = piece.speed.min(physics.axis_velocity[axis] / share);
-            piece.acceleration = piece.acceleration.min(physics.axis_acceleration[axis].min(ACCELERATION) / share);
+            piece.acceleration =
+                piece.acceleration.min(physics.axis_acceleration[axis].min(ACCELERATION) / share);
         }
         if 0.0 < curvature {
             let share = weakest / 2f64.sqrt();
@@ -103,7 +105,8 @@ fn rounded(moves: &[(u32, Shape, f64)], physics: &Physics) -> (Vec<Shape>, Vec<P
             Some((_, next @ Shape::Line { .. }, following)) => {
                 let (u, w) = (shape.tangent(0.0), next.tangent(0.0));
                 let step = norm(between(u, w));
-                let leg = (4.0 * physics.tolerance / step.max(1e-9)).min(shape.length().min(next.length()) / 2.0);
+                let leg =
+                    (4.0 * physics.tolerance / step.max(1e-9)).min(shape.length().min(next.length()) / 2.0);
                 if step < 1e-6 || 1.999 < step {
                     push(*line, Shape::Line { from: begin, to: *to }, *speed);
                     begin = *to;
@@ -156,7 +159,11 @@ fn phases(pieces: &[Piece], shapes: &[Shape], physics: &Physics) -> Vec<Phase> {
         joints[i] = if smooth { pieces[i - 1].speed.min(pieces[i].speed) } else { 0.0 };
     }
     let reach = |v: f64, cap: f64, p: &Piece| {
-        if cap <= v { cap } else { largest(v, cap, |w| ramp_distance(v, w, p.acceleration, jerk) <= p.length) }
+        if cap <= v {
+            cap
+        } else {
+            largest(v, cap, |w| ramp_distance(v, w, p.acceleration, jerk) <= p.length)
+        }
     };
     for i in (1..n).rev() {
         joints[i] = reach(joints[i + 1], joints[i], &pieces[i]);

@@ -107,7 +107,8 @@ fn zigzag(w: &mut Writer, random: &mut Random) {
 fn drill(w: &mut Writer, random: &mut Random) {
     w.say(format_args!("F{}", random.pick(&[400, 600, 900])));
     for _ in 0..5 + random.below(4) {
-        let (x, y, z) = (w.x + random.uniform(8.0, 22.0), random.uniform(-15.0, 15.0), random.uniform(-12.0, -4.0));
+        let (x, y, z) =
+            (w.x + random.uniform(8.0, 22.0), random.uniform(-15.0, 15.0), random.uniform(-12.0, -4.0));
         w.say(format_args!("G0 X{x:.4} Y{y:.4}\nG0 Z2.0000\nG1 Z{z:.4}"));
         if random.chance(0.3) {
             w.say(format_args!("G4 P0.25"));
@@ -120,7 +121,8 @@ fn drill(w: &mut Writer, random: &mut Random) {
 fn surface(w: &mut Writer, random: &mut Random) {
     let (x0, y0) = (w.x, w.y);
     let (width, chord) = (random.uniform(25.0, 45.0), random.uniform(0.25, 0.8));
-    let (wave, depth, phase) = (random.uniform(6.0, 15.0), random.uniform(0.5, 2.0), random.uniform(0.0, TAU));
+    let (wave, depth, phase) =
+        (random.uniform(6.0, 15.0), random.uniform(0.5, 2.0), random.uniform(0.0, TAU));
     let count = (width / chord) as usize;
     for row in 0..5 + random.below(4) {
         let y = y0 + row as f64 * 1.2;

@@ -4,7 +4,7 @@
 //! arc's start, F in mm/min, G4 with P in seconds, M6 a tool change, M30 the end; any other M-word
 //! is a wait of no time; G17 G21 G90 are taken for granted. The generated programs use no more.
 
-use crate::path::{Shape, Vector, norm, between};
+use crate::path::{Shape, Vector, between, norm};
 
 /// What one program line asks for.
 #[derive(Clone, Debug)]
@@ -24,7 +24,9 @@ pub fn read(text: &str) -> Vec<Step> {
         let (mut centre, mut pause, mut dwell) = ([0.0; 2], 0.0, false);
         let (mut moved, mut wait) = (false, None);
         for word in text.split_whitespace() {
-            let Some((Ok(value), letter)) = word.get(1..).map(|n| (n.parse::<f64>(), &word[..1])) else { continue };
+            let Some((Ok(value), letter)) = word.get(1..).map(|n| (n.parse::<f64>(), &word[..1])) else {
+                continue;
+            };
             match letter {
                 "G" if value < 3.5 => mode = value as u32,
                 "G" => dwell |= value == 4.0,
@@ -68,5 +70,11 @@ fn arc(from: Vector, to: Vector, offset: [f64; 2], counter: bool) -> Shape {
     } else if !counter {
         sweep = -turn;
     }
-    Shape::Arc { centre, radius: offset[0].hypot(offset[1]), start: angle(from), sweep, rise: to[2] - from[2] }
+    Shape::Arc {
+        centre,
+        radius: offset[0].hypot(offset[1]),
+        start: angle(from),
+        sweep,
+        rise: to[2] - from[2],
+    }
 }

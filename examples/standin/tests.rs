@@ -1,0 +1,187 @@
+//! Laws that the stand-in machine itself has to keep.
+
+use std::path::Path;
+
+use crate::cases::{Counts, cases, write};
+use crate::path::{Shape, add, between, norm};
+use crate::physics::{Motion, Physics, TICK};
+use crate::random::Random;
+use crate::reader::{Step, read};
+use crate::{drive, fir, planner, program, score};
+
+fn travelled(motion: &Motion) -> f64 {
+    motion.position.windows(2).map(|p| norm(between(p[0], p[1]))).sum()
+}
+
+fn greatest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
+}
+
+fn speeds(motion: &Motion) -> Vec<f64> {
+    motion.position.windows(2).map(|p| norm(between(p[0], p[1])) / TICK).collect()
+}
+
+/// Distance of a point from the programmed lines.
+fn distance(point: [f64; 3], lines: &[([f64; 3], [f64; 3])]) -> f64 {
+    let to = |(from, to): &([f64; 3], [f64; 3])| {
+        let along = between(*from, *to);
+        let to_point = between(*from, point);
+        let dot: f64 = (0..3).map(|k| along[k] * to_point[k]).sum();
+        let share = (dot / norm(along).powi(2).max(1e-12)).clamp(0.0, 1.0);
+        norm(between(add(*from, share, along), point))
+    };
+    lines.iter().map(to).fold(f64::INFINITY, f64::min)
+}
+
+fn lines_of(steps: &[Step]) -> Vec<([f64; 3], [f64; 3])> {
+    let line = |step: &Step| match step {
+        Step::Move { shape: Shape::Line { from, to }, .. } => Some((*from, *to)),
+        _ => None,
+    };
+    steps.iter().filter_map(line).collect()
+}
+
+#[test]
+fn the_fir_kernel_keeps_the_distance_and_reaches_the_feed() {
+    let steps = read("F3000\nG1 X40\nG1 X100\nM30\n");
+    let motion = fir::command(&steps, &Physics::base(3, 0.0255, 0.02));
+    assert!((travelled(&motion) - 100.0).abs() < 1e-6, "{}", travelled(&motion));
+    assert!((greatest(speeds(&motion).into_iter()) - 50.0).abs() < 1e-6);
+    assert!((motion.cycle_time - (2.0 + 3.0 * 0.0255)).abs() < 1e-9);
+    let end = motion.position[motion.position.len() - 1];
+    assert!((end[0] - 100.0).abs() < 1e-6, "{end:?}");
+}
+
+#[test]
+fn fir_corners_stay_within_tolerance() {
+    for (tolerance, filters) in [(0.01, 3), (0.05, 3), (0.02, 2), (0.02, 4)] {
+        let steps = read("F2000\nG1 X40\nG1 X80 Y40\nG1 X40 Y80\nG1 X40 Y20\nM30\n");
+        let motion = fir::command(&steps, &Physics::base(filters, 0.025, tolerance));
+        let lines = lines_of(&steps);
+        let error = greatest(motion.position.iter().map(|p| distance(*p, &lines)));
+        assert!(error <= 1.02 * tolerance, "{filters} filters, {tolerance}: {error}");
+        assert!(0.8 * tolerance < error, "the tolerance is used: {filters} filters, {tolerance}: {error}");
+    }
+}
+
+#[test]
+fn the_planner_keeps_every_axis_limit_and_the_tolerance() {
+    for seed in 0..6 {
+        let mut random = Random::new(seed, 3);
+        let steps = read(&program::write(&["rect", "zigzag", "surf", "arcs", "troch"], &mut random));
+        let mut physics = Physics::base(3, 0.02, 0.03);
+        physics.axis_acceleration = [500.0, 900.0, 700.0];
+        physics.axis_velocity = [30.0, 45.0, 60.0];
+        let motion = planner::command(&steps, &physics);
+        for axis in 0..3 {
+            let x: Vec<f64> = motion.position.iter().map(|p| p[axis]).collect();
+            let v = greatest(x.windows(2).map(|p| (p[1] - p[0]).abs() / TICK));
+            let a = greatest(x.windows(3).map(|p| (p[2] - 2.0 * p[1] + p[0]).abs() / TICK / TICK));
+            assert!(v <= physics.axis_velocity[axis] * 1.001, "seed {seed}, axis {axis}: {v} mm/s");
+            // Programs are rounded to 0.1 µm, which shows as 1 % where arcs meet.
+            assert!(a <= physics.axis_acceleration[axis] * 1.02, "seed {seed}, axis {axis}: {a} mm/s²");
+        }
+        let end = steps.iter().rev().find_map(|step| match step {
+            Step::Move { shape, .. } => Some(shape.point(shape.length())),
+            Step::Wait { .. } => None,
+        });
+        assert!(
+            norm(between(end.expect("the program moves"), *motion.position.last().expect("it moved"))) < 1e-3
+        );
+    }
+}
+
+#[test]
+fn planner_corners_stay_within_tolerance() {
+    let steps = read("F3000\nG1 X40\nG1 X80 Y40\nG1 X40 Y80\nG1 X40 Y20\nG1 X40.5 Y20\nG1 X40.5 Y90\nM30\n");
+    let lines = lines_of(&steps);
+    let motion = planner::command(&steps, &Physics::base(3, 0.02, 0.03));
+    let error = greatest(motion.position.iter().map(|p| distance(*p, &lines)));
+    assert!(error <= 0.03 + 1e-9 && 0.02 < error, "{error}");
+}
+
+#[test]
+fn the_drive_lags_by_its_constant_and_stands_in_its_play() {
+    let mut physics = Physics::base(3, 0.02, 0.03);
+    physics.drive.lag = 0.02;
+    let steps = read("F3000\nG1 X100\nG1 X0\nM30\n");
+    let command = fir::command(&steps, &physics);
+    let mut actual = command.position.clone();
+    drive::drive(&mut actual, &physics.drive);
+    let behind = greatest(command.position.iter().zip(&actual).map(|(c, a)| (c[0] - a[0]).abs()));
+    assert!((behind - 50.0 * 0.02).abs() < 1e-3, "a lag τ at speed v leaves v τ: {behind}");
+    let mut table = command.position.clone();
+    drive::drive(&mut table, &drive_with_backlash(0.02));
+    let error = greatest(command.position.iter().zip(&table).map(|(c, a)| (c[0] - a[0]).abs()));
+    assert!((error - 0.01).abs() < 1e-9, "{error}");
+}
+
+fn drive_with_backlash(width: f64) -> crate::physics::Drive {
+    crate::physics::Drive { backlash: Some((0, width)), ..Default::default() }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes() {
+    let counts = Counts { singles: 4, negatives: 1, doubles: 1, outside: 1, ambiguous: 1, planners: 1 };
+    let of = |seed| -> Vec<String> {
+        let text = |c: &crate::cases::Case| format!("{}{}{}{}", c.program, c.machine, c.recording, c.answer);
+        cases(seed, &counts).iter().map(text).collect()
+    };
+    assert_eq!(of(5), of(5));
+    assert_eq!(of(5).len(), 9);
+    assert_ne!(of(5), of(6));
+}
+
+/// The gate of validity: with nothing concealed the predictor's cycle time is the plant's.
+#[test]
+fn without_an_effect_the_predictor_agrees() {
+    use truefeed::simulation::contour::plan_within;
+    for seed in 0..12 {
+        let mut random = Random::new(seed, 11);
+        let (text, families) = program::draw(&mut random);
+        let physics = Physics::base(3, random.uniform(0.018, 0.032), random.pick(&[0.01, 0.02, 0.05]));
+        let plant = fir::command(&read(&text), &physics).cycle_time;
+        let machine = crate::cases::machine_file("gate", &physics);
+        let machine = truefeed::project::machine_from_toml(&machine).expect("the file is in the tool's form");
+        let program = truefeed::simulation::gcode::read(text.as_bytes());
+        let toolpath = truefeed::simulation::toolpath::trace(&program, &machine);
+        let (plan, _) = plan_within(&toolpath, &machine, physics.tolerance, &mut |_| {});
+        let predicted = plan.cycle_time();
+        let share = (predicted / plant - 1.0).abs();
+        println!("{:.5}", predicted / plant - 1.0);
+        assert!(share < 0.003, "seed {seed} {families:?}: plant {plant}, predicted {predicted}");
+    }
+}
+
+#[test]
+fn reports_are_scored() {
+    let folder = std::env::temp_dir().join(format!("standin-{}", std::process::id()));
+    let counts = Counts { singles: 2, negatives: 1, doubles: 0, outside: 1, ambiguous: 0, planners: 0 };
+    let cases = cases(9, &counts);
+    write(&cases, &folder).expect("the folder can be written");
+    for (number, case) in (1..).zip(&cases) {
+        let effects = case.answer["effects"].as_object().expect("an object");
+        let named = case.answer["stratum"] == "single";
+        let causes: Vec<serde_json::Value> = effects.iter().filter(|_| named).map(|(id, parameters)| {
+            serde_json::json!({"id": id, "parameters": parameters, "uncertainty": {}, "lines": null, "seconds": 1.0})
+        }).collect();
+        let verdict = match case.answer["stratum"].as_str() {
+            Some("single") => "explained",
+            Some("outside") => "unknown",
+            _ => "nothing_missing",
+        };
+        let place = folder.join(format!("case-{number:02}"));
+        std::fs::write(
+            place.join("report.json"),
+            serde_json::json!({"verdict": verdict, "causes": causes}).to_string(),
+        )
+        .expect("the report can be written");
+    }
+    let page = score::page(&folder, &folder).expect("the reports can be read");
+    let missing = score::page(&folder, Path::new("nowhere")).expect("absent reports are counted");
+    std::fs::remove_dir_all(&folder).expect("the folder is ours");
+    assert!(page.contains("| single causes named first | 2 of 2 |"), "{page}");
+    assert!(page.contains("| negatives with a cause named | 0 of 1 |"), "{page}");
+    assert!(page.contains("| outside the library, nothing in it named | 1 of 1 |"), "{page}");
+    assert!(missing.contains("| reports missing | 4 of 4 |"), "{missing}");
+}
