@@ -9,7 +9,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::effects::{LIBRARY, OUTSIDE, WRONG_PROGRAM, acts_everywhere, conceal};
+use crate::effects::{ALL_OR_NOTHING, LIBRARY, OUTSIDE, WRONG_PROGRAM, acts_everywhere, conceal};
 use crate::physics::{Motion, Physics};
 use crate::random::Random;
 use crate::reader::{Step, read};
@@ -52,7 +52,7 @@ pub fn cases(seed: u64, counts: &Counts) -> Vec<Case> {
     }
     wanted.extend((0..counts.outside).map(|i| ("outside", vec![OUTSIDE[i % OUTSIDE.len()]])));
     for i in 0..counts.ambiguous {
-        let alike = program::AMBIGUOUS[i % program::AMBIGUOUS.len()].0;
+        let alike = program::AMBIGUOUS[i % program::AMBIGUOUS.len()];
         wanted.push(("ambiguous", vec![random.pick(alike)]));
     }
     wanted.extend((0..counts.planners).map(|_| ("planner", vec![])));
@@ -96,35 +96,43 @@ fn case(stratum: &str, ids: &[&str], number: usize, random: &mut Random) -> Opti
     let base = Physics::base(3, constant, random.pick(&[0.01, 0.02, 0.05]));
     let machine = machine_file(&format!("case {number}"), &base);
     let mut truth = base.clone();
-    let strength = random.log_uniform(0.3, 10.0);
+    let drawn = random.log_uniform(0.3, 10.0);
+    let strength = match stratum {
+        // A weak effect is nothing to be in two minds about.
+        "ambiguous" => drawn.max(2.0),
+        _ if ids.iter().any(|id| ALL_OR_NOTHING.contains(id)) => 10.0,
+        _ => drawn,
+    };
     let (mut effects, mut lines, mut shown) = (Map::new(), Map::new(), text.clone());
     let planner = stratum == "planner";
     let clean = Machine { physics: base.clone(), planner: false }.run(&steps);
+    let mut accepted = alike(stratum, ids);
     if planner {
         let a = random.log_uniform(600.0, 1500.0);
         truth.axis_acceleration = [a; 3];
         truth.jerk = random.log_uniform(1e4, 5e4);
         effects.insert("axis_acceleration_limit".into(), json!({"axis": "XYZ", "a_mm_s2": a}));
         effects.insert("jerk_limit".into(), json!({"j_mm_s3": truth.jerk}));
+        accepted = vec!["axis_acceleration_limit", "path_acceleration_limit", "jerk_limit"];
     }
     for id in ids {
+        // Each by itself beside the truth, with the same draws, so that two effects keep their own lines.
+        let (mut alone, mut again) = (base.clone(), random.clone());
         if *id == WRONG_PROGRAM {
             shown = program::draw(random).0;
             effects.insert((*id).into(), json!({}));
         } else {
-            let strength = if stratum == "ambiguous" { strength.max(2.0) } else { strength };
             effects.insert((*id).into(), conceal(id, strength, &steps, &mut truth, random)?);
-        }
-        // What each does by itself, so that two effects keep their own lines.
-        let mut alone = base.clone();
-        let mut again = random.clone();
-        if acts_everywhere(id) || ids.len() == 1 {
-            alone = truth.clone();
-        } else {
             conceal(id, strength, &steps, &mut alone, &mut again)?;
         }
-        let own = acted(&clean, &Machine { physics: alone, planner: false }.run(&steps));
+        if stratum == "ambiguous" && *id == "feed_override" {
+            // Only a slower feed is like a limit, and only on every line.
+            truth.feed_override = (1.0 / (1.0 + 0.02 * strength), 1, u32::MAX);
+            alone = truth.clone();
+            effects[*id] = json!({"ratio": truth.feed_override.0});
+        }
         let everywhere = acts_everywhere(id);
+        let own = acted(&clean, &Machine { physics: alone, planner: false }.run(&steps));
         if own.is_empty() && !everywhere {
             return None;
         }
@@ -139,16 +147,18 @@ fn case(stratum: &str, ids: &[&str], number: usize, random: &mut Random) -> Opti
     let recording = recorder.record(&motion, machine_of_truth.physics.clock, random);
     let answer = json!({
         "stratum": stratum, "strength": strength, "effects": effects, "lines": lines,
-        "alike": if stratum == "ambiguous" { alike(ids[0]) } else { vec![] },
+        "accepted": accepted,
         "clean_s": thousandths(clean.cycle_time), "true_s": thousandths(motion.cycle_time),
         "rate_hz": recorder.rate.round(), "sections": families,
     });
     Some(Case { program: shown, machine, recording, answer })
 }
 
-fn alike(id: &str) -> Vec<&'static str> {
-    let alike = program::AMBIGUOUS.iter().find(|(ids, _)| ids.contains(&id));
-    alike.map_or(vec![], |(ids, _)| ids.to_vec())
+/// The causes that the program cannot tell apart, where that is by design.
+fn alike(stratum: &str, ids: &[&str]) -> Vec<&'static str> {
+    let alike =
+        program::AMBIGUOUS.iter().find(|set| stratum == "ambiguous" && ids.iter().all(|id| set.contains(id)));
+    alike.map_or(vec![], |set| set.to_vec())
 }
 
 fn thousandths(seconds: f64) -> f64 {
@@ -211,8 +221,16 @@ pub fn sample() -> Case {
     let (ratio, from, to) = truth.feed_override;
     let motion = Machine { physics: truth, planner: false }.run(&steps);
     let clean = Machine { physics: base.clone(), planner: false }.run(&steps);
-    let recorder =
-        Recorder { rate: 50.0, lead: 0.7, jitter: 2e-4, noise: 3e-4, quantum: 1e-3, gaps: 0, lines: false };
+    let recorder = Recorder {
+        rate: 50.0,
+        lead: 0.7,
+        jitter: 2e-4,
+        noise: 3e-4,
+        quantum: 1e-3,
+        drift: 0.0,
+        gaps: 0,
+        lines: false,
+    };
     Case {
         recording: recorder.record(&motion, 1.0, &mut random),
         machine: machine_file("stand-in machine", &base),

@@ -2,7 +2,7 @@
 //!
 //!     servo lag   τ (1 − f) ẏ = x − y             f the share taken away by feed-forward
 //!     one mode    z̈ = ω² (y − z) − 2 ζ ω ż        semi-implicit Euler
-//!     friction    after each reversal the axis is behind by g exp(−t/T)
+//!     friction    after a reversal the axis sticks until it is g behind, which then decays as exp(−t/T)
 //!     backlash    the table stands until the drive has crossed the play
 
 use crate::physics::{Drive, TICK};
@@ -68,14 +68,22 @@ fn friction(column: &mut [f64], size: f64, seconds: f64) {
     let kept = (-TICK / seconds).exp();
     let (mut behind, mut direction) = (0.0, 0.0);
     let mut before = column.first().copied().unwrap_or(0.0);
+    let mut stuck = None;
     for x in column {
         let moved = *x - before;
         if 1e-6 < moved.abs() && moved.signum() != direction {
             direction = moved.signum();
-            behind = size * direction;
+            stuck = Some(before - behind);
         }
-        (before, *x) = (*x, *x - behind);
-        behind *= kept;
+        before = *x;
+        match stuck {
+            Some(at) if (*x - at).abs() < size => behind = *x - at,
+            _ => {
+                stuck = None;
+                behind *= kept;
+            }
+        }
+        *x -= behind;
     }
 }
 

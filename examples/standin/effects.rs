@@ -63,6 +63,9 @@ pub fn acts_everywhere(id: &str) -> bool {
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
+/// Effects without a size of their own.
+pub const ALL_OR_NOTHING: [&str; 2] = ["filter_order", WRONG_PROGRAM];
+
 /// Conceals one effect of strength k in `physics`, which held the base; gives its parameters, or nothing
 /// where the program has nothing for it to act on.
 pub fn conceal(
@@ -107,9 +110,9 @@ pub fn conceal(
             physics.axis_velocity[axis] = limit;
             (1.0 < reached).then_some(json!({"axis": AXES[axis], "v_mm_min": 60.0 * limit}))?
         }
-        // The constant at the largest feed is 1 + 0.05 k of the believed one.
+        // The ramp to full feed takes 0.2 k of the filter delay: 2 √(F/J).
         "jerk_limit" => {
-            physics.jerk = fastest / (physics.boxes[0] * (1.0 + 0.05 * k)).powi(2);
+            physics.jerk = 4.0 * fastest / (0.2 * k * delay).powi(2);
             json!({"j_mm_s3": physics.jerk})
         }
         "centripetal_acceleration_limit" => {
@@ -160,10 +163,11 @@ pub fn conceal(
             physics.block_time = mean_of_short.0 / f64::from(mean_of_short.1) * (0.9 + 0.1 * k);
             json!({"seconds": physics.block_time})
         }
+        // Full feed needs the blocks of half the filter delay in sight; 10 % fewer a unit.
         "look_ahead" if 50 < mean_of_short.1 => {
             let needed = delay / 2.0 / (mean_of_short.0 / f64::from(mean_of_short.1));
-            physics.look_ahead = (needed / (1.0 + 0.1 * k)).floor().max(1.0);
-            json!({"blocks": physics.look_ahead})
+            physics.look_ahead = (needed / (1.0 + 0.1 * k)).round().max(1.0);
+            (3.0 <= needed).then_some(json!({"blocks": physics.look_ahead}))?
         }
         "path_smoothing" if 50 < mean_of_short.1 => {
             physics.smoothing = physics.tolerance * 0.2 * k;

@@ -8,13 +8,14 @@
 //!
 //! with S the filters' displacement after a unit step of speed, got by running the filters over a
 //! sampled step. Where two corners overlap on a short block the slower one wins. An acceleration limit
-//! turns the stairs into ramps, by a backward and a forward pass over the staircase. Sampled positions
+//! or jerk limit turns the stairs into ramps, see [`crate::ramp`]. Sampled positions
 //! at 1 ms then pass, axis by axis, through running sums as long as each filter; the part of a sample
 //! by which a filter is longer than whole ticks has its weight. A stop costs the whole delay.
 //! Limits: arcs no faster than √(24 R ε / ΣT²); speeds constant on a block.
 
 use crate::path::{Shape, between, norm};
 use crate::physics::{Motion, Physics, TICK};
+use crate::ramp::{Leg, profile};
 use crate::reader::Step;
 use crate::schedule::{Phase, run};
 
@@ -127,11 +128,9 @@ fn flush(
 ) -> f64 {
     let blocks = std::mem::take(stretch);
     let Some(last) = blocks.last() else { return offset };
-    let fastest = blocks.iter().filter(|b| !b.rapid).map(|b| b.feed).fold(0.0, f64::max);
-    let jerky = (fastest / physics.jerk).sqrt();
-    let boxes: Vec<f64> = physics.boxes.iter().map(|t| t.max(jerky)).collect();
+    let boxes = &physics.boxes;
     let delay: f64 = boxes.iter().sum();
-    let mut phases = stairs(&blocks, shapes, physics, &boxes);
+    let mut phases = stairs(&blocks, shapes, physics, boxes);
     let (line, end) = (last.line, last.length);
     phases.push(Phase::standing(last.shape, line, end, delay + wait));
     let before = motion.position.len();
@@ -139,7 +138,7 @@ fn flush(
     let start = shapes[blocks[0].shape].point(0.0);
     for axis in 0..3 {
         let mut column: Vec<f64> = motion.position[before..].iter().map(|p| p[axis]).collect();
-        for width in &boxes {
+        for width in boxes {
             running_mean(&mut column, start[axis], width / TICK);
         }
         for (point, value) in motion.position[before..].iter_mut().zip(column) {
@@ -208,60 +207,25 @@ fn ahead(blocks: &[Block], physics: &Physics, half: f64) -> f64 {
     2.0 * seen / (half + (half * half + 2.0 * seen / physics.path_acceleration).sqrt())
 }
 
-/// Joins pieces (block, mm, mm/s) by ramps at each block's acceleration, and holds in the one asked for.
+/// Joins pieces (block, mm, mm/s) by ramps, with each block's acceleration.
 fn ramps(pieces: &[(usize, f64, f64)], blocks: &[Block], physics: &Physics) -> Vec<Phase> {
-    let n = pieces.len();
-    let limit = |i: usize| blocks[pieces[i].0].acceleration;
-    let mut joints = vec![0.0; n + 1];
-    for i in 1..n {
-        joints[i] = f64::min(pieces[i - 1].2, pieces[i].2);
+    let mut legs: Vec<Leg> = Vec::new();
+    for &(block, length, speed) in pieces {
+        let at = &blocks[block];
+        let before = legs.last().filter(|leg| leg.shape == at.shape);
+        let start = before.map_or(0.0, |leg| leg.start + leg.length);
+        legs.push(Leg {
+            shape: at.shape,
+            line: at.line,
+            start,
+            length,
+            speed,
+            acceleration: at.acceleration,
+        });
     }
-    let reach = |v: f64, a: f64, s: f64| (v * v + 2.0 * a * s).sqrt();
-    for i in (1..n).rev() {
-        joints[i] = joints[i].min(reach(joints[i + 1], limit(i), pieces[i].1));
-    }
-    for i in 1..n {
-        joints[i] = joints[i].min(reach(joints[i - 1], limit(i - 1), pieces[i - 1].1));
-    }
-    let mut phases = Vec::new();
-    let mut place = (usize::MAX, 0.0);
-    let mut held = false;
-    for (i, &(block, length, speed)) in pieces.iter().enumerate() {
-        if place.0 != block {
-            place = (block, 0.0);
-        }
-        let (a, at) = (limit(i), &blocks[block]);
-        let (v0, v1) = (joints[i], joints[i + 1]);
-        let peak = speed.min(((v0 * v0 + v1 * v1) / 2.0 + a * length).sqrt());
-        let (up, down) = ((peak * peak - v0 * v0) / (2.0 * a), (peak * peak - v1 * v1) / (2.0 * a));
-        let mut go = |from: f64, to: f64, mm: f64, acceleration: f64| {
-            if 1e-12 < mm {
-                let (shape, line, start, jerk) = (at.shape, at.line, place.1, 0.0);
-                phases.push(Phase {
-                    shape,
-                    line,
-                    start,
-                    seconds: 2.0 * mm / (from + to),
-                    speed: from,
-                    acceleration,
-                    jerk,
-                });
-                place.1 += mm;
-            }
-        };
-        go(v0, peak, up, a);
-        go(peak, peak, (length - up - down).max(0.0), 0.0);
-        go(peak, v1, down, -a);
-        if let Some((line, seconds)) = physics.hold
-            && line == at.line
-            && !held
-            && at.length / 2.0 <= place.1
-        {
-            held = true;
-            phases.push(Phase::standing(at.shape, line, place.1, seconds));
-        }
-    }
-    phases
+    let inner = legs.windows(2).map(|pair| f64::min(pair[0].speed, pair[1].speed));
+    let joints: Vec<f64> = std::iter::once(0.0).chain(inner).chain([0.0]).collect();
+    profile(&legs, joints, physics.jerk, physics.hold)
 }
 
 /// The share α of the feed at a corner for ε / (F ‖u2 − u1‖), found on a sampled step response.

@@ -22,6 +22,7 @@ mod path;
 mod physics;
 mod planner;
 mod program;
+mod ramp;
 mod random;
 mod reader;
 mod recorder;

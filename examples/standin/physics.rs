@@ -60,7 +60,7 @@ pub struct Drive {
     pub backlash: Option<(usize, f64)>,
     /// A mode of one axis: Hz and damping ratio.
     pub mode: Option<(usize, f64, f64)>,
-    /// Coulomb friction: after a reversal the axis is behind by so many mm, and catches up in so many s.
+    /// Coulomb friction: after a reversal the axis sticks for so many mm, and catches up in so many s.
     pub friction: Option<(f64, f64)>,
 }
 

@@ -4,31 +4,18 @@
 //! corner, with legs d = 4 ε / ‖u2 − u1‖, at most half of the shorter line. Every piece of the rounded
 //! path has a speed limit: the programmed feed, each axis' velocity limit V_k / |u_k|, and on curves
 //! √(A / (√2 κ)), which leaves A/√2 for the tangential acceleration, so that both together stay within
-//! every axis' limit A. From speed v0 to v1 with acceleration a and jerk j takes, with Δ = |v1 − v0|,
-//!
-//!     T = Δ/a + a/j   where a²/j ≤ Δ,   else 2 √(Δ/j),         over   (v0 + v1) T / 2.
-//!
-//! The acceleration is nought at every joint. A backward pass lowers the joints to what the rest of the
-//! path can brake; each piece then gets its seven segments, its peak found by bisection.
+//! every axis' limit A. Speeds change as in [`crate::ramp`].
 //! Non-tangential joints at arcs are full stops.
 
 use crate::path::{Shape, add, between, norm};
 use crate::physics::{Motion, Physics};
+use crate::ramp::{Leg, profile};
 use crate::reader::Step;
 use crate::schedule::{Phase, run};
 
 /// Used where no acceleration, mm/s², or jerk, mm/s³, is given.
 const ACCELERATION: f64 = 1500.0;
 const JERK: f64 = 50_000.0;
-
-/// A piece of rounded path and its limits.
-struct Piece {
-    shape: usize,
-    line: u32,
-    length: f64,
-    speed: f64,
-    acceleration: f64,
-}
 
 /// Commands the program.
 pub fn command(steps: &[Step], physics: &Physics) -> Motion {
@@ -69,7 +56,7 @@ pub fn command(steps: &[Step], physics: &Physics) -> Motion {
 }
 
 /// Rounds the corners of a stretch and sets each piece's limits.
-fn rounded(moves: &[(u32, Shape, f64)], physics: &Physics) -> (Vec<Shape>, Vec<Piece>) {
+fn rounded(moves: &[(u32, Shape, f64)], physics: &Physics) -> (Vec<Shape>, Vec<Leg>) {
     let (mut shapes, mut pieces) = (Vec::new(), Vec::new());
     let mut push = |line: u32, shape: Shape, speed: f64| {
         let length = shape.length();
@@ -77,8 +64,14 @@ fn rounded(moves: &[(u32, Shape, f64)], physics: &Physics) -> (Vec<Shape>, Vec<P
             return;
         }
         let curvature = shape.curvature();
-        let mut piece =
-            Piece { shape: shapes.len(), line, length, speed, acceleration: physics.path_acceleration };
+        let mut piece = Leg {
+            shape: shapes.len(),
+            start: 0.0,
+            line,
+            length,
+            speed,
+            acceleration: physics.path_acceleration,
+        };
         let weakest = physics.axis_acceleration.iter().copied().fold(ACCELERATION, f64::min);
         for axis in 0..3 {
             let share = shape.share(axis).max(1e-9);
@@ -126,29 +119,7 @@ fn rounded(moves: &[(u32, Shape, f64)], physics: &Physics) -> (Vec<Shape>, Vec<P
     (shapes, pieces)
 }
 
-/// Seconds to change speed by `change`, mm/s, from and to no acceleration.
-fn ramp_seconds(change: f64, a: f64, j: f64) -> f64 {
-    if a * a / j <= change { change / a + a / j } else { 2.0 * (change / j).sqrt() }
-}
-
-fn ramp_distance(v0: f64, v1: f64, a: f64, j: f64) -> f64 {
-    (v0 + v1) / 2.0 * ramp_seconds((v1 - v0).abs(), a, j)
-}
-
-/// The largest of the values up to `high` that `fits`; `low` does.
-fn largest(low: f64, high: f64, fits: impl Fn(f64) -> bool) -> f64 {
-    if fits(high) {
-        return high;
-    }
-    let (mut low, mut high) = (low, high);
-    for _ in 0..50 {
-        let middle = (low + high) / 2.0;
-        if fits(middle) { low = middle } else { high = middle }
-    }
-    low
-}
-
-fn phases(pieces: &[Piece], shapes: &[Shape], physics: &Physics) -> Vec<Phase> {
+fn phases(pieces: &[Leg], shapes: &[Shape], physics: &Physics) -> Vec<Phase> {
     let n = pieces.len();
     let jerk = physics.jerk.min(JERK);
     let mut joints = vec![0.0; n + 1];
@@ -158,62 +129,5 @@ fn phases(pieces: &[Piece], shapes: &[Shape], physics: &Physics) -> Vec<Phase> {
         let smooth = step < 3e-4;
         joints[i] = if smooth { pieces[i - 1].speed.min(pieces[i].speed) } else { 0.0 };
     }
-    let reach = |v: f64, cap: f64, p: &Piece| {
-        if cap <= v {
-            cap
-        } else {
-            largest(v, cap, |w| ramp_distance(v, w, p.acceleration, jerk) <= p.length)
-        }
-    };
-    for i in (1..n).rev() {
-        joints[i] = reach(joints[i + 1], joints[i], &pieces[i]);
-    }
-    for i in 1..n {
-        joints[i] = reach(joints[i - 1], joints[i], &pieces[i - 1]);
-    }
-    let mut phases = Vec::new();
-    for (i, piece) in pieces.iter().enumerate() {
-        let (v0, v1, a) = (joints[i], joints[i + 1], piece.acceleration);
-        let used = |v: f64| ramp_distance(v0, v, a, jerk) + ramp_distance(v, v1, a, jerk);
-        let peak = largest(v0.max(v1), piece.speed.max(v0).max(v1), |v| used(v) <= piece.length);
-        let mut start = ramp(&mut phases, piece, 0.0, (v0, peak), a, jerk);
-        let cruise = (piece.length - used(peak)).max(0.0);
-        if 1e-12 < cruise && 0.0 < peak {
-            let seconds = cruise / peak;
-            let (shape, line) = (piece.shape, piece.line);
-            phases.push(Phase { shape, line, start, seconds, speed: peak, acceleration: 0.0, jerk: 0.0 });
-            start += cruise;
-        }
-        if let Some((line, seconds)) = physics.hold
-            && line == piece.line
-            && !phases.iter().any(|p| p.line == line && p.speed == 0.0 && p.seconds == seconds)
-        {
-            phases.push(Phase::standing(piece.shape, line, start, seconds));
-        }
-        ramp(&mut phases, piece, start, (peak, v1), a, jerk);
-    }
-    phases
-}
-
-/// The three segments of one change of speed; gives where it ends.
-fn ramp(phases: &mut Vec<Phase>, piece: &Piece, start: f64, (from, to): (f64, f64), a: f64, j: f64) -> f64 {
-    let change = (to - from).abs();
-    if change < 1e-12 {
-        return start;
-    }
-    let sign = (to - from).signum();
-    let seconds = ramp_seconds(change, a, j);
-    let rounding = if a * a / j <= change { a / j } else { seconds / 2.0 };
-    let (mut at, mut speed, mut acceleration) = (start, from, 0.0);
-    for (t, jerk) in [(rounding, sign * j), (seconds - 2.0 * rounding, 0.0), (rounding, -sign * j)] {
-        if t <= 0.0 {
-            continue;
-        }
-        let (shape, line) = (piece.shape, piece.line);
-        phases.push(Phase { shape, line, start: at, seconds: t, speed, acceleration, jerk });
-        at += t * (speed + t * (acceleration / 2.0 + t * jerk / 6.0));
-        speed += t * (acceleration + t * jerk / 2.0);
-        acceleration += t * jerk;
-    }
-    at
+    profile(pieces, joints, jerk, physics.hold)
 }

@@ -147,13 +147,10 @@ fn trochoid(w: &mut Writer, random: &mut Random) {
     w.x += 2.0 * radius;
 }
 
-/// Programs on which some causes cannot be told apart: which, and the program.
-pub const AMBIGUOUS: [(&[&str], &str); 2] = [
-    // One axis, one feed: a slower feed and a limit of the axis are the same thing.
-    (&["feed_override", "axis_velocity_limit"], "one axis"),
-    // One axis only: a limit along the path and one of the axis are the same thing.
-    (&["path_acceleration_limit", "axis_acceleration_limit"], "one axis"),
-];
+/// Causes that [`one_axis`] cannot tell apart: with one axis and one feed, a slower feed is a limit of the
+/// axis, and a limit along the path is one of the axis.
+pub const AMBIGUOUS: [&[&str]; 2] =
+    [&["feed_override", "axis_velocity_limit"], &["path_acceleration_limit", "axis_acceleration_limit"]];
 
 /// Moves along X only, at one feed, without a rapid.
 pub fn one_axis(random: &mut Random) -> String {

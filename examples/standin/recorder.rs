@@ -16,6 +16,8 @@ pub struct Recorder {
     pub jitter: f64,
     pub noise: f64,
     pub quantum: f64,
+    /// What its clock is off by although nothing is concealed: some ten parts in a million.
+    pub drift: f64,
     /// Stretches without samples.
     pub gaps: usize,
     pub lines: bool,
@@ -31,6 +33,7 @@ impl Recorder {
             jitter: random.pick(&[0.0, 0.01, 0.03]) / rate,
             noise: random.pick(&[0.0, 0.0003, 0.0008]),
             quantum: random.pick(&[0.0001, 0.001]),
+            drift: 3e-5 * random.normal(),
             gaps: if random.chance(0.15) { 1 + random.below(2) } else { 0 },
             lines: random.chance(0.3),
         }
@@ -61,7 +64,8 @@ impl Recorder {
             };
             // Adding nought turns −0 into 0.
             let (x, y, z) = (read(0) + 0.0, read(1) + 0.0, read(2) + 0.0);
-            write!(text, "{:.4},{x:.4},{y:.4},{z:.4}", machine * clock).expect("text takes any length");
+            write!(text, "{:.4},{x:.4},{y:.4},{z:.4}", machine * clock * (1.0 + self.drift))
+                .expect("text takes any length");
             if self.lines {
                 write!(text, ",{}", motion.line[k]).expect("text takes any length");
             }
