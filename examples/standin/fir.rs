@@ -11,6 +11,7 @@
 //! or jerk limit turns the stairs into ramps, see [`crate::ramp`]. Sampled positions
 //! at 1 ms then pass, axis by axis, through running sums as long as each filter; the part of a sample
 //! by which a filter is longer than whole ticks has its weight. A stop costs the whole delay.
+//! A control that cannot read or process blocks fast enough lowers the whole staircase to its cap.
 //! Limits: arcs no faster than √(24 R ε / ΣT²); speeds constant on a block.
 
 use crate::path::{Shape, between, norm};
@@ -19,13 +20,14 @@ use crate::ramp::{Leg, profile};
 use crate::reader::Step;
 use crate::schedule::{Phase, run};
 
-/// A block of a stretch with its speed, mm/s.
+/// A block of a stretch with its speed, mm/s, and the cap that processing sets on it, mm/s.
 struct Block {
     shape: usize,
     line: u32,
     rapid: bool,
     length: f64,
     feed: f64,
+    cap: f64,
     acceleration: f64,
 }
 
@@ -111,10 +113,8 @@ fn block(shape: usize, line: u32, rapid: bool, feed: f64, path: &Shape, physics:
         speed = speed.min((24.0 * physics.tolerance / (curvature * variance)).sqrt());
         speed = speed.min((physics.centripetal / curvature).sqrt());
     }
-    if 0.0 < physics.block_time {
-        speed = speed.min(length / physics.block_time);
-    }
-    Block { shape, line, rapid, length, feed: speed.max(1e-3), acceleration }
+    let cap = if 0.0 < physics.block_time { length / physics.block_time } else { f64::INFINITY };
+    Block { shape, line, rapid, length, feed: speed.max(1e-3), cap, acceleration }
 }
 
 /// Commands and filters one stretch, then leaves it empty.
@@ -156,20 +156,20 @@ pub fn running_mean(column: &mut [f64], start: f64, width: f64) {
     let source = column.to_vec();
     let at = |i: usize, back: usize| i.checked_sub(back).map_or(0.0, |k| source[k] - start);
     let mut sum = 0.0;
-    for i in 0..source.len() {
+    for (i, value) in column.iter_mut().enumerate() {
         sum += at(i, 0) - at(i, whole);
-        column[i] = start + (sum + part * at(i, whole)) / width;
+        *value = start + (sum + part * at(i, whole)) / width;
     }
 }
 
 /// The staircase of speeds along a stretch, with ramps where an acceleration limit asks for them.
 fn stairs(blocks: &[Block], shapes: &[Shape], physics: &Physics, boxes: &[f64]) -> Vec<Phase> {
     let half = boxes.iter().sum::<f64>() / 2.0;
-    let feeds: Vec<f64> =
-        (0..blocks.len()).map(|i| blocks[i].feed.min(ahead(&blocks[i..], physics, half))).collect();
+    let caps: Vec<f64> =
+        (0..blocks.len()).map(|i| blocks[i].cap.min(ahead(&blocks[i..], physics, half))).collect();
     let law = CornerLaw::new(boxes);
     let corner = |i: usize| -> f64 {
-        let slower = feeds[i].min(feeds[i + 1]);
+        let slower = blocks[i].feed.min(blocks[i + 1].feed);
         let (before, after) = (&shapes[blocks[i].shape], &shapes[blocks[i + 1].shape]);
         let step = turn(before, after);
         let rounding = before.length().min(after.length()) * step / 4.0;
@@ -184,7 +184,7 @@ fn stairs(blocks: &[Block], shapes: &[Shape], physics: &Physics, boxes: &[f64]) 
     let corners: Vec<f64> = (0..blocks.len().saturating_sub(1)).map(corner).collect();
     let mut pieces: Vec<(usize, f64, f64)> = Vec::new();
     for (i, block) in blocks.iter().enumerate() {
-        let feed = feeds[i];
+        let feed = block.feed;
         let first = if i == 0 { feed } else { corners[i - 1] };
         let second = corners.get(i).copied().unwrap_or(feed);
         let hold = |c: f64| (c * half * (1.0 - c / feed)).clamp(0.0, block.length);
@@ -193,7 +193,8 @@ fn stairs(blocks: &[Block], shapes: &[Shape], physics: &Physics, boxes: &[f64]) 
             if first < second { two = block.length - one } else { one = block.length - two }
         }
         let rest = block.length - one - two;
-        pieces.extend([(i, one, first), (i, rest, feed), (i, two, second)].iter().filter(|p| 1e-9 < p.1));
+        let parts = [(one, first), (rest, feed), (two, second)];
+        pieces.extend(parts.iter().filter(|p| 1e-9 < p.0).map(|p| (i, p.0, p.1.min(caps[i]))));
     }
     ramps(&pieces, blocks, physics)
 }

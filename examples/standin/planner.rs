@@ -100,7 +100,7 @@ fn rounded(moves: &[(u32, Shape, f64)], physics: &Physics) -> (Vec<Shape>, Vec<L
                 let step = norm(between(u, w));
                 let leg =
                     (4.0 * physics.tolerance / step.max(1e-9)).min(shape.length().min(next.length()) / 2.0);
-                if step < 1e-6 || 1.999 < step {
+                if !(1e-6..=1.999).contains(&step) {
                     push(*line, Shape::Line { from: begin, to: *to }, *speed);
                     begin = *to;
                 } else {

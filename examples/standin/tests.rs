@@ -233,8 +233,12 @@ fn every_effect_acts() {
         match id {
             "feed_hold" | "unmodelled_wait" => assert!((cost - 1.0).abs() < 1e-6, "{id}: {cost} s"),
             "servo_lag" | "backlash" | "structural_vibration" => assert!(cost.abs() < 1e-9, "{id}: {cost} s"),
-            "in_position_wait" | "look_ahead" | "rapid_override" | "path_acceleration_limit" => {
-                assert!(0.0 < cost)
+            "in_position_wait"
+            | "look_ahead"
+            | "block_processing_time"
+            | "rapid_override"
+            | "path_acceleration_limit" => {
+                assert!(0.0 < cost, "{id}: {cost} s")
             }
             _ => {}
         }
