@@ -239,8 +239,9 @@ struct CornerLaw {
 impl CornerLaw {
     fn new(boxes: &[f64]) -> CornerLaw {
         let delay: f64 = boxes.iter().sum();
-        let step = delay / 3000.0;
-        let mut speed = vec![1.0; 1502];
+        // Fine enough that half a sample a filter does not show.
+        let step = delay / 60_000.0;
+        let mut speed = vec![1.0; 30_002];
         for width in boxes {
             running_mean(&mut speed, 0.0, width / step);
         }
