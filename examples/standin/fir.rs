@@ -26,6 +26,8 @@ struct Block {
     line: u32,
     rapid: bool,
     length: f64,
+    /// Before the limits of arcs; it says how long the speed of a corner is held.
+    asked: f64,
     feed: f64,
     cap: f64,
     acceleration: f64,
@@ -108,13 +110,14 @@ fn block(shape: usize, line: u32, rapid: bool, feed: f64, path: &Shape, physics:
             speed = speed.min((physics.axis_acceleration[axis] / curvature).sqrt());
         }
     }
+    let asked = speed;
     if 0.0 < curvature {
         let variance: f64 = physics.boxes.iter().map(|t| t * t).sum();
         speed = speed.min((24.0 * physics.tolerance / (curvature * variance)).sqrt());
         speed = speed.min((physics.centripetal / curvature).sqrt());
     }
     let cap = if 0.0 < physics.block_time { length / physics.block_time } else { f64::INFINITY };
-    Block { shape, line, rapid, length, feed: speed.max(1e-3), cap, acceleration }
+    Block { shape, line, rapid, length, asked: asked.max(1e-3), feed: speed.max(1e-3), cap, acceleration }
 }
 
 /// Commands and filters one stretch, then leaves it empty.
@@ -187,7 +190,7 @@ fn stairs(blocks: &[Block], shapes: &[Shape], physics: &Physics, boxes: &[f64]) 
         let feed = block.feed;
         let first = if i == 0 { feed } else { corners[i - 1] };
         let second = corners.get(i).copied().unwrap_or(feed);
-        let hold = |c: f64| (c * half * (1.0 - c / feed)).clamp(0.0, block.length);
+        let hold = |c: f64| (c * half * (1.0 - c / block.asked)).clamp(0.0, block.length);
         let (mut one, mut two) = (hold(first), hold(second));
         if block.length < one + two {
             if first < second { two = block.length - one } else { one = block.length - two }

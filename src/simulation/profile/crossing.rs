@@ -33,8 +33,11 @@ impl Profile<'_> {
             let mut pulse = stretch.pulses.start;
             let mut low = 0.0;
             while let Some(distance) = wanted.next_if(|distance| *distance < to) {
-                let within =
-                    if distance < from { 0.0 } else { motion.crossing(distance, &mut low, &mut pulse) };
+                let within = if distance < from {
+                    0.0
+                } else {
+                    motion.crossing(distance, &mut low, &mut pulse)
+                };
                 times.push(start + within);
             }
         }
@@ -65,11 +68,7 @@ impl Motion<'_> {
         for _ in 0..MOST_STEPS {
             let (arrived, feedrate) = self.progress(self.moment(time));
             let ahead = arrived - distance;
-            if ahead <= 0.0 {
-                before = time
-            } else {
-                after = time
-            }
+            if ahead <= 0.0 { before = time } else { after = time }
             let step = time - ahead / feedrate;
             let next = if before < step && step < after { step } else { 0.5 * (before + after) };
             if (next - time).abs() <= CLOSE_ENOUGH || after - before <= CLOSE_ENOUGH {
