@@ -76,6 +76,7 @@ impl Kind {
                 Kind::MWord(code) => drop(times.m_codes.insert(code, seconds)),
             }
         })
+        .linear()
     }
 }
 
