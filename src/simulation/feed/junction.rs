@@ -15,10 +15,10 @@
 //! largest vector that keeps every axis within its own limit, whatever its direction in the plane of
 //! the corner, and within that of the path. √3/2 of it turn the motion and ½ is left along the path,
 //! so that both together are a. A leg that circles take up by the distances d1 and d2 changes its
-//! feedrate by v² = 2 A L with
+//! squared feedrate by 2 A L, with A0 its own limit and
 //!
 //! ```text
-//! A = a (1 − ½ (d1 + d2)/L),      d = R tan(φ/2)
+//! A = (A0 (L − d1 − d2) + ½ a1 d1 + ½ a2 d2)/L,      d = R tan(φ/2)
 //! ```
 //!
 //! Limits: the circle is shorter than the corner by 2d − Rφ, which the plan does not take off.
@@ -128,19 +128,26 @@ pub fn share(
     if machine.interpolator.junction != Junction::AccelerationBlend {
         return;
     }
-    let mut blended = vec![0.0; segments.len()];
+    let (mut blended, mut gained) = (vec![0.0; segments.len()], vec![0.0; segments.len()]);
     for ((i, pair), tolerance) in segments.windows(2).enumerate().zip(tolerance) {
-        let distance = Turn::between(&pair[0], &pair[1]).blend_distance(tolerance);
-        blended[i] += distance;
-        blended[i + 1] += distance;
+        let turn = Turn::between(&pair[0], &pair[1]);
+        let distance = turn.blend_distance(tolerance);
+        for leg in [i, i + 1] {
+            blended[leg] += distance;
+            gained[leg] += 0.5 * turn.acceleration(machine).min(accelerations[leg]) * distance;
+        }
     }
     for (i, segment) in segments.iter().enumerate() {
-        accelerations[i] *= match &segment.curve {
-            Curve::Line => 1.0 - 0.5 * (blended[i] / segment.length).min(1.0),
+        let own = accelerations[i];
+        if own == f64::INFINITY {
+            continue;
+        }
+        accelerations[i] = match &segment.curve {
+            Curve::Line => (own * (segment.length - blended[i]).max(0.0) + gained[i]) / segment.length,
             Curve::Arc(arc) => {
                 let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
-                let normal = (feedrates[i] * feedrates[i] * curvature / accelerations[i]).min(NORMAL);
-                (1.0 - normal * normal).sqrt()
+                let normal = (feedrates[i] * feedrates[i] * curvature / own).min(NORMAL);
+                own * (1.0 - normal * normal).sqrt()
             }
         };
     }
@@ -155,5 +162,57 @@ pub fn arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> 
             (NORMAL * acceleration / curvature).sqrt()
         }
         _ => f64::INFINITY,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turn(angle: f64) -> Turn {
+        let (before, after) = (Vector::x(), Vector::new(angle.cos(), angle.sin(), 0.0));
+        Turn {
+            before,
+            after,
+            change: (after - before).norm(),
+            half_cosine: 0.5 * (after + before).norm(),
+            shorter: 10.0,
+        }
+    }
+
+    fn machine(junction: Junction) -> Machine {
+        let mut machine = Machine::default();
+        machine.interpolator.junction = junction;
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
+        machine
+    }
+
+    #[test]
+    fn laws_at_a_right_angle_are_their_closed_forms() {
+        let corner = turn(std::f64::consts::FRAC_PI_2);
+        let radius = 1.0 / (std::f64::consts::SQRT_2 - 1.0);
+        let expected = [
+            (Junction::AccelerationBlend, (NORMAL * 500.0 * 0.02 * radius).sqrt()),
+            (Junction::Deviation(0.03), (500.0 * 0.03 * radius).sqrt()),
+            (Junction::SquareCorner(5.0), 5.0),
+            (Junction::AxisStep(7.0), 7.0),
+            (Junction::Tolerance, f64::INFINITY),
+        ];
+        for (junction, feedrate) in expected {
+            let found = corner.feedrate(&machine(junction), 0.02);
+            assert!(found == feedrate || (found / feedrate - 1.0).abs() < 1e-12, "{junction:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn turning_and_ramp_together_keep_the_acceleration() {
+        for degrees in [0.1f64, 1.0, 20.0, 90.0, 150.0, 179.0] {
+            let (corner, machine) = (turn(degrees.to_radians()), machine(Junction::AccelerationBlend));
+            for tolerance in [1e-4, 0.02, 5.0] {
+                let normal = corner.feedrate(&machine, tolerance).powi(2) / corner.blend_radius(tolerance);
+                assert!(normal.hypot(0.5 * corner.acceleration(&machine)) <= 500.0 * (1.0 + 1e-12));
+                assert!(corner.blend_distance(tolerance) <= 0.5 * corner.shorter * (1.0 + 1e-12));
+            }
+        }
     }
 }

@@ -294,7 +294,8 @@ fn add_stretch(
     let within_curve =
         |(segment, feedrate): (&Segment, f64)| feedrate.min(limits::curve_feedrate(segment, machine));
     let mut without_tolerance: Vec<f64> = segments.iter().zip(requested).map(within_curve).collect();
-    for ((feedrate, segment), acceleration) in without_tolerance.iter_mut().zip(segments).zip(&accelerations) {
+    for ((feedrate, segment), acceleration) in without_tolerance.iter_mut().zip(segments).zip(&accelerations)
+    {
         *feedrate = feedrate.min(junction::arc_feedrate(segment, *acceleration, machine));
     }
     let tolerances = rule.tolerances();
