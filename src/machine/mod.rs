@@ -7,11 +7,13 @@
 //!
 //! Source of the interpolator's fields: Ward, Sencer, Jones and Ozturk 2021, Sect. 2 and 3.
 
+mod junction;
 mod parameters;
 mod presets;
 mod times;
 mod tolerance;
 
+pub use junction::Junction;
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
 use std::collections::BTreeMap;
@@ -68,6 +70,8 @@ pub struct Interpolator {
     pub contour_tolerance: f64,
     /// What the tolerance is held for.
     pub corner_mode: CornerMode,
+    /// What else limits the feedrate at corners; neutral the tolerance alone.
+    pub junction: Junction,
     /// Full stop where the path turns by more than this, rad; neutral π.
     pub exact_stop_angle: f64,
     /// An arc is run as chords that turn by so much, rad, and what the command holds for a corner on
@@ -242,6 +246,7 @@ impl Default for Machine {
                 time_constants: TimeConstants::Equal(0.0255),
                 contour_tolerance: 0.010,
                 corner_mode: CornerMode::Paper,
+                junction: Junction::Tolerance,
                 exact_stop_angle: std::f64::consts::PI,
                 arc_step: ARC_STEP,
                 block_time: 0.0,

@@ -8,6 +8,7 @@ mod axes;
 mod reading;
 mod times;
 
+use crate::machine::junction::JUNCTION;
 use crate::machine::parameters::axes::axes;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
@@ -107,7 +108,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-const fn number(
+pub(super) const fn number(
     unit: Unit,
     (min, max): (f64, f64),
     get: fn(&Machine) -> Option<f64>,
@@ -479,5 +480,5 @@ const LEVELS: [Parameter; 5] = [
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
+    GENERAL.into_iter().chain(JUNCTION).chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
 });
