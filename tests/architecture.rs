@@ -20,6 +20,7 @@ const FLOW: &[&str] = &[
     "identification/comparison",
     "identification/fit",
     "identification/calibration",
+    "identification/hypotheses",
     "identification/step",
     "plot",
     "project",

@@ -4,5 +4,6 @@ pub mod alignment;
 pub mod calibration;
 pub mod comparison;
 pub mod fit;
+pub mod hypotheses;
 pub mod recording;
 pub mod step;

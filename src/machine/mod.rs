@@ -7,11 +7,13 @@
 //!
 //! Source of the interpolator's fields: Ward, Sencer, Jones and Ozturk 2021, Sect. 2 and 3.
 
+mod junction;
 mod parameters;
 mod presets;
 mod times;
 mod tolerance;
 
+pub use junction::Junction;
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
 use std::collections::BTreeMap;
@@ -45,6 +47,8 @@ pub struct Machine {
     pub work_offsets: [Option<[f64; 3]>; 6],
     /// Override switches.
     pub overrides: Overrides,
+    /// What records its runs.
+    pub recorder: Recorder,
     /// What cycles leave to the control.
     pub cycles: Cycles,
     /// How the control reads a program.
@@ -68,6 +72,8 @@ pub struct Interpolator {
     pub contour_tolerance: f64,
     /// What the tolerance is held for.
     pub corner_mode: CornerMode,
+    /// What else limits the feedrate at corners; neutral the tolerance alone.
+    pub junction: Junction,
     /// Full stop where the path turns by more than this, rad; neutral π.
     pub exact_stop_angle: f64,
     /// An arc is run as chords that turn by so much, rad, and what the command holds for a corner on
@@ -137,6 +143,8 @@ pub struct PathModes {
     pub level_1: Option<f64>,
     /// Of G5.1 R10.
     pub level_10: Option<f64>,
+    /// What the control holds in place of every tolerance that a program sets.
+    pub tolerance_override: Option<f64>,
 }
 
 /// Limits along the path, whatever its direction.
@@ -197,6 +205,22 @@ pub struct Overrides {
     pub feed: f64,
     /// Of rapid moves; neutral 1.
     pub rapid: f64,
+    /// First and last line of the program on which the override of feed moves is in force; neutral all.
+    pub lines: (u32, u32),
+}
+
+impl Overrides {
+    /// The override of feed moves on a line of the program.
+    pub fn of_feed(&self, line: u32) -> f64 {
+        if self.lines.0 <= line && line <= self.lines.1 { self.feed } else { 1.0 }
+    }
+}
+
+/// What is particular to recordings of the machine; it changes no motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recorder {
+    /// Time its clock shows over the time that passes; neutral 1.
+    pub clock_ratio: f64,
 }
 
 /// What cycles leave to the control.
@@ -242,6 +266,7 @@ impl Default for Machine {
                 time_constants: TimeConstants::Equal(0.0255),
                 contour_tolerance: 0.010,
                 corner_mode: CornerMode::Paper,
+                junction: Junction::Tolerance,
                 exact_stop_angle: std::f64::consts::PI,
                 arc_step: ARC_STEP,
                 block_time: 0.0,
@@ -258,7 +283,8 @@ impl Default for Machine {
             axes: [Axis::default(); 3],
             rotary_axes: [RotaryAxis::default(); 3],
             work_offsets: [None; 6],
-            overrides: Overrides { feed: 1.0, rapid: 1.0 },
+            overrides: Overrides { feed: 1.0, rapid: 1.0, lines: (0, u32::MAX) },
+            recorder: Recorder { clock_ratio: 1.0 },
             cycles: Cycles { peck_retract: None, peck_clearance: None },
             program: Reading::default(),
             times: Times::default(),

@@ -8,6 +8,7 @@ mod axes;
 mod reading;
 mod times;
 
+use crate::machine::junction::JUNCTION;
 use crate::machine::parameters::axes::axes;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
@@ -107,7 +108,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-const fn number(
+pub(super) const fn number(
     unit: Unit,
     (min, max): (f64, f64),
     get: fn(&Machine) -> Option<f64>,
@@ -156,7 +157,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 24] = [
+const GENERAL: [Parameter; 27] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -383,6 +384,37 @@ const GENERAL: [Parameter; 24] = [
         ),
     },
     Parameter {
+        key: "override.from_line",
+        label: "Feed override from line",
+        doc: "First line of the program on which the feed override is in force; empty: the first.",
+        access: whole(
+            (0.0, 4e9),
+            |m| Some(f64::from(m.overrides.lines.0)),
+            |m, v| m.overrides.lines.0 = v.unwrap_or(0.0) as u32,
+        ),
+    },
+    Parameter {
+        key: "override.to_line",
+        label: "Feed override to line",
+        doc: "Last line of the program on which the feed override is in force; empty: the last.",
+        access: whole(
+            (0.0, 4e9),
+            |m| (m.overrides.lines.1 < u32::MAX).then_some(f64::from(m.overrides.lines.1)),
+            |m, v| m.overrides.lines.1 = v.map_or(u32::MAX, |line| line as u32),
+        ),
+    },
+    Parameter {
+        key: "recorder.clock_ratio",
+        label: "Recorder clock",
+        doc: "Time the recorder's clock shows over the time that passes; changes no motion.",
+        access: number(
+            Unit::Number,
+            (0.5, 2.0),
+            |m| Some(m.recorder.clock_ratio),
+            |m, v| m.recorder.clock_ratio = v.unwrap_or(1.0),
+        ),
+    },
+    Parameter {
         key: "cycles.peck_retract_mm",
         label: "Retract of chip breaking",
         doc: "How far G73 lifts the tool between pecks; empty: 0.254 mm as LinuxCNC, 1 mm in programs with a % line or an O number.",
@@ -424,7 +456,7 @@ const GENERAL: [Parameter; 24] = [
 ];
 
 /// Tolerances that a program asks for by a level of the control.
-const LEVELS: [Parameter; 5] = [
+const LEVELS: [Parameter; 6] = [
     Parameter {
         key: "path_modes.rough_mm",
         label: "Tolerance of rough",
@@ -475,9 +507,20 @@ const LEVELS: [Parameter; 5] = [
             |m, v| m.path_modes.level_10 = v,
         ),
     },
+    Parameter {
+        key: "path_modes.tolerance_override_mm",
+        label: "Tolerance in place of programmed ones",
+        doc: "What the control holds in place of every tolerance that a program sets (G64 P and so on); empty: what the program says.",
+        access: number(
+            Unit::Millimetre,
+            TOLERANCE_MM,
+            |m| m.path_modes.tolerance_override,
+            |m, v| m.path_modes.tolerance_override = v,
+        ),
+    },
 ];
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
+    GENERAL.into_iter().chain(JUNCTION).chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
 });

@@ -159,7 +159,7 @@ fn neutral_times_leave_the_result_as_it_is() {
         assert_eq!(breakdown_on(&given), breakdown_on(&plain));
     }
     let rows = PARAMETERS.iter().filter(|row| row.key.starts_with("times."));
-    assert_eq!(rows.count(), 16, "a new time belongs into these laws");
+    assert_eq!(rows.count(), 17, "a new time belongs into these laws");
 }
 
 /// A random path with random stops and operations.

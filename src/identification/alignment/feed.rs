@@ -27,6 +27,8 @@ pub struct Integrated {
     pub marks: Vec<Mark>,
     /// Where the tool was when.
     pub fixes: Vec<Fix>,
+    /// Typical time between samples, s.
+    pub interval: f64,
     /// Stops found, as a part of the program's.
     pub found: f64,
 }
@@ -92,7 +94,7 @@ pub fn follow(feed: &Channel<f64>, stretches: &[Stretch]) -> Result<Integrated, 
     if found < ENOUGH * covered.min(1.0) {
         return Err(AlignmentError::StopsDoNotFit { at: fixes.last().map_or(0.0, |fix| fix.distance) });
     }
-    Ok(Integrated { marks, fixes, found })
+    Ok(Integrated { marks, fixes, found, interval })
 }
 
 /// Motion between two full stops of the program.

@@ -2,13 +2,15 @@
 //!
 //! A control that is asked now and then what line it runs passes over short blocks: what it names is a
 //! subsequence of the visits. Each line it names is the next visit of that line, so that loops and
-//! subprograms are followed in order. The visit began within the poll before it was first seen,
+//! subprograms are followed in order. A visit that is seen began within the poll before, and not longer
+//! ago than it lasts itself:
 //!
 //! ```text
-//! begin = stamp − p/2 ± p/√12        p: time between polls, s
+//! begin = stamp − w/2 ± w/√12,    w = min(p, d)      p: time between polls, d: of the visit, s
 //! ```
 //!
-//! where p is the median time between all stamps of line and feed, which are polled together.
+//! where p is the median time between all stamps of line and feed, which are polled together, and d that
+//! of the machine believed in. Taking p for all would make every long block after short ones too short.
 //!
 //! Some controls count from 0, or name the line before; the count that fits more visits is taken.
 //!
@@ -25,6 +27,8 @@ use crate::identification::recording::{Channel, Recording, Sampling};
 
 /// By how much a control may count its lines differently, the likeliest first.
 const COUNTS: [i64; 5] = [0, 1, -1, 2, -2];
+/// No stamp is more certain than this, s: controls update what they show in steps.
+const STEADY: f64 = 0.005;
 /// Of the lines it names that move or wait, so many at least must be in order.
 const ENOUGH: f64 = 0.9;
 
@@ -36,14 +40,22 @@ pub struct Followed {
     pub visits: Vec<usize>,
     /// Lines named that are visits in order, as a part of all that are visits at all.
     pub in_order: f64,
+    /// Time between polls, s.
+    pub poll: f64,
     /// The first visit named.
     pub first: usize,
     /// What was added to the recorded numbers.
     pub count: i64,
 }
 
-/// Marks of a recording by its line numbers, within the `run` (s).
-pub fn follow(recording: &Recording, run: &Range<f64>, visits: &[Visit]) -> Result<Followed, AlignmentError> {
+/// Marks of a recording by its line numbers, within the `run` (s); `durations` are those of the visits on
+/// the machine believed in, s.
+pub fn follow(
+    recording: &Recording,
+    run: &Range<f64>,
+    visits: &[Visit],
+    durations: &[f64],
+) -> Result<Followed, AlignmentError> {
     let line = recording.line.as_ref().ok_or(AlignmentError::NothingToFollow)?.during(run);
     let poll = poll(recording, &line, run);
     let mut places: HashMap<i64, Vec<usize>> = HashMap::new();
@@ -64,7 +76,6 @@ pub fn follow(recording: &Recording, run: &Range<f64>, visits: &[Visit]) -> Resu
     if tried[best].len() < 3 || in_order < ENOUGH {
         return Err(AlignmentError::LinesDoNotFit { in_order });
     }
-    let (back, deviation) = (0.5 * poll, poll / 12.0f64.sqrt());
     let mut marks = Vec::new();
     let mut named = Vec::new();
     for &(event, visit) in &tried[best] {
@@ -72,11 +83,13 @@ pub fn follow(recording: &Recording, run: &Range<f64>, visits: &[Visit]) -> Resu
         if event == 0 {
             continue;
         }
-        marks.push(Mark { place: visits[visit].begin, time: line.time[event] - back, deviation });
+        let width = poll.min(durations[visit]);
+        let deviation = (width / 12.0f64.sqrt()).hypot(STEADY);
+        marks.push(Mark { place: visits[visit].begin, time: line.time[event] - 0.5 * width, deviation });
         named.push(visit);
     }
     let first = tried[best].first().map_or(0, |(_, visit)| *visit);
-    Ok(Followed { marks, visits: named, in_order, first, count })
+    Ok(Followed { marks, visits: named, in_order, first, count, poll })
 }
 
 /// The events that name a visit later than those before, with that visit.

@@ -98,6 +98,8 @@ pub struct Alignment {
     pub covered: Range<f64>,
     /// Length of the path, mm.
     pub length: f64,
+    /// Time between looks at the control, s, where it was asked now and then and not recorded throughout.
+    pub poll: Option<f64>,
     /// How well it fits, 0 to 1: the part of the recorded way on the path, of lines in order, or of
     /// stops found.
     pub fit: f64,
@@ -219,7 +221,7 @@ fn align_run(
     if own.positions().iter().any(Option::is_some) {
         travelled::by_positions(&own, run, toolpath, machine)
     } else if own.line.as_ref().is_some_and(|line| 2 < line.values.len()) {
-        visited::by_lines(&own, run, ends, toolpath)
+        visited::by_lines(&own, run, ends, toolpath, machine)
     } else if own.feed.is_some() {
         stops::by_feed(&own, run, toolpath, machine)
     } else {

@@ -27,6 +27,7 @@ pub fn by_feed(
     };
     let alignment = Alignment {
         method: Method::Feed,
+        poll: Some(integrated.interval),
         run,
         covered: first.distance..last.distance,
         marks: integrated.marks,

@@ -98,6 +98,7 @@ pub fn by_positions(
     let marks = marks_of_fixes(&fixes, &track, toolpath, tolerance);
     let alignment = Alignment {
         method: Method::Positions,
+        poll: None,
         run,
         marks,
         fixes,

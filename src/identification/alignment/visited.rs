@@ -4,11 +4,13 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 use crate::identification::alignment::lines;
-use crate::identification::alignment::place::{Place, visits};
+use crate::identification::alignment::place::{Place, times, visits};
 use crate::identification::alignment::{
     Alignment, AlignmentError, Mark, Method, checked, end_of, is_of_units,
 };
 use crate::identification::recording::{Recording, closure_on};
+use crate::machine::Machine;
+use crate::simulation::feed::{Rule, plan};
 use crate::simulation::toolpath::{Motion, Toolpath};
 
 pub fn by_lines(
@@ -16,10 +18,16 @@ pub fn by_lines(
     run: Range<f64>,
     (has_start, has_end): (bool, bool),
     toolpath: &Toolpath,
+    machine: &Machine,
 ) -> Result<Alignment, AlignmentError> {
     let visits = visits(toolpath);
+    let begins: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
+    let plan = plan(toolpath, machine, Rule::Programmed);
+    let mut begins = times(toolpath, &plan, &begins);
+    begins.push(plan.cycle_time());
+    let durations: Vec<f64> = begins.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut remarks = Vec::new();
-    let followed = lines::follow(recording, &run, &visits)?;
+    let followed = lines::follow(recording, &run, &visits, &durations)?;
     if followed.count != 0 {
         remarks.push(format!(
             "recorded line numbers are {} the lines of the program by {}",
@@ -41,11 +49,11 @@ pub fn by_lines(
     let mut marks = followed.marks;
     // The line named first is taken for where it stands, wherever the file begins.
     if has_start && followed.first == 0 {
-        let deviation = marks.first().map_or(0.1, |mark| mark.deviation);
+        let deviation = followed.poll / 12.0f64.sqrt();
         marks.insert(0, Mark { place: Place::Start, time: run.start, deviation });
     }
     if has_end && followed.visits.last().is_some_and(|last| visits.len() <= last + 3) {
-        let deviation = marks.last().map_or(0.1, |mark| mark.deviation);
+        let deviation = followed.poll / 12.0f64.sqrt();
         marks.push(Mark { place: end_of(toolpath), time: run.end, deviation });
     }
     let fixes = lines::fixes(&settled, &marks, distance_of);
@@ -53,6 +61,7 @@ pub fn by_lines(
         ..marks.last().map_or(0.0, |mark| distance_of(mark.place));
     let alignment = Alignment {
         method: Method::Lines,
+        poll: Some(followed.poll),
         run,
         marks,
         fixes,

@@ -6,12 +6,11 @@
 //!
 //! - a parameter that the runs say nothing of, or less than ±[`UNKNOWN`] of, stays at its value, and the
 //!   reason is said;
-//! - a value from which the fitted one is less than two standard deviations away is kept: the data do
-//!   not contradict it;
-//! - the order of the filters stays unless another one is better by [`BETTER_ORDER`] of the cost, the
-//!   total delay of the filters being kept as the first guess of each order.
-//!
-//! What then is left is fitted once more, so that nothing leans on what was put back.
+//! - a value is kept that the data do not contradict: with it, and all others fitted again, the cost is
+//!   higher by less than [`CONTRADICTED`]. One after another, because parameters that depend on each other
+//!   hide behind each other;
+//! - the order of the filters stays unless another one is better by [`BETTER_ORDER`], and rapid moves keep
+//!   the filters of feed moves unless their own are, the total delay being the first guess of each.
 
 mod waits;
 
@@ -26,10 +25,18 @@ use crate::simulation::toolpath::Motion;
 
 /// A relative standard deviation above which a positive parameter counts as unknown.
 const UNKNOWN: f64 = 0.4;
-/// By how much the cost must fall for another filter order.
-const BETTER_ORDER: f64 = 15.0;
-/// Within so many standard deviations a value is not contradicted.
-const CONTRADICTED: f64 = 2.0;
+/// By how much, and by what part, the cost must fall for another filter order.
+const BETTER_ORDER: (f64, f64) = (15.0, 0.1);
+/// By how much, and by what part, the cost must fall for filters of their own on rapid moves.
+const BETTER_RAPID: (f64, f64) = (15.0, 0.03);
+/// How much slower filters of rapid moves are tried first.
+const RAPID_SLOWER: f64 = 2.0;
+/// A wait that is uncertain by more than itself and by more than this, s, counts as unknown.
+const MOST_UNCERTAIN: f64 = 0.5;
+/// A value is contradicted where going back to it costs more than this: two standard deviations.
+const CONTRADICTED: f64 = 4.0;
+/// Values farther than this from the one before, in standard deviations, are not tried again.
+const DOUBTFUL: f64 = 5.0;
 /// Orders of filters tried.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
 
@@ -111,15 +118,14 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let whiten = |machine: &Machine| -> Vec<Whitening> {
         runs.iter().map(|run| Whitening::of(run.alignment, &run.residuals(machine))).collect()
     };
-    let parameters = |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
-        let mut all = motion(machine, guess, order, runs);
-        all.extend(waits.iter().map(|(freed, value)| {
-            let mut freed = freed.clone();
-            freed.start = current(&freed.key, guess).unwrap_or(freed.start);
-            (freed, *value)
-        }));
-        all
-    };
+    let parameters =
+        |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
+            let mut all = motion(machine, guess, order, runs);
+            all.extend(waits.iter().map(|(freed, value)| {
+                (freed.from(current(&freed.key, guess).unwrap_or(freed.start)), *value)
+            }));
+            all
+        };
     let nominal = machine.interpolator.filters;
     let mut share = Share { done: 0.0, part: 0.25, progress };
     let first = run_fit(&guess, runs, &parameters(nominal, &guess), &whiten(&guess), &mut share);
@@ -130,34 +136,58 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let mut order = nominal;
     let is_equal = matches!(machine.interpolator.time_constants, TimeConstants::Equal(_));
     for other in ORDERS.filter(|other| *other != nominal && is_equal) {
-        share.part = 0.1;
+        share.part = 0.06;
         let mut start = best.machine.clone();
         set_order(&mut start, other);
         let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, &mut share);
         orders.push((other, found.cost));
-        if found.cost + BETTER_ORDER < best.cost {
+        if found.cost < best.cost - BETTER_ORDER.0.max(BETTER_ORDER.1 * best.cost) {
             (best, order) = (found, other);
         }
     }
     orders.sort_by_key(|(order, _)| *order);
+    if let (None, TimeConstants::Equal(constant)) =
+        (&best.machine.rapid.time_constants, &best.machine.interpolator.time_constants)
+    {
+        let mut start = best.machine.clone();
+        start.rapid.time_constants = Some(TimeConstants::Equal(RAPID_SLOWER * constant));
+        let found = run_fit(&start, runs, &parameters(order, &start), &whitenings, &mut share);
+        if found.cost < best.cost - BETTER_RAPID.0.max(BETTER_RAPID.1 * best.cost) {
+            best = found;
+        }
+    }
     let all = parameters(order, &best.machine);
-    let verdicts: Vec<Verdict> = all
+    let mut verdicts: Vec<Verdict> = all
         .iter()
         .enumerate()
-        .map(|(at, (freed, before))| verdict(freed, *before, best.values[at], best.deviations[at]))
+        .map(|(at, (freed, _))| match is_unknown(freed, best.values[at], best.deviations[at]) {
+            true => Verdict::Unknown,
+            false => Verdict::Fitted,
+        })
         .collect();
+    share.part = 0.04;
+    let mut last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+    // The least contradicted first; what is put back stays there while the others are looked at.
+    let mut doubtful: Vec<usize> = (0..all.len())
+        .filter(|at| verdicts[*at] == Verdict::Fitted)
+        .filter(|at| (best.values[*at] - all[*at].1).abs() < DOUBTFUL * best.deviations[*at])
+        .collect();
+    let doubt = |at: &usize| (best.values[*at] - all[*at].1).abs() / best.deviations[*at];
+    doubtful.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
+    share.part = 0.1 / doubtful.len().max(1) as f64;
+    for at in doubtful {
+        verdicts[at] = Verdict::Agrees;
+        let without = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+        if without.cost < last.cost + CONTRADICTED {
+            last = without;
+        } else {
+            verdicts[at] = Verdict::Fitted;
+        }
+    }
     let kept: Vec<(Freed, f64)> = (all.iter().zip(&verdicts))
         .filter(|(_, verdict)| **verdict == Verdict::Fitted)
         .map(|(parameter, _)| parameter.clone())
         .collect();
-    let mut base = best.machine.clone();
-    for ((freed, before), verdict) in all.iter().zip(&verdicts) {
-        if *verdict != Verdict::Fitted && before.is_finite() {
-            freed.apply(&mut base, *before);
-        }
-    }
-    share.part = 0.2;
-    let last = run_fit(&base, runs, &kept, &whitenings, &mut share);
     let mut fitted = last.values.iter().zip(&last.deviations);
     let estimates = all.iter().zip(&verdicts).enumerate().map(|(at, ((freed, before), verdict))| {
         let own = if *verdict == Verdict::Fitted { fitted.next() } else { None };
@@ -209,17 +239,32 @@ fn run_fit(
     found
 }
 
-fn verdict(freed: &Freed, before: f64, value: f64, deviation: f64) -> Verdict {
-    let is_unknown = match freed.scale {
+/// The fit of what has the verdict of being fitted, the rest at the values it had.
+fn put_back(
+    best: &Fit,
+    all: &[(Freed, f64)],
+    verdicts: &[Verdict],
+    runs: &[Run],
+    whitenings: &[Whitening],
+    share: &mut Share,
+) -> Fit {
+    let mut base = best.machine.clone();
+    let mut kept = Vec::new();
+    for (at, ((freed, before), verdict)) in all.iter().zip(verdicts).enumerate() {
+        if *verdict == Verdict::Fitted {
+            kept.push((freed.from(best.values[at]), *before));
+        } else {
+            freed.apply(&mut base, *before);
+        }
+    }
+    run_fit(&base, runs, &kept, whitenings, share)
+}
+
+/// Whether the runs say hardly anything of a parameter.
+fn is_unknown(freed: &Freed, value: f64, deviation: f64) -> bool {
+    match freed.scale {
         Scale::Ratio => UNKNOWN * value < deviation,
-        Scale::Difference => !deviation.is_finite(),
-    };
-    if is_unknown {
-        Verdict::Unknown
-    } else if (value - before).abs() < CONTRADICTED * deviation {
-        Verdict::Agrees
-    } else {
-        Verdict::Fitted
+        Scale::Difference => !deviation.is_finite() || value.abs().max(MOST_UNCERTAIN) < deviation,
     }
 }
 
@@ -241,6 +286,16 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     if runs.iter().any(runs_rapid) {
         let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
         add("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own));
+        let own = before.rapid.time_constants.as_ref().unwrap_or(&before.interpolator.time_constants);
+        if let (TimeConstants::Equal(own), Some(TimeConstants::Equal(start))) =
+            (own, &guess.rapid.time_constants)
+        {
+            let own = own * before.interpolator.filters as f64 / order as f64;
+            add("rapid.time_constant_s", own, *start, (5e-4, 0.5));
+        }
+        if before.path.acceleration.is_finite() {
+            add("path.acceleration_mm_s2", before.path.acceleration, guess.path.acceleration, (10.0, 1e5));
+        }
     }
     all
 }

@@ -54,6 +54,16 @@ impl Kind {
         }
     }
 
+    /// The word that asks for it.
+    pub fn word(self) -> String {
+        match self {
+            Kind::ToolChange => "M6".to_string(),
+            Kind::SpindleStart => "M3".to_string(),
+            Kind::SpindleStop => "M5".to_string(),
+            Kind::MWord(code) => format!("M{code}"),
+        }
+    }
+
     /// What the machine has for it, s.
     pub fn value(self, machine: &Machine) -> f64 {
         let times = &machine.times;
@@ -76,6 +86,7 @@ impl Kind {
                 Kind::MWord(code) => drop(times.m_codes.insert(code, seconds)),
             }
         })
+        .linear()
     }
 }
 

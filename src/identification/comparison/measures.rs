@@ -60,7 +60,7 @@ pub fn feed_error(
     if alignment.method == Method::Positions {
         return FeedError::of(&pointwise(toolpath, plan, alignment));
     }
-    let poll = alignment.marks.first()?.deviation * 12.0f64.sqrt();
+    let poll = alignment.poll?;
     let mut distances = vec![0.0];
     for segment in &toolpath.segments {
         distances.push(distances[distances.len() - 1] + segment.length);

@@ -37,12 +37,7 @@ pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) ->
         _ => from_fixes(alignment),
     };
     // What a poll shows may be as late as the poll is long, on one side or the other.
-    let blur = match alignment.method {
-        Method::Positions => 0.0,
-        Method::Lines | Method::Feed => {
-            alignment.marks.first().map_or(0.0, |mark| mark.deviation * 12.0f64.sqrt())
-        }
-    };
+    let blur = alignment.poll.unwrap_or(0.0);
     // Ends of stretches ascend, each on its own side, so that two passes do.
     let ends = [0, 1].map(|end: usize| {
         let distances: Vec<f64> = stretches.iter().map(|stretch| stretch.distance[end]).collect();

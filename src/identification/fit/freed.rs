@@ -30,6 +30,8 @@ pub struct Freed {
     pub bounds: (f64, f64),
     /// How it is varied.
     pub scale: Scale,
+    /// Whether all times are linear in it, as in a wait: its derivative is the same everywhere.
+    pub is_linear: bool,
     set: Set,
 }
 
@@ -48,7 +50,24 @@ impl Freed {
         scale: Scale,
         set: impl Fn(&mut Machine, f64) + Send + Sync + 'static,
     ) -> Freed {
-        Freed { key: key.into(), start: start.clamp(bounds.0, bounds.1), bounds, scale, set: Arc::new(set) }
+        Freed {
+            key: key.into(),
+            start: start.clamp(bounds.0, bounds.1),
+            bounds,
+            scale,
+            is_linear: false,
+            set: Arc::new(set),
+        }
+    }
+
+    /// The same, all times being linear in it.
+    pub fn linear(self) -> Freed {
+        Freed { is_linear: true, ..self }
+    }
+
+    /// The same, beginning elsewhere (core units).
+    pub fn from(&self, start: f64) -> Freed {
+        Freed { start: start.clamp(self.bounds.0, self.bounds.1), ..self.clone() }
     }
 
     /// The number under a key of the machine file; none where the key is not one of a number.

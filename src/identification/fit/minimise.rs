@@ -64,7 +64,7 @@ pub fn minimise(
     for step in 0..MOST_STEPS {
         progress(step as f64 / MOST_STEPS as f64);
         if moved {
-            jacobians = derivatives(freed, &varied, &found, &whitened);
+            jacobians = derivatives(freed, &varied, &found, &whitened, &jacobians);
         }
         if converged {
             break;
@@ -87,22 +87,30 @@ pub fn minimise(
         }
     }
     if jacobians.is_empty() || moved {
-        jacobians = derivatives(freed, &varied, &found, &whitened);
+        jacobians = derivatives(freed, &varied, &found, &whitened, &jacobians);
     }
     progress(1.0);
     Minimum { varied, whitened: found, jacobians, cost: least, converged }
 }
 
-/// Central difference quotients, one column a parameter; at a bound from one side.
+/// Central difference quotients, one column a parameter; at a bound from one side. Columns of linear
+/// parameters are kept once they are `known`.
 fn derivatives(
     freed: &[Freed],
     varied: &DVector<f64>,
     found: &[Vec<f64>],
     whitened: &impl Fn(&DVector<f64>) -> Vec<Vec<f64>>,
+    known: &[DMatrix<f64>],
 ) -> Vec<DMatrix<f64>> {
     let mut jacobians: Vec<DMatrix<f64>> =
         found.iter().map(|run| DMatrix::zeros(run.len(), freed.len())).collect();
     for (column, freed) in freed.iter().enumerate() {
+        if freed.is_linear && !known.is_empty() {
+            for (jacobian, known) in jacobians.iter_mut().zip(known) {
+                jacobian.set_column(column, &known.column(column));
+            }
+            continue;
+        }
         let step = freed.step(freed.outward(varied[column]));
         let beside = |sign: f64| {
             let mut beside = varied.clone();

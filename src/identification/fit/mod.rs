@@ -89,7 +89,9 @@ impl Run<'_> {
     /// By how much the recorded machine is later at each mark, s.
     pub fn residuals(&self, machine: &Machine) -> Vec<f64> {
         let places: Vec<Place> = self.alignment.marks.iter().map(|mark| mark.place).collect();
-        residuals(self.alignment, &times(self.toolpath, &self.plan(machine), &places))
+        let mut simulated = times(self.toolpath, &self.plan(machine), &places);
+        simulated.iter_mut().for_each(|time| *time *= machine.recorder.clock_ratio);
+        residuals(self.alignment, &simulated)
     }
 }
 

@@ -94,6 +94,7 @@ mod tests {
             covered: 0.0..count as f64,
             length: count as f64,
             fit: 1.0,
+            poll: None,
             spread: None,
             track: None,
             feed: None,

@@ -26,7 +26,7 @@ use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let feedrate = match segment.motion {
         Motion::Rapid => machine.rapid.feedrate * machine.overrides.rapid,
-        Motion::Feed { feedrate } => feedrate * machine.overrides.feed,
+        Motion::Feed { feedrate } => feedrate * machine.overrides.of_feed(segment.line.0),
     };
     let feedrate = feedrate.min(rotary_feedrate(segment, machine));
     if machine.axes.iter().all(|axis| axis.velocity == f64::INFINITY) {

@@ -31,14 +31,16 @@
 
 pub mod block;
 pub mod corner;
+pub mod junction;
 pub mod limits;
 mod tolerances;
 
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
-use crate::machine::{Machine, TimeConstants};
+use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::feed::block::End;
 use crate::simulation::feed::corner::CornerLaw;
+use crate::simulation::feed::junction::Turn;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause, Toolpath, Vector};
@@ -290,12 +292,18 @@ fn add_stretch(
     let filter = filter_of_stretch(plan, segments, &requested, machine);
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
-    let accelerations: Vec<f64> = segments.iter().map(|s| limits::acceleration(s, machine)).collect();
+    let mut accelerations: Vec<f64> = segments.iter().map(|s| limits::acceleration(s, machine)).collect();
     let within_curve =
         |(segment, feedrate): (&Segment, f64)| feedrate.min(limits::curve_feedrate(segment, machine));
     let mut without_tolerance: Vec<f64> = segments.iter().zip(requested).map(within_curve).collect();
-    limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
+    for ((feedrate, segment), acceleration) in without_tolerance.iter_mut().zip(segments).zip(&accelerations)
+    {
+        *feedrate = feedrate.min(junction::arc_feedrate(segment, *acceleration, machine));
+    }
     let tolerances = rule.tolerances();
+    let blends = tolerances.limits(toolpath, machine, range.start).map(|limit| limit.along());
+    junction::share(&mut accelerations, segments, &without_tolerance, blends, machine);
+    limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
     let held = tolerances.limits(toolpath, machine, range.start);
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
         .map(|(i, ((segment, &feedrate), limit))| match rule {
@@ -318,8 +326,15 @@ fn add_stretch(
                 law.feedrate(limit.towards(next_limit, turn) / turn, before, after)
             }
         };
-        let (by_acceleration, by_jerk) = axis_corner_feedrates(&change, machine, chain);
+        let (by_acceleration, by_jerk) = match machine.interpolator.junction {
+            Junction::Tolerance => axis_corner_feedrates(&change, machine, chain),
+            _ => (Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()), f64::INFINITY),
+        };
         let feedrate = by_rule.min(by_acceleration).min(by_jerk);
+        let by_acceleration = match machine.interpolator.junction {
+            Junction::Tolerance => by_acceleration,
+            _ => f64::INFINITY,
+        };
         corners.push(Corner { feedrate, blended: true, by_acceleration });
     }
     corners.push(FULL_STOP);

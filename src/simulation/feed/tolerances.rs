@@ -98,15 +98,20 @@ impl Tolerances {
         first: usize,
     ) -> impl Iterator<Item = Limit> + 'a {
         let own = machine.interpolator.contour_tolerance;
+        let instead = machine.path_modes.tolerance_override;
+        let held = move |blending: Blending| match (blending, instead) {
+            (Blending::Within(_), Some(other)) => Blending::Within(other),
+            _ => blending,
+        };
         let (modes, before): (&[PathMode], _) = match self {
             Tolerances::One(tolerance) => (&[], Limit::of(Blending::Within(tolerance), own)),
             Tolerances::Programmed => (&toolpath.path_modes, Limit::of(Blending::Machine, own)),
         };
         let mut next = modes.partition_point(|mode| mode.from <= first);
-        let mut now = next.checked_sub(1).map_or(before, |index| Limit::of(modes[index].blending, own));
+        let mut now = next.checked_sub(1).map_or(before, |index| Limit::of(held(modes[index].blending), own));
         (first..toolpath.segments.len()).map(move |segment| {
             while let Some(mode) = modes.get(next).filter(|mode| mode.from <= segment) {
-                now = Limit::of(mode.blending, own);
+                now = Limit::of(held(mode.blending), own);
                 next += 1;
             }
             now

@@ -1,0 +1,299 @@
+//! Effects on motion along the path: limits, filters, corners, overrides, block handling.
+
+use std::sync::Arc;
+
+use crate::identification::fit::{Freed, Run, Scale};
+use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
+use crate::machine::{AXES, Machine, TimeConstants};
+use crate::simulation::toolpath::{Curve, Motion, Vector};
+use crate::units::mm_per_min;
+
+/// What the programs ask for, by which limits are tried below it.
+struct Demand {
+    /// Fastest programmed motion of each axis, mm/s.
+    axis_feedrate: Vector,
+    /// Fastest programmed feedrate, mm/s.
+    feedrate: f64,
+    /// Whether there are rapid moves, arcs, programmed tolerances.
+    has_rapid: bool,
+    has_arc: bool,
+    has_tolerance: bool,
+}
+
+pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
+    let demand = demand(machine, runs);
+    let mut all = Vec::new();
+    for axis in 0..3 {
+        all.extend(axis_limits(axis, &demand));
+    }
+    all.push(single(
+        "path_acceleration_limit",
+        Freed::number("path.acceleration_mm_s2", 1e3, (10.0, 2e5), Scale::Ratio),
+        ratios(50.0, 2e4, 10),
+        |value| vec![("a_mm_s2", Reported::Number(value))],
+    ));
+    if demand.has_arc {
+        all.push(single(
+            "centripetal_acceleration_limit",
+            Freed::number("path.centripetal_acceleration_mm_s2", 1e3, (1.0, 1e6), Scale::Ratio),
+            ratios(10.0, 5e3, 12),
+            |value| vec![("a_mm_s2", Reported::Number(value))],
+        ));
+    }
+    all.extend(filters(machine, &demand));
+    all.push(if demand.has_tolerance { programmed_tolerance(machine) } else { tolerance(machine) });
+    all.extend(junctions(machine));
+    all.extend(overrides(machine, &demand));
+    all.extend(blocks());
+    all.push(single(
+        "recorder_clock",
+        Freed::number("recorder.clock_ratio", 1.0, (0.8, 1.25), Scale::Ratio),
+        vec![0.9, 0.97, 0.99, 1.01, 1.03, 1.1],
+        |value| vec![("ratio", Reported::Number(value))],
+    ));
+    all.into_iter().flatten().collect()
+}
+
+/// A hypothesis of one parameter; none where its key is unknown.
+fn single(
+    id: &'static str,
+    freed: Option<Freed>,
+    trials: Vec<f64>,
+    report: impl Fn(f64) -> Vec<(&'static str, Reported)> + Send + Sync + 'static,
+) -> Option<Hypothesis> {
+    let report: Report = Arc::new(move |values| report(values[0]));
+    Some(Hypothesis {
+        id,
+        variant: String::new(),
+        trace: Trace::Time,
+        freed: vec![freed?],
+        trials: trials.into_iter().map(|value| vec![value]).collect(),
+        is_continuous: true,
+        report,
+    })
+}
+
+fn demand(machine: &Machine, runs: &[Run]) -> Demand {
+    let mut demand = Demand {
+        axis_feedrate: Vector::zeros(),
+        feedrate: 0.0,
+        has_rapid: false,
+        has_arc: false,
+        has_tolerance: false,
+    };
+    for run in runs {
+        demand.has_tolerance |= !run.toolpath.path_modes.is_empty();
+        for segment in &run.toolpath.segments {
+            let feedrate = match segment.motion {
+                Motion::Feed { feedrate } => feedrate,
+                Motion::Rapid => {
+                    demand.has_rapid = true;
+                    machine.rapid.feedrate
+                }
+            };
+            demand.has_arc |= segment.curve != Curve::Line;
+            demand.feedrate = demand.feedrate.max(feedrate);
+            let share = match &segment.curve {
+                Curve::Line => segment.tangent(0.0).abs(),
+                Curve::Arc(arc) => arc.e1.abs() + arc.e2.abs(),
+            };
+            for axis in 0..3 {
+                let own = feedrate * share[axis].min(1.0);
+                demand.axis_feedrate[axis] = demand.axis_feedrate[axis].max(own);
+            }
+        }
+    }
+    demand
+}
+
+fn axis_limits(axis: usize, demand: &Demand) -> Vec<Option<Hypothesis>> {
+    let name = AXES[axis];
+    if demand.axis_feedrate[axis] <= 0.0 {
+        return Vec::new();
+    }
+    let fastest = demand.axis_feedrate[axis];
+    let velocity = Freed::new(
+        format!("axis.{}.velocity_mm_min", name.to_ascii_lowercase()),
+        fastest,
+        (1e-3 * fastest, 2.0 * fastest),
+        Scale::Ratio,
+        move |machine, value| machine.axes[axis].velocity = value,
+    );
+    let acceleration = Freed::new(
+        format!("axis.{}.acceleration_mm_s2", name.to_ascii_lowercase()),
+        1e3,
+        (10.0, 2e5),
+        Scale::Ratio,
+        move |machine, value| machine.axes[axis].acceleration = value,
+    );
+    let of_axis = |hypothesis: Option<Hypothesis>| {
+        hypothesis.map(|hypothesis| Hypothesis { variant: name.to_string(), ..hypothesis })
+    };
+    let word = move || ("axis", Reported::Word(name.to_string()));
+    vec![
+        of_axis(single("axis_acceleration_limit", Some(acceleration), ratios(50.0, 2e4, 10), move |value| {
+            vec![word(), ("a_mm_s2", Reported::Number(value))]
+        })),
+        of_axis(single(
+            "axis_velocity_limit",
+            Some(velocity),
+            ratios(0.02 * fastest, 0.97 * fastest, 14),
+            move |value| vec![word(), ("v_mm_min", Reported::Number(mm_per_min(value)))],
+        )),
+    ]
+}
+
+fn filters(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
+    let TimeConstants::Equal(constant) = machine.interpolator.time_constants else { return Vec::new() };
+    let order = machine.interpolator.filters;
+    let trials = |ratios: &[f64]| -> Vec<f64> { ratios.iter().map(|ratio| ratio * constant).collect() };
+    let freed = Freed::number("interpolator.time_constant_s", constant, (2e-4, 0.5), Scale::Ratio);
+    let mut all = vec![single(
+        "filter_time_constant",
+        freed,
+        trials(&[0.3, 0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6, 2.0, 3.0]),
+        |value| vec![("time_constant_s", Reported::Number(value))],
+    )];
+    // Another order has the same delay in all, or it would be another constant as well.
+    let of_order = Freed::new(
+        "interpolator.filters",
+        order as f64,
+        (1.0, 4.0),
+        Scale::Difference,
+        move |machine, value| {
+            let other = value.round().clamp(1.0, 4.0);
+            let delay = constant * order as f64;
+            machine.interpolator.filters = other as usize;
+            machine.interpolator.time_constants = TimeConstants::Equal(delay / other);
+        },
+    );
+    let orders: Vec<f64> = (1..=4).filter(|other| *other != order).map(|other| other as f64).collect();
+    all.push(
+        single("filter_order", Some(of_order), orders, |value| {
+            vec![("filters", Reported::Number(value.round()))]
+        })
+        .map(|hypothesis| Hypothesis { is_continuous: false, ..hypothesis }),
+    );
+    if 1 < order {
+        // The same delay in all, one filter longer and the others shorter.
+        let split = move |spread: f64| {
+            let rest = order as f64 - 1.0;
+            let longest = constant * (1.0 + rest * spread);
+            let mut constants = vec![longest];
+            constants.resize(order, constant * (1.0 - spread));
+            constants
+        };
+        let freed = Freed::new(
+            "interpolator.time_constants_s",
+            0.3,
+            (0.02, 0.95),
+            Scale::Difference,
+            move |machine, spread| {
+                machine.interpolator.time_constants = TimeConstants::Unequal(split(spread));
+            },
+        );
+        all.push(single("unequal_filters", Some(freed), vec![0.15, 0.3, 0.45, 0.6, 0.8], move |spread| {
+            vec![("time_constants_s", Reported::List(split(spread)))]
+        }));
+    }
+    let jerk = demand.feedrate / (constant * constant);
+    let freed = Freed::new(
+        "interpolator.max_jerk_mm_s3",
+        jerk,
+        (1e-3 * jerk, 1e3 * jerk),
+        Scale::Ratio,
+        |machine, value| {
+            machine.interpolator.time_constants = TimeConstants::FromJerk(value);
+        },
+    );
+    all.push(single("jerk_limit", Some(freed), ratios(0.1 * jerk, 10.0 * jerk, 9), |value| {
+        vec![("j_mm_s3", Reported::Number(value))]
+    }));
+    all
+}
+
+fn tolerance(machine: &Machine) -> Option<Hypothesis> {
+    let own = machine.interpolator.contour_tolerance;
+    let freed = Freed::number("interpolator.contour_tolerance_mm", own, (1e-5, 5.0), Scale::Ratio);
+    let trials = [0.05, 0.15, 0.3, 0.5, 0.75, 0.9, 1.1, 1.3, 2.0, 3.5, 8.0];
+    single("corner_tolerance", freed, trials.iter().map(|ratio| ratio * own).collect(), |value| {
+        vec![("contour_tolerance_mm", Reported::Number(value))]
+    })
+}
+
+/// Where the program sets the tolerance, the control may hold another one.
+fn programmed_tolerance(machine: &Machine) -> Option<Hypothesis> {
+    let own = machine.interpolator.contour_tolerance;
+    let freed = Freed::number("path_modes.tolerance_override_mm", own, (1e-5, 5.0), Scale::Ratio);
+    single("corner_tolerance", freed, ratios(5e-4, 0.5, 12), |value| {
+        vec![("contour_tolerance_mm", Reported::Number(value))]
+    })
+}
+
+fn junctions(machine: &Machine) -> Vec<Option<Hypothesis>> {
+    let mut all = Vec::new();
+    let mut rule = |word: &'static str, key: &'static str, trials: Vec<f64>, unit: fn(f64) -> f64| {
+        let Some(freed) = Freed::number(key, trials[0], (1e-6, 1e5), Scale::Ratio) else { return };
+        // These laws are laws of an acceleration; without one the usual value of a machining centre.
+        let needs = machine.path.acceleration.is_infinite()
+            && machine.axes.iter().all(|axis| axis.acceleration.is_infinite());
+        if needs && word != "axis_velocity_step" {
+            return;
+        }
+        let hypothesis = single("junction_rule", Some(freed), trials, move |value| {
+            vec![("rule", Reported::Word(word.to_string())), ("value", Reported::Number(unit(value)))]
+        });
+        all.push(hypothesis.map(|hypothesis| Hypothesis { variant: word.replace('_', " "), ..hypothesis }));
+    };
+    rule("junction_deviation", "interpolator.junction_deviation_mm", ratios(1e-3, 0.3, 8), |value| value);
+    rule(
+        "square_corner_velocity",
+        "interpolator.square_corner_velocity_mm_min",
+        ratios(0.3, 60.0, 8),
+        mm_per_min,
+    );
+    rule("axis_velocity_step", "interpolator.axis_velocity_step_mm_min", ratios(0.3, 60.0, 10), mm_per_min);
+    all
+}
+
+fn overrides(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
+    let ratio = |value: f64| vec![("ratio", Reported::Number(value))];
+    let feed = machine.overrides.feed;
+    let rapid = machine.overrides.rapid;
+    let mut all = vec![single(
+        "feed_override",
+        Freed::number("override.feed", feed, (0.01, 2.0), Scale::Ratio),
+        [0.2, 0.4, 0.6, 0.75, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 1.25, 1.5]
+            .iter()
+            .map(|part| part * feed)
+            .collect(),
+        ratio,
+    )];
+    if demand.has_rapid {
+        all.push(single(
+            "rapid_override",
+            Freed::number("override.rapid", rapid, (0.01, 2.0), Scale::Ratio),
+            [0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.1, 1.3].iter().map(|part| part * rapid).collect(),
+            ratio,
+        ));
+    }
+    all
+}
+
+fn blocks() -> Vec<Option<Hypothesis>> {
+    let look_ahead = single(
+        "look_ahead",
+        Freed::number("interpolator.look_ahead_blocks", 10.0, (1.0, 1e6), Scale::Ratio),
+        vec![1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0],
+        |value| vec![("blocks", Reported::Number(value.round()))],
+    );
+    vec![
+        single(
+            "block_processing_time",
+            Freed::number("interpolator.block_time_s", 0.005, (1e-5, 1.0), Scale::Ratio),
+            ratios(5e-4, 0.1, 14),
+            |value| vec![("seconds", Reported::Number(value))],
+        ),
+        look_ahead.map(|hypothesis| Hypothesis { is_continuous: false, ..hypothesis }),
+    ]
+}

@@ -1,0 +1,218 @@
+//! How fast a control with a law of junctions takes a corner, beside what the tolerance allows.
+//!
+//! Legs with unit directions u1, u2 meet at a corner and turn by φ; D = ‖u2 − u1‖ = 2 sin(φ/2),
+//! C = ½‖u2 + u1‖ = cos(φ/2). The command at the corner is at most
+//!
+//! ```text
+//! acceleration blend    √(aₙ R),  R = min(ε C/(1 − C), ½ L C / sin(φ/2)),  aₙ = √3/2 a
+//! junction deviation    √(a δ C/(1 − C))
+//! square-corner velocity   the same with δ = V² (√2 − 1)/a, which is V at 90° whatever a is
+//! axis velocity step    V / max_k |u2 − u1|_k
+//! ```
+//!
+//! An acceleration blend is a circle of radius R that touches both legs: it passes the corner at
+//! ε (1/C − 1 = ε/R), and takes no more than half of the shorter leg, L. The acceleration a is the
+//! largest vector that keeps every axis within its own limit, whatever its direction in the plane of
+//! the corner, and within that of the path. √3/2 of it turn the motion and ½ is left along the path,
+//! so that both together are a. A leg that circles take up by the distances d1 and d2 changes its
+//! squared feedrate by 2 A L, with A0 its own limit and
+//!
+//! ```text
+//! A = (A0 (L − d1 − d2) + ½ a1 d1 + ½ a2 d2)/L,      d = R tan(φ/2)
+//! ```
+//!
+//! Limits: the circle is shorter than the corner by 2d − Rφ, which the plan does not take off.
+//! The legs of an arc are its tangents. Source: the laws of LinuxCNC, grbl, Klipper and Marlin,
+//! derived from the geometry.
+
+use crate::machine::{Junction, Machine};
+use crate::simulation::toolpath::{Curve, Segment, Vector};
+
+/// Share of the acceleration that may turn the motion while a share of ½ remains along the path.
+const NORMAL: f64 = 0.866_025_403_784_438_6;
+
+/// A corner as the law of junctions sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    before: Vector,
+    after: Vector,
+    /// D, twice the sine of half the turn.
+    change: f64,
+    /// C, the cosine of half the turn.
+    half_cosine: f64,
+    /// Length of the shorter leg, mm.
+    shorter: f64,
+}
+
+impl Turn {
+    /// The corner between two segments.
+    pub fn between(before: &Segment, after: &Segment) -> Turn {
+        let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
+        Turn {
+            before: u1,
+            after: u2,
+            change: (u2 - u1).norm(),
+            half_cosine: 0.5 * (u2 + u1).norm(),
+            shorter: before.length.min(after.length),
+        }
+    }
+
+    /// C/(1 − C): radius of the circle that passes the corner at 1 mm. 1 − C is taken from the sine
+    /// of half the turn, which keeps its digits where the turn is small.
+    fn radius_of_deviation(&self) -> f64 {
+        let half_sine = 0.5 * self.change;
+        self.half_cosine * (1.0 + self.half_cosine) / (half_sine * half_sine)
+    }
+
+    /// Radius of the blend, mm.
+    fn blend_radius(&self, tolerance: f64) -> f64 {
+        let by_length = self.shorter * self.half_cosine / self.change;
+        (tolerance * self.radius_of_deviation()).min(by_length)
+    }
+
+    /// How far before the corner the blend begins, mm.
+    pub fn blend_distance(&self, tolerance: f64) -> f64 {
+        if self.change == 0.0 || self.half_cosine == 0.0 {
+            return 0.0;
+        }
+        self.blend_radius(tolerance) * 0.5 * self.change / self.half_cosine
+    }
+
+    /// Largest acceleration in any direction of the plane of the corner, mm/s².
+    fn acceleration(&self, machine: &Machine) -> f64 {
+        let change = self.after - self.before;
+        let sum = self.after + self.before;
+        let (across, along) = (direction(change), direction(sum));
+        let axes = machine.axes.iter().enumerate();
+        axes.map(|(k, axis)| axis.acceleration / across[k].hypot(along[k]))
+            .fold(machine.path.acceleration, f64::min)
+    }
+
+    /// The fastest command at the corner, mm/s; infinite where the law does not bind.
+    pub fn feedrate(&self, machine: &Machine, tolerance: f64) -> f64 {
+        if self.change == 0.0 {
+            return f64::INFINITY;
+        }
+        match machine.interpolator.junction {
+            Junction::Tolerance => f64::INFINITY,
+            Junction::AccelerationBlend => {
+                let acceleration =
+                    (NORMAL * self.acceleration(machine)).min(machine.path.centripetal_acceleration);
+                (acceleration * self.blend_radius(tolerance)).sqrt()
+            }
+            Junction::Deviation(deviation) => {
+                (self.acceleration(machine) * deviation * self.radius_of_deviation()).sqrt()
+            }
+            Junction::SquareCorner(velocity) => {
+                velocity * ((std::f64::consts::SQRT_2 - 1.0) * self.radius_of_deviation()).sqrt()
+            }
+            Junction::AxisStep(velocity) => velocity / (self.after - self.before).amax(),
+        }
+    }
+}
+
+/// The unit vector along `vector`; zero where that has no direction.
+fn direction(vector: Vector) -> Vector {
+    let length = vector.norm();
+    if length == 0.0 { vector } else { vector / length }
+}
+
+/// What is left along segments whose ends lie in blends, and along arcs, mm/s².
+pub fn share(
+    accelerations: &mut [f64],
+    segments: &[Segment],
+    feedrates: &[f64],
+    tolerance: impl Iterator<Item = f64>,
+    machine: &Machine,
+) {
+    if machine.interpolator.junction != Junction::AccelerationBlend {
+        return;
+    }
+    let (mut blended, mut gained) = (vec![0.0; segments.len()], vec![0.0; segments.len()]);
+    for ((i, pair), tolerance) in segments.windows(2).enumerate().zip(tolerance) {
+        let turn = Turn::between(&pair[0], &pair[1]);
+        let distance = turn.blend_distance(tolerance);
+        for leg in [i, i + 1] {
+            blended[leg] += distance;
+            gained[leg] += 0.5 * turn.acceleration(machine).min(accelerations[leg]) * distance;
+        }
+    }
+    for (i, segment) in segments.iter().enumerate() {
+        let own = accelerations[i];
+        if own == f64::INFINITY {
+            continue;
+        }
+        accelerations[i] = match &segment.curve {
+            Curve::Line => (own * (segment.length - blended[i]).max(0.0) + gained[i]) / segment.length,
+            Curve::Arc(arc) => {
+                let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
+                let normal = (feedrates[i] * feedrates[i] * curvature / own).min(NORMAL);
+                own * (1.0 - normal * normal).sqrt()
+            }
+        };
+    }
+}
+
+/// The feedrate along an arc that leaves half the acceleration for ramps, mm/s; infinite along a
+/// line, and under another law.
+pub fn arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> f64 {
+    match (&segment.curve, machine.interpolator.junction) {
+        (Curve::Arc(arc), Junction::AccelerationBlend) => {
+            let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
+            (NORMAL * acceleration / curvature).sqrt()
+        }
+        _ => f64::INFINITY,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turn(angle: f64) -> Turn {
+        let (before, after) = (Vector::x(), Vector::new(angle.cos(), angle.sin(), 0.0));
+        Turn {
+            before,
+            after,
+            change: (after - before).norm(),
+            half_cosine: 0.5 * (after + before).norm(),
+            shorter: 10.0,
+        }
+    }
+
+    fn machine(junction: Junction) -> Machine {
+        let mut machine = Machine::default();
+        machine.interpolator.junction = junction;
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
+        machine
+    }
+
+    #[test]
+    fn laws_at_a_right_angle_are_their_closed_forms() {
+        let corner = turn(std::f64::consts::FRAC_PI_2);
+        let radius = 1.0 / (std::f64::consts::SQRT_2 - 1.0);
+        let expected = [
+            (Junction::AccelerationBlend, (NORMAL * 500.0 * 0.02 * radius).sqrt()),
+            (Junction::Deviation(0.03), (500.0 * 0.03 * radius).sqrt()),
+            (Junction::SquareCorner(5.0), 5.0),
+            (Junction::AxisStep(7.0), 7.0),
+            (Junction::Tolerance, f64::INFINITY),
+        ];
+        for (junction, feedrate) in expected {
+            let found = corner.feedrate(&machine(junction), 0.02);
+            assert!(found == feedrate || (found / feedrate - 1.0).abs() < 1e-12, "{junction:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn turning_and_ramp_together_keep_the_acceleration() {
+        for degrees in [0.1f64, 1.0, 20.0, 90.0, 150.0, 179.0] {
+            let (corner, machine) = (turn(degrees.to_radians()), machine(Junction::AccelerationBlend));
+            for tolerance in [1e-4, 0.02, 5.0] {
+                let normal = corner.feedrate(&machine, tolerance).powi(2) / corner.blend_radius(tolerance);
+                assert!(normal.hypot(0.5 * corner.acceleration(&machine)) <= 500.0 * (1.0 + 1e-12));
+                assert!(corner.blend_distance(tolerance) <= 0.5 * corner.shorter * (1.0 + 1e-12));
+            }
+        }
+    }
+}
