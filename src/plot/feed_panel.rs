@@ -47,7 +47,12 @@ pub(crate) fn draw<B: DrawingBackend>(
     };
     let programmed = programmed_steps(chart, view, columns);
     line(&programmed, theme.programmed.stroke_width(look.points(programmed_width(chart))))?;
-    for (curve, color) in chart.curves.iter().zip(theme.curves.iter().cycle()) {
+    let mut curves: Vec<_> = chart.curves.iter().zip(theme.curves.iter().cycle()).collect();
+    if chart.lost.is_some() {
+        // What was recorded lies over what was simulated.
+        curves.reverse();
+    }
+    for (curve, color) in curves {
         let kept = decimated(&curve.distance, &curve.feedrate, view.distance, columns);
         line(&kept, color.stroke_width(look.points(1.75)))?;
     }

@@ -154,19 +154,28 @@ impl From<&AlignmentError> for Refusal {
 
 /// Seconds with as many decimals as matter.
 pub(super) fn seconds(value: f64) -> String {
+    if value == 0.0 {
+        return "0 s".to_string();
+    }
     let decimals = if value.abs() < 10.0 { 2 } else { 1 };
     format!("{value:.decimals$} s").replace('-', "−")
+}
+
+/// A number as text with its sign; nothing has none.
+fn signed(text: String) -> String {
+    let is_nothing = text.chars().all(|letter| !('1'..='9').contains(&letter));
+    if is_nothing { text.trim_start_matches(['+', '-']).to_string() } else { text.replace('-', "−") }
 }
 
 /// A time lost (s) with its sign.
 pub fn lost_label(seconds: f64) -> String {
     let decimals = if seconds.abs() < 10.0 { 2 } else { 1 };
-    format!("{seconds:+.decimals$} s").replace('-', "−")
+    signed(format!("{seconds:+.decimals$} s"))
 }
 
 /// A ratio as a percentage with its sign.
 pub(super) fn percent(ratio: f64) -> String {
-    if ratio.is_finite() { format!("{:+.1} %", 100.0 * ratio).replace('-', "−") } else { "–".to_string() }
+    if ratio.is_finite() { signed(format!("{:+.1} %", 100.0 * ratio)) } else { "–".to_string() }
 }
 
 /// A feedrate (mm/s) in mm/min.
@@ -210,7 +219,7 @@ fn aligned(log: &Log, alignment: &Alignment) -> String {
     let covered = 100.0 * (alignment.covered.end - alignment.covered.start) / alignment.length;
     let covered =
         if covered < 99.5 { format!("; {covered:.0} % of the path was recorded") } else { String::new() };
-    format!("{}, aligned by {}: {fit}{covered}.", log.format, alignment.method.name())
+    sentence_of(&format!("{}, aligned by {}: {fit}{covered}", log.format, alignment.method.name()))
 }
 
 fn measures(comparison: &Comparison) -> Vec<String> {
@@ -300,7 +309,7 @@ fn causes(toolpath: &Toolpath, visit: &Lost) -> String {
             StopCause::Rotary { .. } => "rotary axes".to_string(),
             StopCause::ToolChange { .. } => "tool change".to_string(),
             StopCause::SameTool { .. } => "same tool again".to_string(),
-            StopCause::Spindle { code: Some(code), .. } => format!("spindle, M{code}"),
+            StopCause::Spindle { code: Some(code), .. } => format!("spindle M{code}"),
             StopCause::Spindle { code: None, .. } => "spindle speed".to_string(),
             StopCause::MCode { code } => format!("M{code}"),
         };
@@ -436,5 +445,8 @@ mod tests {
             "The machine took 391.8 s, the simulation 395.9 s (+1.0 %): 326.3 s motion, 65.5 s waiting."
         );
         assert_eq!(percent(-0.0123), "−1.2 %");
+        assert_eq!(percent(-0.0001), "0.0 %");
+        assert_eq!((&*lost_label(-0.126), &*lost_label(12.34)), ("−0.13 s", "+12.3 s"));
+        assert_eq!(seconds(0.0), "0 s");
     }
 }
