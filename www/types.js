@@ -160,7 +160,7 @@
  * @typedef {object} CalibrationReport
  * @property {string} sentence
  * @property {{key: string, label: string, unit: string, before: string, after: string, deviation: string | null, verdict: string}[]} estimates
- * @property {{name: string, time: [string, string], motion: [string, string], feed: [string, string] | null, cam_feed: string | null}[]} runs
+ * @property {{name: string, time: string, motion: string, feed: string | null, cam_feed: string | null}[]} runs
  * @property {string[]} remarks
  * @property {Values} values
  * @property {number} tolerance_mm

@@ -9,7 +9,7 @@ use crate::identification::comparison::{Comparison, Durations};
 use crate::machine::{Access, Machine, parameter};
 use crate::project::comparison::{feedrate, percent};
 use crate::project::form::values;
-use crate::units::Unit;
+use crate::units::{Unit, mm_per_min};
 
 /// Fitted numbers in the form have so many digits.
 const DIGITS: usize = 5;
@@ -48,12 +48,12 @@ struct Row {
 #[derive(Clone, Debug, Serialize)]
 struct RunRow {
     name: String,
-    /// Simulated against recorded cycle time.
-    time: [String; 2],
+    /// Simulated against recorded cycle time, before and after.
+    time: String,
     /// The same of motion alone.
-    motion: [String; 2],
+    motion: String,
     /// Root mean square of the differences of the feedrates of cutting, and what CAM's is.
-    feed: Option<[String; 2]>,
+    feed: Option<String>,
     cam_feed: Option<String>,
 }
 
@@ -159,16 +159,16 @@ fn error(of: Durations) -> f64 {
 }
 
 fn run_row(run: &RunResult, name: &str) -> RunRow {
-    let both =
-        |of: fn(&Comparison) -> Durations| [&run.before, &run.after].map(|side| percent(error(of(side))));
+    let both = |of: fn(&Comparison) -> Durations| {
+        format!("{} → {}", percent(error(of(&run.before))), percent(error(of(&run.after))))
+    };
     let feeds = run.before.feed.zip(run.after.feed);
-    let of = |rms: f64, programmed: f64| format!("{} ({:.1} %)", feedrate(rms), 100.0 * rms / programmed);
     RunRow {
         name: name.to_string(),
         time: both(|side| side.whole),
         motion: both(|side| side.motion),
-        feed: feeds.map(|(before, after)| [before, after].map(|feed| of(feed.rms, feed.programmed))),
-        cam_feed: feeds.map(|(before, _)| of(before.programmed_rms, before.programmed)),
+        feed: feeds.map(|(before, after)| format!("{:.0} → {}", mm_per_min(before.rms), feedrate(after.rms))),
+        cam_feed: feeds.map(|(_, after)| feedrate(after.programmed_rms)),
     }
 }
 

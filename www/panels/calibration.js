@@ -72,13 +72,6 @@ function estimatesTable({ estimates }) {
 
 /** @param {CalibrationReport} report */
 function runsTable({ runs }) {
-  const change = (/** @type {[string, string]} */ [before, after]) => `${before} → ${after}`
-  const rows = runs.map(({ name, time, motion, feed, cam_feed: cam }) => [
-    name,
-    change(time),
-    change(motion),
-    feed ? change(feed) : '–',
-    cam ?? '–',
-  ])
+  const rows = runs.map(({ name, time, motion, feed, cam_feed: cam }) => [name, time, motion, feed ?? '–', cam ?? '–'])
   return table('Runs, before → after', ['', 'Cycle time', 'Motion', 'Feedrates differ by', 'CAM’s by'], rows)
 }

@@ -213,6 +213,12 @@ function table(caption, titles, rows) {
   return make('div', { className: 'scroll' }, body)
 }
 
+/** How far the simulated time is from the recorded one. @param {number} recorded @param {number} simulated */
+function apart(recorded, simulated) {
+  const ratio = recorded > 0 ? ` (${percent(simulated / recorded - 1)})` : ''
+  return `${difference(simulated - recorded)}${ratio}`
+}
+
 /** @param {ComparisonReport} report */
 function partsTable(report) {
   const whole = { name: 'Together', is_detail: false, recorded_s: report.recorded_s, simulated_s: report.simulated_s }
@@ -221,12 +227,10 @@ function partsTable(report) {
       'tr',
       { className: isDetail ? 'detail' : '' },
       make('th', { scope: 'row' }, name),
-      ...[seconds(recorded), seconds(simulated), difference(simulated - recorded), percent(simulated / recorded - 1)].map(
-        (cell) => make('td', {}, cell),
-      ),
+      ...[seconds(recorded), seconds(simulated), apart(recorded, simulated)].map((cell) => make('td', {}, cell)),
     ),
   )
-  return table('Motion and waiting', ['', 'Recorded', 'Simulated', 'Simulated less recorded', ''], rows)
+  return table('Motion and waiting', ['', 'Recorded', 'Simulated', 'Difference'], rows)
 }
 
 /** @param {ComparisonReport} report @param {(place: Pick<Place, 'distance_mm'>) => void} show */
