@@ -17,10 +17,12 @@
 //! path and not the time lost.
 
 mod course;
+mod form;
 mod measures;
 mod pointwise;
 
 pub use course::{Course, course};
+pub use form::Form;
 pub use measures::{FeedError, PositionError};
 pub use pointwise::{Pointwise, pointwise};
 

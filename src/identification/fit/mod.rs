@@ -95,6 +95,11 @@ impl Run<'_> {
     }
 }
 
+/// Huber's ρ of a whitened residual.
+pub fn huber(value: f64) -> f64 {
+    minimise::cost_of(value)
+}
+
 /// The plan of a program on a machine, at the tolerances of the program or else the machine's.
 pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
     match machine.interpolator.corner_mode {
