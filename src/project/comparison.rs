@@ -247,7 +247,7 @@ fn remarks(log: &Log, switches: &Switches, alignment: &Alignment) -> Vec<String>
     let mut all: Vec<String> = Vec::new();
     for (name, ratio) in [("feed", switches.feed), ("rapid", switches.rapid)] {
         if let Some(ratio) = ratio.filter(|ratio| *ratio != 1.0) {
-            all.push(format!("The {name} override stood at {:.0} %; so it is simulated.", 100.0 * ratio));
+            all.push(format!("The {name} override stood at {:.0} %, and so it is simulated.", 100.0 * ratio));
         }
     }
     if switches.changed {
