@@ -125,7 +125,7 @@ impl From<&RecordingError> for Refusal {
             RecordingError::NothingMoves { .. } => "Record while the program runs, and the axes that move.",
             _ => "Mend the line named, or export the log again.",
         };
-        Refusal { reason: error.to_string(), advice }
+        Refusal { reason: sentence_of(&error.to_string()), advice }
     }
 }
 
@@ -140,6 +140,9 @@ impl From<&AlignmentError> for Refusal {
             AlignmentError::Units(_) => {
                 "State the right unit in the column's name, as in feed_mm_min or x_inch."
             }
+            AlignmentError::OffPath { hint, .. } if !hint.is_empty() => {
+                "Export the recording so that it fits, and drop it again."
+            }
             AlignmentError::NowhereNear
             | AlignmentError::OffPath { .. }
             | AlignmentError::OtherWay { .. }
@@ -148,7 +151,7 @@ impl From<&AlignmentError> for Refusal {
                 "Choose the program that was run, or drop that program and this recording together."
             }
         };
-        Refusal { reason: error.to_string(), advice }
+        Refusal { reason: sentence_of(&error.to_string()), advice }
     }
 }
 

@@ -117,7 +117,7 @@ export function mount(root, actions) {
     if (refusal) {
       const rest = 'The program, the machine and all other recordings stay as they are.'
       answer.replaceChildren(
-        make('p', { className: 'sentence refused' }, `${first(refusal.reason)}.`),
+        make('p', { className: 'sentence refused' }, refusal.reason),
         make('p', {}, refusal.advice, ' ', make('span', { className: 'small' }, rest)),
       )
     }
@@ -178,9 +178,6 @@ function standing(entry, state) {
   const { recorded_s: recorded, simulated_s: simulated, time_error: error } = match.report
   return `${clock(recorded)} recorded · simulated ${difference(simulated - recorded)}, ${percent(error)}`
 }
-
-/** A clause that begins as a sentence does. @param {string} clause */
-const first = (clause) => clause.charAt(0).toUpperCase() + clause.slice(1)
 
 /** @param {string[]} all */
 function remarks(all) {
