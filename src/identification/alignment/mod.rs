@@ -19,6 +19,7 @@ mod driven;
 mod feed;
 mod hints;
 mod lines;
+mod log;
 mod path;
 mod place;
 mod positions;
@@ -30,6 +31,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 pub use crate::identification::alignment::driven::times_at_marks;
+pub use crate::identification::alignment::log::align_log;
 pub use crate::identification::alignment::place::{Place, Visit, times, visits};
 pub use crate::identification::alignment::positions::{Track, median};
 use crate::identification::recording::{Channel, ClosureError, Recording, RunMark};
