@@ -6,15 +6,15 @@
 //!
 //! | gate | what must hold |
 //! |---|---|
-//! | likelihood | the cost falls by more than [`GAIN`] + k ln n, n sections of the path, not samples |
+//! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
 //! | held out | fitted without a section, it is better there, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
-//! | size | it explains more than [`SIZE`] of the cycle time, and more than [`LEAST`] s |
+//! | size | it explains more than `SIZE` of the cycle time, and more than `LEAST` s |
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
 //! back. Others of which the best cannot be told from the runs are its ambiguity.
 //!
-//! What is left is judged by itself: lost time that is larger than noise and than [`LEFT`] of the cycle time
+//! What is left is judged by itself: lost time that is larger than noise and than `LEFT` of the cycle time
 //! is unknown, and located.
 
 mod evidence;

@@ -6,7 +6,7 @@
 //! Σ_runs Σ_k ρ(ν_k),    ρ(ν) = ν² for |ν| ≤ c, then 2 c |ν| − c²
 //! ```
 //!
-//! over the whitened residuals ν of [`whitened`], so that a wait that nobody explained does not bend
+//! over the whitened residuals ν of `whitened`, so that a wait that nobody explained does not bend
 //! everything else (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients, a
 //! parameter at its bound standing still.
 //!
