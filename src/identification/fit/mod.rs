@@ -16,11 +16,13 @@
 
 mod freed;
 mod minimise;
+mod recorded;
 mod whitened;
 
 use nalgebra::DMatrix;
 
 pub use freed::{Freed, Scale};
+pub use recorded::{Recorded, RecordedError};
 pub use whitened::Whitening;
 
 use crate::identification::alignment::{Alignment, Place, times_at_marks};

@@ -49,6 +49,15 @@ impl Whitening {
         Whitening { steps: steps.collect(), wander }
     }
 
+    /// Gives no weight to the marks for which this holds; the process goes on through them.
+    pub fn ignore(&mut self, is_ignored: impl Fn(usize) -> bool) {
+        for (mark, (_, scale)) in self.steps.iter_mut().enumerate() {
+            if is_ignored(mark) {
+                *scale = 0.0;
+            }
+        }
+    }
+
     /// The normalised innovations of residuals, one a mark; 0 at the first.
     pub fn apply(&self, residuals: &[f64]) -> Vec<f64> {
         let mut state = 0.0;
