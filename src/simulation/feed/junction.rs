@@ -26,10 +26,21 @@
 //! derived from the geometry.
 
 use crate::machine::{Junction, Machine};
+use crate::simulation::feed::blend::Blend;
+use crate::simulation::feed::limits;
 use crate::simulation::toolpath::{Curve, Segment, Vector};
 
 /// Share of the acceleration that may turn the motion while a share of ½ remains along the path.
 const NORMAL: f64 = 0.866_025_403_784_438_6;
+
+/// Share of the acceleration that a turn without a circle may take.
+const KINK: f64 = 0.1;
+
+/// Time in which such a turn is made, s.
+const SERVO_PERIOD: f64 = 1e-3;
+
+/// ‖u1 + u2‖ below which legs double back, and the motion stops: the sine of 2°.
+const REVERSAL: f64 = 0.034_9;
 
 /// A corner as the law of junctions sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +53,8 @@ pub struct Turn {
     half_cosine: f64,
     /// Length of the shorter leg, mm.
     shorter: f64,
+    /// Whether a leg is an arc.
+    of_arc: bool,
 }
 
 impl Turn {
@@ -54,6 +67,7 @@ impl Turn {
             change: (u2 - u1).norm(),
             half_cosine: 0.5 * (u2 + u1).norm(),
             shorter: before.length.min(after.length),
+            of_arc: [before, after].iter().any(|leg| matches!(leg.curve, Curve::Arc(_))),
         }
     }
 
@@ -71,11 +85,52 @@ impl Turn {
     }
 
     /// How far before the corner the blend begins, mm.
-    pub fn blend_distance(&self, tolerance: f64) -> f64 {
-        if self.change == 0.0 || self.half_cosine == 0.0 {
+    fn blend_distance(&self, tolerance: f64) -> f64 {
+        if self.half_cosine == 0.0 {
             return 0.0;
         }
         self.blend_radius(tolerance) * 0.5 * self.change / self.half_cosine
+    }
+
+    /// The circle in place of the corner between legs of which the slower runs at `feedrate`, mm/s.
+    pub fn blend(&self, machine: &Machine, tolerance: f64, feedrate: f64) -> Blend {
+        let kink = self.kink(machine, feedrate);
+        if kink < KINK {
+            return Blend { taken: kink, ..Blend::none(f64::INFINITY) };
+        }
+        if self.half_cosine < 0.5 * REVERSAL {
+            return Blend::none(0.0);
+        }
+        let by_circle = self.feedrate(machine, tolerance);
+        let by_kink = feedrate * KINK / kink;
+        if by_circle <= by_kink {
+            return Blend { taken: KINK, ..Blend::none(by_kink) };
+        }
+        let half = self.half_angle();
+        Blend {
+            feedrate: by_circle,
+            distance: self.blend_distance(tolerance),
+            shortening: half / half.tan(),
+            acceleration: 0.5 * self.acceleration(machine),
+            taken: 0.0,
+        }
+    }
+
+    /// φ/2, rad.
+    fn half_angle(&self) -> f64 {
+        (0.5 * self.change).atan2(self.half_cosine)
+    }
+
+    /// The acceleration of the axis that a turn within one servo period takes most of, as a share of
+    /// its limit; of the half that is left along it for an arc.
+    fn kink(&self, machine: &Machine, feedrate: f64) -> f64 {
+        let change = self.after - self.before;
+        let axes = machine.axes.iter().enumerate();
+        let share = axes.map(|(k, axis)| {
+            let own = axis.acceleration.min(machine.path.acceleration);
+            change[k].abs() * (feedrate / (SERVO_PERIOD * own) + 1.0)
+        });
+        share.fold(0.0, f64::max) * if self.of_arc { 2.0 } else { 1.0 }
     }
 
     /// Largest acceleration in any direction of the plane of the corner, mm/s².
@@ -117,40 +172,14 @@ fn direction(vector: Vector) -> Vector {
     if length == 0.0 { vector } else { vector / length }
 }
 
-/// What is left along segments whose ends lie in blends, and along arcs, mm/s².
-pub fn share(
-    accelerations: &mut [f64],
-    segments: &[Segment],
-    feedrates: &[f64],
-    tolerance: impl Iterator<Item = f64>,
-    machine: &Machine,
-) {
-    if machine.interpolator.junction != Junction::AccelerationBlend {
-        return;
-    }
-    let (mut blended, mut gained) = (vec![0.0; segments.len()], vec![0.0; segments.len()]);
-    for ((i, pair), tolerance) in segments.windows(2).enumerate().zip(tolerance) {
-        let turn = Turn::between(&pair[0], &pair[1]);
-        let distance = turn.blend_distance(tolerance);
-        for leg in [i, i + 1] {
-            blended[leg] += distance;
-            gained[leg] += 0.5 * turn.acceleration(machine).min(accelerations[leg]) * distance;
-        }
-    }
-    for (i, segment) in segments.iter().enumerate() {
-        let own = accelerations[i];
-        if own == f64::INFINITY {
-            continue;
-        }
-        accelerations[i] = match &segment.curve {
-            Curve::Line => (own * (segment.length - blended[i]).max(0.0) + gained[i]) / segment.length,
-            Curve::Arc(arc) => {
-                let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
-                let normal = (feedrates[i] * feedrates[i] * curvature / own).min(NORMAL);
-                own * (1.0 - normal * normal).sqrt()
-            }
-        };
-    }
+/// The acceleration along a segment between its corners, mm/s²: what an arc leaves at the fastest that
+/// its axes allow.
+pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
+    let Curve::Arc(arc) = &segment.curve else { return own };
+    let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
+    let fastest = limits::axis_feedrate(segment, machine);
+    let normal = (fastest * fastest * curvature / own).min(NORMAL);
+    own * (1.0 - normal * normal).sqrt()
 }
 
 /// The feedrate along an arc that leaves half the acceleration for ramps, mm/s; infinite along a
@@ -177,6 +206,7 @@ mod tests {
             change: (after - before).norm(),
             half_cosine: 0.5 * (after + before).norm(),
             shorter: 10.0,
+            of_arc: false,
         }
     }
 

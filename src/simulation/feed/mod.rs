@@ -29,6 +29,7 @@
 //! the stretch, so that the filters are constant while the machine moves; feed and rapid then
 //! differ, and are joined by a full stop.
 
+pub mod blend;
 pub mod block;
 pub mod corner;
 pub mod junction;
@@ -38,6 +39,7 @@ mod tolerances;
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Junction, Machine, TimeConstants};
+use crate::simulation::feed::blend::{Blend, Leg};
 use crate::simulation::feed::block::End;
 use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::junction::Turn;
@@ -249,6 +251,15 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
             && machine.interpolator.exact_stop_angle < turn(before, after))
 }
 
+/// Whether the stop before segment `next` is one of the path mode, known before it is reached, and not
+/// the end of the program or a function that waits.
+fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bool {
+    let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
+    let before = &toolpath.segments[next - 1];
+    before.exact_stop
+        || (!waits && toolpath.segments.get(next).is_some_and(|next| stands_between(before, next, machine)))
+}
+
 /// The angle by which the path turns between two segments, rad.
 fn turn(before: &Segment, after: &Segment) -> f64 {
     let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
@@ -301,8 +312,14 @@ fn add_stretch(
         *feedrate = feedrate.min(junction::arc_feedrate(segment, *acceleration, machine));
     }
     let tolerances = rule.tolerances();
-    let blends = tolerances.limits(toolpath, machine, range.start).map(|limit| limit.along());
-    junction::share(&mut accelerations, segments, &without_tolerance, blends, machine);
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        for (acceleration, segment) in accelerations.iter_mut().zip(segments) {
+            *acceleration = junction::acceleration(segment, *acceleration, machine);
+        }
+        if !is_stopped_by_mode(toolpath, range.end, machine) {
+            accelerations[segments.len() - 1] *= 0.5;
+        }
+    }
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
     let held = tolerances.limits(toolpath, machine, range.start);
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
@@ -313,6 +330,7 @@ fn add_stretch(
         .collect();
     let mut corners = Vec::with_capacity(segments.len() + 1);
     corners.push(FULL_STOP);
+    let mut blends = vec![Blend::none(0.0)];
     let held = tolerances.limits(toolpath, machine, range.start);
     let held = held.zip(tolerances.limits(toolpath, machine, range.start + 1));
     for ((i, pair), (limit, next_limit)) in segments.windows(2).enumerate().zip(held) {
@@ -328,6 +346,11 @@ fn add_stretch(
         };
         let (by_acceleration, by_jerk) = match machine.interpolator.junction {
             Junction::Tolerance => axis_corner_feedrates(&change, machine, chain),
+            Junction::AccelerationBlend => {
+                let blend = Turn::between(&pair[0], &pair[1]).blend(machine, limit.along(), slower);
+                blends.push(Blend { feedrate: blend.feedrate.min(by_rule), ..blend });
+                (blend.feedrate, f64::INFINITY)
+            }
             _ => (Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()), f64::INFINITY),
         };
         let feedrate = by_rule.min(by_acceleration).min(by_jerk);
@@ -336,6 +359,20 @@ fn add_stretch(
             _ => f64::INFINITY,
         };
         corners.push(Corner { feedrate, blended: true, by_acceleration });
+    }
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        blends.push(Blend::none(0.0));
+        let first_pulse = plan.pulses.len();
+        let legs: Vec<Leg> = (segments.iter().zip(&feedrates).zip(&accelerations))
+            .map(|((segment, &feedrate), &acceleration)| Leg { length: segment.length, feedrate, acceleration })
+            .collect();
+        let (pulses, at_corners) = blend::pulses(&legs, &blends, range.start);
+        plan.pulses.extend(pulses);
+        plan.corner_feedrates.extend(at_corners);
+        plan.segment_feedrates.extend(feedrates);
+        let pulses = first_pulse..plan.pulses.len();
+        plan.phases.push(Phase::Motion(Stretch { segments: range, pulses, filter }));
+        return;
     }
     corners.push(FULL_STOP);
     limit_by_acceleration(&mut corners, segments, &accelerations);
