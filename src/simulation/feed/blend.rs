@@ -24,6 +24,8 @@ use crate::simulation::feed::block::{End, parts};
 pub struct Blend {
     /// Fastest command along it, mm/s; 0 at a full stop.
     pub feedrate: f64,
+    /// The same if legs were run as fast as axes allow, mm/s.
+    pub fastest: f64,
     /// How far before the corner it begins, and after it ends, mm.
     pub distance: f64,
     /// κ, its length over that of the legs it replaces.
@@ -37,7 +39,14 @@ pub struct Blend {
 impl Blend {
     /// No circle: the corner itself, passed at `feedrate`, mm/s.
     pub fn none(feedrate: f64) -> Blend {
-        Blend { feedrate, distance: 0.0, shortening: 1.0, acceleration: f64::INFINITY, taken: 0.0 }
+        Blend {
+            feedrate,
+            fastest: feedrate,
+            distance: 0.0,
+            shortening: 1.0,
+            acceleration: f64::INFINITY,
+            taken: 0.0,
+        }
     }
 
     /// The part of the circle that stands for `length` (mm) of a leg run at `feedrate`, mm/s.
@@ -72,7 +81,8 @@ struct Piece {
     acceleration: f64,
 }
 
-/// A line left between two circles that would take less time than this, s, becomes part of the second.
+/// A line left between two circles becomes part of the second where this, at its fastest, would take
+/// less time for it, s.
 const SHORTEST_LINE: f64 = 4e-3;
 
 /// The circle that ends a leg, the line before it and the circle that begins the leg.
@@ -86,7 +96,7 @@ fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [Piece; 3] {
         feedrate: leg.feedrate,
         acceleration,
     };
-    if 0.0 < end && line.length < SHORTEST_LINE * last.feedrate {
+    if 0.0 < end && line.length < SHORTEST_LINE * last.fastest {
         line.feedrate = line.feedrate.min(last.feedrate);
         line.acceleration = line.acceleration.min(last.acceleration);
     }

@@ -109,6 +109,7 @@ impl Turn {
         let half = self.half_angle();
         Blend {
             feedrate: by_circle,
+            fastest: by_circle,
             distance: self.blend_distance(tolerance),
             shortening: half / half.tan(),
             acceleration: 0.5 * self.acceleration(machine),
