@@ -52,7 +52,7 @@ impl Blend {
     /// The part of the circle that stands for `length` (mm) of a leg run at `feedrate`, mm/s.
     fn piece(&self, length: f64, feedrate: f64) -> Piece {
         let slower = feedrate.min(self.feedrate);
-        let shortening = self.shortening.max(slower / feedrate);
+        let shortening = self.shortening;
         Piece { length, shortening, feedrate: slower, acceleration: self.acceleration }
     }
 }

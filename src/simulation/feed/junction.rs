@@ -39,6 +39,9 @@ const KINK: f64 = 0.1;
 /// Time in which such a turn is made, s.
 const SERVO_PERIOD: f64 = 1e-3;
 
+/// The largest turn whose cosine cuts a velocity, rad.
+const STEEPEST: f64 = 0.49 * std::f64::consts::PI;
+
 /// ‖u1 + u2‖ below which legs double back, and the motion stops: the sine of 2°.
 const REVERSAL: f64 = 0.034_9;
 
@@ -101,7 +104,7 @@ impl Turn {
         if self.half_cosine < 0.5 * REVERSAL {
             return Blend::none(0.0);
         }
-        let by_circle = self.feedrate(machine, tolerance);
+        let by_circle = self.feedrate(machine, tolerance).min(self.axis_feedrate(machine));
         let by_kink = feedrate * KINK / kink;
         if by_circle <= by_kink {
             return Blend { taken: KINK, ..Blend::none(by_kink) };
@@ -134,14 +137,39 @@ impl Turn {
         share.fold(0.0, f64::max) * if self.of_arc { 2.0 } else { 1.0 }
     }
 
+    /// The feedrate around the corner at which no axis is above its velocity limit, mm/s: that which is
+    /// kept whatever its direction in the plane of the corner, or, between lines, the altitude of the
+    /// triangle whose sides are the fastest velocities along them. The longer side is cut to where the
+    /// altitude is the shorter one.
+    fn axis_feedrate(&self, machine: &Machine) -> f64 {
+        let in_plane = self.in_plane(machine.axes.map(|axis| axis.velocity));
+        let fastest = |along: &Vector| {
+            let limits = machine.axes.iter().zip(along.iter());
+            limits.map(|(axis, share)| axis.velocity / share.abs()).fold(f64::INFINITY, f64::min)
+        };
+        let sides = [fastest(&self.before), fastest(&self.after)];
+        if self.of_arc || in_plane == f64::INFINITY || sides.contains(&f64::INFINITY) {
+            return in_plane;
+        }
+        let angle = 2.0 * self.half_angle();
+        let longest = |other: f64| other / angle.min(STEEPEST).cos();
+        let (v1, v2) = (sides[0].min(longest(sides[1])), sides[1].min(longest(sides[0])));
+        in_plane.max(v1 * v2 * angle.sin() / (self.after * v2 - self.before * v1).norm())
+    }
+
     /// Largest acceleration in any direction of the plane of the corner, mm/s².
     fn acceleration(&self, machine: &Machine) -> f64 {
+        self.in_plane(machine.axes.map(|axis| axis.acceleration)).min(machine.path.acceleration)
+    }
+
+    /// The length of the longest vector in any direction of the plane of the corner whose components
+    /// are all within `limits`.
+    fn in_plane(&self, limits: [f64; 3]) -> f64 {
         let change = self.after - self.before;
         let sum = self.after + self.before;
         let (across, along) = (direction(change), direction(sum));
-        let axes = machine.axes.iter().enumerate();
-        axes.map(|(k, axis)| axis.acceleration / across[k].hypot(along[k]))
-            .fold(machine.path.acceleration, f64::min)
+        let axes = limits.iter().enumerate();
+        axes.map(|(k, limit)| limit / across[k].hypot(along[k])).fold(f64::INFINITY, f64::min)
     }
 
     /// The fastest command at the corner, mm/s; infinite where the law does not bind.
