@@ -90,12 +90,8 @@ fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [Piece; 3] {
     let half = 0.5 * leg.length;
     let (begin, end) = (first.distance.min(half), last.distance.min(half));
     let acceleration = leg.acceleration * (1.0 - first.taken.max(last.taken));
-    let mut line = Piece {
-        length: leg.length - begin - end,
-        shortening: 1.0,
-        feedrate: leg.feedrate,
-        acceleration,
-    };
+    let mut line =
+        Piece { length: leg.length - begin - end, shortening: 1.0, feedrate: leg.feedrate, acceleration };
     if 0.0 < end && line.length < SHORTEST_LINE * last.fastest {
         line.feedrate = line.feedrate.min(last.feedrate);
         line.acceleration = line.acceleration.min(last.acceleration);

@@ -34,6 +34,7 @@ pub mod block;
 pub mod corner;
 pub mod junction;
 pub mod limits;
+mod smoothing;
 mod tolerances;
 
 pub use tolerances::{Bound, Held, Limit, Tolerances};
@@ -182,6 +183,16 @@ pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f6
 
 /// The feed plan of a toolpath on a machine.
 pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
+    let Some(merged) = smoothing::merged(toolpath, machine, rule.tolerances()) else {
+        return plan_as_written(toolpath, machine, rule);
+    };
+    let given = merged.given(rule);
+    let rule = given.as_ref().map_or(rule, |(corners, segments)| Rule::Given { corners, segments });
+    merged.spread(plan_as_written(&merged.toolpath, machine, rule), toolpath)
+}
+
+/// The plan with each block run as it is written.
+fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
@@ -364,7 +375,11 @@ fn add_stretch(
         blends.push(Blend::none(0.0));
         let first_pulse = plan.pulses.len();
         let legs: Vec<Leg> = (segments.iter().zip(&feedrates).zip(&accelerations))
-            .map(|((segment, &feedrate), &acceleration)| Leg { length: segment.length, feedrate, acceleration })
+            .map(|((segment, &feedrate), &acceleration)| Leg {
+                length: segment.length,
+                feedrate,
+                acceleration,
+            })
             .collect();
         let (pulses, at_corners) = blend::pulses(&legs, &blends, range.start);
         plan.pulses.extend(pulses);

@@ -30,6 +30,7 @@
 
 use thiserror::Error;
 
+use crate::machine::Junction;
 use crate::simulation::gcode::{LineNumber, Place, Severity};
 use crate::simulation::toolpath::Toolpath;
 use crate::simulation::toolpath::block::{AXIS_WORDS, CENTER_WORDS, bits};
@@ -47,6 +48,8 @@ pub struct PathMode {
     pub source: String,
     /// What holds at corners and along arcs.
     pub blending: Blending,
+    /// Distance within which lines are to be merged into one, mm (Q of G64); none: the tolerance.
+    pub merging: Option<f64>,
 }
 
 /// How far the motion may leave the programmed path.
@@ -98,6 +101,8 @@ pub(super) enum PathWord {
 pub(super) struct InForce {
     exact_stop: Option<String>,
     tolerance: Option<(Blending, String, Keeper)>,
+    /// Q of G64, mm.
+    merging: Option<f64>,
     /// Modes of the toolpath that were set while compensation kept moves back, by index.
     early: Vec<usize>,
 }
@@ -202,18 +207,19 @@ impl Tracer<'_> {
             (None, Some((blending, source, _))) => (*blending, source.as_str()),
             (None, None) => (Blending::Machine, ""),
         };
+        let merging = self.path_mode.merging;
         let from = self.toolpath.segments.len();
         let modes = &mut self.toolpath.path_modes;
         modes.pop_if(|last| last.from == from);
         let is_in_force = match modes.last() {
-            Some(last) => last.blending == blending && last.source == source,
-            None => blending == Blending::Machine,
+            Some(last) => last.blending == blending && last.source == source && last.merging == merging,
+            None => blending == Blending::Machine && merging.is_none(),
         };
         if !is_in_force {
             if self.contour.keeps_back() {
                 self.path_mode.early.push(modes.len());
             }
-            modes.push(PathMode { from, line, source: source.to_string(), blending });
+            modes.push(PathMode { from, line, source: source.to_string(), blending, merging });
         }
     }
 
@@ -270,14 +276,19 @@ impl Tracer<'_> {
     fn continuous(&mut self, place: Place, code: Code, owns_p: bool) {
         let p = if owns_p { self.given.take(b'P') } else { None };
         let q = if owns_p { self.given.take(b'Q') } else { None };
+        let merging = q.map(|q| q * self.modal.unit).filter(|q| *q == 0.0 || LENGTHS.contains(q));
+        self.path_mode.merging = merging;
+        let source = merging.map_or_else(|| words(code, 'P', p), |_| words_of(code, p, q));
         match p {
             Some(p) if p != 0.0 => {
-                self.set_path_mode(place, words(code, 'P', Some(p)), Blending::Within(p * self.modal.unit));
-                if q != Some(0.0) {
+                self.set_path_mode(place, source, Blending::Within(p * self.modal.unit));
+                let merges = self.machine.interpolator.junction == Junction::AccelerationBlend
+                    || self.machine.interpolator.path_smoothing.is_some();
+                if q != Some(0.0) && !merges {
                     self.remark_on_path(place, PathRemark::NaiveCam);
                 }
             }
-            _ => self.set_continuous_path(place, words(code, 'P', p)),
+            _ => self.set_continuous_path(place, source),
         }
     }
 
@@ -342,6 +353,12 @@ impl Tracer<'_> {
 /// A G word with the word beside it, where there is one.
 fn words(code: Code, letter: char, value: Option<f64>) -> String {
     value.map_or_else(|| code.to_string(), |value| format!("{code} {letter}{value}"))
+}
+
+/// A G64 with its P and Q.
+fn words_of(code: Code, p: Option<f64>, q: Option<f64>) -> String {
+    let q = q.map_or_else(String::new, |q| format!(" Q{q}"));
+    format!("{}{q}", words(code, 'P', p))
 }
 
 #[cfg(test)]
