@@ -13,8 +13,12 @@
 //! and length s (mm), forwards and backwards. Distance is measured along the programmed path, where a
 //! circle at v is passed at v/κ, but never faster than the segment is asked for.
 //!
+//! A line between two circles that the second, at its fastest, would pass in less than four servo
+//! periods becomes part of that.
+//!
 //! Limits: a circle belongs to both legs in equal parts, and each is run at no more than the feedrate
-//! of its own leg. Source: derived; the division is that of LinuxCNC.
+//! of its own leg. Source: derived; the division, and the gap of four periods, are those of LinuxCNC
+//! (src/emc/tp, tp.c and blendmath.c).
 
 use crate::simulation::feed::Pulse;
 use crate::simulation::feed::block::{End, parts};

@@ -14,16 +14,25 @@
 //! ε (1/C − 1 = ε/R), and takes no more than half of the shorter leg, L. The acceleration a is the
 //! largest vector that keeps every axis within its own limit, whatever its direction in the plane of
 //! the corner, and within that of the path. √3/2 of it turn the motion and ½ is left along the path,
-//! so that both together are a. A leg that circles take up by the distances d1 and d2 changes its
-//! squared feedrate by 2 A L, with A0 its own limit and
+//! so that both together are a. The same holds for programmed arcs, whose ramps have
+//! A √(1 − min(V²/(r A), √3/2)²), V the fastest that their axes allow. How a leg is run between its
+//! circles is in the module of blends. Around the circle no axis is above its velocity limit; between
+//! lines the larger of two bounds holds, of which the other is the altitude of the triangle whose sides
+//! are the fastest velocities V1, V2 along both:
 //!
 //! ```text
-//! A = (A0 (L − d1 − d2) + ½ a1 d1 + ½ a2 d2)/L,      d = R tan(φ/2)
+//! V1 V2 sin φ / ‖V2 u2 − V1 u1‖
 //! ```
 //!
-//! Limits: the circle is shorter than the corner by 2d − Rφ, which the plan does not take off.
-//! The legs of an arc are its tangents. Source: the laws of LinuxCNC, grbl, Klipper and Marlin,
-//! derived from the geometry.
+//! A turn so small that it takes less than a tenth of the acceleration when made within one servo
+//! period h, κ = max_k |u2 − u1|_k (F/(h a_k) + 1) < 0.1, has no circle; its legs lose the part κ of
+//! their acceleration. F is the slower of both feedrates, and κ counts double on an arc, of whose
+//! acceleration ½ is left. Nor has a turn a circle that is faster without one, at 0.1 F/κ. Legs that
+//! double back have a stop.
+//!
+//! Limits: the legs of an arc are its tangents; h is 1 ms. Source: the laws of LinuxCNC (src/emc/tp,
+//! blendmath.c and tp.c: ratios of acceleration, altitude, tangent kink), grbl, Klipper and Marlin, derived
+//! from the geometry, and recordings of LinuxCNC 2.9.
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::blend::Blend;
@@ -226,6 +235,7 @@ pub fn arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::mm_per_min;
 
     fn turn(angle: f64) -> Turn {
         let (before, after) = (Vector::x(), Vector::new(angle.cos(), angle.sin(), 0.0));
@@ -260,6 +270,16 @@ mod tests {
         for (junction, feedrate) in expected {
             let found = corner.feedrate(&machine(junction), 0.02);
             assert!(found == feedrate || (found / feedrate - 1.0).abs() < 1e-12, "{junction:?}: {found}");
+        }
+    }
+
+    /// Feedrates that LinuxCNC 2.9 was recorded at on its circles.
+    #[test]
+    fn blends_are_as_fast_as_recorded() {
+        let machine = machine(Junction::AccelerationBlend);
+        for (degrees, recorded) in [(90.0f64, 274.3), (135.0, 139.0)] {
+            let found = mm_per_min(turn(degrees.to_radians()).feedrate(&machine, 0.02));
+            assert!((found - recorded).abs() < 0.1, "{degrees}°: {found} mm/min");
         }
     }
 

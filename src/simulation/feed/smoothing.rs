@@ -336,3 +336,115 @@ fn lay(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    const WITHIN: f64 = 0.02;
+
+    fn machine() -> Machine {
+        let mut machine = Machine::default();
+        machine.interpolator.path_smoothing = Some(WITHIN);
+        machine
+    }
+
+    fn merged_of(program: &str, machine: &Machine) -> Option<(Toolpath, Merged)> {
+        let toolpath = trace(&read(program.as_bytes()), machine);
+        merged(&toolpath, machine, Tolerances::Programmed).map(|merged| (toolpath, merged))
+    }
+
+    /// A wave through points of a given spacing, mm.
+    fn wave(spacing: f64, height: f64) -> String {
+        let points = (1..600).map(|k| {
+            let x = spacing * f64::from(k);
+            format!("X{x:.4} Y{:.4} Z{:.4}\n", height * (0.7 * x).sin(), height * (0.3 * x).cos())
+        });
+        "G21 G90 G1 F2000\n".to_string() + &points.collect::<String>()
+    }
+
+    #[test]
+    fn chains_are_within_their_distance_and_as_long_as_they_can_be() {
+        for (spacing, height) in [(0.1, 0.5), (0.3, 2.0), (0.05, 0.05), (1.0, 0.2)] {
+            let (program, merged) = merged_of(&wave(spacing, height), &machine()).expect("some merge");
+            let passed = |k: usize, cover: Cover, upto: usize| {
+                let begin = merged.toolpath.segments[k].start;
+                let chord = program.segments[upto].end - begin;
+                let points = program.segments[cover.first..upto].iter();
+                let away = points.map(move |segment| {
+                    let from = segment.end - begin;
+                    let along = (from.dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0);
+                    (from - along * chord).norm()
+                });
+                away.fold(0.0, f64::max)
+            };
+            let mut next = 0;
+            for (k, &cover) in merged.covers.iter().enumerate() {
+                assert_eq!((cover.first, cover.offset), (next, 0.0), "the program is covered once");
+                next = cover.last + 1;
+                assert!(passed(k, cover, cover.last) <= WITHIN, "{cover:?}");
+                assert!(next - cover.first <= MOST_POINTS);
+                let could_go_on = next < program.segments.len() && next - cover.first < MOST_POINTS;
+                assert!(!could_go_on || WITHIN < passed(k, cover, next), "{cover:?} ends early");
+            }
+            assert_eq!(next, program.segments.len());
+        }
+    }
+
+    #[test]
+    fn what_is_not_one_move_is_not_merged() {
+        for between in ["F1500", "M8", "G4 P1", "G0 X2.5", "G64 P0.05", "G2 X3 Y0 I0.5"] {
+            let program = format!("G1 F2000 X1\nX2\n{between}\nG1 X4\nX5");
+            let (_, merged) = merged_of(&program, &machine()).expect("both ends merge");
+            let lines: Vec<u32> = merged.toolpath.segments.iter().map(|segment| segment.line.0).collect();
+            assert!(lines.contains(&2) && lines.last() == Some(&5), "{between}: {lines:?}");
+        }
+        let (_, merged) = merged_of("G1 F2000 X1\nG9 X2\nX3\nX4", &machine()).expect("both ends merge");
+        let stops: Vec<bool> = merged.toolpath.segments.iter().map(|segment| segment.exact_stop).collect();
+        assert_eq!(stops, [true, false]);
+        assert!(merged_of("G1 F2000 X1\nX2 A5\nX3 A10\nG61 X4\nX5", &machine()).is_none());
+    }
+
+    #[test]
+    fn q_is_the_programs_own_with_the_law_of_linuxcnc_alone() {
+        let mut machine = Machine::default();
+        let merges = |words: &str, machine: &Machine| {
+            merged_of(&format!("{words}\nG1 F2000 X1\nX2 Y0.015\nX3 Y0"), machine).is_some()
+        };
+        assert!(!merges("G64 P0.02", &machine));
+        machine.interpolator.junction = Junction::AccelerationBlend;
+        for (words, expected) in [
+            ("", false),
+            ("G64", false),
+            ("G64 P0.02", true),
+            ("G64 P0.005", false),
+            ("G64 P0.005 Q0.02", true),
+            ("G64 P0.02 Q0", false),
+            ("G64 P0 Q0.02", true),
+            ("G20 G64 P0.001\nG21", true),
+            ("G64 P0.02\nG64", false),
+            ("G64 P0.02\nG61", false),
+        ] {
+            assert_eq!(merges(words, &machine), expected, "{words}");
+        }
+        machine.path_modes.tolerance_override = Some(0.001);
+        assert!(!merges("G64 P0.02", &machine));
+        machine.interpolator.path_smoothing = Some(0.02);
+        assert!(merges("G64 P0.001", &machine));
+    }
+
+    #[test]
+    fn a_small_arc_is_two_lines() {
+        // Its middle lies 0.0125 mm from the chord.
+        let program = "G1 F2000 X1\nG2 X2 Y0 I0.5 J-10\nG1 X3";
+        let toolpath = trace(&read(program.as_bytes()), &machine());
+        let merged = merged(&toolpath, &machine(), Tolerances::Programmed).expect("the arc is small");
+        assert!(merged.toolpath.segments.iter().all(|segment| segment.curve == Curve::Line));
+        let covered: f64 = merged.covers.iter().map(|cover| cover.length).sum();
+        let length: f64 = toolpath.segments.iter().map(|segment| segment.length).sum();
+        assert!((covered - length).abs() < 1e-12);
+        assert!(merged_of("G1 F2000 X1\nG2 X3 Y0 I1 J-10\nG1 Y3", &machine()).is_none());
+    }
+}

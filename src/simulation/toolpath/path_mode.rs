@@ -11,6 +11,7 @@
 //! | G9 | exact stop in its own block; it changes no mode |
 //! | G64 | no exact stop; takes back what a `G64 P` set |
 //! | G64 P | no exact stop, tolerance P in the program's unit (LinuxCNC); P0 as without P |
+//! | G64 Q | distance within which LinuxCNC runs lines as one; without it P |
 //! | G187 E | tolerance E in the program's unit, through G61 and G64 (Haas, largest rounding of a corner); E0 exact stop |
 //! | G187 P1, P2, P3 | the machine's tolerance for rough, medium, finish, where it is known (Haas) |
 //! | G187 | takes back what G187 set |
@@ -20,7 +21,8 @@
 //!
 //! LinuxCNC's G64 without P is "as fast as possible, however far from the path". No machine is
 //! infinitely far: here it is the tolerance that the machine was found, or set, to run with. Its
-//! naive CAM detector, which merges lines within Q (or else P) of one line, is not modelled.
+//! naive CAM detector, which merges lines within Q (or else P) of one line, is in the path smoothing of
+//! the feed plan, and at work where the machine file gives LinuxCNC's junctions.
 //!
 //! Sources differ on whether G187 P1 or P3 is rough: 1 rough, 2 medium, 3 finish is taken, and an E
 //! beside it counts alone.
@@ -122,7 +124,7 @@ pub(super) enum PathRemark {
     )]
     BadTolerance { source_words: String, value: f64 },
     #[error(
-        "lines within Q (or P) of one line are merged by LinuxCNC after G64 P: not modelled, each line is run as written"
+        "lines within Q (or P) of one line are merged by LinuxCNC after G64 P: this machine runs each line as written; with interpolator.junction_rule = acceleration_blend it merges them"
     )]
     NaiveCam,
     #[error(
