@@ -2,7 +2,7 @@
 //!
 //! What is fitted, each where the runs show it: order and constant of the filters, contour tolerance,
 //! rapid feedrate, and the time of each kind of stop; of a planner with the junctions of LinuxCNC, which
-//! has no filters, instead of these the velocity and acceleration limits of its axes. The fit is of [`crate::identification::fit`]; what
+//! has no filters, instead of these the accelerations of its axes. The fit is of [`crate::identification::fit`]; what
 //! belongs here is the judgement of its result:
 //!
 //! - a parameter that the runs say nothing of, or less than ±[`UNKNOWN`] of, stays at its value, and the
@@ -276,18 +276,15 @@ fn has_filters(machine: &Machine) -> bool {
     machine.interpolator.junction != Junction::AccelerationBlend
 }
 
-/// The keys of each axis for its velocity and acceleration limits.
-const AXIS_LIMITS: [[&str; 2]; 3] = [
-    ["axis.x.velocity_mm_min", "axis.x.acceleration_mm_s2"],
-    ["axis.y.velocity_mm_min", "axis.y.acceleration_mm_s2"],
-    ["axis.z.velocity_mm_min", "axis.z.acceleration_mm_s2"],
-];
+/// The key of the acceleration of each axis.
+const ACCELERATIONS: [&str; 3] =
+    ["axis.x.acceleration_mm_s2", "axis.y.acceleration_mm_s2", "axis.z.acceleration_mm_s2"];
 
-/// How far, as a ratio, the limits of axes may be from what they are in the machine file.
+/// How far, as a ratio, they may be from what they are in the machine file.
 const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
 
-/// The parameters of motion, each with the value it has before: time constant or limits of axes,
-/// tolerance, rapid rate.
+/// The parameters of motion, each with the value it has before: time constant or accelerations of
+/// axes, tolerance, rapid rate.
 fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<(Freed, f64)> {
     let mut all = Vec::new();
     let mut add = |key: &'static str, before: f64, start: f64, bounds: (f64, f64)| {
@@ -295,9 +292,9 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     };
     let has_filters = has_filters(before);
     if !has_filters {
-        for (keys, (own, start)) in AXIS_LIMITS.iter().zip(before.axes.iter().zip(&guess.axes)) {
-            let limits = [(own.velocity, start.velocity), (own.acceleration, start.acceleration)];
-            for (&key, (own, start)) in keys.iter().zip(limits).filter(|(_, (own, _))| own.is_finite()) {
+        for (key, (own, start)) in ACCELERATIONS.into_iter().zip(before.axes.iter().zip(&guess.axes)) {
+            let (own, start) = (own.acceleration, start.acceleration);
+            if own.is_finite() {
                 add(key, own, start, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own));
             }
         }
