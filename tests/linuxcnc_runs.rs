@@ -7,10 +7,11 @@
 use std::path::PathBuf;
 
 use truefeed::identification::alignment::align;
+use truefeed::identification::calibration::calibrate;
 use truefeed::identification::comparison::compare;
 use truefeed::identification::fit::Run;
 use truefeed::identification::recording;
-use truefeed::machine::Machine;
+use truefeed::machine::{AXES, Machine};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::toolpath::trace;
@@ -88,5 +89,21 @@ fn runs_take_the_time_and_have_the_feedrate_that_is_predicted() {
         eprintln!("run {run}: time {:+.3} %, feedrate {:.2} %", 1e2 * time, 1e2 * rms);
         assert!(time.abs() < 2e-3, "run {run}: {time}");
         assert!(rms < 3e-3, "run {run}: {rms}");
+    }
+}
+
+#[test]
+fn accelerations_are_found_from_one_run() {
+    let Some(folder) = recordings() else { return };
+    let file = |name: &str| std::fs::read(folder.join(name)).expect("each run has its files");
+    let mut machine = machine_from_toml(MACHINE).expect("a machine file");
+    machine.axes.iter_mut().for_each(|axis| axis.acceleration = 400.0);
+    let toolpath = trace(&read(&file("program-1.ngc")), &machine);
+    let log = recording::read(&file("run-01.csv")).expect("a recording");
+    let alignment = align(&log.recordings[0], &toolpath, &machine).expect("it is of that program");
+    let run = Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) };
+    let found = calibrate(&machine, &[run], &mut |_| {}).machine;
+    for (axis, letter) in found.axes.iter().zip(AXES) {
+        assert!((axis.acceleration / 500.0 - 1.0).abs() < 0.01, "{letter}: {} mm/s²", axis.acceleration);
     }
 }

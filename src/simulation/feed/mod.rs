@@ -8,6 +8,9 @@
 //! A turn of rotary axes alone has no length along the path: it is a wait of its time, and a chain of
 //! turns costs the filter delay once.
 //!
+//! Chains of nearly straight lines may be planned as one, as in the module of smoothing. With the junctions
+//! of LinuxCNC the segments of a stretch become pulses as in [`blend`].
+//!
 //! What ends a stretch, each costing a full D:
 //!
 //! - the beginning and the end of the program;

@@ -280,7 +280,7 @@ impl Tracer<'_> {
         let q = if owns_p { self.given.take(b'Q') } else { None };
         let merging = q.map(|q| q * self.modal.unit).filter(|q| *q == 0.0 || LENGTHS.contains(q));
         self.path_mode.merging = merging;
-        let source = merging.map_or_else(|| words(code, 'P', p), |_| words_of(code, p, q));
+        let source = words(code, 'P', p);
         match p {
             Some(p) if p != 0.0 => {
                 self.set_path_mode(place, source, Blending::Within(p * self.modal.unit));
@@ -355,12 +355,6 @@ impl Tracer<'_> {
 /// A G word with the word beside it, where there is one.
 fn words(code: Code, letter: char, value: Option<f64>) -> String {
     value.map_or_else(|| code.to_string(), |value| format!("{code} {letter}{value}"))
-}
-
-/// A G64 with its P and Q.
-fn words_of(code: Code, p: Option<f64>, q: Option<f64>) -> String {
-    let q = q.map_or_else(String::new, |q| format!(" Q{q}"));
-    format!("{}{q}", words(code, 'P', p))
 }
 
 #[cfg(test)]
