@@ -18,7 +18,7 @@
 //! that of the program, and a position on it is within Q of the one on the chord.
 //!
 //! Q is what the machine holds. Where it leaves that to the program, which is with the law of LinuxCNC
-//! alone, it is Q of G64, or else P, and with neither nothing is merged. A tolerance laid over the whole
+//! alone, it is Q of G64, or else P, and with neither, or with exact stops, nothing is merged. A tolerance laid over the whole
 //! program is meant as P.
 //!
 //! Limits: with [`CornerMode::Guaranteed`](crate::machine::CornerMode) nothing is corrected inside a
@@ -58,7 +58,8 @@ struct Cover {
 
 /// The toolpath with its chains merged; none where nothing is.
 pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) -> Option<Merged> {
-    let leaves_it = machine.interpolator.junction == Junction::AccelerationBlend;
+    let leaves_it = machine.interpolator.junction == Junction::AccelerationBlend
+        && std::f64::consts::PI <= machine.interpolator.exact_stop_angle;
     if !(machine.interpolator.path_smoothing.map_or(leaves_it, |within| 0.0 < within)) {
         return None;
     }
@@ -429,6 +430,9 @@ mod tests {
         ] {
             assert_eq!(merges(words, &machine), expected, "{words}");
         }
+        machine.interpolator.exact_stop_angle = 0.1;
+        assert!(!merges("G64 P0.02", &machine));
+        machine.interpolator.exact_stop_angle = std::f64::consts::PI;
         machine.path_modes.tolerance_override = Some(0.001);
         assert!(!merges("G64 P0.02", &machine));
         machine.interpolator.path_smoothing = Some(0.02);
