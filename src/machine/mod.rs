@@ -85,6 +85,9 @@ pub struct Interpolator {
     pub block_time: f64,
     /// Blocks the control sees ahead; neutral infinite.
     pub look_ahead: f64,
+    /// Chains of lines whose points lie within this distance of one line are run as that line, mm; 0: no
+    /// line is; neutral none: as the program says where the law of junctions is LinuxCNC's, else as 0.
+    pub path_smoothing: Option<f64>,
 }
 
 /// How the time constants of the filters are known.
@@ -274,6 +277,7 @@ impl Default for Machine {
                 arc_step: ARC_STEP,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
+                path_smoothing: None,
             },
             rapid: Rapid {
                 feedrate: 200.0,

@@ -1,7 +1,8 @@
 //! Limits of the machine: without effect at their neutral values, respected when finite.
 
 use crate::paths::{Case, Random, cases, line, stretches};
-use truefeed::machine::Machine;
+use truefeed::machine::{Axis, Machine};
+use truefeed::simulation::feed::limits::requested_feedrate;
 use truefeed::simulation::feed::{Pulse, Stretch};
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::{Motion, Point, Segment, Toolpath};
@@ -276,5 +277,20 @@ fn corners_keep_the_jerk_of_each_axis() {
                 }
             }
         }
+    }
+}
+
+/// The override is of the rapid that the axes leave, not of the one that is set.
+#[test]
+fn a_rapid_override_is_of_what_the_axes_leave() {
+    let mut machine =
+        Machine { axes: [Axis { velocity: 100.0, ..Axis::default() }; 3], ..Machine::default() };
+    let rapid = line(Point::origin(), Point::new(30.0, 40.0, 0.0), Motion::Rapid);
+    for (set, ratio, expected) in
+        [(200.0, 1.0, 125.0), (200.0, 0.6, 75.0), (90.0, 0.6, 54.0), (200.0, 2.0, 125.0)]
+    {
+        (machine.rapid.feedrate, machine.overrides.rapid) = (set, ratio);
+        let feedrate = requested_feedrate(&rapid, &machine);
+        assert!((feedrate - expected).abs() < 1e-12, "{set} mm/s at {ratio}: {feedrate} mm/s");
     }
 }

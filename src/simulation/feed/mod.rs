@@ -8,6 +8,9 @@
 //! A turn of rotary axes alone has no length along the path: it is a wait of its time, and a chain of
 //! turns costs the filter delay once.
 //!
+//! Chains of nearly straight lines may be planned as one, as in the module of smoothing. With the junctions
+//! of LinuxCNC the segments of a stretch become pulses as in [`blend`].
+//!
 //! What ends a stretch, each costing a full D:
 //!
 //! - the beginning and the end of the program;
@@ -29,15 +32,18 @@
 //! the stretch, so that the filters are constant while the machine moves; feed and rapid then
 //! differ, and are joined by a full stop.
 
+pub mod blend;
 pub mod block;
 pub mod corner;
 pub mod junction;
 pub mod limits;
+mod smoothing;
 mod tolerances;
 
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Junction, Machine, TimeConstants};
+use crate::simulation::feed::blend::{Blend, Leg};
 use crate::simulation::feed::block::End;
 use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::junction::Turn;
@@ -180,6 +186,16 @@ pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f6
 
 /// The feed plan of a toolpath on a machine.
 pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
+    let Some(merged) = smoothing::merged(toolpath, machine, rule.tolerances()) else {
+        return plan_as_written(toolpath, machine, rule);
+    };
+    let given = merged.given(rule);
+    let rule = given.as_ref().map_or(rule, |(corners, segments)| Rule::Given { corners, segments });
+    merged.spread(plan_as_written(&merged.toolpath, machine, rule), toolpath)
+}
+
+/// The plan with each block run as it is written.
+fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
@@ -249,6 +265,15 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
             && machine.interpolator.exact_stop_angle < turn(before, after))
 }
 
+/// Whether the stop before segment `next` is one of the path mode, known before it is reached, and not
+/// the end of the program or a function that waits.
+fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bool {
+    let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
+    let before = &toolpath.segments[next - 1];
+    before.exact_stop
+        || (!waits && toolpath.segments.get(next).is_some_and(|next| stands_between(before, next, machine)))
+}
+
 /// The angle by which the path turns between two segments, rad.
 fn turn(before: &Segment, after: &Segment) -> f64 {
     let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
@@ -301,8 +326,14 @@ fn add_stretch(
         *feedrate = feedrate.min(junction::arc_feedrate(segment, *acceleration, machine));
     }
     let tolerances = rule.tolerances();
-    let blends = tolerances.limits(toolpath, machine, range.start).map(|limit| limit.along());
-    junction::share(&mut accelerations, segments, &without_tolerance, blends, machine);
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        for (acceleration, segment) in accelerations.iter_mut().zip(segments) {
+            *acceleration = junction::acceleration(segment, *acceleration, machine);
+        }
+        if !is_stopped_by_mode(toolpath, range.end, machine) {
+            accelerations[segments.len() - 1] *= 0.5;
+        }
+    }
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
     let held = tolerances.limits(toolpath, machine, range.start);
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
@@ -313,6 +344,7 @@ fn add_stretch(
         .collect();
     let mut corners = Vec::with_capacity(segments.len() + 1);
     corners.push(FULL_STOP);
+    let mut blends = vec![Blend::none(0.0)];
     let held = tolerances.limits(toolpath, machine, range.start);
     let held = held.zip(tolerances.limits(toolpath, machine, range.start + 1));
     for ((i, pair), (limit, next_limit)) in segments.windows(2).enumerate().zip(held) {
@@ -328,6 +360,11 @@ fn add_stretch(
         };
         let (by_acceleration, by_jerk) = match machine.interpolator.junction {
             Junction::Tolerance => axis_corner_feedrates(&change, machine, chain),
+            Junction::AccelerationBlend => {
+                let blend = Turn::between(&pair[0], &pair[1]).blend(machine, limit.along(), slower);
+                blends.push(Blend { feedrate: blend.feedrate.min(by_rule), ..blend });
+                (blend.feedrate, f64::INFINITY)
+            }
             _ => (Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()), f64::INFINITY),
         };
         let feedrate = by_rule.min(by_acceleration).min(by_jerk);
@@ -336,6 +373,24 @@ fn add_stretch(
             _ => f64::INFINITY,
         };
         corners.push(Corner { feedrate, blended: true, by_acceleration });
+    }
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        blends.push(Blend::none(0.0));
+        let first_pulse = plan.pulses.len();
+        let legs: Vec<Leg> = (segments.iter().zip(&feedrates).zip(&accelerations))
+            .map(|((segment, &feedrate), &acceleration)| Leg {
+                length: segment.length,
+                feedrate,
+                acceleration,
+            })
+            .collect();
+        let (pulses, at_corners) = blend::pulses(&legs, &blends, range.start);
+        plan.pulses.extend(pulses);
+        plan.corner_feedrates.extend(at_corners);
+        plan.segment_feedrates.extend(feedrates);
+        let pulses = first_pulse..plan.pulses.len();
+        plan.phases.push(Phase::Motion(Stretch { segments: range, pulses, filter }));
+        return;
     }
     corners.push(FULL_STOP);
     limit_by_acceleration(&mut corners, segments, &accelerations);
