@@ -33,8 +33,10 @@ pub mod block;
 pub mod corner;
 pub mod junction;
 pub mod limits;
+pub mod retiming;
 mod tolerances;
 
+pub use retiming::{Knot, Pace, Retiming};
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Junction, Machine, TimeConstants};
@@ -104,6 +106,8 @@ pub struct FeedPlan {
     pub corner_feedrates: Vec<f64>,
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
+    /// What acceleration limits behind the filters cost; none where they cost nothing.
+    pub retiming: Option<Retiming>,
 }
 
 /// By what the corners and arcs are commanded.
@@ -142,12 +146,15 @@ impl From<Tolerances> for Rule<'_> {
 }
 
 impl FeedPlan {
-    /// Cycle time, s: all pulses, the filter delay of every stretch, and the waits. Exact but for
-    /// the rounding of the last digit.
+    /// Cycle time, s: all pulses, the filter delay of every stretch and what it loses behind the filters,
+    /// and the waits. Exact but for the rounding of the last digit and what is lost.
     pub fn cycle_time(&self) -> f64 {
         let durations = self.phases.iter().flat_map(|phase| match phase {
-            Phase::Wait(wait) => [wait.duration, 0.0],
-            Phase::Motion(stretch) => [self.command_time(stretch), self.filters[stretch.filter].delay()],
+            Phase::Wait(wait) => [wait.duration, 0.0, 0.0],
+            Phase::Motion(stretch) => {
+                let delay = self.filters[stretch.filter].delay();
+                [self.command_time(stretch), delay, retiming::lost(self.knots(stretch))]
+            }
         });
         running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
     }
@@ -160,7 +167,13 @@ impl FeedPlan {
         })
     }
 
-    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer.
+    /// The knots of a stretch where it loses time behind the filters; none where it does not.
+    pub fn knots(&self, stretch: &Stretch) -> &[Knot] {
+        self.retiming.as_ref().map_or(&[], |retiming| retiming.knots(stretch))
+    }
+
+    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer, and what it
+    /// loses behind the filters.
     pub fn command_time(&self, stretch: &Stretch) -> f64 {
         let durations = self.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
         running_sum(durations).last().unwrap_or(0.0)
@@ -304,6 +317,10 @@ fn add_stretch(
     let blends = tolerances.limits(toolpath, machine, range.start).map(|limit| limit.along());
     junction::share(&mut accelerations, segments, &without_tolerance, blends, machine);
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
+    if machine.interpolator.junction == Junction::Tolerance {
+        // There the limits act behind the filters.
+        accelerations.fill(f64::INFINITY);
+    }
     let held = tolerances.limits(toolpath, machine, range.start);
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
         .map(|(i, ((segment, &feedrate), limit))| match rule {

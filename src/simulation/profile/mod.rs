@@ -8,13 +8,15 @@
 //! feedrate is that of the tool, ‖Ṗ‖, which dips at corners.
 
 mod crossing;
+mod retiming;
 mod samples;
 mod state;
 
+pub use retiming::retimed;
 pub use samples::{Resolution, Samples};
 pub use state::{Dynamics, Moment, State};
 
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch, running_sum};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch, retiming as pace, running_sum};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Point, Segment, Toolpath};
 
