@@ -27,8 +27,8 @@
 //! [`crate::simulation::feed::block`]; their plans are left as they are.
 
 use crate::machine::{Junction, Machine};
-use crate::simulation::feed::{FeedPlan, Knot, Retiming, Stretch, running_sum};
-use crate::simulation::profile::{Motion, Profile};
+use crate::simulation::feed::{FeedPlan, Knot, Retiming, Stretch, retiming, running_sum};
+use crate::simulation::profile::{Dynamics, Motion, Profile, State};
 use crate::simulation::toolpath::{Curve, Toolpath, Vector};
 
 /// Samples within one filter delay.
@@ -46,14 +46,14 @@ pub fn retimed(toolpath: &Toolpath, machine: &Machine, plan: FeedPlan) -> FeedPl
     if machine.interpolator.junction != Junction::Tolerance || !limits.are_finite() {
         return plan;
     }
-    let mut retiming = Retiming::default();
+    let mut lost = Retiming::default();
     {
         let profile = Profile::new(toolpath, &plan);
         for stretch in plan.stretches() {
-            limits.slow_down(&profile.motion(stretch), stretch, &mut retiming);
+            limits.slow_down(&profile.motion(stretch), stretch, &mut lost);
         }
     }
-    FeedPlan { retiming: (!retiming.is_empty()).then_some(retiming), ..plan }
+    FeedPlan { retiming: (!lost.is_empty()).then_some(lost), ..plan }
 }
 
 /// A sample of the filtered motion.
@@ -94,7 +94,7 @@ impl Limits {
     }
 
     /// Adds what a stretch loses.
-    fn slow_down(&self, motion: &Motion, stretch: &Stretch, retiming: &mut Retiming) {
+    fn slow_down(&self, motion: &Motion, stretch: &Stretch, lost: &mut Retiming) {
         let mut samples = self.samples(motion, stretch);
         for i in 1..samples.len() {
             samples[i].square = samples[i].square.min(self.reach(&samples[i - 1], &samples[i]));
@@ -126,7 +126,7 @@ impl Limits {
                 knots.push(sample.knot(lost));
             }
         }
-        retiming.push(stretch, &knots, &segments);
+        lost.push(stretch, &knots, &segments);
     }
 
     /// The filtered motion of a stretch.
@@ -231,6 +231,49 @@ impl Sample {
 
     fn knot(&self, lost: f64) -> Knot {
         Knot { filtered: self.time, lost, filtered_feedrate: self.filtered, feedrate: self.feedrate() }
+    }
+}
+
+impl Motion<'_> {
+    /// The true time at a filtered one, both since the beginning of the stretch, s.
+    pub(super) fn true_time(&self, filtered: f64) -> f64 {
+        retiming::true_time(self.knots, filtered)
+    }
+
+    /// Where the tool is and how fast it moves at a true time since the beginning of the stretch, s.
+    pub(super) fn state_at(&self, time: f64) -> State {
+        let pace = retiming::pace(self.knots, time);
+        let mut state = self.state(self.moment(pace.filtered));
+        let filtered = state.velocity.norm();
+        if let Some((feedrate, _)) = pace.feedrate
+            && 0.0 < filtered
+        {
+            state.velocity *= feedrate / filtered;
+        }
+        state
+    }
+
+    /// How the velocity changes at a true time since the beginning of the stretch, s: along a path with
+    /// the direction u and its derivatives N and N′ by length, v̇ u + v² N, and its derivative.
+    pub(super) fn dynamics_at(&self, time: f64) -> Dynamics {
+        let pace = retiming::pace(self.knots, time);
+        let moment = self.moment(pace.filtered);
+        let filtered = self.dynamics(moment);
+        let Some((feedrate, slope)) = pace.feedrate else { return filtered };
+        let velocity = self.state(moment).velocity;
+        let speed = velocity.norm();
+        if speed == 0.0 {
+            return filtered;
+        }
+        let tangent = velocity / speed;
+        let along = filtered.acceleration.dot(&tangent);
+        let normal = (filtered.acceleration - along * tangent) / (speed * speed);
+        let change = filtered.jerk.dot(&tangent) + speed.powi(3) * normal.norm_squared();
+        let normal_change = (filtered.jerk - change * tangent - 3.0 * along * speed * normal) / speed.powi(3);
+        Dynamics {
+            acceleration: slope * tangent + feedrate * feedrate * normal,
+            jerk: 3.0 * slope * feedrate * normal + feedrate.powi(3) * normal_change,
+        }
     }
 }
 
