@@ -21,6 +21,7 @@ const FLOW: &[&str] = &[
     "identification/fit",
     "identification/calibration",
     "identification/hypotheses",
+    "identification/diagnosis",
     "identification/step",
     "plot",
     "project",

@@ -3,6 +3,7 @@
 pub mod alignment;
 pub mod calibration;
 pub mod comparison;
+pub mod diagnosis;
 pub mod fit;
 pub mod hypotheses;
 pub mod recording;

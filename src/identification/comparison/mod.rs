@@ -16,9 +16,11 @@
 //! which is taken as the mean of a quarter of a second around, so that what is left is the form of the
 //! path and not the time lost.
 
+mod form;
 mod measures;
 mod pointwise;
 
+pub use form::Form;
 pub use measures::{FeedError, PositionError};
 pub use pointwise::{Pointwise, pointwise};
 

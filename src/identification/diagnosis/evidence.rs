@@ -1,0 +1,155 @@
+//! What the runs say of a machine, in one number: the cost of the whitened residuals.
+
+use crate::identification::fit::{Fit, Run, Whitening, fit, huber};
+use crate::identification::hypotheses::Hypothesis;
+use crate::machine::Machine;
+
+/// Golden sections between two trials.
+const SECTIONS: usize = 5;
+/// Points between two trials, before.
+const BETWEEN: usize = 9;
+
+/// Runs with the noise that is taken for granted.
+#[derive(Clone)]
+pub struct Evidence<'a> {
+    /// The runs.
+    pub runs: &'a [Run<'a>],
+    /// What whitens each.
+    pub whitenings: Vec<Whitening>,
+}
+
+/// A hypothesis with the values at which it fits best.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The hypothesis.
+    pub hypothesis: Hypothesis,
+    /// Its values, core units.
+    pub values: Vec<f64>,
+    /// Their standard deviations, core units.
+    pub deviations: Vec<f64>,
+    /// The cost with it.
+    pub cost: f64,
+}
+
+impl<'a> Evidence<'a> {
+    /// The evidence with the noise by which the residuals of a machine are normal.
+    pub fn of(runs: &'a [Run<'a>], machine: &Machine) -> Evidence<'a> {
+        let whiten = |run: &Run| Whitening::of(run.alignment, &run.residuals(machine));
+        Evidence { runs, whitenings: runs.iter().map(whiten).collect() }
+    }
+
+    /// The whitened residuals of a machine, run by run.
+    pub fn whitened(&self, machine: &Machine) -> Vec<Vec<f64>> {
+        let each = self.runs.iter().zip(&self.whitenings);
+        each.map(|(run, whitening)| whitening.apply(&run.residuals(machine))).collect()
+    }
+
+    /// The cost of a machine.
+    pub fn cost(&self, machine: &Machine) -> f64 {
+        self.whitened(machine).iter().flatten().map(|value| huber(*value)).sum()
+    }
+
+    /// A hypothesis at the best of its trials, and between them where that means something.
+    pub fn screened(&self, machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
+        let tried = hypothesis.trials.iter().map(|values| {
+            let cost = self.cost(&hypothesis.machine(machine, values));
+            (values.clone(), cost)
+        });
+        let tried: Vec<(Vec<f64>, f64)> = tried.collect();
+        let best = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
+        let (mut values, mut cost) = tried[best].clone();
+        let neutral = self.cost(machine);
+        let acts = |at: usize| 1e-6 * neutral < (tried[at].1 - neutral).abs();
+        if hypothesis.is_continuous {
+            // Between the trials on both sides, by golden sections of the first parameter. Where no trial is
+            // better than none at all, what is better may lie between one that does not act and one that does too much.
+            let edge = (1..tried.len()).find(|at| acts(at - 1) != acts(*at));
+            let (before, after) = match edge {
+                Some(edge) if neutral <= cost => (edge - 1, edge),
+                _ => (best.saturating_sub(1), (best + 1).min(tried.len() - 1)),
+            };
+            let freed = &hypothesis.freed[0];
+            let side = |at: usize| freed.inward(tried[at].0[0]);
+            let (low, high) = (side(before), side(after));
+            let at = |varied: f64, values: &mut Vec<f64>, cost: &mut f64| {
+                let mut there = values.clone();
+                there[0] = freed.outward(varied);
+                let found = self.cost(&hypothesis.machine(machine, &there));
+                if found < *cost {
+                    (*values, *cost) = (there, found);
+                }
+                found
+            };
+            // What acts from a threshold on is flat before it: first a few points between, then sections.
+            let between = |part: usize| low + (high - low) * part as f64 / (BETWEEN + 1) as f64;
+            let mut closest = (0, f64::INFINITY);
+            for part in 1..=BETWEEN {
+                let found = at(between(part), &mut values, &mut cost);
+                if found < closest.1 {
+                    closest = (part, found);
+                }
+            }
+            let (mut low, mut high) = (between(closest.0 - 1), between(closest.0 + 1));
+            const GOLDEN: f64 = 0.381_966_011_250_105_1;
+            let (mut a, mut b) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
+            let (mut fa, mut fb) = (at(a, &mut values, &mut cost), at(b, &mut values, &mut cost));
+            for _ in 0..SECTIONS {
+                if fa < fb {
+                    (high, b, fb) = (b, a, fa);
+                    a = low + GOLDEN * (high - low);
+                    fa = at(a, &mut values, &mut cost);
+                } else {
+                    (low, a, fa) = (a, b, fb);
+                    b = high - GOLDEN * (high - low);
+                    fb = at(b, &mut values, &mut cost);
+                }
+            }
+        }
+        let deviations = vec![f64::NAN; values.len()];
+        Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost })
+    }
+
+    /// A candidate by least squares, together with others that are already named.
+    pub fn refined(
+        &self,
+        machine: &Machine,
+        candidate: &Candidate,
+        with: &[Candidate],
+    ) -> (Candidate, Vec<Candidate>) {
+        let mut freed = Vec::new();
+        let continuous = |candidate: &Candidate| candidate.hypothesis.is_continuous;
+        for each in [candidate].into_iter().chain(with).filter(|each| continuous(each)) {
+            let own = each.hypothesis.freed.iter().zip(&each.values);
+            freed.extend(own.map(|(freed, value)| freed.from(*value)));
+        }
+        let mut base = machine.clone();
+        for each in with.iter().chain([candidate]).filter(|each| !continuous(each)) {
+            base = each.hypothesis.machine(&base, &each.values);
+        }
+        let Fit { values, deviations, cost, .. } =
+            fit(&base, self.runs, &freed, &self.whitenings, &mut |_| {});
+        let mut taken = 0;
+        let mut take = |each: &Candidate| {
+            let mut each = each.clone();
+            if continuous(&each) {
+                let range = taken..taken + each.values.len();
+                each.values = values[range.clone()].to_vec();
+                each.deviations = deviations[range.clone()].to_vec();
+                taken = range.end;
+            }
+            each.cost = cost;
+            each
+        };
+        let own = take(candidate);
+        (own, with.iter().map(take).collect())
+    }
+}
+
+/// A machine with all of these candidates.
+pub fn with_all(machine: &Machine, candidates: &[Candidate]) -> Machine {
+    let mut machine = machine.clone();
+    for candidate in candidates {
+        machine = candidate.hypothesis.machine(&machine, &candidate.values);
+    }
+    machine
+}

@@ -1,0 +1,158 @@
+//! Causes that change the form of the path and no time: lag, play, vibration.
+//!
+//! They are judged by the distance between recorded and simulated positions at equal times, the delay
+//! common to all taken out. Values are searched over the trials and then one after another by golden
+//! sections.
+
+use crate::identification::comparison::Form;
+use crate::identification::diagnosis::evidence::Candidate;
+use crate::identification::fit::Run;
+use crate::identification::hypotheses::{Hypothesis, Trace};
+use crate::machine::Machine;
+
+/// What is explained whole leaves so many standard deviations of the noise, or so many mm.
+const WHOLE: (f64, f64) = (4.0, 0.01);
+/// A cause of form must take this part of the error away.
+const WORTH: f64 = 0.35;
+/// And be larger than this, mm.
+const LEAST: f64 = 2e-3;
+/// Rounds of golden sections, and sections in each.
+const ROUNDS: (usize, usize) = (3, 7);
+/// Causes of form that are searched between their trials.
+const REFINED: usize = 2;
+
+/// The form error of a machine, mm; none without positions.
+pub fn error(machine: &Machine, runs: &[Run]) -> Option<f64> {
+    let of = |on_time: bool| {
+        let forms = forms(machine, runs, on_time);
+        (!forms.is_empty()).then(|| rms(&forms, machine))
+    };
+    of(true).zip(of(false)).map(|(on_time, in_step)| on_time.min(in_step))
+}
+
+/// The runs with their times as they are, `on_time`, or in step with the recording.
+fn forms(machine: &Machine, runs: &[Run], on_time: bool) -> Vec<Form> {
+    let of_run = |run: &Run| {
+        let plan = run.plan(machine);
+        let comparison = crate::identification::comparison::compare(run.toolpath, &plan, run.alignment);
+        let residuals = (!on_time).then_some(&comparison.residuals[..]);
+        Form::new(run.toolpath, &plan, run.alignment, &comparison.simulated, residuals)
+    };
+    runs.iter().filter_map(of_run).collect()
+}
+
+fn rms(forms: &[Form], machine: &Machine) -> f64 {
+    let squares: f64 = forms.iter().map(|form| form.error(machine).0.powi(2)).sum();
+    (squares / forms.len().max(1) as f64).sqrt()
+}
+
+/// The causes of form, at most one of each id: those that explain the error whole, or else, if `whole` is
+/// not asked for, those that take away much of it.
+pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole: bool) -> Vec<Candidate> {
+    let forms = forms(machine, runs, whole);
+    if forms.is_empty() {
+        return Vec::new();
+    }
+    let noise = runs.iter().filter_map(|run| run.alignment.track.as_ref()).map(|track| track.noise);
+    let floor = (WHOLE.0 * noise.fold(0.0, f64::max)).max(WHOLE.1);
+    let before = rms(&forms, machine);
+    if before < LEAST.max(1.2 * floor) && before < floor {
+        return Vec::new();
+    }
+    let mut current = machine.clone();
+    let mut named: Vec<Candidate> = Vec::new();
+    let mut error = before;
+    for _ in 0..3 {
+        let open = library.iter().filter(|hypothesis| {
+            let is_named = |named: &Candidate| {
+                named.hypothesis.id == hypothesis.id && named.hypothesis.variant == hypothesis.variant
+            };
+            hypothesis.trace == Trace::Form && !named.iter().any(is_named)
+        });
+        let mut tried: Vec<Candidate> =
+            open.filter_map(|hypothesis| screened(&forms, &current, hypothesis)).collect();
+        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        tried.truncate(REFINED);
+        let refined = tried.into_iter().map(|candidate| refined(&forms, &current, candidate));
+        let Some(candidate) = refined.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
+        if (1.0 - WORTH) * error < candidate.cost || error - candidate.cost < LEAST {
+            break;
+        }
+        error = candidate.cost;
+        current = candidate.hypothesis.machine(&current, &candidate.values);
+        named.push(candidate);
+        if error < floor {
+            break;
+        }
+    }
+    if whole && (floor < error || 0.5 * before < error) { Vec::new() } else { named }
+}
+
+/// A hypothesis at the best of its trials; its cost is the form error, mm.
+fn screened(forms: &[Form], machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
+    let tried = hypothesis.trials.iter().map(|values| {
+        let cost = rms(forms, &hypothesis.machine(machine, values));
+        let deviations = vec![f64::NAN; values.len()];
+        Candidate { hypothesis: hypothesis.clone(), values: values.clone(), deviations, cost }
+    });
+    tried.min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// The same at its best values.
+fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate {
+    let Candidate { hypothesis, mut values, cost: mut least, .. } = candidate;
+    let error = |values: &[f64]| rms(forms, &hypothesis.machine(machine, values));
+    let trials = &hypothesis.trials;
+    let at = trials.iter().position(|trial| *trial == values).unwrap_or(0);
+    let width = |freed: usize| match freed {
+        0 => {
+            let side = |at: usize| hypothesis.freed[0].inward(trials[at][0]);
+            let low = side(at.saturating_sub(1));
+            let high = side((at + 1).min(trials.len() - 1));
+            0.5 * (high - low).abs()
+        }
+        _ => 1.5,
+    };
+    let mut widths: Vec<f64> = (0..values.len()).map(width).collect();
+    for _ in 0..ROUNDS.0 {
+        for (place, freed) in hypothesis.freed.iter().enumerate() {
+            let centre = freed.inward(values[place]);
+            let (mut low, mut high) = (centre - widths[place], centre + widths[place]);
+            for _ in 0..ROUNDS.1 {
+                let (a, b) = (low + 0.382 * (high - low), high - 0.382 * (high - low));
+                let at = |varied: f64| {
+                    let mut there = values.clone();
+                    there[place] = freed.outward(varied);
+                    (error(&there), there)
+                };
+                let (fa, fb) = (at(a), at(b));
+                if fa.0 < fb.0 {
+                    high = b
+                } else {
+                    low = a
+                }
+                for (found, there) in [fa, fb] {
+                    if found < least {
+                        (least, values) = (found, there);
+                    }
+                }
+            }
+            widths[place] *= 0.3;
+        }
+    }
+    // The curvature of the error says how well the values are known.
+    let count: f64 = 2000.0;
+    let deviations = hypothesis.freed.iter().enumerate().map(|(place, freed)| {
+        let step = 0.05;
+        let beside = |sign: f64| {
+            let mut there = values.clone();
+            there[place] = freed.outward(freed.inward(values[place]) + sign * step);
+            error(&there).powi(2)
+        };
+        let curvature = (beside(1.0) + beside(-1.0) - 2.0 * least * least) / (step * step);
+        let varied = (2.0 * least * least / (count * curvature.max(1e-30))).sqrt();
+        freed.deviation(values[place], varied.min(1.0))
+    });
+    let deviations = deviations.collect();
+    Candidate { hypothesis: hypothesis.clone(), values, deviations, cost: least }
+}

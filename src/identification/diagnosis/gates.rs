@@ -1,0 +1,90 @@
+//! Is a cause better where it was not fitted?
+//!
+//! The path is cut into contiguous sections. A cause is held against each section with the values that the
+//! other sections give, one Gauss-Newton step from the values of all; it holds if it is better, all sections
+//! together, and in most of those in which it makes a difference at all. A cause that acts in one section
+//! alone, a wait, has no other section to be tried in, and this gate says nothing of it.
+
+use crate::identification::diagnosis::evidence::Evidence;
+use crate::identification::fit::{Run, huber};
+use crate::machine::Machine;
+
+/// Sections of a run.
+const SECTIONS: usize = 8;
+/// A section in which the cost changes by less than this tells nothing.
+const TELLS: f64 = 1.0;
+/// In so many of the sections that tell it must be better.
+const MOSTLY: f64 = 0.6;
+
+/// How a cause did in sections that it was not fitted to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldOut {
+    /// Sections in which it was better.
+    pub better: usize,
+    /// Sections in which it was worse.
+    pub worse: usize,
+    /// By how much the cost fell, all sections together.
+    pub gain: f64,
+}
+
+impl HeldOut {
+    /// Whether it is better where it was not fitted.
+    pub fn holds(&self) -> bool {
+        0.0 < self.gain && MOSTLY <= self.share()
+    }
+
+    /// The part of the sections that tell in which it is better.
+    pub fn share(&self) -> f64 {
+        self.better as f64 / (self.better + self.worse).max(1) as f64
+    }
+}
+
+/// How many sections there are in all.
+pub fn sections(runs: &[Run]) -> usize {
+    SECTIONS * runs.len()
+}
+
+/// How the machine with a cause does against the one without, section by section; none where it acts in
+/// one section alone.
+pub fn held_out(evidence: &Evidence, without: &Machine, with: &Machine) -> Option<HeldOut> {
+    let (before, after) = (evidence.whitened(without), evidence.whitened(with));
+    let mut held = HeldOut { better: 0, worse: 0, gain: 0.0 };
+    for (before, after) in before.iter().zip(&after) {
+        let length = before.len().div_ceil(SECTIONS).max(1);
+        for (before, after) in before.chunks(length).zip(after.chunks(length)) {
+            let cost = |values: &[f64]| values.iter().map(|value| huber(*value)).sum::<f64>();
+            let gain = cost(before) - cost(after);
+            held.gain += gain;
+            if TELLS < gain {
+                held.better += 1;
+            } else if gain < -TELLS {
+                held.worse += 1;
+            }
+        }
+    }
+    (1 < held.better + held.worse).then_some(held)
+}
+
+/// Shifts that are tried.
+const SHIFTS: usize = 300;
+/// By how much the fit in place must be better than the best of the shifted ones.
+const IN_PLACE: f64 = 1.25;
+
+/// Whether the trace of a cause fits the residuals where it is, and not as well where it is shifted to: a
+/// residual that wanders by itself fits anything a little, anywhere.
+pub fn stays_in_place(evidence: &Evidence, without: &Machine, with: &Machine) -> bool {
+    let (before, after) = (evidence.whitened(without), evidence.whitened(with));
+    let clamp = |value: f64| value.clamp(-5.0, 5.0);
+    let observed: Vec<f64> = before.iter().flatten().map(|value| clamp(*value)).collect();
+    let trace: Vec<f64> =
+        before.iter().flatten().zip(after.iter().flatten()).map(|(b, a)| clamp(b - a)).collect();
+    let count = observed.len();
+    let fits = |shift: usize| -> f64 {
+        let shifted = observed[shift..].iter().chain(&observed[..shift]);
+        shifted.zip(&trace).map(|(observed, trace)| observed * trace).sum()
+    };
+    let step = (count / (SHIFTS + 1)).max(1);
+    // Neighbours of the place itself are the place.
+    let shifted = (10..=SHIFTS.saturating_sub(10)).map(|at| (at * step) % count.max(1)).map(fits);
+    IN_PLACE * shifted.fold(0.0, f64::max) < fits(0)
+}

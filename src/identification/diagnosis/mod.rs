@@ -1,0 +1,359 @@
+//! Machine and runs → [`Diagnosis`]: where simulation and recording differ, what was left out, and how sure.
+//!
+//! Hypotheses are taken in one at a time, the one first that explains most. Of each the values are searched
+//! over its trials, then by least squares with all that was named before; the best are compared at the
+//! noise that the best of them leaves. One is named only if it passes every gate:
+//!
+//! | gate | what must hold |
+//! |---|---|
+//! | likelihood | the cost falls by more than [`GAIN`] + k ln n, n sections of the path, not samples |
+//! | held out | fitted without a section, it is better there, in most sections where it acts |
+//! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
+//! | size | it explains more than [`SIZE`] of the cycle time, and more than [`LEAST`] s |
+//!
+//! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
+//! back. Others of which the best cannot be told from the runs are its ambiguity.
+//!
+//! What is left is judged by itself: lost time that is larger than noise and than [`LEFT`] of the cycle time
+//! is unknown, and located.
+
+mod evidence;
+mod form;
+mod gates;
+mod places;
+mod regions;
+
+pub use evidence::{Candidate, Evidence};
+pub use regions::{Region, regions};
+
+use crate::identification::comparison::{Comparison, compare};
+use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::gates::HeldOut;
+use crate::identification::fit::Run;
+use crate::identification::hypotheses::{Trace, library};
+use crate::machine::Machine;
+
+/// By how much the cost must fall, beside ln n a parameter.
+const GAIN: f64 = 12.0;
+/// What a cause must explain, as a part of the cycle time.
+const SIZE: f64 = 3e-4;
+/// What a cause must explain, s.
+const LEAST: f64 = 0.015;
+/// What a cause moves back and forth counts by this part.
+const NETTED: f64 = 0.2;
+/// A gain of this part of what is left needs no test of its place.
+const LARGE: f64 = 0.5;
+/// What is left unexplained without a word, as a part of the cycle time.
+const LEFT: f64 = 2e-3;
+/// Candidates whose cost is this close to the best's cannot be told from it.
+const SAME: f64 = 6.0;
+/// Candidates that are refined by least squares.
+const REFINED: usize = 5;
+/// Causes named at most.
+const MOST: usize = 4;
+
+/// What the diagnosis comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Recording and simulation agree as far as the recording shows.
+    NothingMissing,
+    /// What differs has named causes.
+    Explained,
+    /// A cause cannot be told from another.
+    Ambiguous,
+    /// Something differs, here, and nothing in the library explains it.
+    Unknown,
+}
+
+/// A named cause.
+#[derive(Clone, Debug)]
+pub struct Cause {
+    /// What it is, with its values.
+    pub candidate: Candidate,
+    /// Time it explains, s, all runs together.
+    pub seconds: f64,
+    /// Form error it explains, mm; 0 for causes of time.
+    pub form: f64,
+    /// Lines on which it acts, as ranges.
+    pub lines: Vec<(u32, u32)>,
+    /// How sure, 0 to 1.
+    pub confidence: f64,
+    /// Ids of what it cannot be told from on these runs.
+    pub alike: Vec<String>,
+    /// Whether it was better where it was not fitted.
+    pub held_out: Option<HeldOut>,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// In one word.
+    pub verdict: Verdict,
+    /// The causes, the one that explains most first.
+    pub causes: Vec<Cause>,
+    /// Where simulation and recording differ, cause or no cause; of the first run.
+    pub regions: Vec<Region>,
+    /// The machine with the causes.
+    pub machine: Machine,
+    /// Against the machine believed in, run by run.
+    pub before: Vec<Comparison>,
+    /// Against the machine with the causes, run by run.
+    pub after: Vec<Comparison>,
+    /// Form error before and after, mm; none without positions.
+    pub form: Option<(f64, f64)>,
+    /// Ids of what the program does not excite.
+    pub not_excited: Vec<String>,
+    /// What to know, for people.
+    pub messages: Vec<String>,
+}
+
+/// Diagnoses runs against the machine believed in. `progress` is told the part that is done.
+pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
+    let library = library(machine, runs);
+    let before = compared(machine, runs);
+    let mut messages = Vec::new();
+    let form_before = form::error(machine, runs);
+    // Drives come first where they explain the form of the path whole: they also blur its times.
+    let drives = form::explained(machine, runs, &library, true);
+    let mut named: Vec<Candidate> = Vec::new();
+    let mut details: Vec<(Vec<String>, Option<HeldOut>, f64)> = Vec::new();
+    let base = with_all(machine, &drives);
+    progress(0.1);
+    // Where the form is explained whole, at times as they are, no time is missing either.
+    let rounds = if drives.is_empty() { MOST } else { 0 };
+    for round in 0..rounds {
+        let current = with_all(&base, &named);
+        let Some(found) = next_cause(&base, &current, runs, &library, &named, &mut |part| {
+            progress(0.1 + 0.7 * (round as f64 + part) / MOST as f64);
+        }) else {
+            break;
+        };
+        named = found.others;
+        named.push(found.candidate);
+        details.push((found.alike, found.held_out, found.confidence));
+    }
+    let (named, details) = without_unnecessary(&base, runs, named, details);
+    let with_time = with_all(&base, &named);
+    let mut drives = drives;
+    if 0 < rounds {
+        drives = form::explained(&with_time, runs, &library, false);
+    }
+    let fitted = with_all(&with_time, &drives);
+    let after = compared(&fitted, runs);
+    progress(0.9);
+    let mut causes: Vec<Cause> = named
+        .iter()
+        .zip(details)
+        .enumerate()
+        .map(|(at, (candidate, (alike, held_out, confidence)))| {
+            let mut others = named.clone();
+            others.remove(at);
+            let without = with_all(&with_all(&base, &others), &drives);
+            let (seconds, lines) = regions::acts_on(&without, &fitted, runs);
+            Cause { candidate: candidate.clone(), seconds, form: 0.0, lines, confidence, alike, held_out }
+        })
+        .collect();
+    causes.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
+    let form_after = form::error(&fitted, runs);
+    let form = form_before.zip(form_after);
+    causes.extend(drives.iter().map(|candidate| Cause {
+        candidate: candidate.clone(),
+        seconds: 0.0,
+        form: form.map_or(0.0, |(before, after)| (before * before - after * after).max(0.0).sqrt()),
+        lines: regions::all_lines(runs),
+        confidence: form.map_or(0.5, |(before, after)| 1.0 - (after / before).powi(2)),
+        alike: Vec::new(),
+        held_out: None,
+    }));
+    let regions = before.first().map_or(Vec::new(), |before| regions(before, runs[0].alignment));
+    let left = regions::left(&after, runs);
+    let whole: f64 = after.iter().map(|comparison| comparison.whole.recorded).sum();
+    let is_left = 0 < rounds && LEFT * whole < left && LEAST < left;
+    if is_left && !causes.is_empty() {
+        messages.push(format!("{left:.2} s of lost time are left that nothing in the library explains"));
+    }
+    let verdict = match (causes.is_empty(), is_left) {
+        (true, true) => Verdict::Unknown,
+        (true, false) => Verdict::NothingMissing,
+        _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
+        (false, true) if 0.5 * regions::left(&before, runs) < left => Verdict::Unknown,
+        _ => Verdict::Explained,
+    };
+    progress(1.0);
+    let not_excited = not_excited(&library);
+    Diagnosis { verdict, causes, regions, machine: fitted, before, after, form, not_excited, messages }
+}
+
+fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
+    runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
+}
+
+/// A cause that passed the gates.
+struct Found {
+    candidate: Candidate,
+    /// What was named before, fitted again with it.
+    others: Vec<Candidate>,
+    alike: Vec<String>,
+    held_out: Option<HeldOut>,
+    confidence: f64,
+}
+
+/// The next cause; none where nothing passes the gates.
+fn next_cause(
+    base: &Machine,
+    current: &Machine,
+    runs: &[Run],
+    library: &[crate::identification::hypotheses::Hypothesis],
+    named: &[Candidate],
+    progress: &mut dyn FnMut(f64),
+) -> Option<Found> {
+    let is_named = |id: &str, variant: &str| {
+        named.iter().any(|named| named.hypothesis.id == id && named.hypothesis.variant == variant)
+    };
+    let mut hypotheses: Vec<_> = library
+        .iter()
+        .filter(|hypothesis| hypothesis.trace == Trace::Time && !is_named(hypothesis.id, &hypothesis.variant))
+        .cloned()
+        .collect();
+    let coarse = Evidence::of(runs, current);
+    hypotheses.extend(places::hypotheses(current, runs, &coarse));
+    let count = hypotheses.len() as f64;
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for (at, hypothesis) in hypotheses.iter().enumerate() {
+        progress(0.7 * at as f64 / count);
+        candidates.extend(coarse.screened(current, hypothesis));
+    }
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    candidates.truncate(3 * REFINED);
+    let best = candidates.first()?;
+    // At the noise that the best leaves the good ones are told apart.
+    let fine = Evidence::of(runs, &best.hypothesis.machine(current, &best.values));
+    let mut screened: Vec<Candidate> = candidates
+        .iter()
+        .map(|candidate| {
+            let cost = fine.cost(&candidate.hypothesis.machine(current, &candidate.values));
+            Candidate { cost, ..candidate.clone() }
+        })
+        .collect();
+    screened.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    screened.truncate(REFINED);
+    let mut refined: Vec<(Candidate, Vec<Candidate>)> =
+        screened.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
+    refined.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+    progress(0.9);
+    let (candidate, others) = refined.first()?.clone();
+    // The noise once more, that of the refined one; else its last digits are those of the first guess.
+    let mut all = others.clone();
+    all.push(candidate.clone());
+    let last = Evidence::of(runs, &with_all(base, &all));
+    let (candidate, others) = last.refined(base, &candidate, &others);
+    let without = last.cost(current);
+    let gain = without - candidate.cost;
+    let sections = gates::sections(runs);
+    let price = GAIN + candidate.values.len() as f64 * (sections as f64).ln();
+    if gain <= price {
+        return None;
+    }
+    let mut all = others.clone();
+    all.push(candidate.clone());
+    let with = with_all(base, &all);
+    let (seconds, _) = regions::acts_on(current, &with, runs);
+    let moved = regions::moved(current, &with, runs);
+    let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
+    if seconds.abs().max(NETTED * moved) < LEAST.max(SIZE * whole) {
+        return None;
+    }
+    if gain < LARGE * candidate.cost && !gates::stays_in_place(&last, current, &with) {
+        return None;
+    }
+    let held_out = gates::held_out(&last, current, &with);
+    if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
+        return None;
+    }
+    let alike = refined
+        .iter()
+        .skip(1)
+        .map(|(other, others)| {
+            let mut all = others.clone();
+            all.push(other.clone());
+            (other, last.cost(&with_all(base, &all)))
+        })
+        .filter(|(other, cost)| {
+            cost - candidate.cost < SAME && other.hypothesis.id != candidate.hypothesis.id
+        })
+        .map(|(other, _)| other.hypothesis.id.to_string())
+        .collect::<std::collections::BTreeSet<String>>();
+    let alike: Vec<String> = alike.into_iter().collect();
+    let share = held_out.as_ref().map_or(1.0, HeldOut::share);
+    let confidence = (1.0 - (-(gain - price) / 20.0).exp()) * share / (1.0 + alike.len() as f64);
+    Some(Found { candidate, others, alike, held_out, confidence })
+}
+
+/// What was named for a cause.
+type Details = (Vec<String>, Option<HeldOut>, f64);
+
+/// Takes back every cause that the others make unnecessary.
+fn without_unnecessary(
+    base: &Machine,
+    runs: &[Run],
+    mut named: Vec<Candidate>,
+    mut details: Vec<Details>,
+) -> (Vec<Candidate>, Vec<Details>) {
+    while 1 < named.len() {
+        let all = Evidence::of(runs, &with_all(base, &named));
+        let cost = all.cost(&with_all(base, &named));
+        let cheapest = (0..named.len())
+            .map(|at| {
+                let mut others = named.clone();
+                let dropped = others.remove(at);
+                let others = match others.split_last() {
+                    Some((last, rest)) => {
+                        let (last, mut rest) = all.refined(base, last, rest);
+                        rest.push(last);
+                        rest
+                    }
+                    None => others,
+                };
+                let _ = dropped;
+                (at, all.cost(&with_all(base, &others)) - cost, others)
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        match cheapest {
+            Some((at, rise, others)) if rise < GAIN => {
+                named = others;
+                details.remove(at);
+            }
+            _ => break,
+        }
+    }
+    (named, details)
+}
+
+/// Ids of the contract that these runs do not excite.
+fn not_excited(library: &[crate::identification::hypotheses::Hypothesis]) -> Vec<String> {
+    const ALL: [&str; 21] = [
+        "axis_acceleration_limit",
+        "path_acceleration_limit",
+        "axis_velocity_limit",
+        "jerk_limit",
+        "centripetal_acceleration_limit",
+        "filter_time_constant",
+        "filter_order",
+        "unequal_filters",
+        "corner_tolerance",
+        "junction_rule",
+        "exact_stop",
+        "in_position_wait",
+        "block_processing_time",
+        "look_ahead",
+        "path_smoothing",
+        "feed_override",
+        "rapid_override",
+        "unmodelled_wait",
+        "servo_lag",
+        "backlash",
+        "structural_vibration",
+    ];
+    let offered = |id: &&&str| library.iter().any(|hypothesis| hypothesis.id == **id);
+    ALL.iter().filter(|id| !offered(id)).map(|id| id.to_string()).collect()
+}

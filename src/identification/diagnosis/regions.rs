@@ -1,0 +1,131 @@
+//! Where: visits that lost time, taken together as ranges of lines.
+
+use std::ops::Range;
+
+use crate::identification::alignment::{Alignment, Place, times, visits};
+use crate::identification::comparison::Comparison;
+use crate::identification::fit::Run;
+use crate::machine::Machine;
+
+/// What a visit lost counts from so many standard deviations of its ends.
+const SEEN: f64 = 5.0;
+/// And from so many seconds.
+const LEAST: f64 = 2e-3;
+/// Regions this many visits apart are one.
+const APART: usize = 2;
+/// Regions listed at most.
+const MOST: usize = 100;
+/// A cause acts on a line whose time it changes by so much, s.
+const ACTS: f64 = 5e-4;
+
+/// A stretch in which simulation and recording differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// First and last line.
+    pub lines: (u32, u32),
+    /// Where along the path, mm.
+    pub distance: Range<f64>,
+    /// When in the recording, s.
+    pub time: Range<f64>,
+    /// How much longer the recorded machine took, s.
+    pub seconds: f64,
+}
+
+/// The regions of a comparison, by what they lost, the most first.
+pub fn regions(comparison: &Comparison, alignment: &Alignment) -> Vec<Region> {
+    let mut deviations: Vec<f64> = alignment.marks.iter().map(|mark| mark.deviation).collect();
+    let noise = crate::identification::alignment::median(&mut deviations).max(1e-4);
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for (at, visit) in comparison.lost.iter().enumerate() {
+        if visit.seconds().abs() < (SEEN * noise).max(LEAST) {
+            continue;
+        }
+        match found.last_mut() {
+            Some(last) if at - last.1 <= APART => last.1 = at,
+            _ => found.push((at, at)),
+        }
+    }
+    let region = |(first, last): (usize, usize)| {
+        let visits = &comparison.lost[first..=last];
+        let lines = visits.iter().map(|visit| visit.line.0);
+        Region {
+            lines: (lines.clone().min().unwrap_or(0), lines.max().unwrap_or(0)),
+            distance: visits[0].distance.start..visits[visits.len() - 1].distance.end,
+            time: visits[0].recorded.start..visits[visits.len() - 1].recorded.end,
+            seconds: visits.iter().map(|visit| visit.seconds()).sum(),
+        }
+    };
+    let mut regions: Vec<Region> = found.into_iter().map(region).collect();
+    regions.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
+    regions.truncate(MOST);
+    regions
+}
+
+/// By how much a machine is slower than another on each visit of the runs, s, with its line.
+fn differences(without: &Machine, with: &Machine, run: &Run) -> Vec<(u32, f64)> {
+    let visits = visits(run.toolpath);
+    let places: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
+    let ends = |machine: &Machine| {
+        let plan = run.plan(machine);
+        let mut times = times(run.toolpath, &plan, &places);
+        times.push(plan.cycle_time());
+        times.iter_mut().for_each(|time| *time *= machine.recorder.clock_ratio);
+        times
+    };
+    let (before, after) = (ends(without), ends(with));
+    let lost = |at: usize| (after[at + 1] - after[at]) - (before[at + 1] - before[at]);
+    visits.iter().enumerate().map(|(at, visit)| (visit.line.0, lost(at))).collect()
+}
+
+/// The time (s) that one machine takes longer than another, and the lines on which it does.
+pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, Vec<(u32, u32)>) {
+    let mut seconds = 0.0;
+    let mut lines = std::collections::BTreeSet::new();
+    for run in runs {
+        for (line, lost) in differences(without, with, run) {
+            seconds += lost;
+            if ACTS < lost.abs() {
+                lines.insert(line);
+            }
+        }
+    }
+    (seconds, ranges(lines.into_iter()))
+}
+
+/// All that one machine is slower or faster than another, s, nothing set off.
+pub fn moved(without: &Machine, with: &Machine, runs: &[Run]) -> f64 {
+    runs.iter().flat_map(|run| differences(without, with, run)).map(|(_, lost)| lost.abs()).sum()
+}
+
+/// All lines that move or wait.
+pub fn all_lines(runs: &[Run]) -> Vec<(u32, u32)> {
+    let lines: std::collections::BTreeSet<u32> =
+        runs.iter().flat_map(|run| visits(run.toolpath)).map(|visit| visit.line.0).collect();
+    match (lines.first(), lines.last()) {
+        (Some(first), Some(last)) => vec![(*first, *last)],
+        _ => Vec::new(),
+    }
+}
+
+/// Ascending lines as ranges of neighbours.
+fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
+    let mut ranges: Vec<(u32, u32)> = Vec::new();
+    for line in lines {
+        match ranges.last_mut() {
+            Some(last) if line == last.1 + 1 => last.1 = line,
+            _ => ranges.push((line, line)),
+        }
+    }
+    ranges
+}
+
+/// Lost time that is left, s: what the residual still wanders from end to end and between.
+pub fn left(comparisons: &[Comparison], runs: &[Run]) -> f64 {
+    let of_run = |(comparison, run): (&Comparison, &Run)| {
+        let regions = regions(comparison, run.alignment);
+        let located: f64 = regions.iter().map(|region| region.seconds.abs()).sum();
+        let whole = (comparison.whole.recorded - comparison.whole.simulated).abs();
+        located.max(whole)
+    };
+    comparisons.iter().zip(runs).map(of_run).sum()
+}
