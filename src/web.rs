@@ -1,4 +1,4 @@
-//! The boundary to JavaScript: one job that simulates, one chart that draws.
+//! The boundary to JavaScript: one job that simulates, one chart that draws, one set of runs that calibrates.
 //!
 //! The worker holds a [`Job`] and answers with summaries and columns; the page holds a
 //! [`Chart`] and forwards pixels. What comes in is JSON text, which refuses unknown fields, and
@@ -9,9 +9,11 @@
 
 mod chart;
 mod job;
+mod recorded;
 
 use wasm_bindgen::prelude::*;
 
+use crate::identification::recording;
 use crate::machine::{USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
 use crate::plot::PALETTE;
 use crate::project::{self, faults_to_json, machine_from_form, motion_of_machine, toml_from_machine};
@@ -82,6 +84,24 @@ pub fn label_of_tolerance(tolerance: f64) -> String {
 #[wasm_bindgen(js_name = deviationLabel)]
 pub fn label_of_deviation(deviation: f64) -> String {
     deviation_label(deviation)
+}
+
+/// How a time lost (s) is shown.
+#[wasm_bindgen(js_name = lostLabel)]
+pub fn label_of_lost(seconds: f64) -> String {
+    project::lost_label(seconds)
+}
+
+/// Whether a file, or the beginning of it, is a machine log and no program.
+#[wasm_bindgen(js_name = isRecording)]
+pub fn is_recording(bytes: &[u8]) -> bool {
+    recording::is_recording(bytes)
+}
+
+/// How many bytes of a file are enough to tell.
+#[wasm_bindgen(js_name = sniffedBytes)]
+pub fn sniffed_bytes() -> usize {
+    recording::SNIFFED_BYTES
 }
 
 /// How many curves one chart tells apart by colour.

@@ -1,9 +1,10 @@
-// Runs simulations in a worker, one at a time. Cancelling ends the worker; the next run starts a fresh one.
+// Runs simulations, comparisons and calibrations in a worker, one at a time. Cancelling ends the worker; the next run
+// starts a fresh one.
 
-/** @import { Column, Held, ProgramSummary, Steps, Run } from "./types.js" */
+/** @import { CalibrationReport, Column, ComparisonReport, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run } from "./types.js" */
 
 /**
- * @typedef {object} Request
+ * @typedef {object} SimulateRequest
  * @property {Uint8Array} program
  * @property {string} machine  JSON
  * @property {string | null} dialect  null: the one the program shows
@@ -11,9 +12,13 @@
  * @property {string[]} labels  of the columns
  */
 
+/** @typedef {{program: Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
+/** @typedef {{machine: string, runs: {name: string, program: Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
+/** @typedef {(text: string, part: number) => void} Stage */
+
 /**
  * @typedef {object} Listener
- * @property {(text: string, part: number) => void} stage
+ * @property {Stage} stage
  * @property {(summary: ProgramSummary, steps: Steps, held: Held[]) => void} program
  * @property {(column: Column, run: Run) => void} run
  */
@@ -38,8 +43,47 @@ export class Engine {
     this.module = module
   }
 
-  /** Simulates a program; the listener hears of each part. @param {Request} request @param {Listener} listener */
+  /** Simulates a program; the listener hears of each part. @param {SimulateRequest} request @param {Listener} listener */
   async simulate(request, listener) {
+    await this.#run('simulate', request, (data) => {
+      if (data.type === 'stage') listener.stage(data.text, data.part)
+      else if (data.type === 'program') listener.program(data.summary, data.steps, data.held)
+      else listener.run(data.column, { summary: data.summary, columns: data.columns })
+    })
+  }
+
+  /**
+   * Compares a recording with a program.
+   * @param {CompareRequest} request
+   * @param {Stage} stage
+   * @returns {Promise<{report?: ComparisonReport, refusal?: Refusal, columns: MatchedColumns}>}
+   */
+  compare(request, stage) {
+    return this.#result('compare', request, stage)
+  }
+
+  /**
+   * Calibrates a machine; undefined where no run can be compared.
+   * @param {CalibrateRequest} request
+   * @param {Stage} stage
+   * @returns {Promise<{report?: CalibrationReport}>}
+   */
+  calibrate(request, stage) {
+    return this.#result('calibrate', request, stage)
+  }
+
+  /** Runs what gives one result. @param {string} verb @param {object} request @param {Stage} stage @returns {Promise<any>} */
+  async #result(verb, request, stage) {
+    let result
+    await this.#run(verb, request, (data) => {
+      if (data.type === 'stage') stage(data.text, data.part)
+      else result = data
+    })
+    return result
+  }
+
+  /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
+  async #run(verb, request, hear) {
     this.cancel()
     this.#worker ??= new Worker(new URL('worker.js', import.meta.url), { type: 'module' })
     const worker = this.#worker
@@ -47,16 +91,13 @@ export class Engine {
       this.#reject = reject
       worker.onerror = (event) => this.#end('failed', event.message ?? 'the worker could not be started')
       worker.onmessage = ({ data }) => {
-        if (data.type === 'stage') listener.stage(data.text, data.part)
-        else if (data.type === 'program') listener.program(data.summary, data.steps, data.held)
-        else if (data.type === 'run') listener.run(data.column, { summary: data.summary, columns: data.columns })
-        else if (data.type === 'failure') this.#end('failed', data.message)
-        else {
+        if (data.type === 'failure') this.#end('failed', data.message)
+        else if (data.type === 'done') {
           this.#reject = null
           resolve(undefined)
-        }
+        } else hear(data)
       }
-      worker.postMessage({ module: this.module, ...request })
+      worker.postMessage({ module: this.module, verb, request })
     })
   }
 

@@ -21,12 +21,21 @@ const short = (value) => (Math.abs(value) < 1000 ? one : none).format(value)
 /** Seconds. @param {number} value */
 export const seconds = (value) => `${short(value)} s`
 
+/** The sign of a number as it is written; nothing has none. @param {number} value @param {string} written */
+const sign = (value, written) => (/[1-9]/.test(written) ? (value < 0 ? '−' : '+') : '')
+
 /** A signed difference in seconds. @param {number} value */
-export const difference = (value) => `${value < 0 ? '−' : '+'}${short(Math.abs(value))} s`
+export function difference(value) {
+  const written = short(Math.abs(value))
+  return `${sign(value, written)}${written} s`
+}
 
 /** A signed ratio as a percentage. @param {number} ratio */
-export const percent = (ratio) =>
-  Number.isFinite(ratio) ? `${ratio < 0 ? '−' : '+'}${short(Math.abs(ratio) * 100)} %` : '–'
+export function percent(ratio) {
+  if (!Number.isFinite(ratio)) return '–'
+  const written = short(Math.abs(ratio) * 100)
+  return `${sign(ratio, written)}${written} %`
+}
 
 /** An amount of money, in whatever currency the rate is. @param {number} value */
 export const money = (value) => two.format(value)

@@ -6,6 +6,7 @@ import init, {
   form as formOfModule,
   mostCurves,
   motionOf,
+  toleranceLabel,
   usualTolerances,
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
@@ -15,12 +16,16 @@ import * as chartPanel from './panels/chart.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
 import * as machinePanel from './panels/machine.js'
 import * as programPanel from './panels/program.js'
+import * as calibrationPanel from './panels/calibration.js'
+import * as findingsPanel from './panels/findings.js'
 import * as progressPanel from './panels/progress.js'
+import * as recordingPanel from './panels/recording.js'
 import * as resultsPanel from './panels/results.js'
 import * as tolerancesPanel from './panels/tolerances.js'
+import { pairs, recordingOf, usable } from './recordings.js'
 import { loadSettings, saveSettings } from './settings.js'
 
-/** @import { Column, Form, MachineForm, Outcome, Place, Program, State, Value, Values } from "./types.js" */
+/** @import { Column, Form, MachineForm, Outcome, Place, Program, Recording, State, Value, Values } from "./types.js" */
 
 const DEBOUNCE_MS = 300
 
@@ -57,6 +62,10 @@ const state = {
   programmed: settings.programmed ?? true,
   tolerances: settings.tolerances ?? [...usualTolerances()],
   machine: filled(knownPreset, { ...(settings.values ?? form.presets[knownPreset].values) }),
+  recordings: [],
+  recording: null,
+  calibration: null,
+  calibrating: false,
   progress: null,
   paused: false,
 }
@@ -71,8 +80,63 @@ export const actions = {
     for (const { name, bytes } of files) {
       state.programs.push({ id: nextId++, name, bytes, lines: linesOf(bytes), dialect: null, outcome: null, failure: null })
     }
-    state.selected = state.programs[state.programs.length - files.length]?.id ?? state.selected
+    const added = state.programs[state.programs.length - files.length]
+    state.selected = added?.id ?? state.selected
+    for (const recording of state.recordings) recording.program ??= pairs(recording.name, state)
     changed()
+  },
+  /** @param {{name: string, bytes: Uint8Array}[]} files */
+  addRecordings(files) {
+    for (const { name, bytes } of files) {
+      const program = pairs(name, state)
+      state.recordings.push({ id: nextId++, name, bytes, program, used: true, match: null, failure: null, findings: null })
+    }
+    actions.selectRecording(state.recordings[state.recordings.length - files.length].id)
+    changed()
+    recordings.reveal()
+  },
+  /** Shows a recording, and the program it is of. @param {number} id */
+  selectRecording(id) {
+    state.recording = id
+    const program = state.recordings.find((recording) => recording.id === id)?.program
+    if (state.programs.some((candidate) => candidate.id === program)) state.selected = program ?? null
+    update()
+  },
+  /** Says which program a recording is of. @param {number} id @param {number} program */
+  setProgramOf(id, program) {
+    change(id, { program, match: null, failure: null, findings: null })
+    actions.selectRecording(id)
+    changed()
+  },
+  /** Whether a recording is used to calibrate. @param {number} id @param {boolean} used */
+  setUsed(id, used) {
+    change(id, { used })
+    update()
+  },
+  /** Takes a recording out; the function returned puts it back. @param {number} id */
+  removeRecording(id) {
+    const index = state.recordings.findIndex((recording) => recording.id === id)
+    const [recording] = state.recordings.splice(index, 1)
+    changed()
+    return () => {
+      state.recordings.splice(index, 0, recording)
+      actions.selectRecording(id)
+      changed()
+    }
+  },
+  /** Calibrates the machine from all recordings that are used. */
+  calibrate() {
+    state.calibrating = true
+    engine.cancel()
+    changed()
+  },
+  /** Takes the machine back that was there before the calibration. */
+  undoCalibration() {
+    if (!state.calibration) return
+    const { preset, values, tolerances } = state.calibration.before
+    state.calibration = null
+    state.tolerances = tolerances
+    actions.setMachine(preset, values)
   },
   /** @param {number} id */
   select(id) {
@@ -101,6 +165,7 @@ export const actions = {
     // Nothing of the former reading holds.
     program.outcome = null
     program.failure = null
+    for (const recording of state.recordings) if (recording.program === id) recording.match = null
     if (state.progress?.program === id) engine.cancel()
     changed()
   },
@@ -134,6 +199,12 @@ export const actions = {
     changed()
   },
   cancel() {
+    // Who stops a calibration wants the machine as it is, and its results.
+    if (state.calibrating) {
+      state.calibrating = false
+      engine.cancel()
+      return changed()
+    }
     state.paused = true
     engine.cancel()
     update()
@@ -142,6 +213,12 @@ export const actions = {
     state.paused = false
     changed()
   },
+}
+
+/** @param {number} id @param {Partial<Recording>} what */
+function change(id, what) {
+  const recording = state.recordings.find((candidate) => candidate.id === id)
+  if (recording) Object.assign(recording, what)
 }
 
 /** The lines of a program, told apart when they are first asked for. @param {Uint8Array} bytes */
@@ -187,12 +264,21 @@ async function work() {
     const selectedFirst = [...state.programs].sort(
       (a, b) => Number(b.id === state.selected) - Number(a.id === state.selected),
     )
-    const program = selectedFirst.find(
-      (candidate) => missing(candidate).length > 0 && candidate.failure !== state.machine.motion,
-    )
     const { motion } = state.machine
-    if (!program || state.paused || motion === undefined) break
-    if (!(await simulate(program, motion))) break
+    const program = selectedFirst.find((candidate) => missing(candidate).length > 0 && candidate.failure !== motion)
+    const recording = selectedFirst
+      .flatMap(({ id }) => state.recordings.filter((candidate) => candidate.program === id))
+      .find(({ match, failure }) => match?.motion !== motion && failure !== motion)
+    if (state.paused || motion === undefined) break
+    // What is in sight comes first, its simulation before its comparison.
+    const compares = recording && (!program || (recording.program === state.selected && program.id !== state.selected))
+    if (state.calibrating) {
+      if (!(await calibrate())) break
+    } else if (compares) {
+      if (!(await compare(recording, motion))) break
+    } else if (program) {
+      if (!(await simulate(program, motion))) break
+    } else break
   }
   state.progress = null
   update()
@@ -235,8 +321,76 @@ async function simulate(program, motion) {
   return true
 }
 
+/** Tells the progress of what is not a simulation. @param {number | null} program */
+function stageOf(program) {
+  return (/** @type {string} */ stage, /** @type {number} */ part) => {
+    state.progress = { program, stage, part }
+    progress.update(state)
+  }
+}
+
+/** Compares a recording with its program; false where that was cancelled. @param {Recording} recording @param {string} motion */
+async function compare(recording, motion) {
+  const program = state.programs.find(({ id }) => id === recording.program)
+  if (!program) return false
+  const { dialect } = program
+  const stage = stageOf(program.id)
+  stage(`Comparing ${recording.name}`, 0)
+  try {
+    update()
+    const machine = JSON.stringify(state.machine.values)
+    const request = { program: program.bytes, machine, dialect, recording: recording.bytes }
+    const { report, refusal, columns } = await engine.compare(request, stage)
+    // It may have been given another program meanwhile.
+    if (recording.program === program.id && program.dialect === dialect) {
+      recording.match = { motion, report, refusal, columns }
+      recording.failure = null
+      recording.findings = null
+    }
+  } catch (error) {
+    if (error instanceof Ended && error.kind === 'cancelled') return false
+    recording.failure = motion
+    fail(`${recording.name} could not be compared: ${error instanceof Error ? error.message : error}.`)
+  }
+  return true
+}
+
+/** Calibrates the machine; false where that was cancelled. */
+async function calibrate() {
+  const stage = stageOf(null)
+  stage('Calibrating the machine', 0)
+  const runs = usable(state).flatMap(({ name, program: id, bytes: recording }) => {
+    const program = state.programs.find((candidate) => candidate.id === id)
+    return program ? [{ name, program: program.bytes, dialect: program.dialect, recording }] : []
+  })
+  const { preset, values } = state.machine
+  const before = { preset, values, tolerances: state.tolerances }
+  try {
+    update()
+    const { report } = await engine.calibrate({ machine: JSON.stringify(values), runs }, stage)
+    state.calibrating = false
+    if (report) take({ report, before })
+  } catch (error) {
+    if (error instanceof Ended && error.kind === 'cancelled') return false
+    state.calibrating = false
+    fail(`The machine could not be calibrated: ${error instanceof Error ? error.message : error}.`)
+  }
+  return true
+}
+
+/** Puts a calibrated machine in the form, and its tolerance among those shown. @param {import("./types.js").Calibration} calibration */
+function take(calibration) {
+  const { values, tolerance_mm: tolerance } = calibration.report
+  const label = toleranceLabel(tolerance)
+  const others = state.tolerances.filter((other) => toleranceLabel(other) !== label)
+  state.calibration = calibration
+  state.tolerances = [...others.slice(0, mostCurves() - 2), tolerance].sort((a, b) => a - b)
+  actions.setMachine(state.machine.preset, values)
+}
+
 const progress = progressPanel.mount(element('progress'), actions)
 const chart = chartPanel.mount(element('chart'))
+const recordings = recordingPanel.mount(element('recording'), actions)
 const panels = [
   progress,
   programPanel.mount(element('program'), JSON.parse(dialects()), actions),
@@ -244,12 +398,16 @@ const panels = [
   tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
   resultsPanel.mount(element('results'), form, actions),
   chart,
+  recordings,
+  calibrationPanel.mount(element('calibration'), actions),
+  findingsPanel.mount(element('findings'), actions),
   breakdownPanel.mount(element('breakdown'), actions),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 
 function update() {
   document.body.classList.toggle('has-programs', state.programs.length > 0)
+  document.body.classList.toggle('has-recording', recordingOf(state) !== undefined)
   for (const panel of panels) panel.update(state)
 }
 

@@ -125,7 +125,76 @@
  * @property {string | undefined} motion  what a simulation reads of it; rates are not among it
  */
 
-/** @typedef {{program: number, stage: string, part: number}} Progress */
+/** What a comparison is drawn from: mm, mm/s, s. @typedef {{recordedDistance: Float64Array, recordedFeedrate: Float64Array, recordedTime: Float64Array, simulatedDistance: Float64Array, simulatedFeedrate: Float64Array, simulatedTime: Float64Array, lostDistance: Float64Array, lostSeconds: Float64Array}} MatchedColumns */
+
+/** Why a recording cannot be compared, and what to do. @typedef {{reason: string, advice: string}} Refusal */
+
+/**
+ * A stretch where time was lost.
+ * @typedef {object} Stretch
+ * @property {[number, number]} lines
+ * @property {[number, number]} distance_mm
+ * @property {number} seconds  recorded less simulated
+ * @property {number} recorded_s
+ * @property {number} simulated_s
+ * @property {string} kind  motion, or what is waited for
+ */
+
+/**
+ * A recording beside the simulation.
+ * @typedef {object} ComparisonReport
+ * @property {string} sentence
+ * @property {string} aligned
+ * @property {string[]} measures
+ * @property {string[]} remarks
+ * @property {number} recorded_s
+ * @property {number} simulated_s
+ * @property {number} time_error
+ * @property {{name: string, is_detail: boolean, recorded_s: number, simulated_s: number}[]} parts
+ * @property {Stretch[]} stretches
+ * @property {number} all_stretches
+ */
+
+/**
+ * What a calibration gave; texts come from Rust.
+ * @typedef {object} CalibrationReport
+ * @property {string} sentence
+ * @property {{key: string, label: string, unit: string, before: string, after: string, deviation: string | null, verdict: string}[]} estimates
+ * @property {{name: string, time: string, motion: string, feed: string | null, cam_feed: string | null}[]} runs
+ * @property {string[]} remarks
+ * @property {Values} values
+ * @property {number} tolerance_mm
+ */
+
+/**
+ * What is said about a recording beyond where time was lost: a sentence first, then what it stands on.
+ * @typedef {object} Findings
+ * @property {string} sentence
+ * @property {{label: string, detail: string, lines: [number, number][], seconds: number | null, confidence: number | null}[]} causes
+ * @property {{lines: [number, number], distance_mm: [number, number], seconds: number}[]} regions
+ */
+
+/**
+ * What a recording gave on one machine.
+ * @typedef {{motion: string, report?: ComparisonReport, refusal?: Refusal, columns: MatchedColumns}} Match
+ */
+
+/**
+ * @typedef {object} Recording
+ * @property {number} id
+ * @property {string} name
+ * @property {Uint8Array} bytes
+ * @property {number | null} program  of which it is; null: not there yet
+ * @property {boolean} used  to calibrate
+ * @property {Match | null} match
+ * @property {string | null} failure  why the last comparison of it ended
+ * @property {Findings | null} findings
+ */
+
+/** What was in the form before a calibration. @typedef {{preset: number, values: Values, tolerances: number[]}} Before */
+/** @typedef {{report: CalibrationReport, before: Before}} Calibration */
+
+/** @typedef {{program: number | null, stage: string, part: number}} Progress */
 
 /**
  * @typedef {object} State
@@ -134,6 +203,10 @@
  * @property {boolean} programmed  the program's own tolerances are shown, where it sets any
  * @property {number[]} tolerances  mm, ascending
  * @property {MachineForm} machine
+ * @property {Recording[]} recordings
+ * @property {number | null} recording  the one in sight
+ * @property {Calibration | null} calibration
+ * @property {boolean} calibrating  a calibration was asked for and is not there yet
  * @property {Progress | null} progress
  * @property {boolean} paused  the user cancelled; nothing runs until something changes
  */

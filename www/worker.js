@@ -1,33 +1,72 @@
-// Simulates in the background: one request in, messages out, columns transferred.
+// Simulates, compares and calibrates in the background: one request in, messages out, columns transferred.
 
-import init, { Job } from './pkg/truefeed.js'
+import init, { Job, Runs, compareRecording } from './pkg/truefeed.js'
 
-/** @import { Columns, Steps } from "./types.js" */
+/** @import { CalibrateRequest, CompareRequest, SimulateRequest } from "./engine.js" */
 
-self.onmessage = async ({ data: { module, program, machine, dialect, columns, labels } }) => {
+const VERBS = { simulate, compare, calibrate }
+const MATCHED = /** @type {const} */ ([
+  'recordedDistance',
+  'recordedFeedrate',
+  'recordedTime',
+  'simulatedDistance',
+  'simulatedFeedrate',
+  'simulatedTime',
+  'lostDistance',
+  'lostSeconds',
+])
+
+self.onmessage = async ({ data: { module, verb, request } }) => {
   try {
-    const of = columns.length + 1
-    stage('Reading the program', 0, of)
     await init({ module_or_path: module })
-    const job = new Job(program, machine, dialect ?? undefined)
-    const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
-    const held = job.tolerances()
-    post({ type: 'program', summary: job.summary(), steps, held }, Object.values(steps))
-    for (const [index, column] of columns.entries()) {
-      if (column === null && held.length === 0) continue
-      const progress = (/** @type {number} */ part) => stage(`Simulating ${labels[index]}`, index + 1 + part, of)
-      progress(0)
-      const run = job.simulate(column ?? undefined, progress)
-      const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc'])
-      post({ type: 'run', column, summary: run.summary.runs[0], columns: curve }, Object.values(curve))
-      run.free()
-    }
-    job.free()
+    VERBS[/** @type {keyof typeof VERBS} */ (verb)](request)
     post({ type: 'done' }, [])
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error)
     post({ type: 'failure', message, bug: error instanceof WebAssembly.RuntimeError }, [])
   }
+}
+
+/** @param {SimulateRequest} request */
+function simulate({ program, machine, dialect, columns, labels }) {
+  const of = columns.length + 1
+  stage('Reading the program', 0, of)
+  const job = new Job(program, machine, dialect ?? undefined)
+  const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
+  const held = job.tolerances()
+  post({ type: 'program', summary: job.summary(), steps, held }, Object.values(steps))
+  for (const [index, column] of columns.entries()) {
+    if (column === null && held.length === 0) continue
+    const progress = (/** @type {number} */ part) => stage(`Simulating ${labels[index]}`, index + 1 + part, of)
+    progress(0)
+    const run = job.simulate(column ?? undefined, progress)
+    const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc'])
+    post({ type: 'run', column, summary: run.summary.runs[0], columns: curve }, Object.values(curve))
+    run.free()
+  }
+  job.free()
+}
+
+/** @param {CompareRequest} request */
+function compare({ program, machine, dialect, recording }) {
+  stage('Comparing the recording', 0, 1)
+  const { report, refusal, columns } = compareRecording(program, machine, dialect ?? undefined, recording)
+  const curves = plain(columns, [...MATCHED])
+  post({ type: 'compared', report, refusal, columns: curves }, Object.values(curves))
+}
+
+/** @param {CalibrateRequest} request */
+function calibrate({ machine, runs }) {
+  const of = runs.length + 10
+  const all = new Runs(machine)
+  for (const [index, { name, program, dialect, recording }] of runs.entries()) {
+    stage(`Reading ${name}`, index, of)
+    all.add(name, program, dialect ?? undefined, recording)
+  }
+  const progress = (/** @type {number} */ part) => stage('Calibrating the machine', runs.length + 10 * part, of)
+  progress(0)
+  post({ type: 'calibrated', report: all.calibrate(progress) }, [])
+  all.free()
 }
 
 /** @param {string} text @param {number} done @param {number} of */

@@ -31,6 +31,8 @@ pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
 pub struct Machine {
     /// Name shown to people.
     pub name: String,
+    /// Where the numbers come from; may be empty.
+    pub provenance: String,
     /// How feed pulses become motion.
     pub interpolator: Interpolator,
     /// What is particular to rapid moves.
@@ -261,6 +263,7 @@ impl Default for Machine {
     fn default() -> Machine {
         Machine {
             name: "Machining centre".to_string(),
+            provenance: String::new(),
             interpolator: Interpolator {
                 filters: 3,
                 time_constants: TimeConstants::Equal(0.0255),

@@ -157,12 +157,18 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 27] = [
+const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "name",
         label: "Name",
         doc: "What you call the machine.",
         access: Access::Text { get: |m| &m.name, set: |m, v| m.name = v.to_string() },
+    },
+    Parameter {
+        key: "provenance",
+        label: "Provenance",
+        doc: "Where the numbers come from: which runs, and how far off they are.",
+        access: Access::Text { get: |m| &m.provenance, set: |m, v| m.provenance = v.to_string() },
     },
     Parameter {
         key: "interpolator.filters",

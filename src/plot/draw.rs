@@ -1,13 +1,13 @@
 //! The whole picture: the legend, below it the panel of feedrates, below that the panel of contour
-//! errors, both over the same distance.
+//! errors or of the time lost, both over the same distance.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::plot::feed_panel::{self, PROGRAMMED_WIDTH};
+use crate::plot::feed_panel::{self, programmed_width};
 use crate::plot::panel::{FONT, FONT_SIZE, Look, grouped};
-use crate::plot::{FeedChart, Frame, Theme, View, error_panel};
+use crate::plot::{FeedChart, Frame, Theme, View, error_panel, lost_panel};
 use crate::units::mm_per_min;
 
 /// What drawing on a backend can fail with.
@@ -25,7 +25,8 @@ pub fn draw<B: DrawingBackend>(
     backend: B,
 ) -> Result<Frame, Failure<B>> {
     let (low, high) = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
-    let label_characters = grouped(high, high - low).chars().count().max(5);
+    let least = if chart.lost.is_some() { 6 } else { 5 };
+    let label_characters = grouped(high, high - low).chars().count().max(least);
     let look = Look { theme: *theme, scale, label_characters };
     let root = backend.into_drawing_area();
     root.fill(&theme.background)?;
@@ -33,9 +34,12 @@ pub fn draw<B: DrawingBackend>(
     let (_, body) = root.split_vertically(legend);
     let (upper, lower) = body.split_vertically((FEED_PART * f64::from(body.dim_in_pixel().1)).round() as u32);
     let feed = feed_panel::draw(chart, view, &look, &upper)?;
-    let errors = error_panel::draw(chart, view, &look, &lower)?;
+    let below = match &chart.lost {
+        None => error_panel::draw(chart, view, &look, &lower)?,
+        Some(lost) => lost_panel::draw(chart, lost, view, &look, &lower)?,
+    };
     root.present()?;
-    Ok(Frame { view, x: feed.x, y: feed.y, errors_y: errors.y })
+    Ok(Frame { view, x: feed.x, y: feed.y, errors_y: below.y })
 }
 
 /// Draws the names of what is shown in rows at the top; returns their height in pixels.
@@ -56,7 +60,7 @@ fn draw_legend<B: DrawingBackend>(
     let (mut x, mut y) = (left, points(14.0));
     let curves = curves.map(|(label, color)| (label, color, 2.5));
     for (label, color, thickness) in
-        [("programmed", &theme.programmed, PROGRAMMED_WIDTH)].into_iter().chain(curves)
+        [("programmed", &theme.programmed, programmed_width(chart))].into_iter().chain(curves)
     {
         let width = swatch + gap + root.estimate_text_size(label, &style)?.0 as i32;
         if left < x && right < x + width {
@@ -73,7 +77,7 @@ fn draw_legend<B: DrawingBackend>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Curve, Programmed, Stretch};
+    use crate::plot::{Curve, LostTime, Programmed, Stretch};
     use crate::simulation::contour::ContourErrors;
 
     fn chart() -> FeedChart {
@@ -95,7 +99,11 @@ mod tests {
             feedrate: vec![0.0, 500.0, 20.0, 20.0, dip, 30.0, 0.0],
             time: vec![0.0, 1.0, 2.0, 4.0, 4.1, 4.2, 6.0],
         };
-        FeedChart { programmed, curves: vec![curve("10 µm", 0.01, 4.0), curve("20 µm", 0.02, 9.0)] }
+        FeedChart {
+            programmed,
+            curves: vec![curve("10 µm", 0.01, 4.0), curve("20 µm", 0.02, 9.0)],
+            lost: None,
+        }
     }
 
     fn svg(view: View) -> (String, Frame) {
@@ -157,6 +165,26 @@ mod tests {
         let error = bottom - highest(&mut needle.into_iter());
         assert!(50.0 < bottom - line);
         assert!((error / (bottom - line) - 0.5).abs() < 0.02, "{error} of {}", bottom - line);
+    }
+
+    #[test]
+    fn beside_a_recording_the_lower_panel_is_the_time_lost() {
+        let mut chart = chart();
+        let lost = LostTime { distance: vec![0.0, 50.0, 50.0, 100.0], seconds: vec![0.0, -1.0, 3.0, 2.0] };
+        chart.lost = Some(lost);
+        assert_eq!(chart.reading(25.0, 1.0).lost, Some(-0.5));
+        assert_eq!(chart.reading(50.0, 1.0).lost, Some(-1.0));
+        assert_eq!(chart.reading(75.0, 1.0).lost, Some(2.5));
+        let (text, frame) = svg_of(&chart, chart.full_view(false));
+        assert!(text.contains("Time lost (s)") && !text.contains("Contour error"));
+        let (top, bottom) = frame.errors_y;
+        let rows: Vec<_> = points_of(&text, "#0072B2").filter(|&(_, y)| top <= y).collect();
+        let of = |pick: fn(f64, f64) -> f64| rows.iter().map(|&(_, y)| y).reduce(pick).expect("it is drawn");
+        let (highest, lowest) = (of(f64::min), of(f64::max));
+        assert!(highest < lowest && lowest <= bottom, "{highest} to {lowest} of {bottom}");
+        // The wait of 4 s is the whole height between the lowest and the highest point.
+        let wait = rows.iter().filter(|(x, _)| (x - frame.x_of(50.0)).abs() <= 1.0);
+        assert!(wait.clone().any(|&(_, y)| y == highest) && wait.clone().any(|&(_, y)| y == lowest));
     }
 
     #[test]

@@ -10,7 +10,15 @@ use crate::plot::{FeedChart, View};
 use crate::units::mm_per_min;
 
 /// Width of the programmed steps, points.
-pub(crate) const PROGRAMMED_WIDTH: f64 = 5.0;
+const PROGRAMMED_WIDTH: f64 = 5.0;
+
+/// The same beside a recording, where two motions are compared with each other, points.
+const PROGRAMMED_WIDTH_BESIDE: f64 = 1.5;
+
+/// Width of the programmed steps of a chart, points.
+pub(crate) fn programmed_width(chart: &FeedChart) -> f64 {
+    if chart.lost.is_some() { PROGRAMMED_WIDTH_BESIDE } else { PROGRAMMED_WIDTH }
+}
 
 /// Draws the feedrates of a chart on an area.
 pub(crate) fn draw<B: DrawingBackend>(
@@ -38,8 +46,13 @@ pub(crate) fn draw<B: DrawingBackend>(
         context.draw_series(parts.map(|part| PathElement::new(in_minutes(part), style))).map(|_| ())
     };
     let programmed = programmed_steps(chart, view, columns);
-    line(&programmed, theme.programmed.stroke_width(look.points(PROGRAMMED_WIDTH)))?;
-    for (curve, color) in chart.curves.iter().zip(theme.curves.iter().cycle()) {
+    line(&programmed, theme.programmed.stroke_width(look.points(programmed_width(chart))))?;
+    let mut curves: Vec<_> = chart.curves.iter().zip(theme.curves.iter().cycle()).collect();
+    if chart.lost.is_some() {
+        // What was recorded lies over what was simulated.
+        curves.reverse();
+    }
+    for (curve, color) in curves {
         let kept = decimated(&curve.distance, &curve.feedrate, view.distance, columns);
         line(&kept, color.stroke_width(look.points(1.75)))?;
     }

@@ -9,6 +9,9 @@
 //! Stretches of rapid motion are shaded, because the first view fits the cutting feedrates and
 //! rapids may leave it at the top.
 //!
+//! Beside a recording the curves are the recorded and the simulated feedrate, and the lower panel shows
+//! the time the recorded machine lost since the start, s, instead of the contour error.
+//!
 //! What is drawn is decimated to the pixel columns of the picture (`decimate`), so that a
 //! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its
 //! [`Frame`], which turns pixels into data and back.
@@ -17,6 +20,7 @@ mod decimate;
 mod draw;
 mod error_panel;
 mod feed_panel;
+mod lost_panel;
 mod panel;
 mod theme;
 mod view;
@@ -36,6 +40,18 @@ pub struct FeedChart {
     pub programmed: Programmed,
     /// What the machine does, one curve for each tolerance.
     pub curves: Vec<Curve>,
+    /// Time lost against a recording, shown instead of contour errors; none without one.
+    pub lost: Option<LostTime>,
+}
+
+/// How much later a recorded machine is than the simulated one, over distance, straight lines between
+/// the rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LostTime {
+    /// Distance along the programmed path, mm; ascending, with equal values where the tool waits.
+    pub distance: Vec<f64>,
+    /// Time lost since the start, s.
+    pub seconds: Vec<f64>,
 }
 
 /// The programmed feedrate as steps over distance, one step a segment.
@@ -92,6 +108,8 @@ pub struct Reading {
     pub rapid: bool,
     /// What each curve says there; none where the curve is empty.
     pub curves: Vec<Option<CurveReading>>,
+    /// Time lost up to there, s; none without a recording.
+    pub lost: Option<f64>,
 }
 
 /// What a curve says about one distance.
@@ -140,8 +158,28 @@ impl FeedChart {
             programmed: self.programmed.feedrate.get(segment).copied(),
             rapid: self.programmed.rapid.get(segment).copied().unwrap_or(false),
             curves: curves.collect(),
+            lost: self.lost.as_ref().and_then(|lost| lost.at(distance)),
         }
     }
+}
+
+impl LostTime {
+    /// Time lost (s) at a distance (mm); before a wait there.
+    fn at(&self, distance: f64) -> Option<f64> {
+        let (before, after, part) = rows_around(&self.distance, distance)?;
+        Some(self.seconds[before] + part * (self.seconds[after] - self.seconds[before]))
+    }
+}
+
+/// The rows of an ascending column before and after a value, and the part of the way between them; at
+/// equal rows the first.
+fn rows_around(column: &[f64], value: f64) -> Option<(usize, usize, f64)> {
+    let last = column.len().checked_sub(1)?;
+    let after = column.partition_point(|&row| row < value).min(last);
+    let before = after.saturating_sub(1);
+    let span = column[after] - column[before];
+    let part = if span > 0.0 { ((value - column[before]) / span).clamp(0.0, 1.0) } else { 1.0 };
+    Some((before, after, part))
 }
 
 impl Programmed {
@@ -193,11 +231,7 @@ impl Curve {
 
     /// Feedrate (mm/s) and time (s) at a distance (mm); the earliest where the tool waits there.
     fn at(&self, distance: f64) -> Option<(f64, f64)> {
-        let last = self.distance.len().checked_sub(1)?;
-        let after = self.distance.partition_point(|&d| d < distance).min(last);
-        let before = after.saturating_sub(1);
-        let span = self.distance[after] - self.distance[before];
-        let part = if span > 0.0 { ((distance - self.distance[before]) / span).clamp(0.0, 1.0) } else { 1.0 };
+        let (before, after, part) = rows_around(&self.distance, distance)?;
         let between = |column: &[f64]| column[before] + part * (column[after] - column[before]);
         Some((between(&self.feedrate), between(&self.time)))
     }
@@ -222,7 +256,7 @@ mod tests {
             rapid: vec![true, false],
             line: vec![3, 4],
         };
-        FeedChart { programmed, curves: vec![curve] }
+        FeedChart { programmed, curves: vec![curve], lost: None }
     }
 
     #[test]

@@ -51,6 +51,11 @@ impl View {
         View { distance: within((low - margin, high + margin), whole.distance), ..whole }
     }
 
+    /// The stretch between two distances (mm) at the same feedrates, within `whole`.
+    pub fn over(self, distance: (f64, f64), whole: View) -> View {
+        View { distance: within(distance, whole.distance), ..self }
+    }
+
     /// The rectangle between two corners, within `whole`.
     pub fn between(a: (f64, f64), b: (f64, f64), whole: View) -> View {
         View {

@@ -92,7 +92,7 @@ pub fn form() -> String {
 }
 
 /// A machine as a filled form.
-fn values(machine: &Machine) -> Map<String, Value> {
+pub(super) fn values(machine: &Machine) -> Map<String, Value> {
     let values = PARAMETERS.iter().map(|row| {
         let value = match written(machine, row) {
             None | Some(Written::Empty) => Value::Null,

@@ -4,10 +4,17 @@
 //! here (`cycle_time_s`), and values are converted on the way through the parameter table
 //! ([`PARAMETERS`]), so that the core sees mm, s and rad.
 
+mod calibrated_view;
+mod causes;
+mod comparison;
+mod diagnosis;
 mod form;
 mod machine_file;
 mod results;
 
+pub use calibrated_view::CalibrationReport;
+pub use comparison::{ComparisonReport, Refusal, lost_label};
+pub use diagnosis::{DiagnosisReport, extended};
 pub use form::{dialects, faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};

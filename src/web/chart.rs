@@ -8,7 +8,9 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::machine::tolerance_label;
-use crate::plot::{Curve, CurveReading as CurveAt, FeedChart, Frame, Programmed, Stretch, Theme, View, draw};
+use crate::plot::{
+    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Stretch, Theme, View, draw,
+};
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
 
@@ -41,6 +43,8 @@ pub struct Pointer {
     pub rapid: bool,
     /// What each curve says there, in the order of the curves.
     pub curves: Vec<CurveReading>,
+    /// Time lost up to there, s; none without a recording.
+    pub lost: Option<f64>,
 }
 
 /// One curve at one distance.
@@ -73,7 +77,11 @@ impl Chart {
     /// Begins anew with the programmed feedrate of a job; the columns are those of `Steps`.
     pub fn program(&mut self, end: Vec<f64>, feedrate: Vec<f64>, rapid: &[u8], line: Vec<u32>) {
         let rapid = rapid.iter().map(|&flag| flag != 0).collect();
-        self.chart = FeedChart { programmed: Programmed { end, feedrate, rapid, line }, curves: Vec::new() };
+        self.chart = FeedChart {
+            programmed: Programmed { end, feedrate, rapid, line },
+            curves: Vec::new(),
+            lost: None,
+        };
     }
 
     /// Adds the curve of a tolerance (mm), empty until it is filled.
@@ -106,6 +114,12 @@ impl Chart {
             let errors = ContourErrors { corner, arc, ..ContourErrors::default() };
             *curve = Curve { distance, feedrate, time, errors, ..std::mem::take(curve) };
         }
+    }
+
+    /// Shows the time lost against a recording (s over mm) instead of contour errors.
+    #[wasm_bindgen(js_name = showLost)]
+    pub fn show_lost(&mut self, distance: Vec<f64>, seconds: Vec<f64>) {
+        self.chart.lost = Some(LostTime { distance, seconds });
     }
 
     /// Colour of the curve with this index, as CSS writes it.
@@ -165,6 +179,11 @@ impl Chart {
     /// Shows a stretch between two distances (mm) with what is around it.
     pub fn show(&mut self, from: f64, to: f64) {
         self.view = View::around((from, to), self.whole());
+    }
+
+    /// Shows the same distances (mm) as another chart.
+    pub fn follow(&mut self, from: f64, to: f64) {
+        self.view = self.view.over((from, to), self.whole());
     }
 
     /// Magnifies along the distance by `factor` about a pixel column, or about the middle.
@@ -232,6 +251,7 @@ impl Chart {
             programmed: reading.programmed.map(mm_per_min),
             rapid: reading.rapid,
             curves: curves.collect(),
+            lost: reading.lost,
         })
     }
 }

@@ -81,7 +81,7 @@ impl Job {
 }
 
 /// A result as the object that its JSON would be read as.
-fn object(result: &impl Serialize) -> Result<JsValue, JsError> {
+pub(super) fn object(result: &impl Serialize) -> Result<JsValue, JsError> {
     Ok(result.serialize(&Serializer::json_compatible())?)
 }
 

@@ -193,7 +193,7 @@ pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) 
   await computed(page)
   const whole = await span(page)
   assert.equal(whole[0], 0)
-  const box = await page.locator('.plot').boundingBox()
+  const box = await page.locator('#chart .plot').boundingBox()
   const at = (part) => [box.x + part * box.width, box.y + box.height / 2]
   const size = ([low, high]) => high - low
 
@@ -237,7 +237,7 @@ pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) 
   await page.mouse.move(at(0.3)[0], below)
   await page.mouse.down()
   await page.mouse.move(at(0.5)[0], below - 30, { steps: 5 })
-  assert.ok((await page.locator('.box').boundingBox()).height > 0.7 * box.height, 'the box spans both panels')
+  assert.ok((await page.locator('#chart .box').boundingBox()).height > 0.7 * box.height, 'the box spans both panels')
   await page.mouse.up()
   const among = await span(page)
   assert.ok(0 < among[0] && size(among) < 0.4 * size(whole))
@@ -318,7 +318,7 @@ pageTest(
     await frame(page)
     const shape = () => page.$eval('.plot canvas', ({ width, height }) => [width, height])
     const before = await shape()
-    await page.locator('.plot').scrollIntoViewIfNeeded()
+    await page.locator('#chart .plot').scrollIntoViewIfNeeded()
     const touch = { pointerType: 'touch', pointerId: 1, button: 0, isPrimary: true, bubbles: true }
     await page.$eval(
       '.plot',
@@ -335,7 +335,7 @@ pageTest(
     await frame(page)
     assert.match(await page.textContent('.reading'), /mm\/min.*line \d+ N\d+ /s)
     assert.deepEqual(await shape(), before)
-    await page.locator('.reading').scrollIntoViewIfNeeded()
+    await page.locator('#chart .reading').scrollIntoViewIfNeeded()
     await shot(page, 'reading-390')
   },
   { viewport: PHONE },

@@ -55,23 +55,32 @@ export async function computed(page) {
 /** Those of the tolerances that the user chose. */
 export const cycleTimes = (page) => page.$$eval('#results tbody tr:not(.programmed) data', (all) => all.map((data) => Number(data.value)))
 
+/** The command line, the newest that was built, or built now. */
+export function binary() {
+  const binaries = ['release', 'debug'].map((profile) => join(ROOT, 'target', profile, 'truefeed')).filter(existsSync)
+  binaries.sort((a, b) => statSync(b).mtimeMs - statSync(a).mtimeMs)
+  if (binaries.length > 0) return binaries[0]
+  execFileSync('cargo', ['build', '--quiet', '--locked'], { cwd: ROOT, stdio: 'inherit' })
+  return join(ROOT, 'target/debug/truefeed')
+}
+
+/** Path of the machine file that the page saves. */
+export async function machineOf(page) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#machine .save')])
+  const machine = join(scratch, 'machine.toml')
+  await download.saveAs(machine)
+  return machine
+}
+
 /**
  * What the command line says about the same program, with the machine file that the page saves: for the tolerances
  * the page begins with, or those given; none leaves it to the program.
  */
 export async function predicted(page, program, toleranceList = TOLERANCES_MM) {
-  const binaries = ['release', 'debug'].map((profile) => join(ROOT, 'target', profile, 'truefeed')).filter(existsSync)
-  binaries.sort((a, b) => statSync(b).mtimeMs - statSync(a).mtimeMs)
-  if (binaries.length === 0) {
-    execFileSync('cargo', ['build', '--quiet', '--locked'], { cwd: ROOT, stdio: 'inherit' })
-    binaries.push(join(ROOT, 'target/debug/truefeed'))
-  }
-  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#machine .save')])
-  const machine = join(scratch, 'machine.toml')
-  await download.saveAs(machine)
+  const machine = await machineOf(page)
   const tolerances = toleranceList.flatMap((tolerance) => ['--tolerance', String(tolerance)])
   const args = ['predict', program, '--machine', machine, ...tolerances, '--json']
-  return JSON.parse(execFileSync(binaries[0], args, { encoding: 'utf8', maxBuffer: 1 << 28 }))
+  return JSON.parse(execFileSync(binary(), args, { encoding: 'utf8', maxBuffer: 1 << 28 }))
 }
 
 export async function assertAsPredicted(page, program) {

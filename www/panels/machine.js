@@ -1,8 +1,8 @@
 // The machine form, built from the parameter table of the module. It keeps texts and passes values on; what they
 // mean and whether they are allowed is for Rust to say.
 
-import { machineFile } from '../pkg/truefeed.js'
 import { find, make } from '../dom.js'
+import { saveMachine } from '../save.js'
 
 /** @import { Form, Parameter, State, Value, Values } from "../types.js" */
 
@@ -36,12 +36,7 @@ export function mount(root, form, actions) {
   preset.append(...form.presets.map(({ name }, index) => make('option', { value: String(index) }, name)))
   preset.addEventListener('change', () => actions.choosePreset(Number(preset.value)))
   reset.addEventListener('click', () => actions.choosePreset(Number(preset.value)))
-  save.addEventListener('click', () => {
-    const file = new Blob([machineFile(JSON.stringify(values)) ?? ''], { type: 'application/toml' })
-    const link = make('a', { href: URL.createObjectURL(file), download: 'machine.toml' })
-    link.click()
-    URL.revokeObjectURL(link.href)
-  })
+  save.addEventListener('click', () => saveMachine(values))
   find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
   const byKey = new Map(fields.map((entry) => [entry.parameter.key, entry.element]))
   const present = (/** @type {string} */ key) => byKey.get(key) ?? []

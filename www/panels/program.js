@@ -1,5 +1,6 @@
 // The list of programs: adding by file, drop or sample, choosing one, removing with undo.
 
+import { isRecording, sniffedBytes } from '../pkg/truefeed.js'
 import { columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { clock, count, size } from '../format.js'
@@ -12,6 +13,7 @@ const UNDO_MS = 10_000
 /**
  * @typedef {object} Actions
  * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addPrograms
+ * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addRecordings
  * @property {(id: number) => void} select
  * @property {(id: number, dialect: string | null) => void} setDialect
  * @property {(id: number) => () => void} removeProgram
@@ -118,15 +120,23 @@ function standing(program, state) {
   return errors > 0 ? `${time} · ${count(errors)} ${errors === 1 ? 'error' : 'errors'}` : time
 }
 
-/** @param {File[]} files @param {Actions} actions */
-async function add(files, actions) {
+/** Reads files. @param {File[]} files */
+export async function bytesOf(files) {
   const read = async (/** @type {File} */ file) => ({
     name: file.name,
     bytes: new Uint8Array(await file.arrayBuffer()),
   })
   const results = await Promise.allSettled(files.map(read))
-  const programs = results.flatMap((result) => (result.status === 'fulfilled' ? [result.value] : []))
-  if (programs.length > 0) actions.addPrograms(programs)
+  return results.flatMap((result) => (result.status === 'fulfilled' ? [result.value] : []))
+}
+
+/** Takes programs and recordings, told apart by what stands in them. @param {File[]} files @param {Actions} actions */
+async function add(files, actions) {
+  const all = await bytesOf(files)
+  const isLog = all.map(({ bytes }) => isRecording(bytes.subarray(0, sniffedBytes())))
+  const part = (/** @type {boolean} */ logs) => all.filter((_, index) => isLog[index] === logs)
+  if (part(false).length > 0) actions.addPrograms(part(false))
+  if (part(true).length > 0) actions.addRecordings(part(true))
 }
 
 /** Files may be dropped anywhere on the page. @param {Actions} actions */

@@ -24,7 +24,7 @@ export function mount(root, actions) {
       } else if (state.progress) {
         const { program: id, stage, part } = state.progress
         const program = state.programs.find((candidate) => candidate.id === id)
-        text.textContent = `${program?.name ?? ''}: ${stage}`
+        text.textContent = program ? `${program.name}: ${stage}` : stage
         bar.value = part
       }
     },

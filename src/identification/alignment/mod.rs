@@ -19,6 +19,7 @@ mod driven;
 mod feed;
 mod hints;
 mod lines;
+mod log;
 mod path;
 mod place;
 mod positions;
@@ -30,6 +31,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 pub use crate::identification::alignment::driven::times_at_marks;
+pub use crate::identification::alignment::log::align_log;
 pub use crate::identification::alignment::place::{Place, Visit, times, visits};
 pub use crate::identification::alignment::positions::{Track, median};
 use crate::identification::recording::{Channel, ClosureError, Recording, RunMark};
@@ -129,12 +131,12 @@ pub enum AlignmentError {
     #[error("no recorded position lies near the programmed path: is it a recording of another program?")]
     NowhereNear,
     /// The path does not fit.
-    #[error("{part:.0} % of the recorded way is off the programmed path{hint}")]
+    #[error("{part:.0} % of the recorded way is off the programmed path{}", what_then(hint.as_deref()))]
     OffPath {
         /// The part, %.
         part: f64,
-        /// What would fit, as a clause; may be empty.
-        hint: String,
+        /// What would fit, as a clause.
+        hint: Option<String>,
     },
     /// The way does not fit.
     #[error(
@@ -167,6 +169,11 @@ pub enum AlignmentError {
     /// Units do not close.
     #[error("{0}")]
     Units(#[from] ClosureError),
+}
+
+/// The end of the sentence that says how much is off the path.
+fn what_then(hint: Option<&str>) -> String {
+    hint.map_or(": is it a recording of another program?".to_string(), |hint| format!(", but {hint}"))
 }
 
 /// Lays a recording on a program: the first of its runs that fits, or why none does.

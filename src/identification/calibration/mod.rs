@@ -4,12 +4,12 @@
 //! rapid feedrate, and the time of each kind of stop. The fit is of [`crate::identification::fit`]; what
 //! belongs here is the judgement of its result:
 //!
-//! - a parameter that the runs say nothing of, or less than ±[`UNKNOWN`] of, stays at its value, and the
+//! - a parameter that the runs say nothing of, or less than ±`UNKNOWN` of, stays at its value, and the
 //!   reason is said;
 //! - a value is kept that the data do not contradict: with it, and all others fitted again, the cost is
-//!   higher by less than [`CONTRADICTED`]. One after another, because parameters that depend on each other
+//!   higher by less than `CONTRADICTED`. One after another, because parameters that depend on each other
 //!   hide behind each other;
-//! - the order of the filters stays unless another one is better by [`BETTER_ORDER`], and rapid moves keep
+//! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
 //!   the filters of feed moves unless their own are, the total delay being the first guess of each.
 
 mod waits;

@@ -16,12 +16,14 @@
 //! which is taken as the mean of a quarter of a second around, so that what is left is the form of the
 //! path and not the time lost.
 
+mod course;
 mod form;
 mod measures;
 mod pointwise;
 
+pub use course::{Course, course};
 pub use form::Form;
-pub use measures::{FeedError, PositionError};
+pub use measures::{FeedError, PositionError, feed_error_during};
 pub use pointwise::{Pointwise, pointwise};
 
 use std::ops::Range;

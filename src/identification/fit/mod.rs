@@ -6,7 +6,7 @@
 //! Σ_runs Σ_k ρ(ν_k),    ρ(ν) = ν² for |ν| ≤ c, then 2 c |ν| − c²
 //! ```
 //!
-//! over the whitened residuals ν of [`whitened`], so that a wait that nobody explained does not bend
+//! over the whitened residuals ν of `whitened`, so that a wait that nobody explained does not bend
 //! everything else (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients, a
 //! parameter at its bound standing still.
 //!
@@ -16,11 +16,13 @@
 
 mod freed;
 mod minimise;
+mod recorded;
 mod whitened;
 
 use nalgebra::DMatrix;
 
 pub use freed::{Freed, Scale};
+pub use recorded::{Recorded, RecordedError};
 pub use whitened::Whitening;
 
 use crate::identification::alignment::{Alignment, Place, times_at_marks};

@@ -43,6 +43,8 @@ mod nameless;
 mod runs;
 mod siemens_recorder;
 mod siemens_trace;
+mod sniff;
+mod switches;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -55,6 +57,8 @@ pub use channel::{Channel, Sampling, Scale};
 pub use closure::{Closure, ClosureError, Measure, TOLERANCE, closure, closure_of, closure_on, path_length};
 pub use diagnostic::{RecordingError, Remark, Remarks, Severity};
 pub use field::Side;
+pub use sniff::{SNIFFED_BYTES, is_recording};
+pub use switches::Switches;
 
 use crate::identification::recording::unit::Unit;
 

@@ -1,0 +1,82 @@
+//! The lower panel beside a recording: the time the recorded machine has lost since the start, over
+//! distance.
+//!
+//! Where the line rises the machine is slower than simulated, where it falls faster; a step is a wait. The
+//! ordinate fits what is in sight and always has 0 in it.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use crate::plot::decimate::{clipped, decimated};
+use crate::plot::draw::Failure;
+use crate::plot::feed_panel::rapid_stretches;
+use crate::plot::panel::{Axes, Borders, Look, borders};
+use crate::plot::{FeedChart, LostTime, View, rows_around};
+
+/// Room above and below what is in sight, as a part of it.
+const HEADROOM: f64 = 0.08;
+
+/// The least that the ordinate spans, s: less is noise of any recorder.
+const LEAST_SPAN: f64 = 1e-3;
+
+/// Draws the time lost on an area.
+pub(crate) fn draw<B: DrawingBackend>(
+    chart: &FeedChart,
+    lost: &LostTime,
+    view: View,
+    look: &Look,
+    area: &DrawingArea<B, Shift>,
+) -> Result<Borders, Failure<B>> {
+    let axes = Axes {
+        distance: view.distance,
+        distance_title: Some("Distance along the path (mm)"),
+        value: in_sight(lost, view.distance),
+        value_title: "Time lost (s)",
+    };
+    let mut context = look.panel(area, &axes)?;
+    let borders = borders(&context);
+    let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
+
+    let theme = &look.theme;
+    let (low, high) = axes.value;
+    for (from, to) in rapid_stretches(chart, view, columns) {
+        context.draw_series([Rectangle::new([(from, low), (to, high)], theme.rapid.filled())])?;
+    }
+    look.mesh(&mut context, &axes)?;
+    let none = [(view.distance.0, 0.0), (view.distance.1, 0.0)];
+    context.draw_series([PathElement::new(none, theme.axis.stroke_width(look.points(1.0)))])?;
+    let kept = decimated(&lost.distance, &lost.seconds, view.distance, columns);
+    let line = theme.curves[0].stroke_width(look.points(1.75));
+    let parts = clipped(&kept, View { distance: view.distance, feedrate: axes.value });
+    context.draw_series(parts.into_iter().map(|part| PathElement::new(part, line)))?;
+    Ok(borders)
+}
+
+/// From the least to the largest time lost between two distances (mm), with 0 and some room.
+fn in_sight(lost: &LostTime, (low, high): (f64, f64)) -> (f64, f64) {
+    let inside = lost.distance.iter().zip(&lost.seconds).filter(|(at, _)| low <= **at && **at <= high);
+    let ends = [low, high].map(|end| {
+        let (before, after, part) = rows_around(&lost.distance, end)?;
+        Some(lost.seconds[before] + part * (lost.seconds[after] - lost.seconds[before]))
+    });
+    let all = inside.map(|(_, seconds)| *seconds).chain(ends.into_iter().flatten());
+    let (least, largest) = all.fold((0.0f64, 0.0f64), |(a, b), value| (a.min(value), b.max(value)));
+    let room = HEADROOM * (largest - least).max(LEAST_SPAN);
+    (least - room, largest + room)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ordinate_fits_what_is_in_sight_and_has_zero_in_it() {
+        let lost = LostTime { distance: vec![0.0, 10.0, 10.0, 20.0], seconds: vec![0.0, 1.0, 5.0, 3.0] };
+        let (low, high) = in_sight(&lost, (0.0, 5.0));
+        assert!(low < 0.0 && (high - 0.5 * (1.0 + HEADROOM)).abs() < 1e-12, "{low} to {high}");
+        let (low, high) = in_sight(&lost, (12.0, 13.0));
+        assert!(low < 0.0 && 4.6 < high && high < 5.1, "{low} to {high}");
+        let (low, high) = in_sight(&LostTime::default(), (0.0, 1.0));
+        assert!(low < 0.0 && 0.0 < high);
+    }
+}

@@ -1,0 +1,251 @@
+// A recording dropped beside its program is compared with the simulation, and calibrates the machine. The recordings
+// are made here, by simulating another machine and writing what a recorder would have seen of it.
+
+import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
+import { tmpdir } from 'node:os'
+import { join } from 'node:path'
+import { after } from 'node:test'
+import { binary, drop, frame, machineOf, pageTest, shot, span } from './steps.mjs'
+
+const folder = mkdtempSync(join(tmpdir(), 'truefeed-recording-'))
+after(() => rmSync(folder, { recursive: true }))
+const file = (name, text) => {
+  const path = join(folder, name)
+  writeFileSync(path, text)
+  return path
+}
+
+/** Zigzags with corners of all kinds, at two feeds. */
+const PROGRAM = file(
+  'bracket.nc',
+  [
+    'G21 G90 G94',
+    'G0 X0 Y0 Z0',
+    ...Array.from({ length: 24 }, (_, i) => `G1 X${(i % 2) * 30} Y${i * 2} F${i < 12 ? 2400 : 4200}`),
+    ...Array.from({ length: 40 }, (_, i) => `G1 X${30 + i * 1.5} Y${46 + 3 * Math.sin(i)} F3600`),
+    'G0 X0 Y0',
+    'M30',
+  ].join('\n'),
+)
+const OTHER = file('other.nc', ['G21 G90', 'G1 X200 F2000', 'G1 Y300', 'G1 X0', 'G1 Y0', 'M30'].join('\n'))
+const TIME_CONSTANT_S = 0.04
+
+/** What a recorder at 250 Hz that was started half a second early sees of the machine in the form with another time constant. */
+async function recorded(page, name, program = PROGRAM) {
+  const machine = readFileSync(await machineOf(page), 'utf8')
+  const changed = machine.replace(/time_constant_s = .*/, `time_constant_s = ${TIME_CONSTANT_S}`)
+  assert.notEqual(changed, machine)
+  const [machinePath, profilePath] = [file('changed.toml', changed), join(folder, 'profile.csv')]
+  execFileSync(binary(), ['predict', program, '--machine', machinePath, '--profile', profilePath, '--json'])
+  const [head, ...lines] = readFileSync(profilePath, 'utf8').trim().split('\n')
+  const rows = lines.map((line) => line.split(',').map(Number))
+  const columns = ['time_s', 'x_mm', 'y_mm', 'z_mm'].map((column) => head.split(',').indexOf(column))
+  const out = ['t_s,x_mm,y_mm,z_mm']
+  const end = rows.at(-1)[columns[0]]
+  for (let t = -0.5, at = 0; t < end + 0.5; t += 0.004) {
+    while (at + 2 < rows.length && rows[at + 1][columns[0]] <= t) at += 1
+    const [a, b] = [rows[at], rows[at + 1]]
+    const part = Math.min(Math.max((t - a[columns[0]]) / (b[columns[0]] - a[columns[0]] || 1), 0), 1)
+    const position = columns.slice(1).map((column) => (a[column] + part * (b[column] - a[column])).toFixed(4))
+    out.push([(t + 0.5).toFixed(4), ...position].join(','))
+  }
+  return { path: file(name, out.join('\n')), seconds: end }
+}
+
+/** Waits until the recording in sight is compared with the machine in the form. */
+const compared = (page) =>
+  page.waitForFunction(
+    () =>
+      document.querySelector('#progress').hidden &&
+      !document.querySelector('.stale') &&
+      document.querySelector('#recording .sentence'),
+    null,
+    { timeout: 120_000 },
+  )
+
+/** Pixels of the recording's canvas in the colours of both curves, in a part of its height. */
+const pixels = (page, from, to) =>
+  page.evaluate(
+    ([low, high]) => {
+      const canvas = document.querySelector('#recording canvas')
+      const [top, height] = [Math.round(low * canvas.height), Math.round((high - low) * canvas.height)]
+      const { data } = canvas.getContext('2d').getImageData(0, top, canvas.width, height)
+      return [0, 1].map((index) => {
+        const hex = getComputedStyle(document.documentElement).getPropertyValue(`--curve-${index}`)
+        const wanted = hex.match(/\d+/g).map(Number)
+        let count = 0
+        for (let i = 0; i < data.length; i += 4)
+          if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
+        return count
+      })
+    },
+    [from, to],
+  )
+
+const spanOf = (page, root) => page.getAttribute(`${root} .plot`, 'data-span').then((text) => text.split(' ').map(Number))
+const cell = (page, row, column) => page.textContent(`#calibration tbody tr:has(th:text-is("${row}")) >> td >> nth=${column}`)
+
+for (const viewport of [
+  { width: 1280, height: 900 },
+  { width: 390, height: 844 },
+]) {
+  pageTest(
+    `program and recording dropped together are compared at ${viewport.width} px`,
+    async ({ page }) => {
+      const { path, seconds } = await recorded(page, 'bracket-07.csv')
+      await drop(page, 'body', [path, PROGRAM])
+      await compared(page)
+      assert.equal(await page.locator('.programs li').count(), 1, 'the recording is no program')
+      const sentence = await page.textContent('#recording .sentence')
+      const [, took, simulated] = sentence.match(/^The machine took ([\d.]+) s, the simulation ([\d.]+) s \(−\d/)
+      // Where the tool starts and ends a recorder of positions sees only to its resolution.
+      assert.ok(Math.abs(Number(took) - seconds) < 0.25, `${took} s of ${seconds} s`)
+      assert.ok(Number(simulated) < Number(took) - 0.5, sentence)
+      assert.match(await page.textContent('#recording .facts'), /aligned by axis positions: (99|100) %/)
+      await frame(page)
+      const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
+      assert.ok(feeds.every((count) => 300 < count), `curves: ${feeds}`)
+      assert.ok(300 < lost[0], `time lost: ${lost}`)
+
+      const rows = await page.$$eval('#recording .tables > :last-child tbody tr', (all) => all.map((row) => row.cells.length))
+      assert.ok(5 < rows.length && rows.every((count) => count === 5))
+      const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
+      assert.ok(!wider, 'the page scrolls sideways')
+      await page.locator('#recording').scrollIntoViewIfNeeded()
+      await shot(page, `recording-${viewport.width}`)
+    },
+    { viewport },
+  )
+}
+
+pageTest('all charts have one cursor and one stretch in sight', async ({ page }) => {
+  const { path } = await recorded(page, 'run.csv')
+  await drop(page, 'body', [PROGRAM, path])
+  await compared(page)
+  const plot = page.locator('#recording .plot')
+  await plot.scrollIntoViewIfNeeded()
+  const { x, y, width, height } = await plot.boundingBox()
+  await page.mouse.move(x + 0.6 * width, y + 0.3 * height)
+  const words = await page.textContent('#recording .reading')
+  assert.match(words, /mm · programmed [\d,]+ mm\/min.*recorded.*simulated.*time lost so far \+[\d.]+ s.*line \d+ G1 X/)
+  assert.ok(await page.isVisible('#chart .cross'), 'the cursor is in the chart above as well')
+  assert.ok(await page.isHidden('#chart .reading'))
+  const crossings = await page.$$eval('.cross', (all) => all.map((cross) => Number.parseFloat(cross.style.left)))
+  assert.ok(Math.abs(crossings[0] - crossings[1]) < 30, `${crossings}`)
+
+  await page.mouse.click(x + 0.6 * width, y + 0.3 * height)
+  assert.match(await page.textContent('#recording .chosen'), /line \d+ G1 X/)
+  await page.mouse.move(5, 5)
+  assert.ok(await page.isHidden('#chart .cross'))
+
+  await plot.focus()
+  await page.keyboard.press('+')
+  await frame(page)
+  const near = ([a, b], [c, d]) => Math.abs(a - c) < 1e-6 && Math.abs(b - d) < 1e-6
+  assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
+  const [whole] = [await span(page)]
+  await page.focus('#chart .plot')
+  await page.keyboard.press('ArrowRight')
+  await frame(page)
+  assert.ok(!near(whole, await spanOf(page, '#chart')))
+  assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
+  await page.focus('#recording .tables > :last-child button')
+  await page.keyboard.press('Enter')
+  await frame(page)
+  assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
+  assert.ok(!near(whole, await spanOf(page, '#chart')))
+})
+
+pageTest('what is no recording of the program is refused with what to do, and nothing else is lost', async ({ page }) => {
+  const { path } = await recorded(page, 'of-other.csv', OTHER)
+  await drop(page, 'body', [PROGRAM, path])
+  await compared(page)
+  assert.ok(await page.isVisible('#recording .refused'))
+  assert.match(await page.textContent('#recording .answer'), /program.*Choose the program that was run.*stay as they are/s)
+  assert.ok(await page.isHidden('#recording .plot'))
+  assert.ok(await page.isDisabled('#calibration .start'))
+  assert.ok((await page.$$('#results data')).length > 0, 'the simulation is still there')
+
+  const still = file('still.csv', ['t_s,x_mm,y_mm', ...Array.from({ length: 50 }, (_, i) => `${i * 0.01},1,2`)].join('\n'))
+  await page.setInputFiles('#recordings', still)
+  await compared(page)
+  assert.match(await page.textContent('#recording .refused'), /nothing moves|stands still/i)
+
+  // The program that was run: by hand.
+  await page.setInputFiles('#files', OTHER)
+  await page.selectOption('.pairs li:first-child select', { label: 'other.nc' })
+  await compared(page)
+  assert.match(await page.textContent('#recording .sentence'), /^The machine took/)
+
+  await page.click('.pairs li:first-child .remove')
+  assert.equal(await page.locator('.pairs li').count(), 1)
+  await page.click('#recording .undo button')
+  assert.equal(await page.locator('.pairs li').count(), 2)
+})
+
+pageTest('a recording before its program waits for it', async ({ page }) => {
+  const { path } = await recorded(page, 'early.csv')
+  await drop(page, 'body', [path])
+  assert.match(await page.textContent('#welcome .orphans'), /early\.csv.*drop the program/)
+  await drop(page, 'body', [PROGRAM])
+  await compared(page)
+  assert.match(await page.textContent('#recording .sentence'), /^The machine took/)
+})
+
+pageTest('the calibration brings the time constant back, by keyboard alone, and can be undone', async ({ page }) => {
+  const field = '#field-interpolator-time_constant_s'
+  const before = await page.inputValue(field)
+  const { path } = await recorded(page, 'bracket-08.csv')
+  await page.setInputFiles('#files', PROGRAM)
+  await page.setInputFiles('#recordings', path)
+  await compared(page)
+  await page.focus('#recordings')
+  for (let steps = 0; steps < 80; steps += 1) {
+    if (await page.evaluate(() => document.activeElement?.matches('#calibration .start'))) break
+    await page.keyboard.press('Tab')
+  }
+  await page.keyboard.press('Enter')
+  await page.waitForSelector('#calibration .sentence', { timeout: 120_000 })
+  await compared(page)
+  const found = Number(await page.inputValue(field))
+  assert.ok(Math.abs(found / TIME_CONSTANT_S - 1) < 0.01, `${found} s`)
+  assert.match(await cell(page, 'Time constant T1 (s)', 1), /^0\.04\d* ± 0\.\d+$/)
+  assert.equal(await cell(page, 'Time constant T1 (s)', 2), 'fitted')
+  assert.match(await page.textContent('#calibration'), /bracket-08\.csv.*−\d+\.\d %.*→/s)
+  const [, error] = (await page.textContent('#recording .sentence')).match(/\(([+−]?[\d.]+) %\)/)
+  assert.ok(Math.abs(Number(error.replace('−', '-'))) <= 0.2, `${error} %`)
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#calibration .save')])
+  await download.saveAs(join(folder, 'calibrated.toml'))
+  const saved = readFileSync(join(folder, 'calibrated.toml'), 'utf8')
+  assert.match(saved, /name = ".*, calibrated"/)
+  assert.ok(saved.includes(`time_constant_s = ${found}`), saved)
+  await page.locator('#calibration').scrollIntoViewIfNeeded()
+  await shot(page, 'calibrated')
+
+  await page.click('.undo-calibration')
+  assert.equal(await page.inputValue(field), before)
+  await compared(page)
+  assert.equal(await page.locator('#calibration .sentence').count(), 0)
+})
+
+pageTest('a calibration can be cancelled, and leaves the machine as it was', async ({ page }) => {
+  const field = '#field-interpolator-time_constant_s'
+  const before = await page.inputValue(field)
+  const { path } = await recorded(page, 'bracket-09.csv')
+  // The same run many times over takes long enough to be cancelled.
+  const copies = Array.from({ length: 12 }, (_, i) => file(`copy-${i}.csv`, readFileSync(path, 'utf8')))
+  await page.setInputFiles('#files', PROGRAM)
+  await page.setInputFiles('#recordings', copies)
+  await compared(page)
+  await page.waitForFunction(() => /12 recordings/.test(document.querySelector('#calibration .start').textContent))
+  await page.click('#calibration .start')
+  await page.waitForFunction(() => /Calibrating/.test(document.querySelector('#progress p').textContent))
+  await page.click('#progress button')
+  await page.waitForSelector('#progress', { state: 'hidden' })
+  assert.equal(await page.inputValue(field), before)
+  assert.equal(await page.locator('#calibration .sentence').count(), 0)
+  assert.ok(await page.isEnabled('#calibration .start'))
+  assert.match(await page.textContent('#recording .sentence'), /^The machine took/)
+})

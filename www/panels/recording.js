@@ -1,0 +1,250 @@
+// Recordings: adding, choosing and removing them, what each says first, both curves and the time lost, and where.
+
+import { Chart, lostLabel } from '../pkg/truefeed.js'
+import { find, make } from '../dom.js'
+import { clock, count, difference, feedrate, percent, seconds, size } from '../format.js'
+import { mountPlot } from '../plot.js'
+import { programOf, recordingOf } from '../recordings.js'
+import { headOf, lineOf } from './chart.js'
+import { bytesOf } from './program.js'
+
+/** @import { ComparisonReport, Place, Program, Recording, State } from "../types.js" */
+/** @import { Pointer } from "../pkg/truefeed.js" */
+
+const UNDO_MS = 10_000
+const NAMES = ['recorded', 'simulated']
+
+/**
+ * @typedef {object} Actions
+ * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addRecordings
+ * @property {(id: number) => void} selectRecording
+ * @property {(id: number, program: number) => void} setProgramOf
+ * @property {(id: number, used: boolean) => void} setUsed
+ * @property {(id: number) => () => void} removeRecording
+ */
+
+/** @param {HTMLElement} root @param {Actions} actions */
+export function mount(root, actions) {
+  const input = /** @type {HTMLInputElement} */ (find(root, '#recordings'))
+  const invite = find(root, '.invite')
+  const list = find(root, '.pairs')
+  const answer = find(root, '.answer')
+  const view = find(root, '.view')
+  const chosen = find(root, '.chosen')
+  const tables = find(root, '.tables')
+  const undo = find(root, '.undo')
+  const orphans = find(document.body, '#welcome .orphans')
+  const chart = new Chart()
+  /** @type {Recording | undefined} */
+  let recording
+  /** @type {Program | undefined} */
+  let program
+  /** What is in sight now, so that it is made anew only when something else is to be shown. @type {unknown[]} */
+  let filled = []
+  /** What the list shows now. */
+  let listed = ''
+  let timer = 0
+  let putBack = () => {}
+
+  const plot = mountPlot(root, chart, {
+    isShown: () => Boolean(recording?.match?.report),
+    words: (pointer) => words(pointer, program),
+    chosen(pointer) {
+      chosen.hidden = false
+      chosen.replaceChildren(headOf(pointer.distance, pointer.programmed, pointer.rapid), ...lineOf(pointer.line, program))
+    },
+  })
+
+  input.addEventListener('change', async () => {
+    const files = await bytesOf([...(input.files ?? [])])
+    input.value = ''
+    if (files.length > 0) actions.addRecordings(files)
+  })
+  find(undo, 'button').addEventListener('click', () => {
+    undo.hidden = true
+    putBack()
+  })
+
+  /** @param {Recording} removed */
+  function remove(removed) {
+    putBack = actions.removeRecording(removed.id)
+    find(undo, 'span').textContent = `${removed.name} removed.`
+    undo.hidden = false
+    clearTimeout(timer)
+    timer = window.setTimeout(() => (undo.hidden = true), UNDO_MS)
+    find(undo, 'button').focus()
+  }
+
+  /** @param {State} state */
+  function fillList(state) {
+    const shown = JSON.stringify([
+      state.recordings.map(({ id, used, program: of, match }) => [id, used, of, match?.report?.sentence, match?.refusal]),
+      state.programs.map(({ id }) => id),
+      recording?.id,
+    ])
+    if (shown === listed) return
+    listed = shown
+    const focused = document.activeElement?.id
+    list.replaceChildren(...state.recordings.map((entry) => pair(entry, state)))
+    if (focused) document.getElementById(focused)?.focus()
+  }
+
+  /** A recording with its program. @param {Recording} entry @param {State} state */
+  function pair(entry, state) {
+    const { id, name, used } = entry
+    const choose = make('button', { type: 'button', className: 'choose', id: `recording-${id}` }, make('span', { className: 'file' }, name), make('span', { className: 'about' }, standing(entry, state)))
+    if (entry === recording) choose.setAttribute('aria-current', 'true')
+    choose.addEventListener('click', () => actions.selectRecording(id))
+    const of = make('select', { id: `recording-${id}-program` }, ...state.programs.map((other) => make('option', { value: String(other.id) }, other.name)))
+    of.setAttribute('aria-label', `Program of ${name}`)
+    of.value = String(entry.program)
+    of.addEventListener('change', () => actions.setProgramOf(id, Number(of.value)))
+    const box = make('input', { type: 'checkbox', checked: used, id: `recording-${id}-used` })
+    box.addEventListener('change', () => actions.setUsed(id, box.checked))
+    const removal = make('button', { type: 'button', className: 'remove', title: 'Remove' }, '×')
+    removal.setAttribute('aria-label', `Remove ${name}`)
+    removal.addEventListener('click', () => remove(entry))
+    const use = make('label', { className: 'use', title: 'Use it to calibrate the machine' }, box, 'calibrate with it')
+    return make('li', {}, choose, make('label', { className: 'of' }, 'run of ', of), use, removal)
+  }
+
+  /** @param {Recording} entry */
+  function fill({ match }) {
+    const { report, refusal, columns } = match ?? {}
+    chosen.hidden = true
+    view.hidden = !report
+    tables.replaceChildren()
+    if (refusal) {
+      const rest = 'The program, the machine and all other recordings stay as they are.'
+      answer.replaceChildren(
+        make('p', { className: 'sentence refused' }, refusal.reason),
+        make('p', {}, refusal.advice, ' ', make('span', { className: 'small' }, rest)),
+      )
+    }
+    if (!report || !columns || !program?.outcome) return
+    answer.replaceChildren(
+      make('p', { className: 'sentence' }, report.sentence),
+      make('p', { className: 'facts' }, [report.aligned, ...report.measures].join(' ')),
+      ...remarks(report.remarks),
+    )
+    const { end, feedrate: feed, rapid, line } = program.outcome.steps
+    const none = new Float64Array()
+    chart.program(end, feed, rapid, line)
+    for (const [index, name] of NAMES.entries()) {
+      chart.addProgrammed(name, none, none, none)
+      if (index === 0) chart.fill(columns.recordedDistance, columns.recordedFeedrate, columns.recordedTime, none, none)
+      else chart.fill(columns.simulatedDistance, columns.simulatedFeedrate, columns.simulatedTime, none, none)
+    }
+    chart.showLost(columns.lostDistance, columns.lostSeconds)
+    plot.fit(true)
+    tables.replaceChildren(partsTable(report), stretchesTable(report, plot.show))
+  }
+
+  return {
+    /** Brings the panel in sight. */
+    reveal() {
+      root.scrollIntoView({ block: 'start' })
+    },
+    /** @param {State} state */
+    update(state) {
+      recording = recordingOf(state)
+      program = recording && programOf(recording, state)
+      const waiting = state.recordings.filter((entry) => !programOf(entry, state)).map(({ name }) => name)
+      orphans.textContent = waiting.length > 0 ? `${waiting.join(', ')}: recorded. Now drop the program that was run.` : ''
+      invite.hidden = recording !== undefined
+      fillList(state)
+      const match = recording?.match
+      root.classList.toggle('stale', Boolean(match) && match?.motion !== state.machine.motion)
+      const now = [recording, match, program?.outcome?.steps]
+      if (now.every((value, index) => value === filled[index]) && filled.length > 0) return
+      filled = now
+      plot.hide()
+      view.hidden = true
+      chosen.hidden = true
+      answer.replaceChildren()
+      tables.replaceChildren()
+      if (recording && match) fill(recording)
+      else if (recording) answer.replaceChildren(make('p', { className: 'empty' }, 'Comparing …'))
+    },
+  }
+}
+
+/** One line on how a recording stands. @param {Recording} entry @param {State} state */
+function standing(entry, state) {
+  const { match, bytes } = entry
+  if (!programOf(entry, state)) return 'choose the program it is of'
+  if (match?.refusal) return 'not comparable'
+  if (!match?.report) return `${size(bytes.length)}, waiting`
+  const { recorded_s: recorded, simulated_s: simulated, time_error: error } = match.report
+  return `${clock(recorded)} recorded · simulated ${difference(simulated - recorded)}, ${percent(error)}`
+}
+
+/** @param {string[]} all */
+function remarks(all) {
+  if (all.length === 0) return []
+  const title = all.length === 1 ? '1 remark' : `${count(all.length)} remarks`
+  const items = all.map((remark) => make('li', {}, remark))
+  return [make('details', {}, make('summary', {}, `${title} on the recording`), make('ul', {}, ...items))]
+}
+
+/** What the chart says about one distance. @param {Pointer} pointer @param {Program | undefined} program */
+function words({ distance, line, programmed, rapid, curves, lost }, program) {
+  const rows = curves.map(({ label, feedrate: feed, time }, index) =>
+    make(
+      'tr',
+      {},
+      make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
+      make('td', {}, feedrate(feed)),
+      make('td', {}, time < 60 ? seconds(time) : clock(time)),
+    ),
+  )
+  const late = lost === undefined ? [] : [make('p', {}, 'time lost so far ', make('strong', {}, lostLabel(lost)))]
+  return [headOf(distance, programmed, rapid), make('table', {}, ...rows), ...late, ...lineOf(line, program)]
+}
+
+/** @param {string} caption @param {string[]} titles @param {HTMLElement[]} rows */
+function table(caption, titles, rows) {
+  const head = titles.map((title) => make('th', { scope: 'col' }, title))
+  const title = make('caption', {}, caption)
+  const body = make('table', {}, title, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
+  return make('div', { className: 'scroll' }, body)
+}
+
+/** How far the simulated time is from the recorded one. @param {number} recorded @param {number} simulated */
+function apart(recorded, simulated) {
+  const ratio = recorded > 0 ? ` (${percent(simulated / recorded - 1)})` : ''
+  return `${difference(simulated - recorded)}${ratio}`
+}
+
+/** @param {ComparisonReport} report */
+function partsTable(report) {
+  const whole = { name: 'Together', is_detail: false, recorded_s: report.recorded_s, simulated_s: report.simulated_s }
+  const rows = [...report.parts, whole].map(({ name, is_detail: isDetail, recorded_s: recorded, simulated_s: simulated }) =>
+    make(
+      'tr',
+      { className: isDetail ? 'detail' : '' },
+      make('th', { scope: 'row' }, name),
+      ...[seconds(recorded), seconds(simulated), apart(recorded, simulated)].map((cell) => make('td', {}, cell)),
+    ),
+  )
+  return table('Motion and waiting', ['', 'Recorded', 'Simulated', 'Difference'], rows)
+}
+
+/** @param {ComparisonReport} report @param {(place: Pick<Place, 'distance_mm'>) => void} show */
+function stretchesTable({ stretches, all_stretches: all }, show) {
+  const rows = stretches.map((stretch) => {
+    const [from, to] = stretch.lines
+    const go = make('button', { type: 'button', title: 'Show it in the charts' }, from === to ? `${from}` : `${from}–${to}`)
+    go.addEventListener('click', () => show(stretch))
+    const cells = [lostLabel(stretch.seconds), seconds(stretch.recorded_s), seconds(stretch.simulated_s)]
+    return make(
+      'tr',
+      {},
+      make('td', {}, go),
+      ...cells.map((cell) => make('td', {}, cell)),
+      make('td', { className: 'kind' }, stretch.kind),
+    )
+  })
+  const which = stretches.length < all ? `, the ${count(stretches.length)} largest of ${count(all)} stretches` : ''
+  return table(`Where time was lost (+) or gained (−)${which}`, ['Lines', 'Lost', 'Recorded', 'Simulated', 'While'], rows)
+}

@@ -1,0 +1,286 @@
+// One chart on its canvas: forwards pixels, keys and sizes to Rust, which draws and knows the scales. All charts of
+// the page have one cursor and one stretch of the path in sight.
+
+import { find, make } from './dom.js'
+
+/** @import { Place } from "./types.js" */
+/** @import { Chart, Pointer } from "./pkg/truefeed.js" */
+
+const WHEEL = 1.0015
+const ZOOM = 1.6
+const STEP = 0.2
+const CLICK_PX = 4
+/** plotters draws on whole pixels; twice as many as the page's make slanting lines smooth on any screen. */
+const LEAST_RATIO = 2
+
+/**
+ * @typedef {object} Plot
+ * @property {() => boolean} isShown
+ * @property {() => void} redraw
+ * @property {() => void} hide  takes the cursor away
+ * @property {(place: Pick<Place, 'distance_mm'>) => void} show  shows a place and takes the keys
+ * @property {(anew: boolean) => void} fit  shows the whole of a new path, or what the other charts show
+ * @property {(from: number, to: number) => void} follow
+ * @property {(distance: number) => void} point
+ * @property {() => [number, number]} span
+ */
+
+/** @type {Set<Plot>} */
+const plots = new Set()
+
+/**
+ * @param {HTMLElement} root
+ * @param {Chart} chart
+ * @param {object} content
+ * @param {() => boolean} content.isShown  whether there is something to draw
+ * @param {(pointer: Pointer) => Node[]} content.words  what the read-out says
+ * @param {(pointer: Pointer) => void} [content.chosen]  a place was clicked on
+ * @returns {Plot}
+ */
+export function mountPlot(root, chart, { isShown, words, chosen }) {
+  const plot = find(root, '.plot')
+  const canvas = /** @type {HTMLCanvasElement} */ (find(root, 'canvas'))
+  const cross = find(root, '.cross')
+  const box = find(root, '.box')
+  const reading = find(root, '.reading')
+  const rapids = find(root, '.rapids')
+  const rapidsBox = /** @type {HTMLInputElement} */ (find(rapids, 'input'))
+  const dark = window.matchMedia('(prefers-color-scheme: dark)')
+
+  let frame = 0
+  let readAt = NaN
+  /** Whether the pointer is on another chart. */
+  let isPassive = false
+
+  function redraw() {
+    frame ||= requestAnimationFrame(() => {
+      frame = 0
+      const { clientWidth: width, clientHeight: height } = canvas
+      if (!isShown() || width === 0) return
+      chart.setDark(dark.matches)
+      chart.draw(canvas, width, height, Math.max(window.devicePixelRatio, LEAST_RATIO))
+      plot.dataset.span = chart.span().join(' ')
+      if (Number.isFinite(readAt)) show(chart.reading(readAt), isPassive)
+    })
+  }
+
+  /** Draws anew after a change of the view, and all other charts with it. */
+  function moved() {
+    redraw()
+    const [from, to] = chart.span()
+    for (const other of plots) if (other !== own) other.follow(from, to)
+  }
+
+  const verbs = {
+    in: () => chart.zoom(ZOOM),
+    out: () => chart.zoom(1 / ZOOM),
+    left: () => chart.step(-STEP, 0),
+    right: () => chart.step(STEP, 0),
+    up: () => chart.step(0, STEP),
+    down: () => chart.step(0, -STEP),
+    reset: () => chart.reset(),
+  }
+  /** @type {Record<string, keyof typeof verbs>} */
+  const KEYS = {
+    '+': 'in',
+    '=': 'in',
+    '-': 'out',
+    ArrowLeft: 'left',
+    ArrowRight: 'right',
+    ArrowUp: 'up',
+    ArrowDown: 'down',
+    Home: 'reset',
+    0: 'reset',
+  }
+
+  for (const button of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll('[data-do]'))) {
+    button.addEventListener('click', () => {
+      verbs[/** @type {keyof typeof verbs} */ (button.dataset.do)]()
+      moved()
+    })
+  }
+  rapidsBox.addEventListener('change', () => {
+    chart.setRapids(rapidsBox.checked)
+    moved()
+  })
+  plot.addEventListener('keydown', (event) => {
+    if (!isShown() || event.ctrlKey || event.metaKey || event.altKey) return
+    if (event.shiftKey && event.key.startsWith('Arrow')) {
+      event.preventDefault()
+      return walk(event.key === 'ArrowLeft' || event.key === 'ArrowDown' ? -1 : 1)
+    }
+    if (event.key === 'Escape') return leave()
+    if (event.key === 'Enter' && Number.isFinite(readAt)) return choose(chart.reading(readAt))
+    const verb = KEYS[event.key]
+    if (!verb) return
+    event.preventDefault()
+    verbs[verb]()
+    moved()
+  })
+  plot.addEventListener(
+    'wheel',
+    (event) => {
+      if (!isShown()) return
+      event.preventDefault()
+      chart.zoom(WHEEL ** -event.deltaY, pixel(event).x)
+      moved()
+    },
+    { passive: false },
+  )
+  plot.addEventListener('dblclick', () => {
+    chart.reset()
+    moved()
+  })
+  plot.addEventListener('pointerdown', (event) => isShown() && event.button === 0 && drag(event))
+  plot.addEventListener('pointermove', (event) => event.buttons === 0 && isShown() && read(pixel(event).x))
+  plot.addEventListener('pointerleave', (event) => event.pointerType !== 'touch' && leave())
+  plot.addEventListener('blur', leave)
+  new ResizeObserver(redraw).observe(plot)
+  dark.addEventListener('change', redraw)
+
+  /** @param {MouseEvent} event */
+  function pixel(event) {
+    const { left, top } = plot.getBoundingClientRect()
+    return { x: event.clientX - left - plot.clientLeft, y: event.clientY - top - plot.clientTop }
+  }
+
+  /** Draws a box to zoom to; with Shift, or on an axis, moves the picture. A touch moves it as well. @param {PointerEvent} start */
+  function drag(start) {
+    const from = pixel(start)
+    const [left, right, top, bottom, , lowest] = chart.area()
+    const onAxis = from.x < left || from.y > lowest
+    const isBelow = from.y > bottom
+    const moves = start.shiftKey || onAxis || start.pointerType === 'touch'
+    let last = from
+    plot.setPointerCapture(start.pointerId)
+    leave()
+    const clamp = ({ x = 0, y = 0 }) => ({
+      x: Math.min(Math.max(x, left), right),
+      y: Math.min(Math.max(y, top), bottom),
+    })
+
+    /** A flat box, or one among the contour errors, is meant as a stretch of the path. */
+    const flat = () => isBelow || Math.abs(last.y - from.y) < 3 * CLICK_PX
+
+    const move = (/** @type {PointerEvent} */ event) => {
+      const to = pixel(event)
+      if (moves) {
+        chart.pan(to.x - last.x, isBelow ? 0 : to.y - last.y)
+        last = to
+        return moved()
+      }
+      last = clamp(to)
+      const [y0, y1] = flat() ? [top, lowest] : [from.y, last.y]
+      box.hidden = false
+      Object.assign(box.style, {
+        left: `${Math.min(from.x, last.x)}px`,
+        top: `${Math.min(y0, y1)}px`,
+        width: `${Math.abs(last.x - from.x)}px`,
+        height: `${Math.abs(y1 - y0)}px`,
+      })
+    }
+    const end = (/** @type {PointerEvent} */ event) => {
+      plot.removeEventListener('pointermove', move)
+      plot.removeEventListener('pointerup', end)
+      plot.removeEventListener('pointercancel', end)
+      box.hidden = true
+      const isClick = Math.abs(last.x - from.x) < CLICK_PX && event.type !== 'pointercancel'
+      if (isClick && !start.shiftKey && left <= from.x && from.x <= right) choose(chart.at(from.x))
+      if (start.pointerType === 'touch' && isClick) return read(from.x)
+      if (moves || event.type === 'pointercancel' || isClick) return
+      const [y0, y1] = flat() ? [top, bottom] : [from.y, last.y]
+      chart.zoomTo(from.x, y0, last.x, y1)
+      moved()
+    }
+    plot.addEventListener('pointermove', move)
+    plot.addEventListener('pointerup', end)
+    plot.addEventListener('pointercancel', end)
+  }
+
+  /** @param {number} x */
+  function read(x) {
+    const [left, right] = chart.area()
+    if (x < left || right < x) return leave()
+    show(chart.at(x), false)
+    if (Number.isFinite(readAt)) for (const other of plots) if (other !== own) other.point(readAt)
+  }
+
+  /** Reads along the path by keys. @param {number} direction */
+  function walk(direction) {
+    const [left, right] = chart.area()
+    const here = Number.isFinite(readAt) ? (chart.reading(readAt)?.x ?? left) : (left + right) / 2
+    read(Math.min(Math.max(here + direction * 4, left), right))
+  }
+
+  /** Takes the cursor out of all charts. */
+  function leave() {
+    for (const other of plots) other.hide()
+  }
+
+  /** @param {Pointer | undefined} pointer */
+  function choose(pointer) {
+    if (pointer) chosen?.(pointer)
+  }
+
+  function hide() {
+    readAt = NaN
+    cross.hidden = true
+    reading.hidden = true
+  }
+
+  /** @param {Pointer | undefined} pointer @param {boolean} passive */
+  function show(pointer, passive) {
+    if (!pointer) return hide()
+    const [left, right, top, , , lowest] = chart.area()
+    if (pointer.x < left - 1 || right + 1 < pointer.x) return hide()
+    readAt = pointer.distance
+    isPassive = passive
+    cross.hidden = false
+    Object.assign(cross.style, { left: `${pointer.x}px`, top: `${top}px`, height: `${lowest - top}px` })
+    cross.replaceChildren(
+      ...pointer.curves.map(({ y }, index) => {
+        const dot = make('span', { className: `dot curve-${index}` })
+        dot.style.top = `${y - top}px`
+        return dot
+      }),
+    )
+    reading.hidden = passive
+    if (passive) return
+    reading.replaceChildren(...words(pointer))
+    const toTheLeft = pointer.x > (left + right) / 2
+    reading.style.left = toTheLeft ? 'auto' : `${pointer.x + 12}px`
+    reading.style.right = toTheLeft ? `${plot.clientWidth - pointer.x + 12}px` : 'auto'
+    reading.style.top = `${top + 8}px`
+  }
+
+  /** @type {Plot} */
+  const own = {
+    isShown,
+    redraw,
+    hide,
+    show({ distance_mm: [from, to] }) {
+      chart.show(from, to)
+      moved()
+      root.scrollIntoView({ block: 'nearest' })
+      plot.focus({ preventScroll: true })
+    },
+    fit(anew) {
+      chart.fit(anew)
+      const other = [...plots].find((candidate) => candidate !== own && candidate.isShown())
+      if (anew && other) chart.follow(...other.span())
+      rapids.hidden = !chart.hidesRapids()
+      redraw()
+    },
+    follow(from, to) {
+      if (!isShown()) return
+      chart.follow(from, to)
+      redraw()
+    },
+    point(distance) {
+      if (isShown()) show(chart.reading(distance), true)
+    },
+    span: () => /** @type {[number, number]} */ ([...chart.span()]),
+  }
+  plots.add(own)
+  return own
+}
