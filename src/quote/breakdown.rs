@@ -1,8 +1,8 @@
 //! Where the time of a plan goes: cutting, rapids, dwells, tool changes and machine functions.
 //!
 //! The breakdown adds up to the cycle time: each pulse counts for the motion of its segment, the
-//! filter delay of a stretch half for its first and half for its last segment, and each wait for
-//! its cause. A part of a program is broken down in the same way, so that parts add up to the whole.
+//! filter delay of a stretch half for its first and half for its last segment, what is lost behind the
+//! filters for the segment on which it is lost, and each wait for its cause. A part of a program is broken down in the same way, so that parts add up to the whole.
 
 use std::ops::Range;
 
@@ -126,6 +126,10 @@ impl<'a> Ledger<'a> {
         let before = |segment: usize| self.ends.partition_point(|(end, _)| *end < segment);
         for &(end, half) in &self.ends[before(segments.start)..before(segments.end)] {
             *(if is_rapid(end) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += half;
+        }
+        let lost = self.plan.retiming.as_ref().map_or(&[][..], |retiming| retiming.lost_on(segments));
+        for &(segment, lost) in lost {
+            *(if is_rapid(segment) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += lost;
         }
         for wait in &self.waits[stops] {
             let functions = &mut breakdown.functions;

@@ -1,7 +1,7 @@
 //! Limits of the machine: without effect at their neutral values, respected when finite.
 
 use crate::paths::{Case, Random, cases, line, stretches};
-use truefeed::machine::{Axis, Machine};
+use truefeed::machine::{Axis, Junction, Machine};
 use truefeed::simulation::feed::limits::requested_feedrate;
 use truefeed::simulation::feed::{Pulse, Stretch};
 use truefeed::simulation::profile::Profile;
@@ -70,6 +70,7 @@ fn a_huge_acceleration_is_as_good_as_none() {
     for (case, _) in limited(22, CASES, |machine, _| machine.path.acceleration = f64::INFINITY) {
         let mut machine = case.machine.clone();
         machine.path.acceleration = 1e15;
+        machine.interpolator.junction = Junction::AxisStep(1e9);
         let limited = Case { toolpath: case.toolpath.clone(), machine, ..case };
         let (time, limited_time) = (case.time(), limited.time());
         assert!((limited_time / time - 1.0).abs() < 1e-9, "case {}: {limited_time}, {time}", case.number);
@@ -113,7 +114,8 @@ fn no_axis_is_faster_than_its_limit() {
     }
 }
 
-/// Paths along a straight line, whose feedrates change from block to block: the acceleration
+/// Paths along a straight line, whose feedrates change from block to block, on machines that plan ramps
+/// before their filters: the acceleration
 /// along the path is that of the command, averaged, and so never above its limit.
 #[test]
 fn acceleration_along_straight_paths_keeps_its_limit() {
@@ -129,6 +131,7 @@ fn acceleration_along_straight_paths_keeps_its_limit() {
         case.toolpath =
             Toolpath { segments: lines.collect(), stops: case.toolpath.stops.clone(), ..Default::default() };
         case.machine.path.acceleration = random.log_between(50.0, 20_000.0);
+        case.machine.interpolator.junction = Junction::AxisStep(1e9);
         let by_axis = random.chance(0.5);
         if by_axis {
             let acceleration = &mut case.machine.path.acceleration;

@@ -5,6 +5,7 @@ mod guaranteed;
 mod limits;
 mod path_modes;
 mod paths;
+mod retiming;
 mod smoothing;
 mod symmetry;
 mod table;

@@ -30,6 +30,7 @@ use crate::identification::comparison::residuals;
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::{FeedPlan, Rule, Tolerances, plan};
+use crate::simulation::profile::retimed;
 use crate::simulation::toolpath::Toolpath;
 
 /// Sections a run is cut into for the uncertainties.
@@ -106,7 +107,7 @@ pub fn huber(value: f64) -> f64 {
 /// The plan of a program on a machine, at the tolerances of the program or else the machine's.
 pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
     match machine.interpolator.corner_mode {
-        CornerMode::Paper => plan(toolpath, machine, Rule::Programmed),
+        CornerMode::Paper => retimed(toolpath, machine, plan(toolpath, machine, Rule::Programmed)),
         CornerMode::Guaranteed => plan_within(toolpath, machine, Tolerances::Programmed, &mut |_| {}).0,
     }
 }

@@ -28,6 +28,9 @@
 //! what the stand-in machine does, by a millisecond; a corner on an arc may so leave the tolerance by
 //! itself, which `CornerMode::Guaranteed` corrects.
 //!
+//! Acceleration limits of axes and path act behind the filters, in [`retiming`]; only where junctions
+//! follow laws of acceleration they shape the command itself.
+//!
 //! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest feedrate asked for in
 //! the stretch, so that the filters are constant while the machine moves; feed and rapid then
 //! differ, and are joined by a full stop.
@@ -37,9 +40,11 @@ pub mod block;
 pub mod corner;
 pub mod junction;
 pub mod limits;
+pub mod retiming;
 mod smoothing;
 mod tolerances;
 
+pub use retiming::{Knot, Pace, Retiming};
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Junction, Machine, TimeConstants};
@@ -110,6 +115,8 @@ pub struct FeedPlan {
     pub corner_feedrates: Vec<f64>,
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
+    /// What acceleration limits behind the filters cost; none where they cost nothing.
+    pub retiming: Option<Retiming>,
 }
 
 /// By what the corners and arcs are commanded.
@@ -148,12 +155,15 @@ impl From<Tolerances> for Rule<'_> {
 }
 
 impl FeedPlan {
-    /// Cycle time, s: all pulses, the filter delay of every stretch, and the waits. Exact but for
-    /// the rounding of the last digit.
+    /// Cycle time, s: all pulses, the filter delay of every stretch and what it loses behind the filters,
+    /// and the waits. Exact but for the rounding of the last digit and what is lost.
     pub fn cycle_time(&self) -> f64 {
         let durations = self.phases.iter().flat_map(|phase| match phase {
-            Phase::Wait(wait) => [wait.duration, 0.0],
-            Phase::Motion(stretch) => [self.command_time(stretch), self.filters[stretch.filter].delay()],
+            Phase::Wait(wait) => [wait.duration, 0.0, 0.0],
+            Phase::Motion(stretch) => {
+                let delay = self.filters[stretch.filter].delay();
+                [self.command_time(stretch), delay, retiming::lost(self.knots(stretch))]
+            }
         });
         running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
     }
@@ -166,7 +176,13 @@ impl FeedPlan {
         })
     }
 
-    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer.
+    /// The knots of a stretch where it loses time behind the filters; none where it does not.
+    pub fn knots(&self, stretch: &Stretch) -> &[Knot] {
+        self.retiming.as_ref().map_or(&[], |retiming| retiming.knots(stretch))
+    }
+
+    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer, and what it
+    /// loses behind the filters.
     pub fn command_time(&self, stretch: &Stretch) -> f64 {
         let durations = self.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
         running_sum(durations).last().unwrap_or(0.0)
@@ -288,22 +304,9 @@ struct Corner {
     feedrate: f64,
     /// Whether the motion goes on beyond it.
     blended: bool,
-    /// Command at which the turn alone takes the acceleration of an axis, mm/s.
-    by_acceleration: f64,
 }
 
-const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false, by_acceleration: f64::INFINITY };
-
-impl Corner {
-    /// How long the command must be held on each side, s, so that turn and ramps together keep the
-    /// axes within their acceleration. A turn that takes all of it leaves nothing for a ramp until
-    /// the bell of the filters has fallen from its top, half a delay, or the longest constant where
-    /// that is more; a turn that takes less leaves more, sooner.
-    fn clearance(&self, filter: &FilterChain) -> f64 {
-        let longest = filter.time_constants().iter().copied().fold(filter.half_delay(), f64::max);
-        longest * (self.feedrate / self.by_acceleration)
-    }
-}
+const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false };
 
 fn add_stretch(
     plan: &mut FeedPlan,
@@ -335,6 +338,10 @@ fn add_stretch(
         }
     }
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
+    if machine.interpolator.junction == Junction::Tolerance {
+        // There the limits act behind the filters.
+        accelerations.fill(f64::INFINITY);
+    }
     let held = tolerances.limits(toolpath, machine, range.start);
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
         .map(|(i, ((segment, &feedrate), limit))| match rule {
@@ -358,21 +365,16 @@ fn add_stretch(
                 law.feedrate(limit.towards(next_limit, turn) / turn, before, after)
             }
         };
-        let (by_acceleration, by_jerk) = match machine.interpolator.junction {
-            Junction::Tolerance => axis_corner_feedrates(&change, machine, chain),
+        let by_limits = match machine.interpolator.junction {
+            Junction::Tolerance => axis_corner_feedrate(&change, machine, chain),
             Junction::AccelerationBlend => {
                 let blend = Turn::between(&pair[0], &pair[1]).blend(machine, limit.along(), slower);
                 blends.push(Blend { feedrate: blend.feedrate.min(by_rule), ..blend });
-                (blend.feedrate, f64::INFINITY)
+                blend.feedrate
             }
-            _ => (Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()), f64::INFINITY),
+            _ => Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()),
         };
-        let feedrate = by_rule.min(by_acceleration).min(by_jerk);
-        let by_acceleration = match machine.interpolator.junction {
-            Junction::Tolerance => by_acceleration,
-            _ => f64::INFINITY,
-        };
-        corners.push(Corner { feedrate, blended: true, by_acceleration });
+        corners.push(Corner { feedrate: by_rule.min(by_limits), blended: true });
     }
     if machine.interpolator.junction == Junction::AccelerationBlend {
         blends.push(Blend::none(0.0));
@@ -402,7 +404,7 @@ fn add_stretch(
             feedrate: corner.feedrate,
             hold: if corner.blended {
                 let chord = limits::first_chord(segment, machine) / corner.feedrate;
-                law.hold(corner.feedrate, without_tolerance[i]).min(chord).max(corner.clearance(chain))
+                law.hold(corner.feedrate, without_tolerance[i]).min(chord)
             } else {
                 0.0
             },
@@ -457,20 +459,16 @@ fn filter_of_stretch(
     })
 }
 
-/// The fastest corner commands at which the turn alone keeps each axis within its acceleration, and
-/// within its jerk: an axis whose velocity steps by c |Δu| before the filters accelerates by
-/// c |Δu| max h after them. One filter has no finite jerk, and no limit on it can be kept.
-fn axis_corner_feedrates(change: &Vector, machine: &Machine, filter: &FilterChain) -> (f64, f64) {
-    if machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY && axis.jerk == f64::INFINITY) {
-        return (f64::INFINITY, f64::INFINITY);
+/// The fastest corner command at which the turn keeps each axis within its jerk: an axis whose velocity
+/// steps by c |Δu| before the filters has the jerk c |Δu| max ḣ after them. One filter has no finite jerk,
+/// and no limit on it can be kept.
+fn axis_corner_feedrate(change: &Vector, machine: &Machine, filter: &FilterChain) -> f64 {
+    if machine.axes.iter().all(|axis| axis.jerk == f64::INFINITY) {
+        return f64::INFINITY;
     }
-    let (peak, slope) = (filter.peak_impulse(), filter.peak_impulse_slope());
-    let axes = machine.axes.iter().enumerate();
-    axes.fold((f64::INFINITY, f64::INFINITY), |(acceleration, jerk), (k, axis)| {
-        let step = change[k].abs();
-        let by_jerk = if slope.is_finite() { axis.jerk / (step * slope) } else { f64::INFINITY };
-        (acceleration.min(axis.acceleration / (step * peak)), jerk.min(by_jerk))
-    })
+    let slope = filter.peak_impulse_slope();
+    let axes = machine.axes.iter().enumerate().filter(|_| slope.is_finite());
+    axes.map(|(k, axis)| axis.jerk / (change[k].abs() * slope)).fold(f64::INFINITY, f64::min)
 }
 
 /// Lowers feedrates from which the motion could not stop within the blocks the control sees.

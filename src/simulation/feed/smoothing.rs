@@ -253,6 +253,7 @@ impl Merged {
             filters: plan.filters,
             corner_feedrates: vec![f64::INFINITY; segments],
             segment_feedrates: vec![f64::INFINITY; segments],
+            retiming: None,
         };
         for (index, cover) in self.covers.iter().enumerate() {
             let ratio = self.ratio(index);
