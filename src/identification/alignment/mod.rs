@@ -15,6 +15,7 @@
 //!
 //! Limits: rotary axes are not compared; one run is aligned at a time, the first that fits.
 
+mod driven;
 mod feed;
 mod hints;
 mod lines;
@@ -28,6 +29,7 @@ mod travelled;
 use std::ops::Range;
 use thiserror::Error;
 
+pub use crate::identification::alignment::driven::times_at_marks;
 pub use crate::identification::alignment::place::{Place, Visit, times, visits};
 pub use crate::identification::alignment::positions::{Track, median};
 use crate::identification::recording::{Channel, ClosureError, Recording, RunMark};

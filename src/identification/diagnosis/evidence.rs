@@ -4,6 +4,11 @@ use crate::identification::fit::{Fit, Run, Whitening, fit, huber};
 use crate::identification::hypotheses::Hypothesis;
 use crate::machine::Machine;
 
+/// Golden sections between two trials.
+const SECTIONS: usize = 5;
+/// Points between two trials, before.
+const BETWEEN: usize = 9;
+
 /// Runs with the noise that is taken for granted.
 #[derive(Clone)]
 pub struct Evidence<'a> {
@@ -53,16 +58,19 @@ impl<'a> Evidence<'a> {
         let tried: Vec<(Vec<f64>, f64)> = tried.collect();
         let best = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
         let (mut values, mut cost) = tried[best].clone();
+        let neutral = self.cost(machine);
+        let acts = |at: usize| 1e-6 * neutral < (tried[at].1 - neutral).abs();
         if hypothesis.is_continuous {
-            // Between the trials on both sides, by golden sections of the first parameter.
+            // Between the trials on both sides, by golden sections of the first parameter. Where no trial is
+            // better than none at all, what is better may lie between one that does not act and one that does too much.
+            let edge = (1..tried.len()).find(|at| acts(at - 1) != acts(*at));
+            let (before, after) = match edge {
+                Some(edge) if neutral <= cost => (edge - 1, edge),
+                _ => (best.saturating_sub(1), (best + 1).min(tried.len() - 1)),
+            };
             let freed = &hypothesis.freed[0];
             let side = |at: usize| freed.inward(tried[at].0[0]);
-            let mut low = side(best.saturating_sub(1));
-            let mut high = side((best + 1).min(tried.len() - 1));
-            if high < low {
-                (low, high) = (high, low);
-            }
-            const GOLDEN: f64 = 0.381_966_011_250_105_1;
+            let (low, high) = (side(before), side(after));
             let at = |varied: f64, values: &mut Vec<f64>, cost: &mut f64| {
                 let mut there = values.clone();
                 there[0] = freed.outward(varied);
@@ -72,9 +80,20 @@ impl<'a> Evidence<'a> {
                 }
                 found
             };
+            // What acts from a threshold on is flat before it: first a few points between, then sections.
+            let between = |part: usize| low + (high - low) * part as f64 / (BETWEEN + 1) as f64;
+            let mut closest = (0, f64::INFINITY);
+            for part in 1..=BETWEEN {
+                let found = at(between(part), &mut values, &mut cost);
+                if found < closest.1 {
+                    closest = (part, found);
+                }
+            }
+            let (mut low, mut high) = (between(closest.0 - 1), between(closest.0 + 1));
+            const GOLDEN: f64 = 0.381_966_011_250_105_1;
             let (mut a, mut b) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
             let (mut fa, mut fb) = (at(a, &mut values, &mut cost), at(b, &mut values, &mut cost));
-            for _ in 0..5 {
+            for _ in 0..SECTIONS {
                 if fa < fb {
                     (high, b, fb) = (b, a, fa);
                     a = low + GOLDEN * (high - low);

@@ -17,19 +17,26 @@ const WORTH: f64 = 0.35;
 /// And be larger than this, mm.
 const LEAST: f64 = 2e-3;
 /// Rounds of golden sections, and sections in each.
-const ROUNDS: (usize, usize) = (3, 12);
+const ROUNDS: (usize, usize) = (3, 7);
+/// Causes of form that are searched between their trials.
+const REFINED: usize = 2;
 
 /// The form error of a machine, mm; none without positions.
 pub fn error(machine: &Machine, runs: &[Run]) -> Option<f64> {
-    let forms = forms(machine, runs);
-    (!forms.is_empty()).then(|| rms(&forms, machine))
+    let of = |on_time: bool| {
+        let forms = forms(machine, runs, on_time);
+        (!forms.is_empty()).then(|| rms(&forms, machine))
+    };
+    of(true).zip(of(false)).map(|(on_time, in_step)| on_time.min(in_step))
 }
 
-fn forms(machine: &Machine, runs: &[Run]) -> Vec<Form> {
+/// The runs with their times as they are, `on_time`, or in step with the recording.
+fn forms(machine: &Machine, runs: &[Run], on_time: bool) -> Vec<Form> {
     let of_run = |run: &Run| {
         let plan = run.plan(machine);
         let comparison = crate::identification::comparison::compare(run.toolpath, &plan, run.alignment);
-        Form::new(run.toolpath, &plan, run.alignment, &comparison.simulated, &comparison.residuals)
+        let residuals = (!on_time).then_some(&comparison.residuals[..]);
+        Form::new(run.toolpath, &plan, run.alignment, &comparison.simulated, residuals)
     };
     runs.iter().filter_map(of_run).collect()
 }
@@ -42,7 +49,7 @@ fn rms(forms: &[Form], machine: &Machine) -> f64 {
 /// The causes of form, at most one of each id: those that explain the error whole, or else, if `whole` is
 /// not asked for, those that take away much of it.
 pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole: bool) -> Vec<Candidate> {
-    let forms = forms(machine, runs);
+    let forms = forms(machine, runs, whole);
     if forms.is_empty() {
         return Vec::new();
     }
@@ -62,8 +69,12 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
             };
             hypothesis.trace == Trace::Form && !named.iter().any(is_named)
         });
-        let tried = open.filter_map(|hypothesis| best(&forms, &current, hypothesis));
-        let Some(candidate) = tried.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
+        let mut tried: Vec<Candidate> =
+            open.filter_map(|hypothesis| screened(&forms, &current, hypothesis)).collect();
+        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        tried.truncate(REFINED);
+        let refined = tried.into_iter().map(|candidate| refined(&forms, &current, candidate));
+        let Some(candidate) = refined.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
         if (1.0 - WORTH) * error < candidate.cost || error - candidate.cost < LEAST {
             break;
         }
@@ -77,27 +88,27 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     if whole && (floor < error || 0.5 * before < error) { Vec::new() } else { named }
 }
 
-/// A hypothesis at its best values; its cost is the form error, mm.
-fn best(forms: &[Form], machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
+/// A hypothesis at the best of its trials; its cost is the form error, mm.
+fn screened(forms: &[Form], machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
+    let tried = hypothesis.trials.iter().map(|values| {
+        let cost = rms(forms, &hypothesis.machine(machine, values));
+        let deviations = vec![f64::NAN; values.len()];
+        Candidate { hypothesis: hypothesis.clone(), values: values.clone(), deviations, cost }
+    });
+    tried.min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// The same at its best values.
+fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate {
+    let Candidate { hypothesis, mut values, cost: mut least, .. } = candidate;
     let error = |values: &[f64]| rms(forms, &hypothesis.machine(machine, values));
-    let tried: Vec<(Vec<f64>, f64)> =
-        hypothesis.trials.iter().map(|values| (values.clone(), error(values))).collect();
-    let at = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
-    let (mut values, mut least) = tried[at].clone();
-    // Only what is at all promising is worth the sections.
-    if 0.98 * rms(forms, machine) < least {
-        return Some(Candidate {
-            hypothesis: hypothesis.clone(),
-            deviations: vec![f64::NAN; values.len()],
-            values,
-            cost: least,
-        });
-    }
+    let trials = &hypothesis.trials;
+    let at = trials.iter().position(|trial| *trial == values).unwrap_or(0);
     let width = |freed: usize| match freed {
         0 => {
-            let side = |at: usize| hypothesis.freed[0].inward(tried[at].0[0]);
+            let side = |at: usize| hypothesis.freed[0].inward(trials[at][0]);
             let low = side(at.saturating_sub(1));
-            let high = side((at + 1).min(tried.len() - 1));
+            let high = side((at + 1).min(trials.len() - 1));
             0.5 * (high - low).abs()
         }
         _ => 1.5,
@@ -143,5 +154,5 @@ fn best(forms: &[Form], machine: &Machine, hypothesis: &Hypothesis) -> Option<Ca
         freed.deviation(values[place], varied.min(1.0))
     });
     let deviations = deviations.collect();
-    Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost: least })
+    Candidate { hypothesis: hypothesis.clone(), values, deviations, cost: least }
 }

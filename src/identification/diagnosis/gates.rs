@@ -64,3 +64,27 @@ pub fn held_out(evidence: &Evidence, without: &Machine, with: &Machine) -> Optio
     }
     (1 < held.better + held.worse).then_some(held)
 }
+
+/// Shifts that are tried.
+const SHIFTS: usize = 300;
+/// By how much the fit in place must be better than the best of the shifted ones.
+const IN_PLACE: f64 = 1.25;
+
+/// Whether the trace of a cause fits the residuals where it is, and not as well where it is shifted to: a
+/// residual that wanders by itself fits anything a little, anywhere.
+pub fn stays_in_place(evidence: &Evidence, without: &Machine, with: &Machine) -> bool {
+    let (before, after) = (evidence.whitened(without), evidence.whitened(with));
+    let clamp = |value: f64| value.clamp(-5.0, 5.0);
+    let observed: Vec<f64> = before.iter().flatten().map(|value| clamp(*value)).collect();
+    let trace: Vec<f64> =
+        before.iter().flatten().zip(after.iter().flatten()).map(|(b, a)| clamp(b - a)).collect();
+    let count = observed.len();
+    let fits = |shift: usize| -> f64 {
+        let shifted = observed[shift..].iter().chain(&observed[..shift]);
+        shifted.zip(&trace).map(|(observed, trace)| observed * trace).sum()
+    };
+    let step = (count / (SHIFTS + 1)).max(1);
+    // Neighbours of the place itself are the place.
+    let shifted = (10..=SHIFTS.saturating_sub(10)).map(|at| (at * step) % count.max(1)).map(fits);
+    IN_PLACE * shifted.fold(0.0, f64::max) < fits(0)
+}

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | likelihood | the cost falls by more than [`GAIN`] + k ln n, n sections of the path, not samples |
 //! | held out | fitted without a section, it is better there, in most sections where it acts |
+//! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | size | it explains more than [`SIZE`] of the cycle time, and more than [`LEAST`] s |
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
@@ -38,6 +39,10 @@ const GAIN: f64 = 12.0;
 const SIZE: f64 = 3e-4;
 /// What a cause must explain, s.
 const LEAST: f64 = 0.015;
+/// What a cause moves back and forth counts by this part.
+const NETTED: f64 = 0.2;
+/// A gain of this part of what is left needs no test of its place.
+const LARGE: f64 = 0.5;
 /// What is left unexplained without a word, as a part of the cycle time.
 const LEFT: f64 = 2e-3;
 /// Candidates whose cost is this close to the best's cannot be told from it.
@@ -114,7 +119,9 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let mut details: Vec<(Vec<String>, Option<HeldOut>, f64)> = Vec::new();
     let base = with_all(machine, &drives);
     progress(0.1);
-    for round in 0..MOST {
+    // Where the form is explained whole, at times as they are, no time is missing either.
+    let rounds = if drives.is_empty() { MOST } else { 0 };
+    for round in 0..rounds {
         let current = with_all(&base, &named);
         let Some(found) = next_cause(&base, &current, runs, &library, &named, &mut |part| {
             progress(0.1 + 0.7 * (round as f64 + part) / MOST as f64);
@@ -128,7 +135,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let (named, details) = without_unnecessary(&base, runs, named, details);
     let with_time = with_all(&base, &named);
     let mut drives = drives;
-    if drives.is_empty() {
+    if 0 < rounds {
         drives = form::explained(&with_time, runs, &library, false);
     }
     let fitted = with_all(&with_time, &drives);
@@ -161,7 +168,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let regions = before.first().map_or(Vec::new(), |before| regions(before, runs[0].alignment));
     let left = regions::left(&after, runs);
     let whole: f64 = after.iter().map(|comparison| comparison.whole.recorded).sum();
-    let is_left = LEFT * whole < left && LEAST < left;
+    let is_left = 0 < rounds && LEFT * whole < left && LEAST < left;
     if is_left && !causes.is_empty() {
         messages.push(format!("{left:.2} s of lost time are left that nothing in the library explains"));
     }
@@ -253,7 +260,10 @@ fn next_cause(
     let (seconds, _) = regions::acts_on(current, &with, runs);
     let moved = regions::moved(current, &with, runs);
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
-    if seconds.abs().max(moved) < LEAST.max(SIZE * whole) {
+    if seconds.abs().max(NETTED * moved) < LEAST.max(SIZE * whole) {
+        return None;
+    }
+    if gain < LARGE * candidate.cost && !gates::stays_in_place(&last, current, &with) {
         return None;
     }
     let held_out = gates::held_out(&last, current, &with);

@@ -75,10 +75,15 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     };
     let first = if from == 0 { 0 } else { line_of(from) };
     let last = if to == bins { u32::MAX } else { line_of(to) };
-    let freed = vec![Freed::new("override.feed", ratio, (0.01, 2.0), Scale::Ratio, |machine, value| {
+    let freed = [Freed::new("override.feed", ratio, (0.01, 2.0), Scale::Ratio, |machine, value| {
         machine.overrides.feed = value;
     })];
-    let (first, last) = edges(machine, run, evidence, ratio, (first, last));
+    // Ratio and edges lean on each other: one after the other, a few times.
+    let (mut first, mut last, mut ratio) = (first, last, ratio);
+    for _ in 0..3 {
+        (first, last) = edges(machine, run, evidence, ratio, (first, last));
+        ratio = best_ratio(machine, evidence, ratio, (first, last));
+    }
     let set_lines = move |machine: &mut Machine, value: f64| {
         machine.overrides.feed = value;
         machine.overrides.lines = (first, last);
@@ -103,6 +108,22 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
         is_continuous: true,
         report,
     })
+}
+
+/// The override at which the cost is least, near where it was guessed.
+fn best_ratio(machine: &Machine, evidence: &Evidence, guess: f64, lines: (u32, u32)) -> f64 {
+    let cost = |ratio: f64| {
+        let mut there = machine.clone();
+        there.overrides.feed = ratio;
+        there.overrides.lines = lines;
+        evidence.cost(&there)
+    };
+    let (mut low, mut high) = (0.85 * guess, 1.18 * guess);
+    for _ in 0..14 {
+        let (a, b) = (low + 0.382 * (high - low), high - 0.382 * (high - low));
+        if cost(a) < cost(b) { high = b } else { low = a }
+    }
+    0.5 * (low + high)
 }
 
 /// The first and last line at which the cost is least, near where they were guessed.

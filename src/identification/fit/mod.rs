@@ -23,7 +23,7 @@ use nalgebra::DMatrix;
 pub use freed::{Freed, Scale};
 pub use whitened::Whitening;
 
-use crate::identification::alignment::{Alignment, Place, times};
+use crate::identification::alignment::{Alignment, Place, times_at_marks};
 use crate::identification::comparison::residuals;
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::plan_within;
@@ -88,8 +88,9 @@ impl Run<'_> {
 
     /// By how much the recorded machine is later at each mark, s.
     pub fn residuals(&self, machine: &Machine) -> Vec<f64> {
-        let places: Vec<Place> = self.alignment.marks.iter().map(|mark| mark.place).collect();
-        let mut simulated = times(self.toolpath, &self.plan(machine), &places);
+        let machine = &self.machine(machine);
+        let plan = simulate(self.toolpath, machine);
+        let mut simulated = times_at_marks(self.toolpath, machine, &plan, self.alignment);
         simulated.iter_mut().for_each(|time| *time *= machine.recorder.clock_ratio);
         residuals(self.alignment, &simulated)
     }
