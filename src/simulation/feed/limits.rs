@@ -25,7 +25,7 @@ use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 /// The feedrate asked for, mm/s: programmed or rapid, with override and axis velocity limits.
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let feedrate = match segment.motion {
-        Motion::Rapid => machine.rapid.feedrate * machine.overrides.rapid,
+        Motion::Rapid => machine.rapid.feedrate * machine.overrides.of_rapid(segment.line.0),
         Motion::Feed { feedrate } => feedrate * machine.overrides.of_feed(segment.line.0),
     };
     let feedrate = feedrate.min(rotary_feedrate(segment, machine));

@@ -13,7 +13,8 @@
 //! - the beginning and the end of the program;
 //! - a dwell, a tool change or another M-word: machine functions wait for the motion to end;
 //! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends
-//!   of every rapid where the machine has rapids stop;
+//!   of every rapid where the machine has rapids stop or wait for position;
+//! - a wait before a line, of [`halts`];
 //! - a change of the filters' constants, between feed and rapid, where rapids have their own:
 //!   filters can only be exchanged while the machine stands, or distance would be lost.
 //!
@@ -31,6 +32,7 @@
 
 pub mod block;
 pub mod corner;
+mod halts;
 pub mod junction;
 pub mod limits;
 mod tolerances;
@@ -40,6 +42,7 @@ pub use tolerances::{Bound, Held, Limit, Tolerances};
 use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::feed::block::End;
 use crate::simulation::feed::corner::CornerLaw;
+use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::junction::Turn;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
@@ -141,6 +144,13 @@ impl From<Tolerances> for Rule<'_> {
     }
 }
 
+impl Pulse {
+    /// Whether it is one of the halts that the program does not ask for.
+    pub fn is_halt(&self) -> bool {
+        self.feedrate == [0.0, 0.0]
+    }
+}
+
 impl FeedPlan {
     /// Cycle time, s: all pulses, the filter delay of every stretch, and the waits. Exact but for
     /// the rounding of the last digit.
@@ -181,6 +191,7 @@ pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f6
 /// The feed plan of a toolpath on a machine.
 pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
+    let halting = Halting::of(toolpath, machine);
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
     let mut begin = 0;
@@ -193,6 +204,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
         while end < segments.len()
             && end != next_stop
             && !stands_between(&segments[end - 1], &segments[end], machine)
+            && !halting.stands_before(end)
         {
             end += 1;
         }
@@ -202,6 +214,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     for stop in stops {
         add_wait(&mut plan, stop, machine);
     }
+    halting.put_into(&mut plan, toolpath, machine);
     plan
 }
 
@@ -245,8 +258,14 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
     before.exact_stop
         || (rapid(before) != rapid(after) && own_filters)
         || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
-        || (machine.interpolator.exact_stop_angle < std::f64::consts::PI
-            && machine.interpolator.exact_stop_angle < turn(before, after))
+        || halts::rapid_ends_stop(before, machine)
+        || exact_stop_by_turn(before, after, machine)
+}
+
+/// Whether the corner between two segments is sharper than the machine's exact-stop angle.
+fn exact_stop_by_turn(before: &Segment, after: &Segment, machine: &Machine) -> bool {
+    machine.interpolator.exact_stop_angle < std::f64::consts::PI
+        && machine.interpolator.exact_stop_angle < turn(before, after)
 }
 
 /// The angle by which the path turns between two segments, rad.
