@@ -11,6 +11,8 @@
 //! | where a long block meets a long block | a wait before the line of the later one |
 //! | anywhere else | a feed hold on the line |
 //!
+//! Rests of one visit of a line are one, where the longer one was.
+//!
 //! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
 //! be held each time; more rests than [`MOST`] are a property of the machine and not halts.
 
@@ -41,6 +43,8 @@ pub struct Rest {
     pub line: u32,
     /// The part of the line's path before it; none where it is before the line.
     pub place: Option<f64>,
+    /// Where the line's path begins, mm.
+    pub begin: f64,
     /// What it cost, s.
     pub seconds: f64,
 }
@@ -69,7 +73,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     };
     let least = LEAST.max(2.0 * poll);
     let ramp = plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
-    let mut found = Vec::new();
+    let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
     while from + 1 < fixes.len() {
         to = to.max(from + 1);
@@ -87,7 +91,14 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         let last = last.min(fixes.len() - 1);
         let at = 0.5 * (fixes[from].distance + fixes[to].distance);
         let near = short + poll * profile.at_time(simulated[from] - 1e-3).velocity.norm();
-        found.extend(rest_at(run, &profile, at, near, lost(first, last)));
+        let rest = rest_at(run, &profile, at, near, lost(first, last));
+        match found.last_mut().zip(rest) {
+            Some((before, rest)) if (before.line, before.begin) == (rest.line, rest.begin) => {
+                let place = if before.seconds < rest.seconds { rest.place } else { before.place };
+                *before = Rest { place, seconds: before.seconds + rest.seconds, ..rest };
+            }
+            _ => found.extend(rest),
+        }
         (from, to) = (to, to + 1);
     }
     if MOST < found.len() { Vec::new() } else { found }
@@ -118,19 +129,19 @@ fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Op
             && segments[segment - 1].line != segments[*segment].line
     });
     if let Some(boundary) = boundary {
-        return Some(Rest { line: segments[boundary].line.0, place: None, seconds });
+        return Some(Rest { line: segments[boundary].line.0, place: None, begin: at, seconds });
     }
     let line = segments[low].line;
     let first = (0..=low).rev().take_while(|segment| segments[*segment].line == line).last()?;
     let after = (low..segments.len()).take_while(|segment| segments[*segment].line == line).last()? + 1;
     let place = (at - end(first)) / (end(after) - end(first)).max(1e-9);
-    Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), seconds })
+    Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), begin: end(first), seconds })
 }
 
 impl Rest {
     /// The halt that would leave it.
     pub fn hypothesis(self) -> Hypothesis {
-        let Rest { line, place, seconds } = self;
+        let Rest { line, place, seconds, .. } = self;
         let report: Report = Arc::new(move |values| {
             vec![("line", Reported::Number(f64::from(line))), ("seconds", Reported::Number(values[0]))]
         });
