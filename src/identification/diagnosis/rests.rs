@@ -18,7 +18,7 @@
 
 use std::sync::Arc;
 
-use crate::identification::alignment::Method;
+use crate::identification::alignment::{Method, Visit, visits};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
@@ -73,9 +73,10 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     };
     let least = LEAST.max(2.0 * poll);
     let ramp = plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
+    let visits = visits(run.toolpath);
     let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
-    while from + 1 < fixes.len() {
+    while from + 1 < fixes.len() && found.len() <= MOST {
         to = to.max(from + 1);
         while to + 1 < fixes.len() && fixes[to + 1].distance - fixes[from].distance <= short {
             to += 1;
@@ -87,11 +88,15 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         }
         // What still begins or ends it is part of it.
         let first = fixes[..from].partition_point(|fix| fix.time < fixes[from].time - ramp);
-        let last = to + fixes[to..].partition_point(|fix| fix.time <= fixes[to].time + ramp);
-        let last = last.min(fixes.len() - 1);
+        let last = to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp);
         let at = 0.5 * (fixes[from].distance + fixes[to].distance);
-        let near = short + poll * profile.at_time(simulated[from] - 1e-3).velocity.norm();
-        let rest = rest_at(run, &profile, at, near, lost(first, last));
+        let rest = match run.alignment.method {
+            Method::Positions => rest_at(run, &profile, at, short, lost(first, last)),
+            Method::Lines | Method::Feed => {
+                let middle = 0.5 * (fixes[from].time + fixes[to].time);
+                rest_during(run, &visits, &profile, at, middle, lost(first, last))
+            }
+        };
         match found.last_mut().zip(rest) {
             Some((before, rest)) if (before.line, before.begin) == (rest.line, rest.begin) => {
                 let place = if before.seconds < rest.seconds { rest.place } else { before.place };
@@ -136,6 +141,28 @@ fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Op
     let after = (low..segments.len()).take_while(|segment| segments[*segment].line == line).last()? + 1;
     let place = (at - end(first)) / (end(after) - end(first)).max(1e-9);
     Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), begin: end(first), seconds })
+}
+
+/// The rest at a time of a recording that names lines but no positions: on the line that was named last, as a
+/// rest is longer than the time between two looks. None where that line has a function.
+fn rest_during(
+    run: &Run,
+    visits: &[Visit],
+    profile: &Profile,
+    at: f64,
+    time: f64,
+    seconds: f64,
+) -> Option<Rest> {
+    let marks = &run.alignment.marks;
+    let named = marks.partition_point(|mark| mark.time <= time).checked_sub(1)?;
+    let visit = visits.iter().find(|visit| visit.begin == marks[named].place)?;
+    if !visit.stops.is_empty() || visit.segments.is_empty() {
+        return None;
+    }
+    let begin = profile.distance_before(visit.segments.start);
+    let length = profile.distance_before(visit.segments.end) - begin;
+    let place = ((at - begin) / length).clamp(0.0, 1.0);
+    Some(Rest { line: visit.line.0, place: Some(place), begin, seconds })
 }
 
 impl Rest {
