@@ -150,14 +150,14 @@ fn parts_of_a_held_program_add_up() {
 
 #[test]
 fn halts_come_back_from_a_machine_file() {
-    let mut machine = Machine::default();
-    machine.halts = Halts {
+    let halts = Halts {
         waits: [(64, 2.7), (8, 0.5)].into(),
         feed_holds: [(472, 3.0)].into(),
         feed_hold_places: [(472, 0.4)].into(),
         in_position: 0.05,
         in_position_at: InPosition::RapidEnds,
     };
+    let mut machine = Machine { halts, ..Machine::default() };
     machine.overrides.feed_by_line = [(412, 0.78), (901, 1.0)].into();
     machine.overrides.rapid_by_line = [(412, 0.25)].into();
     let text = toml_from_machine(&machine);
