@@ -125,7 +125,7 @@ fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> 
 
 /// What the other time is made of, a line for each part that takes any.
 fn other_parts(functions: &Functions) -> String {
-    let Functions { spindle, coolant, stops, pallet, clamp, m_words, start } = *functions;
+    let Functions { spindle, coolant, stops, pallet, clamp, m_words, start, halts } = *functions;
     let names = [
         "spindle",
         "coolant",
@@ -134,8 +134,9 @@ fn other_parts(functions: &Functions) -> String {
         "clamping",
         "other M-words",
         "program start",
+        "halts",
     ];
-    let times = [spindle, coolant, stops, pallet, clamp, m_words, start];
+    let times = [spindle, coolant, stops, pallet, clamp, m_words, start, halts];
     let parts = names.into_iter().zip(times).filter(|(_, seconds)| *seconds != 0.0);
     parts.map(|(name, seconds)| format!("\nother: {name} {seconds:.2} s")).collect()
 }

@@ -2,6 +2,7 @@
 
 mod conservation;
 mod guaranteed;
+mod halts;
 mod limits;
 mod path_modes;
 mod paths;

@@ -11,6 +11,8 @@
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | size | it explains more than `SIZE` of the cycle time, and more than `LEAST` s |
 //!
+//! Feed holds are taken in before all of them, as [`rests`] finds them: they stand for themselves.
+//!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
 //! back. Others of which the best cannot be told from the runs are its ambiguity.
 //!
@@ -23,6 +25,7 @@ mod form;
 mod gates;
 mod places;
 mod regions;
+mod rests;
 
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
@@ -125,6 +128,13 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     progress(0.1);
     // Where the form is explained whole, at times as they are, no time is missing either.
     let rounds = if drives.is_empty() { MOST } else { 0 };
+    if 0 < rounds {
+        let price = GAIN + (gates::sections(runs) as f64).ln();
+        for (candidate, gain) in rests::feed_holds(&base, runs, price) {
+            named.push(candidate);
+            details.push((Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp()));
+        }
+    }
     for round in 0..rounds {
         let current = with_all(&base, &named);
         let Some(found) = next_cause(&base, &current, runs, &library, &named, &mut |part| {

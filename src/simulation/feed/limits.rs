@@ -27,7 +27,7 @@ use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
-        Motion::Rapid => machine.rapid.feedrate.min(by_axes) * machine.overrides.rapid,
+        Motion::Rapid => machine.rapid.feedrate.min(by_axes) * machine.overrides.of_rapid(segment.line.0),
         Motion::Feed { feedrate } => feedrate * machine.overrides.of_feed(segment.line.0),
     };
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)

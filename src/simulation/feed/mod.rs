@@ -16,7 +16,8 @@
 //! - the beginning and the end of the program;
 //! - a dwell, a tool change or another M-word: machine functions wait for the motion to end;
 //! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends
-//!   of every rapid where the machine has rapids stop;
+//!   of every rapid where the machine has rapids stop or wait for position;
+//! - a wait before a line, of [`halts`];
 //! - a change of the filters' constants, between feed and rapid, where rapids have their own:
 //!   filters can only be exchanged while the machine stands, or distance would be lost.
 //!
@@ -38,6 +39,7 @@
 pub mod blend;
 pub mod block;
 pub mod corner;
+mod halts;
 pub mod junction;
 pub mod limits;
 pub mod retiming;
@@ -51,6 +53,7 @@ use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::feed::blend::{Blend, Leg};
 use crate::simulation::feed::block::End;
 use crate::simulation::feed::corner::CornerLaw;
+use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::junction::Turn;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
@@ -154,6 +157,13 @@ impl From<Tolerances> for Rule<'_> {
     }
 }
 
+impl Pulse {
+    /// Whether it is one of the halts that the program does not ask for.
+    pub fn is_halt(&self) -> bool {
+        self.feedrate == [0.0, 0.0]
+    }
+}
+
 impl FeedPlan {
     /// Cycle time, s: all pulses, the filter delay of every stretch and what it loses behind the filters,
     /// and the waits. Exact but for the rounding of the last digit and what is lost.
@@ -213,6 +223,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
 /// The plan with each block run as it is written.
 fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
+    let halting = Halting::of(toolpath, machine);
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
     let mut begin = 0;
@@ -225,6 +236,7 @@ fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPl
         while end < segments.len()
             && end != next_stop
             && !stands_between(&segments[end - 1], &segments[end], machine)
+            && !halting.stands_before(end)
         {
             end += 1;
         }
@@ -234,6 +246,7 @@ fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPl
     for stop in stops {
         add_wait(&mut plan, stop, machine);
     }
+    halting.put_into(&mut plan, toolpath, machine);
     plan
 }
 
@@ -277,8 +290,14 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
     before.exact_stop
         || (rapid(before) != rapid(after) && own_filters)
         || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
-        || (machine.interpolator.exact_stop_angle < std::f64::consts::PI
-            && machine.interpolator.exact_stop_angle < turn(before, after))
+        || halts::rapid_ends_stop(before, machine)
+        || exact_stop_by_turn(before, after, machine)
+}
+
+/// Whether the corner between two segments is sharper than the machine's exact-stop angle.
+fn exact_stop_by_turn(before: &Segment, after: &Segment, machine: &Machine) -> bool {
+    machine.interpolator.exact_stop_angle < std::f64::consts::PI
+        && machine.interpolator.exact_stop_angle < turn(before, after)
 }
 
 /// Whether the stop before segment `next` is one of the path mode, known before it is reached, and not
