@@ -1,27 +1,28 @@
 //! Acceleration limits behind the filters: filtered motion, run no faster than axes and path can follow.
 //!
-//! The filtered motion P(τ) has the feedrate w = ‖P′‖ and the direction u = P′/w. Run at v ≤ w along the
-//! same path, the machine changes its feedrate as its axes and its path allow:
+//! The filtered motion P(τ) has the feedrate w = ‖P′‖, the direction u = P′/w and the curvature
+//! N = (P″ − (P″·u) u)/w². Run at v ≤ w along the same path, the machine accelerates by
 //!
 //! ```text
-//! |v̇| ≤ A along the path,     |v̇ u_k| ≤ A_k for each axis k
+//! P̈ = v̇ u + v² N,        |P̈_k| ≤ A_k  for each axis k,     |v̇| ≤ A along the path
 //! ```
 //!
 //! The fastest such motion is found by two passes over the squared feedrate, one forward from each
 //! stop and one backward: from one sample to the next, Δσ apart,
 //!
 //! ```text
-//! Δ(v²) ≤ 2 Δσ min(A, A_k/|u_k|)
+//! Δ(v²) ≤ 2 Δσ (A_k − v² |N_k|)/|u_k|
 //! ```
 //!
-//! So a ramp begins as round as the filters make it, runs straight, and ends where it meets the filtered
-//! motion; with filters of no length it is a trapezoid. The path, and with it the contour error, is that
-//! of the filters.
+//! at both of them, of which the second is solved for v² there, below v² = A_k/|N_k|, at which turning takes
+//! all of an axis. So a ramp begins as round as the filters
+//! make it, runs straight, and ends where it meets the filtered motion; with filters of no length it
+//! is a trapezoid. The path, and with it the contour error, is that of the filters.
 //!
 //! Samples lie a 48th of the filter delay apart while the filtered motion changes, and nowhere else:
 //! where it is constant the ramps are straight, and their ends are put in exactly. The work is linear in
-//! the number of pulses. Limits: what turning takes of an axis is left to the corner law and to the limit of
-//! centripetal acceleration, as in controls that plan the feedrate along the path; rotary axes are left out.
+//! the number of pulses. Limits: N counts with its magnitude, which takes a little too much where
+//! turning and braking would push an axis opposite ways; rotary axes are left out.
 //!
 //! Controls whose junctions follow laws of acceleration plan their ramps before any filter, as in
 //! [`crate::simulation::feed::block`]; their plans are left as they are.
@@ -67,6 +68,8 @@ struct Sample {
     filtered: f64,
     /// |u|.
     share: Vector,
+    /// |N|, 1/mm.
+    curvature: Vector,
     /// v², mm²/s².
     square: f64,
 }
@@ -83,8 +86,12 @@ impl Limits {
         Limits { axes, path: machine.path.acceleration }
     }
 
+    fn have_axes(&self) -> bool {
+        self.axes.iter().any(|axis| axis.is_finite())
+    }
+
     fn are_finite(&self) -> bool {
-        self.path.is_finite() || self.axes.iter().any(|axis| axis.is_finite())
+        self.path.is_finite() || self.have_axes()
     }
 
     /// Adds what a stretch loses.
@@ -135,8 +142,18 @@ impl Limits {
                 segment += 1;
             }
             let filtered = state.velocity.norm();
-            let share = if 0.0 < filtered { state.velocity.abs() / filtered } else { Vector::zeros() };
-            samples.push(Sample { time, segment, filtered, share, square: filtered * filtered });
+            let (mut share, mut curvature) = (Vector::zeros(), Vector::zeros());
+            if 0.0 < filtered {
+                let tangent = state.velocity / filtered;
+                share = tangent.abs();
+                if self.have_axes() {
+                    let acceleration = motion.dynamics(moment).acceleration;
+                    let across = acceleration - acceleration.dot(&tangent) * tangent;
+                    curvature = across.abs() / (filtered * filtered);
+                }
+            }
+            let square = self.around_curves(&curvature).min(filtered * filtered);
+            samples.push(Sample { time, segment, filtered, share, curvature, square });
             if end <= time {
                 return samples;
             }
@@ -144,18 +161,30 @@ impl Limits {
         }
     }
 
-    /// The largest slope of the feedrate at a sample, mm/s².
-    fn available(&self, sample: &Sample) -> f64 {
-        let of_axis = |k: usize| self.axes[k] / sample.share[k];
+    /// The largest squared feedrate at which turning alone takes no more of an axis than it has, mm²/s².
+    fn around_curves(&self, curvature: &Vector) -> f64 {
+        let of_axis = |k: usize| self.axes[k] / curvature[k];
+        (0..3).filter(|&k| 0.0 < curvature[k]).map(of_axis).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The largest slope of the feedrate at a sample run at the squared feedrate `square`, mm/s².
+    fn available(&self, sample: &Sample, square: f64) -> f64 {
+        let of_axis = |k: usize| (self.axes[k] - square * sample.curvature[k]).max(0.0) / sample.share[k];
         (0..3).filter(|&k| 0.0 < sample.share[k]).map(of_axis).fold(self.path, f64::min)
     }
 
     /// The largest squared feedrate at `to` that is reached from that at `from`.
     fn reach(&self, from: &Sample, to: &Sample) -> f64 {
-        match 2.0 * from.distance(to) {
-            0.0 => from.square,
-            doubled => from.square + doubled * self.available(from).min(self.available(to)),
+        let doubled = 2.0 * from.distance(to);
+        if doubled == 0.0 {
+            return from.square;
         }
+        let of_axis = |k: usize| {
+            let (share, curvature) = (to.share[k], doubled * to.curvature[k]);
+            (share * from.square + doubled * self.axes[k]) / (share + curvature)
+        };
+        let by_axes = (0..3).map(of_axis).fold(f64::INFINITY, f64::min);
+        by_axes.min(from.square + doubled * self.available(from, from.square))
     }
 
     /// Where between two samples of a constant filtered motion a ramp ends and another begins, or
@@ -166,7 +195,7 @@ impl Limits {
         if !is_constant || (from.is_free() && to.is_free()) {
             return [None; 2];
         }
-        let doubled_slope = 2.0 * self.available(from).min(self.available(to));
+        let doubled_slope = 2.0 * self.available(from, full).min(self.available(to, full));
         let length = from.distance(to);
         let at = |distance: f64, square: f64| {
             let is_inside = 0.0 < distance && distance < length;
