@@ -5,11 +5,13 @@
 //! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
 
 mod axes;
+mod curves;
 mod reading;
 mod times;
 
 use crate::machine::junction::JUNCTION;
 use crate::machine::parameters::axes::axes;
+use crate::machine::parameters::curves::CURVES;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
 use crate::machine::{ARC_STEP, CornerMode, Machine, RAPID_ROTARY_RATE, TimeConstants};
@@ -522,5 +524,5 @@ const LEVELS: [Parameter; 6] = [
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(JUNCTION).chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
+    GENERAL.into_iter().chain(CURVES).chain(JUNCTION).chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
 });

@@ -33,6 +33,7 @@ pub mod block;
 pub mod corner;
 pub mod junction;
 pub mod limits;
+mod positioning;
 mod tolerances;
 
 pub use tolerances::{Bound, Held, Limit, Tolerances};
@@ -245,6 +246,8 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
     before.exact_stop
         || (rapid(before) != rapid(after) && own_filters)
         || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
+        || positioning::applies(before, machine)
+        || positioning::applies(after, machine)
         || (machine.interpolator.exact_stop_angle < std::f64::consts::PI
             && machine.interpolator.exact_stop_angle < turn(before, after))
 }
@@ -288,7 +291,10 @@ fn add_stretch(
     rule: Rule,
 ) {
     let segments = &toolpath.segments[range.clone()];
-    let requested: Vec<f64> = segments.iter().map(|s| limits::requested_feedrate(s, machine)).collect();
+    let requested: Vec<f64> = segments
+        .iter()
+        .map(|s| positioning::feedrate(s, limits::requested_feedrate(s, machine), machine))
+        .collect();
     let filter = filter_of_stretch(plan, segments, &requested, machine);
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
@@ -308,7 +314,11 @@ fn add_stretch(
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
         .map(|(i, ((segment, &feedrate), limit))| match rule {
             Rule::Given { segments, .. } => feedrate.min(segments[range.start + i]),
-            _ => feedrate.min(limits::arc_feedrate(segment, chain, limit.along())),
+            _ => feedrate.min(limits::arc_feedrate(
+                segment,
+                chain,
+                machine.interpolator.arc_tolerance.unwrap_or(limit.along()),
+            )),
         })
         .collect();
     let mut corners = Vec::with_capacity(segments.len() + 1);
@@ -388,6 +398,9 @@ fn filter_of_stretch(
     };
     let order = machine.interpolator.filters;
     let constants = match setting {
+        _ if positioning::applies(&segments[0], machine) => {
+            vec![positioning::time_constant(&segments[0], feedrates[0], machine); order]
+        }
         TimeConstants::Equal(constant) => vec![*constant; order],
         TimeConstants::FromJerk(jerk) => {
             let largest = feedrates.iter().copied().fold(0.0, f64::max);
