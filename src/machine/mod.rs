@@ -157,6 +157,8 @@ pub struct PathModes {
 pub struct PathLimits {
     /// Acceleration along the path, mm/s²; neutral infinite.
     pub acceleration: f64,
+    /// Jerk along the path of each change of the command, mm/s³; neutral infinite.
+    pub jerk: f64,
     /// Acceleration towards the centre of an arc, mm/s²; neutral infinite.
     pub centripetal_acceleration: f64,
 }
@@ -286,7 +288,11 @@ impl Default for Machine {
                 positioning_jerk: f64::INFINITY,
             },
             path_modes: PathModes::default(),
-            path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
+            path: PathLimits {
+                acceleration: f64::INFINITY,
+                jerk: f64::INFINITY,
+                centripetal_acceleration: f64::INFINITY,
+            },
             axes: [Axis::default(); 3],
             rotary_axes: [RotaryAxis::default(); 3],
             work_offsets: [None; 6],

@@ -4,7 +4,7 @@ use crate::machine::parameters::{JERK_MM_S3, Parameter, TOLERANCE_MM, finite, nu
 use crate::units::Unit;
 
 /// The rows.
-pub(super) const CURVES: [Parameter; 2] = [
+pub(super) const CURVES: [Parameter; 3] = [
     Parameter {
         key: "interpolator.arc_tolerance_mm",
         label: "Contour tolerance of arcs",
@@ -25,6 +25,17 @@ pub(super) const CURVES: [Parameter; 2] = [
             JERK_MM_S3,
             |m| finite(m.rapid.positioning_jerk),
             |m, v| m.rapid.positioning_jerk = v.unwrap_or(f64::INFINITY),
+        ),
+    },
+    Parameter {
+        key: "path.jerk_mm_s3",
+        label: "Path jerk limit",
+        doc: "Largest jerk along the path: a change of feedrate by Δv takes 2 √(Δv / jerk) before the filters; empty: no limit.",
+        access: number(
+            Unit::MillimetrePerSecond3,
+            JERK_MM_S3,
+            |m| finite(m.path.jerk),
+            |m, v| m.path.jerk = v.unwrap_or(f64::INFINITY),
         ),
     },
 ];

@@ -34,14 +34,16 @@ pub mod corner;
 pub mod junction;
 pub mod limits;
 mod positioning;
+mod ramp;
 mod tolerances;
 
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Junction, Machine, TimeConstants};
-use crate::simulation::feed::block::End;
+use crate::simulation::feed::block::{End, Part};
 use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::junction::Turn;
+use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause, Toolpath, Vector};
@@ -348,7 +350,8 @@ fn add_stretch(
         corners.push(Corner { feedrate, blended: true, by_acceleration });
     }
     corners.push(FULL_STOP);
-    limit_by_acceleration(&mut corners, segments, &accelerations);
+    let ramps: Vec<Option<Ramp>> = accelerations.iter().map(|&limit| Ramp::of(machine, limit)).collect();
+    limit_by_acceleration(&mut corners, segments, &accelerations, &ramps);
 
     plan.corner_feedrates.extend(corners[1..].iter().map(|corner| corner.feedrate));
     let first_pulse = plan.pulses.len();
@@ -362,13 +365,14 @@ fn add_stretch(
                 0.0
             },
         };
-        let parts = block::parts(
-            segment.length,
-            feedrates[i],
-            accelerations[i],
-            end(corners[i]),
-            end(corners[i + 1]),
-        );
+        let ends = [end(corners[i]), end(corners[i + 1])];
+        let parts: Vec<Part> = match ramps[i] {
+            Some(ramp) => {
+                let parts = ramp.parts(segment.length, feedrates[i], ends[0], ends[1]);
+                parts.into_iter().flat_map(|part| ramp.pieces(part)).collect()
+            }
+            None => block::parts(segment.length, feedrates[i], accelerations[i], ends[0], ends[1]).into(),
+        };
         let mut offset = 0.0;
         for (duration, first, last) in parts.into_iter().filter(|part| 0.0 < part.0) {
             let pulse =
@@ -454,12 +458,22 @@ fn limit_by_look_ahead(
 
 /// Lowers corners that could not be reached from, or left for, their neighbours within the
 /// acceleration limit: |c1² − c2²| ≤ 2 A L for every segment.
-fn limit_by_acceleration(corners: &mut [Corner], segments: &[Segment], accelerations: &[f64]) {
-    let reach = |from: f64, i: usize| (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt();
+fn limit_by_acceleration(
+    corners: &mut [Corner],
+    segments: &[Segment],
+    accelerations: &[f64],
+    ramps: &[Option<Ramp>],
+) {
+    let reach = |from: f64, to: f64, i: usize| match ramps[i] {
+        Some(ramp) => ramp.reach(from, segments[i].length, to),
+        None => (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt(),
+    };
     for i in 0..segments.len() {
-        corners[i + 1].feedrate = corners[i + 1].feedrate.min(reach(corners[i].feedrate, i));
+        let to = corners[i + 1].feedrate;
+        corners[i + 1].feedrate = to.min(reach(corners[i].feedrate, to, i));
     }
     for i in (0..segments.len()).rev() {
-        corners[i].feedrate = corners[i].feedrate.min(reach(corners[i + 1].feedrate, i));
+        let to = corners[i].feedrate;
+        corners[i].feedrate = to.min(reach(corners[i + 1].feedrate, to, i));
     }
 }
