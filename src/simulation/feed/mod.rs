@@ -350,7 +350,11 @@ fn add_stretch(
         corners.push(Corner { feedrate, blended: true, by_acceleration });
     }
     corners.push(FULL_STOP);
-    let ramps: Vec<Option<Ramp>> = accelerations.iter().map(|&limit| Ramp::of(machine, limit)).collect();
+    let ramps: Vec<Option<Ramp>> = (segments.iter().zip(&accelerations))
+        .map(|(segment, &limit)| {
+            Ramp::of(machine, limit).filter(|_| !positioning::applies(segment, machine))
+        })
+        .collect();
     limit_by_acceleration(&mut corners, segments, &accelerations, &ramps);
 
     plan.corner_feedrates.extend(corners[1..].iter().map(|corner| corner.feedrate));
