@@ -524,5 +524,13 @@ const LEVELS: [Parameter; 6] = [
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(CURVES).chain(JUNCTION).chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
+    GENERAL
+        .into_iter()
+        .chain(CURVES)
+        .chain(JUNCTION)
+        .chain(LEVELS)
+        .chain(READING)
+        .chain(TIMES)
+        .chain(axes())
+        .collect()
 });

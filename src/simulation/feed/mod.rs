@@ -351,9 +351,7 @@ fn add_stretch(
     }
     corners.push(FULL_STOP);
     let ramps: Vec<Option<Ramp>> = (segments.iter().zip(&accelerations))
-        .map(|(segment, &limit)| {
-            Ramp::of(machine, limit).filter(|_| !positioning::applies(segment, machine))
-        })
+        .map(|(segment, &limit)| Ramp::of(machine, limit).filter(|_| !positioning::applies(segment, machine)))
         .collect();
     limit_by_acceleration(&mut corners, segments, &accelerations, &ramps);
 

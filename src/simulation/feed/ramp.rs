@@ -154,7 +154,10 @@ mod tests {
                         for (first, last) in [(end(one), end(other)), (end(other), end(one))] {
                             if ramp.length(one, other) <= length {
                                 let parts = ramp.parts(length, 90.0, first, last);
-                                assert!((area(ramp, &parts) / length - 1.0).abs() < 1e-9, "{ramp:?} {parts:?}");
+                                assert!(
+                                    (area(ramp, &parts) / length - 1.0).abs() < 1e-9,
+                                    "{ramp:?} {parts:?}"
+                                );
                             }
                         }
                     }
