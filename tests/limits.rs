@@ -7,8 +7,8 @@ use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::trace;
 
 /// By what part an acceleration may pass its limit where a ramp of the filters turns into one of the
-/// limit, or the motion turns back on itself: passes judge it from sample to sample.
-const BETWEEN_SAMPLES: f64 = 0.25;
+/// limit: passes judge it from sample to sample.
+const BETWEEN_SAMPLES: f64 = 0.2;
 
 #[test]
 fn no_axis_accelerates_beyond_its_limit() {

@@ -76,6 +76,8 @@ pub struct Interpolator {
     pub time_constants: TimeConstants,
     /// Contour tolerance at corners, mm.
     pub contour_tolerance: f64,
+    /// Contour tolerance along arcs, mm; neutral none: that of corners.
+    pub arc_tolerance: Option<f64>,
     /// What the tolerance is held for.
     pub corner_mode: CornerMode,
     /// What else limits the feedrate at corners; neutral the tolerance alone.
@@ -136,6 +138,9 @@ pub struct Rapid {
     pub exact_stop: bool,
     /// Time constants of the filters during rapid moves; neutral none: those of feed moves.
     pub time_constants: Option<TimeConstants>,
+    /// Jerk of the axis that moves furthest, mm/s³, where each rapid is run from stand to stand with ramps
+    /// that grow with the speed it reaches; neutral infinite: rapids are not run so.
+    pub positioning_jerk: f64,
 }
 
 /// Tolerances behind the levels of the control, mm; neutral none: they are not known, and the
@@ -161,6 +166,8 @@ pub struct PathModes {
 pub struct PathLimits {
     /// Acceleration along the path, mm/s²; neutral infinite.
     pub acceleration: f64,
+    /// Jerk along the path of each change of the command, mm/s³; neutral infinite.
+    pub jerk: f64,
     /// Acceleration towards the centre of an arc, mm/s²; neutral infinite.
     pub centripetal_acceleration: f64,
 }
@@ -289,6 +296,7 @@ impl Default for Machine {
                 filters: 3,
                 time_constants: TimeConstants::Equal(0.0255),
                 contour_tolerance: 0.010,
+                arc_tolerance: None,
                 corner_mode: CornerMode::Paper,
                 junction: Junction::Tolerance,
                 exact_stop_angle: std::f64::consts::PI,
@@ -302,9 +310,14 @@ impl Default for Machine {
                 rotary_rate: RAPID_ROTARY_RATE,
                 exact_stop: false,
                 time_constants: None,
+                positioning_jerk: f64::INFINITY,
             },
             path_modes: PathModes::default(),
-            path: PathLimits { acceleration: f64::INFINITY, centripetal_acceleration: f64::INFINITY },
+            path: PathLimits {
+                acceleration: f64::INFINITY,
+                jerk: f64::INFINITY,
+                centripetal_acceleration: f64::INFINITY,
+            },
             axes: [Axis::default(); 3],
             rotary_axes: [RotaryAxis::default(); 3],
             work_offsets: [None; 6],

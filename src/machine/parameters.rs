@@ -5,12 +5,14 @@
 //! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
 
 mod axes;
+mod curves;
 mod halts;
 mod reading;
 mod times;
 
 use crate::machine::junction::JUNCTION;
 use crate::machine::parameters::axes::axes;
+use crate::machine::parameters::curves::CURVES;
 use crate::machine::parameters::halts::HALTS;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
@@ -538,6 +540,7 @@ const LEVELS: [Parameter; 6] = [
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
     GENERAL
         .into_iter()
+        .chain(CURVES)
         .chain(JUNCTION)
         .chain(LEVELS)
         .chain(READING)

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::machine::{Machine, PARAMETERS};
+use crate::machine::{Machine, PARAMETERS, Parameter};
 use crate::project::{
     Fault, REQUIRED, TIME_CONSTANTS, Written, contradiction, known_parameter, position, rivals, set, written,
 };
@@ -52,7 +52,7 @@ pub fn toml_from_machine(machine: &Machine) -> String {
     let neutral = Machine::default();
     let mut text = String::new();
     let mut table = "";
-    for row in PARAMETERS.iter() {
+    for row in by_table() {
         let Some(value) = written(machine, row) else { continue };
         let needed = row.key == "name" || REQUIRED.contains(&row.key) || TIME_CONSTANTS.contains(&row.key);
         if !needed && written(&neutral, row).as_ref() == Some(&value) {
@@ -73,6 +73,18 @@ pub fn toml_from_machine(machine: &Machine) -> String {
         text += &format!("{key} = {}\n", toml_value(&value));
     }
     text
+}
+
+/// All rows, those of a table together, where its first row is: a file names a table only once.
+fn by_table() -> Vec<&'static Parameter> {
+    let table = |row: &Parameter| row.key.rsplit_once('.').map_or(row.key, |(table, _)| table);
+    let mut first = std::collections::BTreeMap::new();
+    for (index, row) in PARAMETERS.iter().enumerate() {
+        first.entry(table(row)).or_insert(index);
+    }
+    let mut rows: Vec<&Parameter> = PARAMETERS.iter().collect();
+    rows.sort_by_key(|row| first[table(row)]);
+    rows
 }
 
 /// All that the simulation reads of a machine, as text: machines with the same text move alike,
@@ -243,6 +255,19 @@ tool_change_s = 4.0
         machine.tools = [(5, Tool { diameter: 10.0 }), (12, Tool { diameter: 6.35 })].into();
         machine.name = "a \"quoted\" name\nin two lines".to_string();
         assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine));
+    }
+
+    #[test]
+    fn a_table_is_written_once() {
+        let mut machine = machine_from_toml(SMALL).expect("right");
+        machine.interpolator.arc_tolerance = Some(0.03);
+        machine.rapid.exact_stop = true;
+        machine.rapid.positioning_jerk = 90e3;
+        machine.path.jerk = 12e3;
+        machine.path.centripetal_acceleration = 500.0;
+        let text = toml_from_machine(&machine);
+        assert_eq!(text.matches("[interpolator]").count(), 1, "{text}");
+        assert_eq!(machine_from_toml(&text), Ok(machine), "{text}");
     }
 
     #[test]

@@ -119,7 +119,7 @@ fn axis_centripetal(arc: &Arc, machine: &Machine) -> f64 {
 }
 
 /// Largest |u_k| along the segment for each axis k.
-fn largest_share(segment: &Segment) -> Vector {
+pub fn largest_share(segment: &Segment) -> Vector {
     match &segment.curve {
         Curve::Line => segment.tangent(0.0).abs(),
         Curve::Arc(arc) => {

@@ -42,6 +42,8 @@ pub mod corner;
 mod halts;
 pub mod junction;
 pub mod limits;
+mod positioning;
+mod ramp;
 pub mod retiming;
 mod smoothing;
 mod tolerances;
@@ -51,10 +53,11 @@ pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::feed::blend::{Blend, Leg};
-use crate::simulation::feed::block::End;
+use crate::simulation::feed::block::{End, Part};
 use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::junction::Turn;
+use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause, Toolpath, Vector};
@@ -291,6 +294,8 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
         || (rapid(before) != rapid(after) && own_filters)
         || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
         || halts::rapid_ends_stop(before, machine)
+        || positioning::applies(before, machine)
+        || positioning::applies(after, machine)
         || exact_stop_by_turn(before, after, machine)
 }
 
@@ -335,7 +340,10 @@ fn add_stretch(
     rule: Rule,
 ) {
     let segments = &toolpath.segments[range.clone()];
-    let requested: Vec<f64> = segments.iter().map(|s| limits::requested_feedrate(s, machine)).collect();
+    let requested: Vec<f64> = segments
+        .iter()
+        .map(|s| positioning::feedrate(s, limits::requested_feedrate(s, machine), machine))
+        .collect();
     let filter = filter_of_stretch(plan, segments, &requested, machine);
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
@@ -365,7 +373,11 @@ fn add_stretch(
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
         .map(|(i, ((segment, &feedrate), limit))| match rule {
             Rule::Given { segments, .. } => feedrate.min(segments[range.start + i]),
-            _ => feedrate.min(limits::arc_feedrate(segment, chain, limit.along())),
+            _ => feedrate.min(limits::arc_feedrate(
+                segment,
+                chain,
+                machine.interpolator.arc_tolerance.unwrap_or(limit.along()),
+            )),
         })
         .collect();
     let mut corners = Vec::with_capacity(segments.len() + 1);
@@ -414,7 +426,10 @@ fn add_stretch(
         return;
     }
     corners.push(FULL_STOP);
-    limit_by_acceleration(&mut corners, segments, &accelerations);
+    let ramps: Vec<Option<Ramp>> = (segments.iter().zip(&accelerations))
+        .map(|(segment, &limit)| Ramp::of(machine, limit).filter(|_| !positioning::applies(segment, machine)))
+        .collect();
+    limit_by_acceleration(&mut corners, segments, &accelerations, &ramps);
 
     plan.corner_feedrates.extend(corners[1..].iter().map(|corner| corner.feedrate));
     let first_pulse = plan.pulses.len();
@@ -428,13 +443,14 @@ fn add_stretch(
                 0.0
             },
         };
-        let parts = block::parts(
-            segment.length,
-            feedrates[i],
-            accelerations[i],
-            end(corners[i]),
-            end(corners[i + 1]),
-        );
+        let ends = [end(corners[i]), end(corners[i + 1])];
+        let parts: Vec<Part> = match ramps[i] {
+            Some(ramp) => {
+                let parts = ramp.parts(segment.length, feedrates[i], ends[0], ends[1]);
+                parts.into_iter().flat_map(|part| ramp.pieces(part)).collect()
+            }
+            None => block::parts(segment.length, feedrates[i], accelerations[i], ends[0], ends[1]).into(),
+        };
         let mut offset = 0.0;
         for (duration, first, last) in parts.into_iter().filter(|part| 0.0 < part.0) {
             let pulse =
@@ -464,6 +480,9 @@ fn filter_of_stretch(
     };
     let order = machine.interpolator.filters;
     let constants = match setting {
+        _ if positioning::applies(&segments[0], machine) => {
+            vec![positioning::time_constant(&segments[0], feedrates[0], machine); order]
+        }
         TimeConstants::Equal(constant) => vec![*constant; order],
         TimeConstants::FromJerk(jerk) => {
             let largest = feedrates.iter().copied().fold(0.0, f64::max);
@@ -513,12 +532,22 @@ fn limit_by_look_ahead(
 
 /// Lowers corners that could not be reached from, or left for, their neighbours within the
 /// acceleration limit: |c1² − c2²| ≤ 2 A L for every segment.
-fn limit_by_acceleration(corners: &mut [Corner], segments: &[Segment], accelerations: &[f64]) {
-    let reach = |from: f64, i: usize| (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt();
+fn limit_by_acceleration(
+    corners: &mut [Corner],
+    segments: &[Segment],
+    accelerations: &[f64],
+    ramps: &[Option<Ramp>],
+) {
+    let reach = |from: f64, to: f64, i: usize| match ramps[i] {
+        Some(ramp) => ramp.reach(from, segments[i].length, to),
+        None => (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt(),
+    };
     for i in 0..segments.len() {
-        corners[i + 1].feedrate = corners[i + 1].feedrate.min(reach(corners[i].feedrate, i));
+        let to = corners[i + 1].feedrate;
+        corners[i + 1].feedrate = to.min(reach(corners[i].feedrate, to, i));
     }
     for i in (0..segments.len()).rev() {
-        corners[i].feedrate = corners[i].feedrate.min(reach(corners[i + 1].feedrate, i));
+        let to = corners[i].feedrate;
+        corners[i].feedrate = to.min(reach(corners[i + 1].feedrate, to, i));
     }
 }

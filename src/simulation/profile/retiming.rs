@@ -38,6 +38,9 @@ const SAMPLES_PER_DELAY: f64 = 48.0;
 /// Largest angle turned on an arc between two samples, rad.
 const WIDEST_ANGLE: f64 = 0.02;
 
+/// The cosine of the angle between two samples below which the motion turned back on itself.
+const BACK: f64 = -0.99;
+
 /// A feedrate that is less than this part below the filtered one is that one.
 const ROUNDING: f64 = 1e-12;
 
@@ -133,8 +136,9 @@ impl Limits {
     /// The filtered motion of a stretch.
     fn samples(&self, motion: &Motion, stretch: &Stretch) -> Vec<Sample> {
         let end = motion.duration();
-        let mut samples = Vec::new();
+        let mut samples: Vec<Sample> = Vec::new();
         let (mut time, mut segment) = (0.0, stretch.segments.start);
+        let mut before = Vector::zeros();
         loop {
             let moment = motion.moment(time);
             let state = motion.state(moment);
@@ -152,6 +156,16 @@ impl Limits {
                     curvature = across.abs() / (filtered * filtered);
                 }
             }
+            if before.dot(&state.velocity) < BACK * before.norm() * filtered
+                && let Some(last) = samples.last()
+            {
+                // Where it turns back on itself it stands.
+                let stand = last.time + (time - last.time) * before.norm() / (before.norm() + filtered);
+                if last.time < stand && stand < time {
+                    samples.push(Sample { time: stand, filtered: 0.0, square: 0.0, ..*last });
+                }
+            }
+            before = state.velocity;
             let square = self.around_curves(&curvature).min(filtered * filtered);
             samples.push(Sample { time, segment, filtered, share, curvature, square });
             if end <= time {
@@ -232,8 +246,11 @@ impl Sample {
         if self.is_free() && next.is_free() {
             return 0.0;
         }
-        let ratio = (self.filtered + next.filtered) / (self.feedrate() + next.feedrate());
-        (next.time - self.time) * (ratio - 1.0)
+        let sum = self.feedrate() + next.feedrate();
+        if sum == 0.0 {
+            return 0.0;
+        }
+        (next.time - self.time) * ((self.filtered + next.filtered) / sum - 1.0)
     }
 
     fn knot(&self, lost: f64) -> Knot {

@@ -1,0 +1,199 @@
+//! Changes of the commanded feedrate with constant jerk: ramps that grow with the step.
+//!
+//! ```text
+//!  T = 2 √(Δv/J)           while Δv J ≤ A²,
+//!  T = Δv/A + A/J          beyond;           length = (v1 + v2) T / 2
+//! ```
+//!
+//! (Δv step of the feedrate, J jerk and A acceleration along the path.) A block then has the shape of [`block`]:
+//! holds at its corners, ramps, and F between them; where there is no room for F the ramps meet below it. The
+//! filters smooth what is left, so that corners keep their tolerance. A ramp is handed on as [`PIECES`] linear
+//! pieces whose ends lie on the curve; it is symmetric about its middle, so that its area is exact.
+//!
+//! Source: any text on jerk-limited motion, for example Siemens' SOFT and Heidenhain's law of the jerk alone. On two
+//! recorded mills rapids and feed moves both follow T = 2 √(Δv/J). Limits: the law is that of a whole step; a
+//! ramp that goes on through several blocks begins anew at each of their corners that slows it down.
+//!
+//! [`block`]: crate::simulation::feed::block
+
+use crate::machine::Machine;
+use crate::simulation::feed::block::{End, Part};
+
+/// Into how many linear pieces a ramp is cut.
+const PIECES: usize = 6;
+
+/// The law of ramps.
+#[derive(Clone, Copy, Debug)]
+pub struct Ramp {
+    /// Jerk, mm/s³; finite.
+    jerk: f64,
+    /// Acceleration, mm/s²; may be infinite.
+    acceleration: f64,
+}
+
+impl Ramp {
+    /// The law of a machine whose jerk along the path is limited; none where it is not.
+    pub fn of(machine: &Machine, acceleration: f64) -> Option<Ramp> {
+        machine.path.jerk.is_finite().then_some(Ramp { jerk: machine.path.jerk, acceleration })
+    }
+
+    /// How long the acceleration rises or falls within a step of the feedrate (mm/s), s.
+    fn rise(&self, step: f64) -> f64 {
+        (step / self.jerk).sqrt().min(self.acceleration / self.jerk)
+    }
+
+    /// How long a ramp between two feedrates (mm/s) lasts, s.
+    fn time(&self, from: f64, to: f64) -> f64 {
+        let step = (to - from).abs();
+        let rise = self.rise(step);
+        if step == 0.0 { 0.0 } else { rise + step / (self.jerk * rise) }
+    }
+
+    /// How far it goes, mm.
+    fn length(&self, from: f64, to: f64) -> f64 {
+        0.5 * (from + to) * self.time(from, to)
+    }
+
+    /// The largest feedrate, at most `most`, that is reached from `from` (mm/s) within `length` (mm).
+    pub fn reach(&self, from: f64, length: f64, most: f64) -> f64 {
+        if most <= from || self.length(from, most) <= length {
+            return most;
+        }
+        largest(from, most, |to| self.length(from, to) <= length)
+    }
+
+    /// The parts of a block of `length` (mm) at `feedrate` (mm/s) in order: hold, ramp, cruise, ramp, hold.
+    pub fn parts(&self, length: f64, feedrate: f64, first: End, last: End) -> [Part; 5] {
+        let through = |peak: f64| self.length(first.feedrate, peak) + self.length(peak, last.feedrate);
+        let between = self.length(first.feedrate, last.feedrate);
+        let room = length - first.feedrate * first.hold - last.feedrate * last.hold;
+        let (slower, faster) = if first.feedrate <= last.feedrate { (first, last) } else { (last, first) };
+        let (peak, cruise, [slow, fast]) = if through(feedrate) <= room {
+            (feedrate, (room - through(feedrate)) / feedrate, [slower.hold, faster.hold])
+        } else if between < room {
+            let peak = largest(faster.feedrate, feedrate, |peak| through(peak) <= room);
+            (peak, (room - through(peak)).max(0.0) / peak, [slower.hold, faster.hold])
+        } else {
+            let room = (length - between).max(0.0);
+            let hold = |end: End, room: f64| if end.feedrate == 0.0 { 0.0 } else { room / end.feedrate };
+            let kept = slower.hold.min(hold(slower, room));
+            (faster.feedrate, 0.0, [kept, hold(faster, (room - kept * slower.feedrate).max(0.0))])
+        };
+        let [before, after] = if first.feedrate <= last.feedrate { [slow, fast] } else { [fast, slow] };
+        let ramp = |from: f64, to: f64| (self.time(from, to), from, to);
+        [
+            (before, first.feedrate, first.feedrate),
+            ramp(first.feedrate, peak),
+            (cruise, peak, peak),
+            ramp(peak, last.feedrate),
+            (after, last.feedrate, last.feedrate),
+        ]
+    }
+
+    /// The linear pieces of a part.
+    pub fn pieces(self, (duration, from, to): Part) -> impl Iterator<Item = Part> {
+        let count = if from == to { 1 } else { PIECES };
+        let at = move |k: usize| match k {
+            0 => from,
+            _ if k == count => to,
+            _ => self.along(from, to, duration * k as f64 / count as f64, duration),
+        };
+        (0..count).map(move |k| (duration / count as f64, at(k), at(k + 1)))
+    }
+
+    /// The feedrate at a time within a ramp, mm/s.
+    fn along(&self, from: f64, to: f64, time: f64, duration: f64) -> f64 {
+        let (left, step) = (duration - time, (to - from).abs());
+        let rise = self.rise(step);
+        let covered = if time <= rise {
+            0.5 * self.jerk * time * time
+        } else if rise <= left {
+            self.jerk * rise * (time - 0.5 * rise)
+        } else {
+            step - 0.5 * self.jerk * left * left
+        };
+        from + (to - from).signum() * covered
+    }
+}
+
+/// The largest value from `low`, for which it holds, to `high`, for which it does not.
+fn largest(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    while 1e-13 * high < high - low {
+        let middle = 0.5 * (low + high);
+        if middle <= low || high <= middle {
+            break;
+        }
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::feed::{Tolerances, plan};
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    const STOP: End = End { feedrate: 0.0, hold: 0.0 };
+
+    fn area(ramp: Ramp, parts: &[Part]) -> f64 {
+        let pieces = parts.iter().flat_map(|part| ramp.pieces(*part));
+        pieces.map(|(time, from, to)| 0.5 * time * (from + to)).sum()
+    }
+
+    #[test]
+    fn the_area_is_the_length() {
+        for jerk in [1e3, 33e3, 1e7] {
+            for acceleration in [f64::INFINITY, 2000.0, 50.0] {
+                let ramp = Ramp { jerk, acceleration };
+                for length in [0.01, 0.3, 5.0, 200.0] {
+                    for (one, other) in [(0.0, 0.0), (3.0, 0.0), (2.0, 9.0), (9.0, 9.0)] {
+                        let other = ramp.reach(one, length, other).max(0.0);
+                        let end = |feedrate: f64| End { feedrate, hold: 0.004 * f64::from(feedrate > 0.0) };
+                        for (first, last) in [(end(one), end(other)), (end(other), end(one))] {
+                            if ramp.length(one, other) <= length {
+                                let parts = ramp.parts(length, 90.0, first, last);
+                                assert!(
+                                    (area(ramp, &parts) / length - 1.0).abs() < 1e-9,
+                                    "{ramp:?} {parts:?}"
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_ramp_lasts_as_long_as_the_law_says() {
+        let ramp = Ramp { jerk: 33e3, acceleration: f64::INFINITY };
+        assert!((ramp.time(0.0, 500.0) - 2.0 * (500.0f64 / 33e3).sqrt()).abs() < 1e-12);
+        let ramp = Ramp { jerk: 33e3, acceleration: 1000.0 };
+        assert!((ramp.time(100.0, 500.0) - (0.4 + 1.0 / 33.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_move_from_stand_to_stand_takes_the_cube_root_of_its_length() {
+        let ramp = Ramp { jerk: 33e3, acceleration: f64::INFINITY };
+        for length in [0.01f64, 1.0, 60.0] {
+            let time: f64 = ramp.parts(length, 1e6, STOP, STOP).iter().map(|part| part.0).sum();
+            assert!((time / (32.0 * length / 33e3).powf(1.0 / 3.0) - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn more_jerk_never_takes_longer() {
+        let program = "G1 X10 F3000\nY5\nX10.5\nY5.2\nX20 Y9\nG2 X25 Y14 I0 J5\nG1 X25.1 F500\nX60 F5000\n";
+        let mut before = f64::INFINITY;
+        for jerk in [1e3, 1e4, 1e5, 1e6, 1e9, f64::INFINITY] {
+            let mut machine = Machine::default();
+            machine.path.jerk = jerk;
+            let toolpath = trace(&read(program.as_bytes()), &machine);
+            let time = plan(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time();
+            assert!(time <= before, "{jerk}: {time}, {before}");
+            before = time;
+        }
+    }
+}
