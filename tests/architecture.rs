@@ -14,6 +14,12 @@ const FLOW: &[&str] = &[
     "simulation/profile",
     "simulation/drive",
     "simulation/contour",
+    "cutting/materials",
+    "cutting/setup",
+    "cutting/stock",
+    "cutting/engagement",
+    "cutting/force",
+    "cutting/load",
     "quote",
     "identification/recording",
     "identification/alignment",
@@ -29,7 +35,7 @@ const FLOW: &[&str] = &[
 ];
 
 /// Files that only list modules.
-const CONTENTS: &[&str] = &["lib", "simulation/mod", "identification/mod"];
+const CONTENTS: &[&str] = &["lib", "simulation/mod", "cutting/mod", "identification/mod"];
 
 /// All sources but the command line, which like a test stands outside: path below `src` without
 /// its extension, and text.
