@@ -13,7 +13,8 @@
 //! A sector is a range of φ with the depth of material above the tip of the tool. The map lags a few
 //! cells behind the tool, so that what is cut just there still stands; within ten degrees of either
 //! side, where a chip is less than a fifth of the feed thick and a cell says little, the sector next
-//! to it goes on. Angles are known to about a/R (a side of a cell, R radius), radial depth to a.
+//! to it goes on. Angles are known to a few a/R (a side of a cell, R radius), radial depth to a few
+//! cells.
 //!
 //! Left out: cutting by the bottom when the tool goes straight down (its volume counts), the shape
 //! of a rounded corner of the tool in the sectors, and the deviation of the real path from the
@@ -299,10 +300,13 @@ impl<'a> Run<'a> {
         // Nearer to the sides the layer that the map still holds is thinner than a cell.
         let unsure = (std::f64::consts::FRAC_1_SQRT_2 / LAG).asin();
         let unsure = ((unsure / width).ceil() as usize).min(bins / 2 - 1);
+        let depths: Vec<f64> = (0..bins).map(|bin| depth_at(bin.clamp(unsure, bins - 1 - unsure))).collect();
         let first = sectors.len();
         let mut count = 0.0;
         for bin in 0..bins {
-            let depth = depth_at(bin.clamp(unsure, bins - 1 - unsure));
+            // A single bin is a cell at most; what its neighbours do not know is not there.
+            let (before, after) = (depths[bin.saturating_sub(1)], depths[(bin + 1).min(bins - 1)]);
+            let depth = depths[bin].clamp(before.min(after), before.max(after));
             let (entry, exit) = (bin as f64 * width, (bin + 1) as f64 * width);
             match sectors[first..].last_mut() {
                 Some(last)

@@ -192,7 +192,7 @@ pub fn loads(
             own.removed += place.removed;
             own.force.rise(peak(load.force));
             own.power.rise(peak(load.power));
-            watch.pass(index, &load, &mill.limits, &setup.spindle, peak, &mut loads.exceeded);
+            watch.pass(&load, &mill.limits, &setup.spindle, peak, &mut loads.exceeded);
             loads.at.push(load);
         }
     }
@@ -214,17 +214,16 @@ fn spindle_speed(toolpath: &Toolpath, setup: &Setup, segment: usize) -> Option<f
     programmed.filter(|speed| 0.0 < *speed).or(setup.spindle_speed).filter(|speed| 0.0 < *speed)
 }
 
-/// Which stretch beyond a limit is open: the last place beyond it and its entry.
+/// Which stretch beyond each limit is open: the distance of the last place beyond it (mm) and its entry.
 #[derive(Clone, Copy, Debug, Default)]
 struct Watch {
-    open: [Option<(usize, usize)>; 6],
+    open: [Option<(f64, usize)>; 6],
 }
 
 impl Watch {
     /// Opens, extends or closes the stretches beyond the limits at a place.
     fn pass(
         &mut self,
-        place: usize,
         load: &Load,
         tool: &Limits,
         spindle: &Limits,
@@ -245,15 +244,15 @@ impl Watch {
             }
             let peak = peak(value);
             match *open {
-                // A dip of a few places between two exceedings is not worth a second entry.
-                Some((last, entry)) if place - last <= CLOSE => {
+                // A dip between two exceedings is not worth a second entry.
+                Some((last, entry)) if peak.distance - last <= CLOSE => {
                     let entry = &mut exceeded[entry];
                     entry.peak.rise(peak);
                     entry.lines = (entry.lines.0.min(peak.line), entry.lines.1.max(peak.line));
-                    *open = open.map(|(_, entry)| (place, entry));
+                    *open = open.map(|(_, entry)| (peak.distance, entry));
                 }
                 _ => {
-                    *open = Some((place, exceeded.len()));
+                    *open = Some((peak.distance, exceeded.len()));
                     exceeded.push(Exceeded { limit, allowed, peak, lines: (peak.line, peak.line) });
                 }
             }
@@ -261,5 +260,5 @@ impl Watch {
     }
 }
 
-/// Places between two exceedings that count as one.
-const CLOSE: usize = 25;
+/// Way between two exceedings that count as one, mm.
+const CLOSE: f64 = 10.0;

@@ -66,7 +66,7 @@ fn the_mean_force_of_half_immersion_is_the_closed_form() {
 fn summed(mill: &Mill, sectors: &[Sector], feed: f64) -> (Force, f64) {
     let Coefficients { cutting, edge } = coefficients();
     let teeth = mill.teeth.expect("given");
-    let (steps, slices) = (1440, 400);
+    let (steps, slices) = (720, 4000);
     let mut force = Force::default();
     let mut lateral: f64 = 0.0;
     for step in 0..steps {

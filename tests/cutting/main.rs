@@ -31,3 +31,8 @@ fn setup(min: [f64; 3], max: [f64; 3], mill: Mill, resolution: f64) -> Setup {
         ..Setup::default()
     }
 }
+
+/// A program that brings the tool straight down to a place and goes on; what follows begins in line 3.
+fn from(x: f64, y: f64, z: f64, rest: &str) -> String {
+    format!("G21 G90 M3 S8000 G0 X{x} Y{y} Z5\nG1 Z{z} F1000\n{rest}")
+}

@@ -70,10 +70,10 @@ fn the_programs_speed_goes_before_the_set_ups() {
 
 #[test]
 fn rapids_through_material_are_found() {
-    let toolpath = toolpath("G21 G90 G0 X-10 Y5 Z-3\nG0 X10\nZ5\nX0\nZ1");
+    let toolpath = toolpath("G21 G90 G0 X-10 Y5 Z5\nZ-3\nX10\nZ5\nX0\nZ1");
     let found = engagement(&toolpath, &base()).expect("all is given");
     assert_eq!(found.collisions.len(), 1);
-    assert_eq!(found.collisions[0].line, 2);
+    assert_eq!(found.collisions[0].line, 3);
     assert!(150.0 < found.collisions[0].removed && found.places.is_empty());
 }
 
