@@ -10,6 +10,8 @@
 //! (N/mm²), K_e edge coefficients (N/mm). They belong to a pair of tool and material: rake, edge
 //! radius, wear and coating change them by tens of percent, so a measured set should replace them.
 //!
+//! The review quoted below prints the unit of edge coefficients as N·mm; by the model it is N/mm.
+//!
 //! Source of the model: Altintas, Manufacturing Automation, 2nd ed. 2012, Sect. 2.7. Of the numbers:
 //! see each row; where a row is not `is_checked`, its numbers could not be held against the source.
 
@@ -37,8 +39,17 @@ pub struct Material {
     pub is_checked: bool,
 }
 
-const REVIEW: &str = "Duan et al., Milling Force Model for Aviation Aluminum Alloy, Chin. J. Mech. Eng. 34:18 \
-     (2021), Table 5, doi 10.1186/s10033-021-00536-9";
+/// A row of the review's table, named as it is there by the work it quotes; carbide unless said.
+macro_rules! review {
+    ($work:literal) => {
+        concat!(
+            "Duan et al., Milling Force Model for Aviation Aluminum Alloy, Chin. J. Mech. Eng. 34:18 (2021), \
+             doi 10.1186/s10033-021-00536-9, Table 5, row [",
+            $work,
+            "]"
+        )
+    };
+}
 
 const fn row(
     word: &'static str,
@@ -53,13 +64,13 @@ const fn row(
 
 /// The materials known by a word; the first is the paper's.
 pub const MATERIALS: [Material; 6] = [
-    row("al7075", "aluminium 7075-T6", [767.01, 168.8, 222.0], [27.7, 26.6, 0.7], REVIEW, true),
+    row("al7075", "aluminium 7075-T6", [767.01, 168.8, 222.0], [27.7, 26.6, 0.7], review!("190"), true),
     row(
         "al7075-sharp",
         "aluminium 7075-T6, another set; axial coefficients not published, taken as 0",
         [600.46, 180.96, 0.0],
         [17.9, 20.42, 0.0],
-        REVIEW,
+        review!("160"),
         true,
     ),
     row(
@@ -67,10 +78,10 @@ pub const MATERIALS: [Material; 6] = [
         "aluminium 6061-T6; axial coefficients not published, taken as 0",
         [243.77, 113.5, 0.0],
         [7.53, 7.83, 0.0],
-        REVIEW,
+        review!("160"),
         true,
     ),
-    row("al6082", "aluminium 6082-T6", [631.0, 99.0, 273.0], [13.0, 10.0, 2.8], REVIEW, true),
+    row("al6082", "aluminium 6082-T6", [631.0, 99.0, 273.0], [13.0, 10.0, 2.8], review!("189"), true),
     row(
         "ti6al4v",
         "titanium Ti-6Al-4V",
