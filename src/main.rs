@@ -9,7 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use lexopt::prelude::*;
-use truefeed::project::{Prediction, machine_from_toml, profile_csv, severity_word};
+use truefeed::cutting::{CuttingError, Engagement, Loads, engagement, programmed_and_predicted};
+use truefeed::project::{
+    Prediction, cutting_from_toml, cutting_refusal, cutting_remarks, cutting_table, loads_csv,
+    machine_from_toml, profile_csv, severity_word,
+};
 use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::drive::actual_motion;
@@ -20,6 +24,7 @@ use truefeed::simulation::toolpath::{Blending, Toolpath, trace};
 
 const USAGE: &str = "\
 truefeed predict PROGRAM --machine M.toml [--tolerance MM]... [--dialect D] [--json] [--profile OUT.csv]
+                 [--cutting JOB.toml [--forces OUT.csv]]
 
 What the machine will do with a G-code program: cycle time for each contour tolerance.
 PROGRAM is a G-code file, or - for standard input. Without --tolerance the program's own tolerances
@@ -28,7 +33,10 @@ them, but for exact stops.
 The control the program was written for is found by what stands in it; --dialect chooses it: iso,
 linuxcnc, siemens, klartext, heidenhain-iso, grbl, mach or okuma.
 --json prints the result as JSON; --profile writes time, distance, feedrate, position and line
-for the first tolerance.";
+for the first tolerance.
+--cutting adds what the cut asks of tool and spindle: stock, tools, material and limits are in JOB.toml.
+--forces writes force, torque, power and removal rate along the path, by the programmed and by the
+predicted feedrate, for the first tolerance.";
 
 /// What is wrong with a request, in one line.
 type Refusal = String;
@@ -66,21 +74,31 @@ struct Request {
     dialect: Option<Dialect>,
     json: bool,
     profile: Option<PathBuf>,
+    cutting: Option<PathBuf>,
+    forces: Option<PathBuf>,
 }
 
 fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     let Some(request) = request(parser)? else { return print(USAGE) };
     let program = request.program.ok_or("which program? Give a G-code file, or - for standard input")?;
     let machine_path = request.machine.ok_or("which machine? Give --machine M.toml")?;
-    let machine_text = String::from_utf8(bytes_of(&machine_path)?).map_err(|error| {
-        format!("{}: not UTF-8 text at byte {}", machine_path.display(), error.utf8_error().valid_up_to())
-    })?;
-    let machine =
-        machine_from_toml(&machine_text).map_err(|fault| format!("{}: {fault}", machine_path.display()))?;
+    let machine = machine_from_toml(&text_of(&machine_path)?)
+        .map_err(|fault| format!("{}: {fault}", machine_path.display()))?;
     let toolpath = {
         let options = Options { dialect: request.dialect, ..Options::default() };
         trace(&read_with(&bytes_of(&program)?, &options), &machine)
     };
+
+    let setup = match &request.cutting {
+        Some(path) => {
+            let setup = cutting_from_toml(&text_of(path)?, &machine);
+            Some(setup.map_err(|fault| format!("{}: {fault}", path.display()))?)
+        }
+        None if request.forces.is_some() => return Err("--forces needs --cutting JOB.toml".to_string()),
+        None => None,
+    };
+    let cut = setup.as_ref().map(|setup| engagement(&toolpath, setup));
+    let mut loads = Vec::new();
 
     let tolerances = match request.tolerances {
         none if none.is_empty() => vec![Tolerances::Programmed],
@@ -94,13 +112,29 @@ fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
             let commanded = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
             write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;
         }
+        if let (Some(setup), Some(Ok(cut))) = (&setup, &cut) {
+            let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+            let both = programmed_and_predicted(cut, &toolpath, setup, &samples);
+            if let (0, Some(path), Ok(both)) = (index, &request.forces, &both) {
+                write_whole(path, &loads_csv(cut, both))?;
+            }
+            loads.push(both);
+        }
     }
     let programmed = programmed_time(&toolpath, &machine);
     let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy();
     if request.json {
-        print(&Prediction::new(&name, &toolpath, programmed, &quotes).to_json())
+        let prediction = Prediction::new(&name, &toolpath, programmed, &quotes);
+        print(
+            &match &cut {
+                Some(cut) => prediction.with_cutting(cut, &loads),
+                None => prediction,
+            }
+            .to_json(),
+        )
     } else {
-        print(&table(&name, programmed, &quotes, &toolpath))
+        let cutting = cut.map_or(String::new(), |cut| cutting_text(&cut, &loads));
+        print(&(table(&name, programmed, &quotes, &toolpath) + &cutting))
     }
 }
 
@@ -116,6 +150,8 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
         match argument {
             Long("machine") => once(&mut request.machine, value(parser)?, "--machine")?,
             Long("profile") => once(&mut request.profile, value(parser)?, "--profile")?,
+            Long("cutting") => once(&mut request.cutting, value(parser)?, "--cutting")?,
+            Long("forces") => once(&mut request.forces, value(parser)?, "--forces")?,
             Long("json") => request.json = true,
             Long("dialect") => {
                 let word = value(parser)?.to_string_lossy().into_owned();
@@ -152,6 +188,12 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, Refusal> {
     outcome.map(|()| bytes).map_err(|error| format!("{}: {error}", path.display()))
 }
 
+fn text_of(path: &Path) -> Result<String, Refusal> {
+    String::from_utf8(bytes_of(path)?).map_err(|error| {
+        format!("{}: not UTF-8 text at byte {}", path.display(), error.utf8_error().valid_up_to())
+    })
+}
+
 /// Writes beside the target first, so that there is never half a file.
 fn write_whole(path: &Path, text: &str) -> Result<(), Refusal> {
     let mut beside = path.as_os_str().to_owned();
@@ -167,6 +209,26 @@ fn print(text: &str) -> Result<(), Refusal> {
     match writeln!(std::io::stdout(), "{text}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.to_string()),
         _ => Ok(()),
+    }
+}
+
+/// What the cut asks of tool and spindle, for people: peaks of the first tolerance, and remarks.
+fn cutting_text(
+    cut: &Result<Engagement, CuttingError>,
+    loads: &[Result<[Loads; 2], CuttingError>],
+) -> String {
+    let line = |(line, is_error, text): (u32, bool, String)| {
+        let severity = if is_error { "error" } else { "warning" };
+        let place = if line == 0 { String::new() } else { format!("line {line}: ") };
+        format!("\n{severity}: {place}{text}")
+    };
+    match (cut, loads.first()) {
+        (Err(error), _) | (_, Some(Err(error))) => line(cutting_refusal(error)),
+        (Ok(cut), Some(Ok(both))) => {
+            let remarks: String = cutting_remarks(cut, both).into_iter().map(line).collect();
+            format!("\n{}{remarks}", cutting_table(both))
+        }
+        (Ok(_), None) => String::new(),
     }
 }
 

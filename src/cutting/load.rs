@@ -142,6 +142,19 @@ impl Samples {
     }
 }
 
+/// The loads by the programmed feedrate and by that of a profile.
+pub fn programmed_and_predicted(
+    engagement: &Engagement,
+    toolpath: &Toolpath,
+    setup: &Setup,
+    samples: &Samples,
+) -> Result<[Loads; 2], CuttingError> {
+    let (programmed, predicted) =
+        (programmed_feedrates(engagement, toolpath), samples.feedrates_at(engagement));
+    let both = loads(engagement, toolpath, setup, &[&programmed, &predicted])?;
+    Ok(both.try_into().expect("two lists of feedrates give two loads"))
+}
+
 /// The loads at each list of feedrates (mm/s, one a place).
 pub fn loads(
     engagement: &Engagement,

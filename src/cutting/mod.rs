@@ -17,7 +17,9 @@ mod stock;
 
 pub use engagement::{Collision, Engagement, Place, Sector, engagement};
 pub use force::{Force, Revolution, Rotor};
-pub use load::{Exceeded, Limit, Load, Loads, OperationLoad, Peak, loads, programmed_feedrates};
+pub use load::{
+    Exceeded, Limit, Load, Loads, OperationLoad, Peak, loads, programmed_and_predicted, programmed_feedrates,
+};
 pub use materials::{Coefficients, MATERIALS, Material, material};
 pub use setup::{CuttingError, Limits, Mill, Setup, StockBox};
 pub use stock::HeightMap;
