@@ -14,12 +14,7 @@ const FLOW: &[&str] = &[
     "simulation/profile",
     "simulation/drive",
     "simulation/contour",
-    "cutting/materials",
-    "cutting/setup",
-    "cutting/stock",
-    "cutting/engagement",
-    "cutting/force",
-    "cutting/load",
+    "cutting",
     "quote",
     "identification/recording",
     "identification/alignment",
@@ -35,7 +30,7 @@ const FLOW: &[&str] = &[
 ];
 
 /// Files that only list modules.
-const CONTENTS: &[&str] = &["lib", "simulation/mod", "cutting/mod", "identification/mod"];
+const CONTENTS: &[&str] = &["lib", "simulation/mod", "identification/mod"];
 
 /// All sources but the command line, which like a test stands outside: path below `src` without
 /// its extension, and text.

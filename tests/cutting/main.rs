@@ -2,6 +2,7 @@
 
 mod engagements;
 mod forces;
+mod neutral;
 mod refusals;
 mod volumes;
 
