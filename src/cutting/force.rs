@@ -182,8 +182,8 @@ impl Rotor {
                     }
                 }
             }
-            for axis in 0..3 {
-                force.mean[axis] += action[axis] / steps as f64;
+            for (mean, action) in force.mean.iter_mut().zip(action) {
+                *mean += action / steps as f64;
             }
             force.mean_torque += action[3] / steps as f64;
             force.peak = force.peak.max(resultant(&action));
