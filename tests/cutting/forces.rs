@@ -91,8 +91,8 @@ fn summed(mill: &Mill, sectors: &[Sector], feed: f64) -> (Force, f64) {
                 }
             }
         }
-        for axis in 0..3 {
-            force.mean[axis] += sum[axis] / f64::from(steps);
+        for (mean, sum) in force.mean.iter_mut().zip(sum) {
+            *mean += sum / f64::from(steps);
         }
         force.mean_torque += torque / f64::from(steps);
         force.peak = force.peak.max(sum[0].hypot(sum[1]).hypot(sum[2]));
