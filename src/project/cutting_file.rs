@@ -29,6 +29,24 @@ use crate::project::Fault;
 use crate::project::machine_file::place;
 use crate::units::{n_mm_of_n_m, n_mm_per_s_of_watts};
 
+/// A cutting job to begin with.
+pub const EXAMPLE_CUTTING: &str = "\
+material = \"al7075\"      # al6061, al6082, ti6al4v, c45; or [coefficients]
+
+[stock]                    # in the program's coordinates
+min_mm = [-50, -50, -20]
+max_mm = [50, 50, 0]
+
+[tool]                     # or [tools.1], by T number
+diameter_mm = 10
+teeth = 2
+helix_deg = 30
+max_force_n = 800
+
+[spindle]
+max_power_w = 10000
+";
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct JobFile {
@@ -227,6 +245,8 @@ mod tests {
         assert_eq!(setup.coefficients, Some(material("al7075").expect("known").coefficients));
         assert_eq!(setup.stock.expect("given").max, [100.0, 60.0, 0.0]);
         assert_eq!(read(""), Ok(Setup::default()));
+        let example = read(EXAMPLE_CUTTING).expect("right");
+        assert!(example.stock.is_some() && example.tool.is_some() && example.coefficients.is_some());
     }
 
     #[test]
