@@ -109,6 +109,9 @@ const LAG: f64 = 4.0;
 /// A tool is asked at least so often on its way over its own radius.
 const PLACES_A_RADIUS: f64 = 25.0;
 
+/// Stretches of a path at most; more would fill the memory of a browser.
+const MOST_STRETCHES: f64 = 3e6;
+
 /// Depths within this part of a cell are one.
 const SAME_DEPTH: f64 = 0.25;
 
@@ -133,6 +136,8 @@ struct Run<'a> {
     waiting: VecDeque<Step>,
     /// Where the same mill cut last.
     last: Option<Point>,
+    /// Stretches run so far.
+    stretches: f64,
 }
 
 /// What is cut along a toolpath.
@@ -159,6 +164,7 @@ pub fn engagement(toolpath: &Toolpath, setup: &Setup) -> Result<Engagement, Cutt
         mill: &none,
         waiting: VecDeque::new(),
         last: None,
+        stretches: 0.0,
     };
     let mut operations = toolpath.operations.iter().peekable();
     let mut spins = toolpath.spins.iter().peekable();
@@ -186,7 +192,7 @@ pub fn engagement(toolpath: &Toolpath, setup: &Setup) -> Result<Engagement, Cutt
                 (Err(error), Motion::Feed { .. }) => return Err(error),
             }
         }
-        run.segment(index, segment, distance, mirrored);
+        run.segment(index, segment, distance, mirrored)?;
         distance += segment.length;
     }
     run.cut_up_to(f64::INFINITY);
@@ -202,21 +208,38 @@ impl<'a> Run<'a> {
     }
 
     /// Runs along a segment that begins at `distance` (mm).
-    fn segment(&mut self, index: usize, segment: &Segment, distance: f64, mirrored: bool) {
+    fn segment(
+        &mut self,
+        index: usize,
+        segment: &Segment,
+        distance: f64,
+        mirrored: bool,
+    ) -> Result<(), CuttingError> {
         let (radius, resolution) = (self.mill.radius(), self.engagement.resolution);
-        if matches!(segment.curve, Curve::Line)
-            && self.engagement.rest.is_clear(radius, segment.start, segment.end)
-        {
+        let reach = match segment.curve {
+            Curve::Line => self.engagement.rest.reach(radius, segment.start, segment.end),
+            Curve::Arc(_) => Some((0.0, 1.0)),
+        };
+        let Some((from, to)) = reach else {
             self.cut_up_to(f64::INFINITY);
             self.last = None;
-            return;
+            return Ok(());
+        };
+        if 0.0 < from {
+            self.cut_up_to(f64::INFINITY);
+            self.last = None;
         }
+        let way = (to - from) * segment.length;
         let spacing = resolution.max(radius / PLACES_A_RADIUS);
-        let stretches = (segment.length / spacing).ceil().max(1.0);
-        let length = segment.length / stretches;
+        let stretches = (way / spacing).ceil().max(1.0);
+        self.stretches += stretches;
+        if MOST_STRETCHES < self.stretches {
+            return Err(CuttingError::TooLong { resolution, line: segment.line.0 });
+        }
+        let length = way / stretches;
         let steps = (length / resolution).ceil().max(1.0);
         for stretch in 0..stretches as usize {
-            let start = stretch as f64 * length;
+            let start = from * segment.length + stretch as f64 * length;
             let middle = start + 0.5 * length;
             let owner = match segment.motion {
                 Motion::Rapid => Owner::Rapid { segment: index, line: segment.line.0, distance },
@@ -230,9 +253,13 @@ impl<'a> Run<'a> {
                 self.waiting.push_back(Step { position: segment.point(s), distance: distance + s, owner });
             }
         }
-        if segment.motion == Motion::Rapid {
+        if segment.motion == Motion::Rapid || to < 1.0 {
             self.cut_up_to(f64::INFINITY);
         }
+        if to < 1.0 {
+            self.last = None;
+        }
+        Ok(())
     }
 
     /// Brings the map up to a distance, mm.

@@ -99,6 +99,16 @@ pub enum CuttingError {
         /// The finest there can be, mm.
         coarser: f64,
     },
+    /// The path through the stock is too long for the resolution.
+    #[error(
+        "cutting forces are not computed: the path is too long for cells of {resolution} mm, coarser ones would do"
+    )]
+    TooLong {
+        /// Side of a cell, mm.
+        resolution: f64,
+        /// How far it came.
+        line: u32,
+    },
     /// No coefficients are given.
     #[error("cutting forces are not computed: the material is not given")]
     NoMaterial,
@@ -151,6 +161,7 @@ impl CuttingError {
             CuttingError::UnknownTool { line, .. }
             | CuttingError::NoDiameter { line, .. }
             | CuttingError::NoTeeth { line, .. }
+            | CuttingError::TooLong { line, .. }
             | CuttingError::NoSpindleSpeed { line }
             | CuttingError::Rotary { line } => line,
             _ => 0,

@@ -82,6 +82,31 @@ impl HeightMap {
         is_beside || self.top <= a.z.min(b.z)
     }
 
+    /// The parts of the straight way from `a` to `b`, from 0 to 1, between which a mill of this radius
+    /// can touch the stock; none where it cannot.
+    pub fn reach(&self, radius: f64, a: Point, b: Point) -> Option<(f64, f64)> {
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        let mut within = |start: f64, end: f64, low: f64, high: f64| {
+            let way = end - start;
+            if way == 0.0 {
+                if start < low || high < start {
+                    to = f64::NEG_INFINITY;
+                }
+                return;
+            }
+            let ends = [(low - start) / way, (high - start) / way];
+            from = from.max(ends[0].min(ends[1]));
+            to = to.min(ends[0].max(ends[1]));
+        };
+        for axis in 0..2 {
+            let extent = self.cell[axis] * self.size[axis] as f64;
+            let low = self.origin[axis];
+            within(a[axis], b[axis], low - radius, low + extent + radius);
+        }
+        within(a.z, b.z, f64::NEG_INFINITY, self.top);
+        (from < to).then_some((from, to))
+    }
+
     /// Cuts with the tip of a mill at `to`; `from` is where the same mill cut last, so near that
     /// it passes over nothing in between. Volume removed, mm³.
     pub fn cut(&mut self, mill: &Mill, from: Option<Point>, to: Point) -> f64 {

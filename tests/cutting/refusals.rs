@@ -69,6 +69,16 @@ fn the_programs_speed_goes_before_the_set_ups() {
 }
 
 #[test]
+fn the_longest_way_is_run_where_the_stock_is_and_no_further() {
+    // A line of ten thousand kilometres crosses the stock; a circle of that size is refused.
+    let line = toolpath("G21 G90 G0 X-9999999 Y5 Z-3\nG1 X9999999 F1200");
+    let found = engagement(&line, &base()).expect("all is given");
+    assert!(!found.places.is_empty() && found.places.len() < 1000);
+    let circle = "G21 G90 G0 X-10 Y5 Z-3\nG2 X-10 Y5 I9999999 J0 F1200";
+    assert!(matches!(refusal(circle, &base()), Some(CuttingError::TooLong { line: 2, .. })));
+}
+
+#[test]
 fn rapids_through_material_are_found() {
     let toolpath = toolpath("G21 G90 G0 X-10 Y5 Z5\nZ-3\nX10\nZ5\nX0\nZ1");
     let found = engagement(&toolpath, &base()).expect("all is given");
