@@ -11,7 +11,7 @@
 //! the profile, if it is exact. Beside that: the closed forms of the paper for a single move, the
 //! derivatives against finite differences, and a program of an hour.
 
-use truefeed::machine::{Machine, TimeConstants};
+use truefeed::machine::{Junction, Machine, TimeConstants};
 use truefeed::simulation::feed::{FeedPlan, Phase, Rule, Stretch, plan};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Moment, Profile};
@@ -45,6 +45,8 @@ fn machine(constants: &[f64], acceleration: f64) -> Machine {
     machine.interpolator.filters = constants.len();
     machine.interpolator.time_constants = TimeConstants::Unequal(constants.to_vec());
     machine.path.acceleration = acceleration;
+    // Under a law of junctions that never binds, acceleration shapes the command itself.
+    machine.interpolator.junction = Junction::AxisStep(1e9);
     machine
 }
 

@@ -76,7 +76,7 @@ fn summary(toolpath: &Toolpath) -> String {
         writeln!(text, "stop after {}: {cause}, line {}", stop.after, stop.line.0).expect("text grows");
     }
     for mode in &toolpath.path_modes {
-        let PathMode { from, line, source, blending } = mode;
+        let PathMode { from, line, source, blending, merging: _ } = mode;
         writeln!(text, "path mode from {from}: {blending:?} by {source}, line {}", line.0)
             .expect("text grows");
     }

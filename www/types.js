@@ -39,7 +39,7 @@
  * @property {Record<"distance" | "programmedForce" | "predictedForce" | "programmedPower" | "predictedPower" | "programmedRate" | "predictedRate", Float64Array>} columns
  */
 
-/** What machine functions take. @typedef {{spindle_s: number, coolant_s: number, stops_s: number, pallet_s: number, clamp_s: number, m_words_s: number, start_s: number}} Functions */
+/** What machine functions take. @typedef {{spindle_s: number, coolant_s: number, stops_s: number, pallet_s: number, clamp_s: number, m_words_s: number, start_s: number, halts_s: number}} Functions */
 
 /**
  * Where the time goes; `other` is what `other_s` is made of.

@@ -177,12 +177,12 @@ fn acted(clean: &Motion, real: &Motion) -> Vec<u32> {
     lines.filter(|line| 2e-4 < (of(clean, *line) - of(real, *line)).abs()).collect()
 }
 
-/// The machine file that believes in the base.
+/// The machine file that believes in the base, in which arcs are driven whole.
 pub fn machine_file(name: &str, base: &Physics) -> String {
     let (filters, constant) = (base.boxes.len(), base.boxes[0]);
     format!(
         "name = \"{name}\"\n\n[interpolator]\nfilters = {filters}\ntime_constant_s = {constant}\n\
-         contour_tolerance_mm = {}\n\n[rapid]\nfeed_mm_min = {}\n\n[times]\ntool_change_s = {:.1}\n",
+         contour_tolerance_mm = {}\narc_step_deg = 3600\n\n[rapid]\nfeed_mm_min = {}\n\n[times]\ntool_change_s = {:.1}\n",
         base.tolerance,
         60.0 * base.rapid,
         base.tool_change

@@ -22,7 +22,7 @@ const RULES: [&str; 2] = ["tolerance", "acceleration_blend"];
 
 /// The rows of the law. Each law with a value has a row of its own, so that the value carries its
 /// unit; giving it chooses the law, and taking it away takes back that law alone.
-pub(super) const JUNCTION: [Parameter; 4] = [
+pub(super) const JUNCTION: [Parameter; 5] = [
     Parameter {
         key: "interpolator.junction_rule",
         label: "Junctions",
@@ -89,6 +89,17 @@ pub(super) const JUNCTION: [Parameter; 4] = [
                 (None, Junction::AxisStep(_)) => m.interpolator.junction = Junction::Tolerance,
                 _ => (),
             },
+        ),
+    },
+    Parameter {
+        key: "interpolator.path_smoothing_mm",
+        label: "Path smoothing",
+        doc: "Lines whose points lie within this of one line are run as one; 0: none; empty: with acceleration_blend by Q or P of G64, else none.",
+        access: number(
+            Unit::Millimetre,
+            (0.0, 10.0),
+            |m| m.interpolator.path_smoothing,
+            |m, v| m.interpolator.path_smoothing = v,
         ),
     },
 ];

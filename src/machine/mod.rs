@@ -7,12 +7,14 @@
 //!
 //! Source of the interpolator's fields: Ward, Sencer, Jones and Ozturk 2021, Sect. 2 and 3.
 
+mod halts;
 mod junction;
 mod parameters;
 mod presets;
 mod times;
 mod tolerance;
 
+pub use halts::{Halts, InPosition};
 pub use junction::Junction;
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
@@ -31,6 +33,8 @@ pub const AXES: [char; 3] = ['X', 'Y', 'Z'];
 pub struct Machine {
     /// Name shown to people.
     pub name: String,
+    /// Where the numbers come from; may be empty.
+    pub provenance: String,
     /// How feed pulses become motion.
     pub interpolator: Interpolator,
     /// What is particular to rapid moves.
@@ -55,6 +59,8 @@ pub struct Machine {
     pub program: Reading,
     /// Times that are not motion.
     pub times: Times,
+    /// Halts that the program does not ask for.
+    pub halts: Halts,
     /// The tools it holds, by number; neutral none.
     pub tools: BTreeMap<u32, Tool>,
     /// What an hour costs.
@@ -83,6 +89,9 @@ pub struct Interpolator {
     pub block_time: f64,
     /// Blocks the control sees ahead; neutral infinite.
     pub look_ahead: f64,
+    /// Chains of lines whose points lie within this distance of one line are run as that line, mm; 0: no
+    /// line is; neutral none: as the program says where the law of junctions is LinuxCNC's, else as 0.
+    pub path_smoothing: Option<f64>,
 }
 
 /// How the time constants of the filters are known.
@@ -199,7 +208,7 @@ pub struct Mode {
 }
 
 /// Override switches, as ratios.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Overrides {
     /// Of feed moves; neutral 1.
     pub feed: f64,
@@ -207,12 +216,26 @@ pub struct Overrides {
     pub rapid: f64,
     /// First and last line of the program on which the override of feed moves is in force; neutral all.
     pub lines: (u32, u32),
+    /// Ratios of feed moves from a line of the program on, until another line has another one; neutral none.
+    pub feed_by_line: BTreeMap<u32, f64>,
+    /// The same of rapid moves.
+    pub rapid_by_line: BTreeMap<u32, f64>,
 }
 
 impl Overrides {
     /// The override of feed moves on a line of the program.
     pub fn of_feed(&self, line: u32) -> f64 {
-        if self.lines.0 <= line && line <= self.lines.1 { self.feed } else { 1.0 }
+        let whole = if self.lines.0 <= line && line <= self.lines.1 { self.feed } else { 1.0 };
+        whole * Overrides::at(&self.feed_by_line, line)
+    }
+
+    /// The override of rapid moves on a line of the program.
+    pub fn of_rapid(&self, line: u32) -> f64 {
+        self.rapid * Overrides::at(&self.rapid_by_line, line)
+    }
+
+    fn at(by_line: &BTreeMap<u32, f64>, line: u32) -> f64 {
+        by_line.range(..=line).next_back().map_or(1.0, |(_, ratio)| *ratio)
     }
 }
 
@@ -261,6 +284,7 @@ impl Default for Machine {
     fn default() -> Machine {
         Machine {
             name: "Machining centre".to_string(),
+            provenance: String::new(),
             interpolator: Interpolator {
                 filters: 3,
                 time_constants: TimeConstants::Equal(0.0255),
@@ -271,6 +295,7 @@ impl Default for Machine {
                 arc_step: ARC_STEP,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
+                path_smoothing: None,
             },
             rapid: Rapid {
                 feedrate: 200.0,
@@ -283,11 +308,18 @@ impl Default for Machine {
             axes: [Axis::default(); 3],
             rotary_axes: [RotaryAxis::default(); 3],
             work_offsets: [None; 6],
-            overrides: Overrides { feed: 1.0, rapid: 1.0, lines: (0, u32::MAX) },
+            overrides: Overrides {
+                feed: 1.0,
+                rapid: 1.0,
+                lines: (0, u32::MAX),
+                feed_by_line: BTreeMap::new(),
+                rapid_by_line: BTreeMap::new(),
+            },
             recorder: Recorder { clock_ratio: 1.0 },
             cycles: Cycles { peck_retract: None, peck_clearance: None },
             program: Reading::default(),
             times: Times::default(),
+            halts: Halts::default(),
             tools: BTreeMap::new(),
             rates: Rates { hourly: 0.0 },
         }

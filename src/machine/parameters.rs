@@ -5,11 +5,13 @@
 //! through [`Unit`] on their way in and out, so that the rest of the program sees mm, s and rad.
 
 mod axes;
+mod halts;
 mod reading;
 mod times;
 
 use crate::machine::junction::JUNCTION;
 use crate::machine::parameters::axes::axes;
+use crate::machine::parameters::halts::HALTS;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
 use crate::machine::{ARC_STEP, CornerMode, Machine, RAPID_ROTARY_RATE, TimeConstants};
@@ -85,11 +87,17 @@ pub enum Access {
         /// Gives it a text.
         set: fn(&mut Machine, &str),
     },
-    /// A table of seconds by word, for example `M8 = 3.0`.
+    /// A table of numbers by word, for example `M8 = 3.0`.
     Codes {
         /// The letter of the words.
         letter: char,
-        /// The seconds by number.
+        /// Unit at the borders and inside.
+        unit: Unit,
+        /// Least value allowed.
+        min: f64,
+        /// Largest value allowed.
+        max: f64,
+        /// The values by number.
         get: fn(&Machine) -> &BTreeMap<u32, f64>,
         /// The same, to be changed.
         get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
@@ -157,12 +165,18 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 27] = [
+const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "name",
         label: "Name",
         doc: "What you call the machine.",
         access: Access::Text { get: |m| &m.name, set: |m, v| m.name = v.to_string() },
+    },
+    Parameter {
+        key: "provenance",
+        label: "Provenance",
+        doc: "Where the numbers come from: which runs, and how far off they are.",
+        access: Access::Text { get: |m| &m.provenance, set: |m, v| m.provenance = v.to_string() },
     },
     Parameter {
         key: "interpolator.filters",
@@ -522,5 +536,13 @@ const LEVELS: [Parameter; 6] = [
 
 /// All parameters in the order of forms and files.
 pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock::new(|| {
-    GENERAL.into_iter().chain(JUNCTION).chain(LEVELS).chain(READING).chain(TIMES).chain(axes()).collect()
+    GENERAL
+        .into_iter()
+        .chain(JUNCTION)
+        .chain(LEVELS)
+        .chain(READING)
+        .chain(TIMES)
+        .chain(HALTS)
+        .chain(axes())
+        .collect()
 });

@@ -1,5 +1,5 @@
-//! A calibration as JSON for the page: what became of each parameter, the runs before and after, and
-//! the calibrated machine as a filled form.
+//! A calibration as JSON and as text: what became of each parameter, the runs before and after, and the
+//! calibrated machine as a filled form.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -7,8 +7,9 @@ use serde_json::{Map, Value};
 use crate::identification::calibration::{Calibration, Estimate, RunResult, Verdict};
 use crate::identification::comparison::{Comparison, Durations};
 use crate::machine::{Access, Machine, parameter};
+use crate::project::Fault;
 use crate::project::comparison::{feedrate, percent};
-use crate::project::form::values;
+use crate::project::form::{machine_from_form, values};
 use crate::units::{Unit, mm_per_min};
 
 /// Fitted numbers in the form have so many digits.
@@ -42,6 +43,8 @@ struct Row {
     /// Standard deviation; none where it is not known.
     deviation: Option<String>,
     verdict: &'static str,
+    /// The same as numbers: before, after, deviation.
+    numbers: [Option<f64>; 3],
 }
 
 /// A run before and after.
@@ -55,12 +58,19 @@ struct RunRow {
     /// Root mean square of the differences of the feedrates of cutting, and what CAM's is.
     feed: Option<String>,
     cam_feed: Option<String>,
+    /// Simulated less recorded cycle time as a part of the recorded one, before and after.
+    cycle_time_error: [f64; 2],
+    /// The same of motion alone.
+    motion_error: [f64; 2],
+    /// Before, after, and CAM's.
+    feed_rmse_mm_min: Option<[f64; 3]>,
 }
 
 impl CalibrationReport {
     /// Of the calibration of `before` from runs with these names.
     pub fn new(before: &Machine, calibration: &Calibration, names: &[String]) -> CalibrationReport {
         let mut machine = calibration.machine.clone();
+        machine.provenance = provenance(calibration, names);
         if !before.name.ends_with(CALIBRATED) {
             machine.name = format!("{}{CALIBRATED}", before.name);
         }
@@ -78,6 +88,7 @@ impl CalibrationReport {
                     after: orders.1.to_string(),
                     deviation: None,
                     verdict: word(if orders.0 == orders.1 { Verdict::Agrees } else { Verdict::Fitted }),
+                    numbers: [Some(orders.0 as f64), Some(orders.1 as f64), None],
                 },
             );
         }
@@ -90,6 +101,36 @@ impl CalibrationReport {
             tolerance_mm: machine.interpolator.contour_tolerance,
             values: rounded(values(&machine), &values(before)),
         }
+    }
+}
+
+impl CalibrationReport {
+    /// The calibrated machine, its fitted numbers with the digits they have here.
+    pub fn machine(&self) -> Result<Machine, Vec<Fault>> {
+        machine_from_form(&Value::Object(self.values.clone()).to_string())
+    }
+
+    /// As JSON.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("strings and numbers can be written")
+    }
+
+    /// For people.
+    pub fn to_text(&self) -> String {
+        let mut text = self.sentence.clone();
+        for row in &self.estimates {
+            let deviation =
+                row.deviation.as_ref().map_or(String::new(), |deviation| format!(" ± {deviation}"));
+            let after = format!("{}{deviation} {}", row.after, row.unit);
+            text += &format!("\n{:34} {:>12} → {after:26} {}", row.label, row.before, row.verdict);
+        }
+        for run in &self.runs {
+            text += &format!("\n{}: cycle time {}, motion {}", run.name, run.time, run.motion);
+            if let (Some(feed), Some(cam)) = (&run.feed, &run.cam_feed) {
+                text += &format!(", feed RMSE {feed}, CAM's {cam}");
+            }
+        }
+        self.remarks.iter().fold(text, |text, remark| text + "\n" + remark)
     }
 }
 
@@ -130,6 +171,7 @@ fn row(estimate: &Estimate) -> Row {
         },
         deviation: deviation.map(|deviation| to_the_digits_of(deviation, deviation)),
         verdict: word(estimate.verdict),
+        numbers: [Some(before), Some(after), deviation].map(|number| number.filter(|n| n.is_finite())),
     }
 }
 
@@ -169,7 +211,24 @@ fn run_row(run: &RunResult, name: &str) -> RunRow {
         motion: both(|side| side.motion),
         feed: feeds.map(|(before, after)| format!("{:.0} → {}", mm_per_min(before.rms), feedrate(after.rms))),
         cam_feed: feeds.map(|(_, after)| feedrate(after.programmed_rms)),
+        cycle_time_error: [error(run.before.whole), error(run.after.whole)],
+        motion_error: [error(run.before.motion), error(run.after.motion)],
+        feed_rmse_mm_min: feeds
+            .map(|(before, after)| [before.rms, after.rms, after.programmed_rms].map(mm_per_min)),
     }
+}
+
+/// What the machine file says of where its numbers come from.
+fn provenance(calibration: &Calibration, names: &[String]) -> String {
+    let worst = |of: fn(&Comparison) -> Durations| {
+        100.0 * calibration.runs.iter().map(|run| error(of(&run.after)).abs()).fold(0.0, f64::max)
+    };
+    format!(
+        "calibrated from {}; there the cycle time is off by {:.1} % at most, motion alone by {:.1} %",
+        names.join(", "),
+        worst(|side| side.whole),
+        worst(|side| side.motion)
+    )
 }
 
 fn sentence(calibration: &Calibration) -> String {

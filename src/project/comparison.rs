@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::identification::alignment::{Alignment, AlignmentError, Method};
 use crate::identification::comparison::{Comparison, Durations, Lost};
+use crate::identification::fit::RecordedError;
 use crate::identification::recording::{Log, RecordingError, Severity, Switches};
 use crate::simulation::toolpath::{StopCause, Toolpath};
 use crate::units::{micrometres, mm_per_min};
@@ -103,6 +104,21 @@ pub struct Refusal {
     advice: &'static str,
 }
 
+impl From<&RecordedError> for Refusal {
+    fn from(error: &RecordedError) -> Refusal {
+        match error {
+            RecordedError::Recording(error) => Refusal::from(error),
+            RecordedError::Alignment(error) => Refusal::from(error),
+        }
+    }
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}", self.reason, self.advice)
+    }
+}
+
 impl From<&RecordingError> for Refusal {
     fn from(error: &RecordingError) -> Refusal {
         let advice = match error {
@@ -140,7 +156,7 @@ impl From<&AlignmentError> for Refusal {
             AlignmentError::Units(_) => {
                 "State the right unit in the column's name, as in feed_mm_min or x_inch."
             }
-            AlignmentError::OffPath { hint, .. } if !hint.is_empty() => {
+            AlignmentError::OffPath { hint: Some(_), .. } => {
                 "Export the recording so that it fits, and drop it again."
             }
             AlignmentError::NowhereNear
@@ -269,7 +285,7 @@ fn remarks(log: &Log, switches: &Switches, alignment: &Alignment) -> Vec<String>
 }
 
 /// A clause as a sentence.
-fn sentence_of(clause: &str) -> String {
+pub(super) fn sentence_of(clause: &str) -> String {
     let mut letters = clause.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
     let end = if clause.ends_with(['.', '?', '!']) { "" } else { "." };

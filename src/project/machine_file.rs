@@ -79,7 +79,12 @@ pub fn toml_from_machine(machine: &Machine) -> String {
 /// whatever they are called and cost.
 pub fn motion_of_machine(machine: &Machine) -> String {
     let neutral = Machine::default();
-    toml_from_machine(&Machine { name: neutral.name, rates: neutral.rates, ..machine.clone() })
+    toml_from_machine(&Machine {
+        name: neutral.name,
+        provenance: neutral.provenance,
+        rates: neutral.rates,
+        ..machine.clone()
+    })
 }
 
 fn toml_value(value: &Written) -> String {

@@ -5,9 +5,11 @@
 //! ([`PARAMETERS`]), so that the core sees mm, s and rad.
 
 mod calibrated_view;
+mod causes;
 mod comparison;
 mod cutting_file;
 mod cutting_results;
+mod diagnosis;
 mod form;
 mod machine_file;
 mod results;
@@ -16,11 +18,13 @@ pub use calibrated_view::CalibrationReport;
 pub use comparison::{ComparisonReport, Refusal, lost_label};
 pub use cutting_file::{EXAMPLE_CUTTING, cutting_from_toml};
 pub use cutting_results::{cutting_refusal, cutting_remarks, cutting_table, loads_csv};
+pub use diagnosis::{DiagnosisReport, extended};
 pub use form::{dialects, faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};
 
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, Tool, parameter};
+use crate::units::Unit;
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
 const REQUIRED: [&str; 4] =
@@ -128,7 +132,7 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
         (Access::Flag { .. }, _) => return expected("true or false".to_string()),
         (Access::Text { set, .. }, Written::Text(text)) => set(machine, &text),
         (Access::Text { .. }, _) => return expected("text".to_string()),
-        (Access::Codes { letter, get_mut, .. }, Written::Codes(codes)) => {
+        (Access::Codes { letter, unit, min, max, get_mut, .. }, Written::Codes(codes)) => {
             let table = get_mut(machine);
             table.clear();
             for (code, seconds) in codes {
@@ -136,7 +140,7 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
                 let Some(number) = digits.and_then(|digits| digits.parse().ok()) else {
                     return Err(Fault::at_key(key, format!("{code} is not a word such as {letter}3")));
                 };
-                within(seconds, 0.0, 3600.0, "s")?;
+                within(seconds, *min, *max, unit.symbol())?;
                 table.insert(number, seconds);
             }
         }
@@ -154,8 +158,9 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
         (Access::Tools, Written::Empty) => machine.tools.clear(),
         (Access::Tools, _) => return expected("a table of diameters by tool number".to_string()),
         (Access::Codes { get_mut, .. }, Written::Empty) => get_mut(machine).clear(),
-        (Access::Codes { letter, .. }, _) => {
-            return expected(format!("a table of seconds by word, such as {letter}3 = 4.0"));
+        (Access::Codes { letter, unit, .. }, _) => {
+            let what = if *unit == Unit::Second { "seconds" } else { "numbers" };
+            return expected(format!("a table of {what} by word, such as {letter}3 = 4.0"));
         }
     }
     Ok(())

@@ -111,6 +111,7 @@ struct Functions {
     clamp_s: f64,
     m_words_s: f64,
     start_s: f64,
+    halts_s: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -186,6 +187,7 @@ impl From<&quote::Breakdown> for Breakdown {
                 clamp_s: functions.clamp,
                 m_words_s: functions.m_words,
                 start_s: functions.start,
+                halts_s: functions.halts,
             },
         }
     }

@@ -1,13 +1,15 @@
 //! Where the time of a plan goes: cutting, rapids, dwells, tool changes and machine functions.
 //!
 //! The breakdown adds up to the cycle time: each pulse counts for the motion of its segment, the
-//! filter delay of a stretch half for its first and half for its last segment, and each wait for
-//! its cause. A part of a program is broken down in the same way, so that parts add up to the whole.
+//! filter delay of a stretch half for its first and half for its last segment, what is lost behind the
+//! filters for the segment on which it is lost, and each wait for its cause; halts in motion that the program
+//! does not ask for are other time. A part of a program is broken down in the same way, so that parts add up
+//! to the whole.
 
 use std::ops::Range;
 
 use crate::machine::{Function, Machine};
-use crate::simulation::feed::{FeedPlan, Phase, Wait, running_sum};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Wait, running_sum};
 use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
 
 /// Where the cycle time goes, s.
@@ -44,6 +46,8 @@ pub struct Functions {
     pub m_words: f64,
     /// From the start of the program to its first block.
     pub start: f64,
+    /// Halts in motion that the program does not ask for: feed holds, waits.
+    pub halts: f64,
 }
 
 impl Breakdown {
@@ -73,6 +77,7 @@ impl std::ops::AddAssign for Functions {
         self.clamp += more.clamp;
         self.m_words += more.m_words;
         self.start += more.start;
+        self.halts += more.halts;
     }
 }
 
@@ -119,13 +124,20 @@ impl<'a> Ledger<'a> {
         let before = |segment: usize| pulses.partition_point(|pulse| (pulse.segment as usize) < segment);
         let pulses = &pulses[before(segments.start)..before(segments.end)];
         let sum = |rapid: bool| {
-            let pulses = pulses.iter().filter(|pulse| is_rapid(pulse.segment as usize) == rapid);
-            running_sum(pulses.map(|pulse| pulse.duration)).last().unwrap_or(0.0)
+            let moves = |pulse: &&Pulse| !pulse.is_halt() && is_rapid(pulse.segment as usize) == rapid;
+            running_sum(pulses.iter().filter(moves).map(|pulse| pulse.duration)).last().unwrap_or(0.0)
         };
+        let halts: f64 = pulses.iter().filter(|pulse| pulse.is_halt()).map(|pulse| pulse.duration).sum();
+        breakdown.functions.halts = halts;
+        breakdown.other += halts;
         (breakdown.cutting, breakdown.rapid) = (sum(false), sum(true));
         let before = |segment: usize| self.ends.partition_point(|(end, _)| *end < segment);
         for &(end, half) in &self.ends[before(segments.start)..before(segments.end)] {
             *(if is_rapid(end) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += half;
+        }
+        let lost = self.plan.retiming.as_ref().map_or(&[][..], |retiming| retiming.lost_on(segments));
+        for &(segment, lost) in lost {
+            *(if is_rapid(segment) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += lost;
         }
         for wait in &self.waits[stops] {
             let functions = &mut breakdown.functions;

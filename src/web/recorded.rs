@@ -3,47 +3,27 @@
 use js_sys::Function;
 use wasm_bindgen::prelude::*;
 
-use crate::identification::alignment::{Alignment, align_log};
 use crate::identification::calibration::calibrate;
 use crate::identification::comparison::{Course, Pointwise, compare, course, pointwise};
-use crate::identification::fit::Run;
-use crate::identification::recording::{Log, Switches, read};
+use crate::identification::fit::{Recorded, Run};
 use crate::machine::Machine;
 use crate::project::{CalibrationReport, ComparisonReport, Refusal, faults_to_json, machine_from_form};
 use crate::simulation::gcode::{Dialect, Options, read_with};
 use crate::simulation::profile::{Profile, Resolution};
-use crate::simulation::toolpath::{Toolpath, trace};
+use crate::simulation::toolpath::trace;
 use crate::web::job::object;
 
 /// A recording on its program.
-struct Aligned {
-    toolpath: Toolpath,
-    log: Log,
-    alignment: Alignment,
-    switches: Switches,
-}
-
-impl Aligned {
-    fn new(
-        program: &[u8],
-        dialect: Option<String>,
-        recording: &[u8],
-        machine: &Machine,
-    ) -> Result<Aligned, Refusal> {
-        let dialect = dialect.as_deref().and_then(Dialect::from_word);
-        let options = Options { dialect, ..Options::default() };
-        let toolpath = trace(&read_with(program, &options), machine);
-        let log = read(recording).map_err(|error| Refusal::from(&error))?;
-        let (index, alignment) =
-            align_log(&log, &toolpath, machine).map_err(|error| Refusal::from(&error))?;
-        let switches = log.recordings[index].switches(&alignment.run);
-        Ok(Aligned { toolpath, log, alignment, switches })
-    }
-
-    fn run(&self) -> Run<'_> {
-        let overrides = (self.switches.feed, self.switches.rapid);
-        Run { toolpath: &self.toolpath, alignment: &self.alignment, overrides }
-    }
+fn recorded(
+    program: &[u8],
+    dialect: Option<String>,
+    recording: &[u8],
+    machine: &Machine,
+) -> Result<Recorded, Refusal> {
+    let dialect = dialect.as_deref().and_then(Dialect::from_word);
+    let options = Options { dialect, ..Options::default() };
+    let toolpath = trace(&read_with(program, &options), machine);
+    Recorded::new(toolpath, recording, machine).map_err(|error| Refusal::from(&error))
 }
 
 /// A recording beside the simulation.
@@ -97,14 +77,14 @@ pub fn compare_recording(
     recording: &[u8],
 ) -> Result<Matched, JsError> {
     let machine = machine_from_form(machine).map_err(|faults| JsError::new(&faults_to_json(&faults)))?;
-    let aligned = match Aligned::new(program, dialect, recording, &machine) {
+    let aligned = match recorded(program, dialect, recording, &machine) {
         Ok(aligned) => aligned,
         Err(refusal) => {
             let refusal = object(&refusal)?;
             return Ok(Matched { report: JsValue::UNDEFINED, refusal, columns: MatchedColumns::default() });
         }
     };
-    let Aligned { toolpath, log, alignment, switches } = &aligned;
+    let Recorded { toolpath, log, alignment, switches } = &aligned;
     let plan = aligned.run().plan(&machine);
     let comparison = compare(toolpath, &plan, alignment);
     let samples = Profile::new(toolpath, &plan).samples(Resolution::CHART);
@@ -132,7 +112,7 @@ pub fn compare_recording(
 pub struct Runs {
     machine: Machine,
     names: Vec<String>,
-    aligned: Vec<Aligned>,
+    aligned: Vec<Recorded>,
 }
 
 #[wasm_bindgen]
@@ -146,7 +126,7 @@ impl Runs {
 
     /// Adds a run under a name; says whether it could be compared.
     pub fn add(&mut self, name: String, program: &[u8], dialect: Option<String>, recording: &[u8]) -> bool {
-        let Ok(aligned) = Aligned::new(program, dialect, recording, &self.machine) else { return false };
+        let Ok(aligned) = recorded(program, dialect, recording, &self.machine) else { return false };
         self.names.push(name);
         self.aligned.push(aligned);
         true
@@ -158,7 +138,7 @@ impl Runs {
         if self.aligned.is_empty() {
             return Ok(JsValue::UNDEFINED);
         }
-        let runs: Vec<Run> = self.aligned.iter().map(Aligned::run).collect();
+        let runs: Vec<Run> = self.aligned.iter().map(Recorded::run).collect();
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let calibration = calibrate(&self.machine, &runs, &mut tell);
         object(&CalibrationReport::new(&self.machine, &calibration, &self.names))

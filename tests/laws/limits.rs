@@ -1,7 +1,8 @@
 //! Limits of the machine: without effect at their neutral values, respected when finite.
 
 use crate::paths::{Case, Random, cases, line, stretches};
-use truefeed::machine::Machine;
+use truefeed::machine::{Axis, Junction, Machine};
+use truefeed::simulation::feed::limits::requested_feedrate;
 use truefeed::simulation::feed::{Pulse, Stretch};
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::{Motion, Point, Segment, Toolpath};
@@ -69,6 +70,7 @@ fn a_huge_acceleration_is_as_good_as_none() {
     for (case, _) in limited(22, CASES, |machine, _| machine.path.acceleration = f64::INFINITY) {
         let mut machine = case.machine.clone();
         machine.path.acceleration = 1e15;
+        machine.interpolator.junction = Junction::AxisStep(1e9);
         let limited = Case { toolpath: case.toolpath.clone(), machine, ..case };
         let (time, limited_time) = (case.time(), limited.time());
         assert!((limited_time / time - 1.0).abs() < 1e-9, "case {}: {limited_time}, {time}", case.number);
@@ -112,7 +114,8 @@ fn no_axis_is_faster_than_its_limit() {
     }
 }
 
-/// Paths along a straight line, whose feedrates change from block to block: the acceleration
+/// Paths along a straight line, whose feedrates change from block to block, on machines that plan ramps
+/// before their filters: the acceleration
 /// along the path is that of the command, averaged, and so never above its limit.
 #[test]
 fn acceleration_along_straight_paths_keeps_its_limit() {
@@ -128,6 +131,7 @@ fn acceleration_along_straight_paths_keeps_its_limit() {
         case.toolpath =
             Toolpath { segments: lines.collect(), stops: case.toolpath.stops.clone(), ..Default::default() };
         case.machine.path.acceleration = random.log_between(50.0, 20_000.0);
+        case.machine.interpolator.junction = Junction::AxisStep(1e9);
         let by_axis = random.chance(0.5);
         if by_axis {
             let acceleration = &mut case.machine.path.acceleration;
@@ -276,5 +280,20 @@ fn corners_keep_the_jerk_of_each_axis() {
                 }
             }
         }
+    }
+}
+
+/// The override is of the rapid that the axes leave, not of the one that is set.
+#[test]
+fn a_rapid_override_is_of_what_the_axes_leave() {
+    let mut machine =
+        Machine { axes: [Axis { velocity: 100.0, ..Axis::default() }; 3], ..Machine::default() };
+    let rapid = line(Point::origin(), Point::new(30.0, 40.0, 0.0), Motion::Rapid);
+    for (set, ratio, expected) in
+        [(200.0, 1.0, 125.0), (200.0, 0.6, 75.0), (90.0, 0.6, 54.0), (200.0, 2.0, 125.0)]
+    {
+        (machine.rapid.feedrate, machine.overrides.rapid) = (set, ratio);
+        let feedrate = requested_feedrate(&rapid, &machine);
+        assert!((feedrate - expected).abs() < 1e-12, "{set} mm/s at {ratio}: {feedrate} mm/s");
     }
 }

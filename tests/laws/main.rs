@@ -2,9 +2,12 @@
 
 mod conservation;
 mod guaranteed;
+mod halts;
 mod limits;
 mod path_modes;
 mod paths;
+mod retiming;
+mod smoothing;
 mod symmetry;
 mod table;
 mod times;

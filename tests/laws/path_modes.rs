@@ -14,7 +14,7 @@ use truefeed::simulation::toolpath::{
 const CASES: usize = 2000;
 
 fn mode(from: usize, blending: Blending) -> PathMode {
-    PathMode { from, line: LineNumber(1), source: format!("{blending:?}"), blending }
+    PathMode { from, line: LineNumber(1), source: format!("{blending:?}"), blending, merging: None }
 }
 
 /// What a program may ask for.

@@ -4,7 +4,7 @@
 //! directions of space, smooth and sharp transitions, feedrates of 100 to 20 000 mm/min, some
 //! rapids, exact stops and dwells. Machines of one to four filters of 2 to 80 ms, equal or not.
 
-use truefeed::machine::{Machine, TimeConstants};
+use truefeed::machine::{Junction, Machine, TimeConstants};
 use truefeed::simulation::feed::{FeedPlan, Phase, Rule, Stretch, plan};
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Stop, StopCause, Toolpath, Vector};
@@ -195,7 +195,9 @@ fn machine(random: &mut Random) -> Machine {
     machine.rapid.feedrate = random.log_between(1000.0, 40_000.0) / 60.0;
     machine.rapid.exact_stop = random.chance(0.2);
     if random.chance(0.25) {
+        // Under a law of junctions that never binds, acceleration shapes the command itself.
         machine.path.acceleration = random.log_between(100.0, 20_000.0);
+        machine.interpolator.junction = Junction::AxisStep(1e9);
     }
     if random.chance(0.1) {
         machine.rapid.time_constants = Some(TimeConstants::Equal(random.log_between(0.002, 0.08)));

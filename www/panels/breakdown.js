@@ -14,6 +14,7 @@ const FUNCTIONS = [
   ['pallet_s', 'Pallet changes'],
   ['clamp_s', 'Clamping'],
   ['m_words_s', 'Other M-words'],
+  ['halts_s', 'Halts'],
   ['start_s', 'Program start'],
 ]
 

@@ -131,12 +131,12 @@ pub enum AlignmentError {
     #[error("no recorded position lies near the programmed path: is it a recording of another program?")]
     NowhereNear,
     /// The path does not fit.
-    #[error("{part:.0} % of the recorded way is off the programmed path{hint}")]
+    #[error("{part:.0} % of the recorded way is off the programmed path{}", what_then(hint.as_deref()))]
     OffPath {
         /// The part, %.
         part: f64,
-        /// What would fit, as a clause; may be empty.
-        hint: String,
+        /// What would fit, as a clause.
+        hint: Option<String>,
     },
     /// The way does not fit.
     #[error(
@@ -169,6 +169,11 @@ pub enum AlignmentError {
     /// Units do not close.
     #[error("{0}")]
     Units(#[from] ClosureError),
+}
+
+/// The end of the sentence that says how much is off the path.
+fn what_then(hint: Option<&str>) -> String {
+    hint.map_or(": is it a recording of another program?".to_string(), |hint| format!(", but {hint}"))
 }
 
 /// Lays a recording on a program: the first of its runs that fits, or why none does.

@@ -67,13 +67,7 @@ pub fn by_positions(
                 let hint = what_would_fit(&track, toolpath, recorded, tolerance);
                 return match (matched, hint) {
                     (Err(error), None) => Err(error),
-                    (_, hint) => {
-                        let hint = hint
-                            .map_or(": is it a recording of another program?".to_string(), |hint| {
-                                format!(", but {hint}")
-                            });
-                        Err(AlignmentError::OffPath { part: 100.0 * off, hint })
-                    }
+                    (_, hint) => Err(AlignmentError::OffPath { part: 100.0 * off, hint }),
                 };
             }
         }

@@ -1,15 +1,16 @@
 //! Machine and runs → [`Calibration`]: the machine that predicts the next program.
 //!
 //! What is fitted, each where the runs show it: order and constant of the filters, contour tolerance,
-//! rapid feedrate, and the time of each kind of stop. The fit is of [`crate::identification::fit`]; what
+//! rapid feedrate, and the time of each kind of stop; of a planner with the junctions of LinuxCNC, which
+//! has no filters, instead of these the accelerations of its axes. The fit is of [`crate::identification::fit`]; what
 //! belongs here is the judgement of its result:
 //!
-//! - a parameter that the runs say nothing of, or less than ±[`UNKNOWN`] of, stays at its value, and the
+//! - a parameter that the runs say nothing of, or less than ±`UNKNOWN` of, stays at its value, and the
 //!   reason is said;
 //! - a value is kept that the data do not contradict: with it, and all others fitted again, the cost is
-//!   higher by less than [`CONTRADICTED`]. One after another, because parameters that depend on each other
+//!   higher by less than `CONTRADICTED`. One after another, because parameters that depend on each other
 //!   hide behind each other;
-//! - the order of the filters stays unless another one is better by [`BETTER_ORDER`], and rapid moves keep
+//! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
 //!   the filters of feed moves unless their own are, the total delay being the first guess of each.
 
 mod waits;
@@ -20,7 +21,7 @@ pub use waits::Kind;
 
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::fit::{Fit, Freed, Run, Scale, Whitening, fit};
-use crate::machine::{Machine, TimeConstants};
+use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::toolpath::Motion;
 
 /// A relative standard deviation above which a positive parameter counts as unknown.
@@ -134,8 +135,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let mut orders = vec![(nominal, second.cost)];
     let mut best = second;
     let mut order = nominal;
+    let has_filters = has_filters(machine);
     let is_equal = matches!(machine.interpolator.time_constants, TimeConstants::Equal(_));
-    for other in ORDERS.filter(|other| *other != nominal && is_equal) {
+    for other in ORDERS.filter(|other| *other != nominal && is_equal && has_filters) {
         share.part = 0.06;
         let mut start = best.machine.clone();
         set_order(&mut start, other);
@@ -148,6 +150,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     orders.sort_by_key(|(order, _)| *order);
     if let (None, TimeConstants::Equal(constant)) =
         (&best.machine.rapid.time_constants, &best.machine.interpolator.time_constants)
+        && has_filters
     {
         let mut start = best.machine.clone();
         start.rapid.time_constants = Some(TimeConstants::Equal(RAPID_SLOWER * constant));
@@ -268,13 +271,34 @@ fn is_unknown(freed: &Freed, value: f64, deviation: f64) -> bool {
     }
 }
 
-/// The parameters of motion, each with the value it has before: time constant, tolerance, rapid rate.
+/// Whether its ramps are those of filters. A planner of trapezoids has one that is shorter than its period.
+fn has_filters(machine: &Machine) -> bool {
+    machine.interpolator.junction != Junction::AccelerationBlend
+}
+
+/// The key of the acceleration of each axis.
+const ACCELERATIONS: [&str; 3] =
+    ["axis.x.acceleration_mm_s2", "axis.y.acceleration_mm_s2", "axis.z.acceleration_mm_s2"];
+
+/// How far, as a ratio, they may be from what they are in the machine file.
+const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
+
+/// The parameters of motion, each with the value it has before: time constant or accelerations of
+/// axes, tolerance, rapid rate.
 fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<(Freed, f64)> {
     let mut all = Vec::new();
     let mut add = |key: &'static str, before: f64, start: f64, bounds: (f64, f64)| {
         all.extend(Freed::number(key, start, bounds, Scale::Ratio).map(|freed| (freed, before)));
     };
-    if let (TimeConstants::Equal(own), TimeConstants::Equal(start)) =
+    let has_filters = has_filters(before);
+    if !has_filters {
+        for (key, (own, start)) in ACCELERATIONS.into_iter().zip(before.axes.iter().zip(&guess.axes)) {
+            let (own, start) = (own.acceleration, start.acceleration);
+            if own.is_finite() {
+                add(key, own, start, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own));
+            }
+        }
+    } else if let (TimeConstants::Equal(own), TimeConstants::Equal(start)) =
         (&before.interpolator.time_constants, &guess.interpolator.time_constants)
     {
         let own = own * before.interpolator.filters as f64 / order as f64;
@@ -289,6 +313,7 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
         let own = before.rapid.time_constants.as_ref().unwrap_or(&before.interpolator.time_constants);
         if let (TimeConstants::Equal(own), Some(TimeConstants::Equal(start))) =
             (own, &guess.rapid.time_constants)
+            && has_filters
         {
             let own = own * before.interpolator.filters as f64 / order as f64;
             add("rapid.time_constant_s", own, *start, (5e-4, 0.5));

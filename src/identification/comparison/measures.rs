@@ -24,6 +24,8 @@ pub struct FeedError {
     pub programmed_rms: f64,
     /// Mean programmed feedrate over distance, mm/s.
     pub programmed: f64,
+    /// The way over which they were compared, mm.
+    pub way: f64,
 }
 
 /// How far positions differ.
@@ -38,8 +40,13 @@ pub struct PositionError {
 impl FeedError {
     /// Of rows at the same places; none where none is on a feed move.
     pub fn of(rows: &Pointwise) -> Option<FeedError> {
+        FeedError::during(rows, &|_| true)
+    }
+
+    /// The same of the rows for whose recorded time (s) `is_meant` holds.
+    fn during(rows: &Pointwise, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
         let mut error = Sum::default();
-        for row in 1..rows.distance.len() {
+        for row in (1..rows.distance.len()).filter(|row| is_meant(rows.recorded_time[*row])) {
             if let Some(programmed) = rows.programmed[row] {
                 let step = rows.distance[row] - rows.distance[row - 1];
                 error.add(step, rows.recorded[row], rows.simulated[row], programmed);
@@ -57,8 +64,19 @@ pub fn feed_error(
     alignment: &Alignment,
     lost: &[Lost],
 ) -> Option<FeedError> {
+    feed_error_during(toolpath, plan, alignment, lost, &|_| true)
+}
+
+/// The same at recorded times (s) for which `is_meant` holds.
+pub fn feed_error_during(
+    toolpath: &Toolpath,
+    plan: &FeedPlan,
+    alignment: &Alignment,
+    lost: &[Lost],
+    is_meant: &dyn Fn(f64) -> bool,
+) -> Option<FeedError> {
     if alignment.method == Method::Positions {
-        return FeedError::of(&pointwise(toolpath, plan, alignment));
+        return FeedError::during(&pointwise(toolpath, plan, alignment), is_meant);
     }
     let poll = alignment.poll?;
     let mut distances = vec![0.0];
@@ -80,7 +98,7 @@ pub fn feed_error(
     let mut window = Window::default();
     for visit in lost {
         let time = programmed(&visit.distance);
-        if visit.waits() || time.is_nan() {
+        if visit.waits() || time.is_nan() || !is_meant(visit.recorded.start) {
             window = Window::default();
             continue;
         }
@@ -128,6 +146,7 @@ impl Sum {
             rms: (self.squares / self.way).sqrt(),
             programmed_rms: (self.programmed_squares / self.way).sqrt(),
             programmed: self.programmed / self.way,
+            way: self.way,
         })
     }
 }

@@ -23,7 +23,7 @@ mod pointwise;
 
 pub use course::{Course, course};
 pub use form::Form;
-pub use measures::{FeedError, PositionError};
+pub use measures::{FeedError, PositionError, feed_error_during};
 pub use pointwise::{Pointwise, pointwise};
 
 use std::ops::Range;

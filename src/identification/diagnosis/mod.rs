@@ -6,23 +6,28 @@
 //!
 //! | gate | what must hold |
 //! |---|---|
-//! | likelihood | the cost falls by more than [`GAIN`] + k ln n, n sections of the path, not samples |
+//! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
 //! | held out | fitted without a section, it is better there, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
-//! | size | it explains more than [`SIZE`] of the cycle time, and more than [`LEAST`] s |
+//! | size | it explains more than `SIZE` of the cycle time, and more than `LEAST` s |
+//!
+//! Feed holds are taken in before all of them, as [`rests`] finds them: they stand for themselves.
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
 //! back. Others of which the best cannot be told from the runs are its ambiguity.
 //!
-//! What is left is judged by itself: lost time that is larger than noise and than [`LEFT`] of the cycle time
+//! What is left is judged by itself: lost time that is larger than noise and than `LEFT` of the cycle time
 //! is unknown, and located.
 
+mod crossed;
 mod evidence;
 mod form;
 mod gates;
 mod places;
 mod regions;
+mod rests;
 
+pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
 pub use regions::{Region, regions};
 
@@ -91,7 +96,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The causes, the one that explains most first.
     pub causes: Vec<Cause>,
-    /// Where simulation and recording differ, cause or no cause; of the first run.
+    /// Where simulation and recording differ, cause or no cause, run by run.
     pub regions: Vec<Region>,
     /// The machine with the causes.
     pub machine: Machine,
@@ -101,6 +106,8 @@ pub struct Diagnosis {
     pub after: Vec<Comparison>,
     /// Form error before and after, mm; none without positions.
     pub form: Option<(f64, f64)>,
+    /// How far feedrates differ where nothing was fitted; none where nothing is named or no feed is known.
+    pub held_out: Option<Crossed>,
     /// Ids of what the program does not excite.
     pub not_excited: Vec<String>,
     /// What to know, for people.
@@ -121,6 +128,13 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     progress(0.1);
     // Where the form is explained whole, at times as they are, no time is missing either.
     let rounds = if drives.is_empty() { MOST } else { 0 };
+    if 0 < rounds {
+        let price = GAIN + (gates::sections(runs) as f64).ln();
+        for (candidate, gain) in rests::feed_holds(&base, runs, price) {
+            named.push(candidate);
+            details.push((Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp()));
+        }
+    }
     for round in 0..rounds {
         let current = with_all(&base, &named);
         let Some(found) = next_cause(&base, &current, runs, &library, &named, &mut |part| {
@@ -165,7 +179,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         alike: Vec::new(),
         held_out: None,
     }));
-    let regions = before.first().map_or(Vec::new(), |before| regions(before, runs[0].alignment));
+    let regions = (0..runs.len()).flat_map(|run| regions(&before[run], runs[run].alignment, run)).collect();
     let left = regions::left(&after, runs);
     let whole: f64 = after.iter().map(|comparison| comparison.whole.recorded).sum();
     let is_left = 0 < rounds && LEFT * whole < left && LEAST < left;
@@ -181,7 +195,19 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     };
     progress(1.0);
     let not_excited = not_excited(&library);
-    Diagnosis { verdict, causes, regions, machine: fitted, before, after, form, not_excited, messages }
+    let held_out = crossed::crossed(machine, &with_all(machine, &drives), &named, runs);
+    Diagnosis {
+        verdict,
+        causes,
+        regions,
+        machine: fitted,
+        before,
+        after,
+        form,
+        held_out,
+        not_excited,
+        messages,
+    }
 }
 
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {

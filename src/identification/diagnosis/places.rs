@@ -4,11 +4,14 @@
 //! an override on all lines, and δ that which is observed, β = Σ δ g / Σ g² over a range explains
 //! (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix sums over at most
 //! [`BINS`] parts.
+//!
+//! Waits before lines: where the recorded machine rests between two long blocks, the longest ones.
 
 use std::sync::Arc;
 
 use crate::identification::alignment::Place;
 use crate::identification::diagnosis::evidence::Evidence;
+use crate::identification::diagnosis::rests::{Rest, rests};
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
 use crate::machine::Machine;
@@ -17,13 +20,20 @@ use crate::machine::Machine;
 const BINS: usize = 300;
 /// The override that is tried to see what one does.
 const TRIED: f64 = 0.97;
+/// Waits before lines that are tried.
+const WAITS: usize = 3;
 /// A range that explains less than this part more than the whole program is the whole program.
 const WORTH_A_RANGE: f64 = 1.1;
 
 /// Hypotheses placed by the residuals of the first run.
 pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence) -> Vec<Hypothesis> {
     let Some(run) = runs.first() else { return Vec::new() };
-    override_range(machine, run, evidence).into_iter().collect()
+    let mut all: Vec<Hypothesis> = override_range(machine, run, evidence).into_iter().collect();
+    let mut waits = rests(machine, run);
+    waits.retain(|rest| rest.place.is_none() && !machine.halts.waits.contains_key(&rest.line));
+    waits.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    all.extend(waits.into_iter().take(WAITS).map(Rest::hypothesis));
+    all
 }
 
 /// The override of feed moves on a range of lines.

@@ -21,6 +21,8 @@ const ACTS: f64 = 5e-4;
 /// A stretch in which simulation and recording differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
+    /// Which of the runs.
+    pub run: usize,
     /// First and last line.
     pub lines: (u32, u32),
     /// Where along the path, mm.
@@ -31,8 +33,8 @@ pub struct Region {
     pub seconds: f64,
 }
 
-/// The regions of a comparison, by what they lost, the most first.
-pub fn regions(comparison: &Comparison, alignment: &Alignment) -> Vec<Region> {
+/// The regions of the comparison of one of the runs, by what they lost, the most first.
+pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
     let mut deviations: Vec<f64> = alignment.marks.iter().map(|mark| mark.deviation).collect();
     let noise = crate::identification::alignment::median(&mut deviations).max(1e-4);
     let mut found: Vec<(usize, usize)> = Vec::new();
@@ -49,6 +51,7 @@ pub fn regions(comparison: &Comparison, alignment: &Alignment) -> Vec<Region> {
         let visits = &comparison.lost[first..=last];
         let lines = visits.iter().map(|visit| visit.line.0);
         Region {
+            run,
             lines: (lines.clone().min().unwrap_or(0), lines.max().unwrap_or(0)),
             distance: visits[0].distance.start..visits[visits.len() - 1].distance.end,
             time: visits[0].recorded.start..visits[visits.len() - 1].recorded.end,
@@ -122,7 +125,7 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
 /// Lost time that is left, s: what the residual still wanders from end to end and between.
 pub fn left(comparisons: &[Comparison], runs: &[Run]) -> f64 {
     let of_run = |(comparison, run): (&Comparison, &Run)| {
-        let regions = regions(comparison, run.alignment);
+        let regions = regions(comparison, run.alignment, 0);
         let located: f64 = regions.iter().map(|region| region.seconds.abs()).sum();
         let whole = (comparison.whole.recorded - comparison.whole.simulated).abs();
         located.max(whole)

@@ -6,7 +6,7 @@
 //! Σ_runs Σ_k ρ(ν_k),    ρ(ν) = ν² for |ν| ≤ c, then 2 c |ν| − c²
 //! ```
 //!
-//! over the whitened residuals ν of [`whitened`], so that a wait that nobody explained does not bend
+//! over the whitened residuals ν of `whitened`, so that a wait that nobody explained does not bend
 //! everything else (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients, a
 //! parameter at its bound standing still.
 //!
@@ -16,11 +16,13 @@
 
 mod freed;
 mod minimise;
+mod recorded;
 mod whitened;
 
 use nalgebra::DMatrix;
 
 pub use freed::{Freed, Scale};
+pub use recorded::{Recorded, RecordedError};
 pub use whitened::Whitening;
 
 use crate::identification::alignment::{Alignment, Place, times_at_marks};
@@ -28,6 +30,7 @@ use crate::identification::comparison::residuals;
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::{FeedPlan, Rule, Tolerances, plan};
+use crate::simulation::profile::retimed;
 use crate::simulation::toolpath::Toolpath;
 
 /// Sections a run is cut into for the uncertainties.
@@ -104,7 +107,7 @@ pub fn huber(value: f64) -> f64 {
 /// The plan of a program on a machine, at the tolerances of the program or else the machine's.
 pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
     match machine.interpolator.corner_mode {
-        CornerMode::Paper => plan(toolpath, machine, Rule::Programmed),
+        CornerMode::Paper => retimed(toolpath, machine, plan(toolpath, machine, Rule::Programmed)),
         CornerMode::Guaranteed => plan_within(toolpath, machine, Tolerances::Programmed, &mut |_| {}).0,
     }
 }

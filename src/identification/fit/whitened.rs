@@ -49,6 +49,15 @@ impl Whitening {
         Whitening { steps: steps.collect(), wander }
     }
 
+    /// Gives no weight to the marks for which this holds; the process goes on through them.
+    pub fn ignore(&mut self, is_ignored: impl Fn(usize) -> bool) {
+        for (mark, (_, scale)) in self.steps.iter_mut().enumerate() {
+            if is_ignored(mark) {
+                *scale = 0.0;
+            }
+        }
+    }
+
     /// The normalised innovations of residuals, one a mark; 0 at the first.
     pub fn apply(&self, residuals: &[f64]) -> Vec<f64> {
         let mut state = 0.0;
@@ -102,12 +111,15 @@ mod tests {
         }
     }
 
-    /// Uniform numbers from −1 to 1, the same every time.
+    /// Normal numbers of variance 1, sums of twelve uniform ones, the same every time.
     fn noise(seed: &mut u64) -> f64 {
-        *seed ^= *seed << 13;
-        *seed ^= *seed >> 7;
-        *seed ^= *seed << 17;
-        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        let uniform = (0..12).map(|_| {
+            *seed ^= *seed << 13;
+            *seed ^= *seed >> 7;
+            *seed ^= *seed << 17;
+            (*seed >> 11) as f64 / (1u64 << 53) as f64
+        });
+        uniform.sum::<f64>() - 6.0
     }
 
     #[test]
@@ -117,15 +129,15 @@ mod tests {
         let (mut seed, mut lost) = (7, 5.0);
         let residuals: Vec<f64> = (0..count)
             .map(|_| {
-                lost += 3.0f64.sqrt() * noise(&mut seed) * wander * 0.1f64.sqrt();
-                lost + 3.0f64.sqrt() * noise(&mut seed) * deviation
+                lost += noise(&mut seed) * wander * 0.1f64.sqrt();
+                lost + noise(&mut seed) * deviation
             })
             .collect();
         let white = Whitening::new(&alignment, wander).apply(&residuals);
         let white = &white[1..];
         let mean_square = white.iter().map(|v| v * v).sum::<f64>() / white.len() as f64;
         let lagged = white.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / white.len() as f64;
-        assert!((mean_square - 1.0).abs() < 0.03, "{mean_square}");
+        assert!((mean_square - 1.0).abs() < 0.05, "{mean_square}");
         assert!(lagged.abs() < 0.03, "{lagged}");
         let found = Whitening::of(&alignment, &residuals).wander;
         assert!((found / wander - 1.0).abs() < 0.15, "{found}");

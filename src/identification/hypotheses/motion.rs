@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
-use crate::machine::{AXES, Machine, TimeConstants};
+use crate::machine::{AXES, Junction, Machine, TimeConstants};
 use crate::simulation::toolpath::{Curve, Motion, Vector};
 use crate::units::mm_per_min;
 
@@ -43,6 +43,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     all.extend(filters(machine, &demand));
     all.push(if demand.has_tolerance { programmed_tolerance(machine) } else { tolerance(machine) });
     all.extend(junctions(machine));
+    all.push(smoothing(machine));
     all.extend(overrides(machine, &demand));
     all.extend(blocks());
     all.push(single(
@@ -228,6 +229,20 @@ fn programmed_tolerance(machine: &Machine) -> Option<Hypothesis> {
     single("corner_tolerance", freed, ratios(5e-4, 0.5, 12), |value| {
         vec![("contour_tolerance_mm", Reported::Number(value))]
     })
+}
+
+/// Lines that the control runs as one; the controls that are known to have the junctions of LinuxCNC. It
+/// acts by whole lines, so that between two distances may lie nothing.
+fn smoothing(machine: &Machine) -> Option<Hypothesis> {
+    if machine.interpolator.junction != Junction::AccelerationBlend {
+        return None;
+    }
+    let freed = Freed::number("interpolator.path_smoothing_mm", 0.02, (0.0, 10.0), Scale::Difference);
+    let mut trials = vec![0.0];
+    trials.extend(ratios(1e-3, 1.0, 31));
+    let found =
+        single("path_smoothing", freed, trials, |value| vec![("tolerance_mm", Reported::Number(value))]);
+    found.map(|hypothesis| Hypothesis { is_continuous: false, ..hypothesis })
 }
 
 fn junctions(machine: &Machine) -> Vec<Option<Hypothesis>> {

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use crate::identification::calibration::Kind;
 use crate::identification::fit::{Freed, Run, Scale};
-use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
-use crate::machine::Machine;
+use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
+use crate::machine::{InPosition, Machine};
+use crate::simulation::toolpath::Motion;
 
 /// Angles tried first as the least that stops, °.
 const ANGLES: [f64; 13] = [0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 130.0];
@@ -31,6 +32,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
         })
         .into_iter()
         .collect();
+    all.extend(in_position(machine, runs));
     let mut lines: BTreeMap<Kind, Vec<u32>> = BTreeMap::new();
     for run in runs {
         for stop in &run.toolpath.stops {
@@ -40,6 +42,38 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
         }
     }
     all.extend(lines.into_iter().map(|(kind, lines)| wait(kind, kind.value(machine), lines[0])));
+    all
+}
+
+/// Waits for position at the full stops that there are, and at the ends of rapid moves, which it makes some.
+fn in_position(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
+    let mut all = Vec::new();
+    let has_rapid =
+        runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid));
+    let has_stops = machine.interpolator.exact_stop_angle < std::f64::consts::PI
+        || runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.exact_stop));
+    for (at, is_offered) in [(InPosition::RapidEnds, has_rapid), (InPosition::ExactStops, has_stops)] {
+        if !is_offered {
+            continue;
+        }
+        let freed =
+            Freed::new("halts.in_position_s", 0.05, (1e-4, 60.0), Scale::Ratio, move |machine, value| {
+                machine.halts.in_position = value;
+                machine.halts.in_position_at = at;
+            });
+        let report: Report = Arc::new(move |values| {
+            vec![("seconds", Reported::Number(values[0])), ("at", Reported::Word(at.word().to_string()))]
+        });
+        all.push(Hypothesis {
+            id: "in_position_wait",
+            variant: at.word().to_string(),
+            trace: Trace::Time,
+            freed: vec![freed],
+            trials: ratios(2e-3, 2.0, 8).into_iter().map(|seconds| vec![seconds]).collect(),
+            is_continuous: true,
+            report,
+        });
+    }
     all
 }
 

@@ -31,8 +31,11 @@ pub fn is_recording(bytes: &[u8]) -> bool {
     0 < rows && all <= 2 * rows + 2
 }
 
-/// Whether a line is a row of at least two numbers, most of its fields.
+/// Whether a line is a row of at least two numbers, most of its fields. Brackets are those of a cycle's call.
 fn is_row(line: &str) -> bool {
+    if line.contains('(') {
+        return false;
+    }
     [";", "\t", ",", " ", "|"].iter().any(|separator| {
         let cells = line.split(separator).map(str::trim).filter(|cell| !cell.is_empty());
         let (mut numbers, mut others) = (0, 0);

@@ -2,6 +2,8 @@
 //!
 //! A time that is left empty is that of all other M-words, and these take none unless told so.
 
+use std::collections::BTreeMap;
+
 use crate::machine::parameters::{Access, Parameter, number};
 use crate::machine::{Machine, Times};
 use crate::units::Unit;
@@ -32,6 +34,15 @@ const fn words(
     Parameter { key, label, doc, access }
 }
 
+/// Seconds by word.
+const fn codes(
+    letter: char,
+    get: fn(&Machine) -> &BTreeMap<u32, f64>,
+    get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
+) -> Access {
+    Access::Codes { letter, unit: Unit::Second, min: SECONDS.0, max: SECONDS.1, get, get_mut }
+}
+
 fn written(words: &[u32]) -> Option<Vec<f64>> {
     Some(words.iter().map(|word| f64::from(*word)).collect())
 }
@@ -59,7 +70,7 @@ pub(super) const TIMES: [Parameter; 17] = [
         key: "times.tools",
         label: "Tools with their own change time",
         doc: "Seconds by tool, for example T12 = 9.0 for a heavy tool that is changed slowly.",
-        access: Access::Codes { letter: 'T', get: |m| &m.times.tools, get_mut: |m| &mut m.times.tools },
+        access: codes('T', |m| &m.times.tools, |m| &mut m.times.tools),
     },
     time(
         "times.spindle_start_s",
@@ -162,6 +173,6 @@ pub(super) const TIMES: [Parameter; 17] = [
         key: "times.m_codes",
         label: "M-words with their own time",
         doc: "Seconds by M-word, in place of the time of its group: for example M8 = 3.0 for a coolant that needs 3 s. Tool changes are not among them.",
-        access: Access::Codes { letter: 'M', get: |m| &m.times.m_codes, get_mut: |m| &mut m.times.m_codes },
+        access: codes('M', |m| &m.times.m_codes, |m| &mut m.times.m_codes),
     },
 ];

@@ -22,7 +22,7 @@
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::{ContourErrors, SegmentErrors, by_corner, contour_errors, measure};
 use crate::simulation::feed::{Bound, FeedPlan, Pulse, Rule, Tolerances, plan};
-use crate::simulation::profile::Profile;
+use crate::simulation::profile::{Profile, retimed};
 use crate::simulation::toolpath::{Curve, Toolpath};
 
 /// p above.
@@ -72,9 +72,12 @@ pub fn plan_within(
     match machine.interpolator.corner_mode {
         CornerMode::Paper => {
             let errors = contour_errors(toolpath, &isolated, &Profile::new(toolpath, &isolated));
-            (isolated, errors)
+            (retimed(toolpath, machine, isolated), errors)
         }
-        CornerMode::Guaranteed => corrected(toolpath, machine, tolerances, isolated, progress),
+        CornerMode::Guaranteed => {
+            let (plan, errors) = corrected(toolpath, machine, tolerances, isolated, progress);
+            (retimed(toolpath, machine, plan), errors)
+        }
     }
 }
 

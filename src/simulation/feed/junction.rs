@@ -14,22 +14,45 @@
 //! ε (1/C − 1 = ε/R), and takes no more than half of the shorter leg, L. The acceleration a is the
 //! largest vector that keeps every axis within its own limit, whatever its direction in the plane of
 //! the corner, and within that of the path. √3/2 of it turn the motion and ½ is left along the path,
-//! so that both together are a. A leg that circles take up by the distances d1 and d2 changes its
-//! squared feedrate by 2 A L, with A0 its own limit and
+//! so that both together are a. The same holds for programmed arcs, whose ramps have
+//! A √(1 − min(V²/(r A), √3/2)²), V the fastest that their axes allow. How a leg is run between its
+//! circles is in the module of blends. Around the circle no axis is above its velocity limit; between
+//! lines the larger of two bounds holds, of which the other is the altitude of the triangle whose sides
+//! are the fastest velocities V1, V2 along both:
 //!
 //! ```text
-//! A = (A0 (L − d1 − d2) + ½ a1 d1 + ½ a2 d2)/L,      d = R tan(φ/2)
+//! V1 V2 sin φ / ‖V2 u2 − V1 u1‖
 //! ```
 //!
-//! Limits: the circle is shorter than the corner by 2d − Rφ, which the plan does not take off.
-//! The legs of an arc are its tangents. Source: the laws of LinuxCNC, grbl, Klipper and Marlin,
-//! derived from the geometry.
+//! A turn so small that it takes less than a tenth of the acceleration when made within one servo
+//! period h, κ = max_k |u2 − u1|_k (F/(h a_k) + 1) < 0.1, has no circle; its legs lose the part κ of
+//! their acceleration. F is the slower of both feedrates, and κ counts double on an arc, of whose
+//! acceleration ½ is left. Nor has a turn a circle that is faster without one, at 0.1 F/κ. Legs that
+//! double back have a stop.
+//!
+//! Limits: the legs of an arc are its tangents; h is 1 ms. Source: the laws of LinuxCNC (src/emc/tp,
+//! blendmath.c and tp.c: ratios of acceleration, altitude, tangent kink), grbl, Klipper and Marlin, derived
+//! from the geometry, and recordings of LinuxCNC 2.9.
 
 use crate::machine::{Junction, Machine};
+use crate::simulation::feed::blend::Blend;
+use crate::simulation::feed::limits;
 use crate::simulation::toolpath::{Curve, Segment, Vector};
 
 /// Share of the acceleration that may turn the motion while a share of ½ remains along the path.
 const NORMAL: f64 = 0.866_025_403_784_438_6;
+
+/// Share of the acceleration that a turn without a circle may take.
+const KINK: f64 = 0.1;
+
+/// Time in which such a turn is made, s.
+const SERVO_PERIOD: f64 = 1e-3;
+
+/// The largest turn whose cosine cuts a velocity, rad.
+const STEEPEST: f64 = 0.49 * std::f64::consts::PI;
+
+/// ‖u1 + u2‖ below which legs double back, and the motion stops: the sine of 2°.
+const REVERSAL: f64 = 0.034_9;
 
 /// A corner as the law of junctions sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +65,8 @@ pub struct Turn {
     half_cosine: f64,
     /// Length of the shorter leg, mm.
     shorter: f64,
+    /// Whether a leg is an arc.
+    of_arc: bool,
 }
 
 impl Turn {
@@ -54,6 +79,7 @@ impl Turn {
             change: (u2 - u1).norm(),
             half_cosine: 0.5 * (u2 + u1).norm(),
             shorter: before.length.min(after.length),
+            of_arc: [before, after].iter().any(|leg| matches!(leg.curve, Curve::Arc(_))),
         }
     }
 
@@ -71,21 +97,88 @@ impl Turn {
     }
 
     /// How far before the corner the blend begins, mm.
-    pub fn blend_distance(&self, tolerance: f64) -> f64 {
-        if self.change == 0.0 || self.half_cosine == 0.0 {
+    fn blend_distance(&self, tolerance: f64) -> f64 {
+        if self.half_cosine == 0.0 {
             return 0.0;
         }
         self.blend_radius(tolerance) * 0.5 * self.change / self.half_cosine
     }
 
+    /// The circle in place of the corner between legs of which the slower runs at `feedrate`, mm/s.
+    pub fn blend(&self, machine: &Machine, tolerance: f64, feedrate: f64) -> Blend {
+        let kink = self.kink(machine, feedrate);
+        if kink < KINK {
+            return Blend { taken: kink, ..Blend::none(f64::INFINITY) };
+        }
+        if self.half_cosine < 0.5 * REVERSAL {
+            return Blend::none(0.0);
+        }
+        let by_circle = self.feedrate(machine, tolerance).min(self.axis_feedrate(machine));
+        let by_kink = feedrate * KINK / kink;
+        if by_circle <= by_kink {
+            return Blend { taken: KINK, ..Blend::none(by_kink) };
+        }
+        let half = self.half_angle();
+        Blend {
+            feedrate: by_circle,
+            fastest: by_circle,
+            distance: self.blend_distance(tolerance),
+            shortening: half / half.tan(),
+            acceleration: 0.5 * self.acceleration(machine),
+            taken: 0.0,
+        }
+    }
+
+    /// φ/2, rad.
+    fn half_angle(&self) -> f64 {
+        (0.5 * self.change).atan2(self.half_cosine)
+    }
+
+    /// The acceleration of the axis that a turn within one servo period takes most of, as a share of
+    /// its limit; of the half that is left along it for an arc.
+    fn kink(&self, machine: &Machine, feedrate: f64) -> f64 {
+        let change = self.after - self.before;
+        let axes = machine.axes.iter().enumerate();
+        let share = axes.map(|(k, axis)| {
+            let own = axis.acceleration.min(machine.path.acceleration);
+            change[k].abs() * (feedrate / (SERVO_PERIOD * own) + 1.0)
+        });
+        share.fold(0.0, f64::max) * if self.of_arc { 2.0 } else { 1.0 }
+    }
+
+    /// The feedrate around the corner at which no axis is above its velocity limit, mm/s: that which is
+    /// kept whatever its direction in the plane of the corner, or, between lines, the altitude of the
+    /// triangle whose sides are the fastest velocities along them. The longer side is cut to where the
+    /// altitude is the shorter one.
+    fn axis_feedrate(&self, machine: &Machine) -> f64 {
+        let in_plane = self.in_plane(machine.axes.map(|axis| axis.velocity));
+        let fastest = |along: &Vector| {
+            let limits = machine.axes.iter().zip(along.iter());
+            limits.map(|(axis, share)| axis.velocity / share.abs()).fold(f64::INFINITY, f64::min)
+        };
+        let sides = [fastest(&self.before), fastest(&self.after)];
+        if self.of_arc || in_plane == f64::INFINITY || sides.contains(&f64::INFINITY) {
+            return in_plane;
+        }
+        let angle = 2.0 * self.half_angle();
+        let longest = |other: f64| other / angle.min(STEEPEST).cos();
+        let (v1, v2) = (sides[0].min(longest(sides[1])), sides[1].min(longest(sides[0])));
+        in_plane.max(v1 * v2 * angle.sin() / (self.after * v2 - self.before * v1).norm())
+    }
+
     /// Largest acceleration in any direction of the plane of the corner, mm/s².
     fn acceleration(&self, machine: &Machine) -> f64 {
+        self.in_plane(machine.axes.map(|axis| axis.acceleration)).min(machine.path.acceleration)
+    }
+
+    /// The length of the longest vector in any direction of the plane of the corner whose components
+    /// are all within `limits`.
+    fn in_plane(&self, limits: [f64; 3]) -> f64 {
         let change = self.after - self.before;
         let sum = self.after + self.before;
         let (across, along) = (direction(change), direction(sum));
-        let axes = machine.axes.iter().enumerate();
-        axes.map(|(k, axis)| axis.acceleration / across[k].hypot(along[k]))
-            .fold(machine.path.acceleration, f64::min)
+        let axes = limits.iter().enumerate();
+        axes.map(|(k, limit)| limit / across[k].hypot(along[k])).fold(f64::INFINITY, f64::min)
     }
 
     /// The fastest command at the corner, mm/s; infinite where the law does not bind.
@@ -117,40 +210,14 @@ fn direction(vector: Vector) -> Vector {
     if length == 0.0 { vector } else { vector / length }
 }
 
-/// What is left along segments whose ends lie in blends, and along arcs, mm/s².
-pub fn share(
-    accelerations: &mut [f64],
-    segments: &[Segment],
-    feedrates: &[f64],
-    tolerance: impl Iterator<Item = f64>,
-    machine: &Machine,
-) {
-    if machine.interpolator.junction != Junction::AccelerationBlend {
-        return;
-    }
-    let (mut blended, mut gained) = (vec![0.0; segments.len()], vec![0.0; segments.len()]);
-    for ((i, pair), tolerance) in segments.windows(2).enumerate().zip(tolerance) {
-        let turn = Turn::between(&pair[0], &pair[1]);
-        let distance = turn.blend_distance(tolerance);
-        for leg in [i, i + 1] {
-            blended[leg] += distance;
-            gained[leg] += 0.5 * turn.acceleration(machine).min(accelerations[leg]) * distance;
-        }
-    }
-    for (i, segment) in segments.iter().enumerate() {
-        let own = accelerations[i];
-        if own == f64::INFINITY {
-            continue;
-        }
-        accelerations[i] = match &segment.curve {
-            Curve::Line => (own * (segment.length - blended[i]).max(0.0) + gained[i]) / segment.length,
-            Curve::Arc(arc) => {
-                let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
-                let normal = (feedrates[i] * feedrates[i] * curvature / own).min(NORMAL);
-                own * (1.0 - normal * normal).sqrt()
-            }
-        };
-    }
+/// The acceleration along a segment between its corners, mm/s²: what an arc leaves at the fastest that
+/// its axes allow.
+pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
+    let Curve::Arc(arc) = &segment.curve else { return own };
+    let curvature = arc.mean_radius() * (arc.sweep / segment.length).powi(2);
+    let fastest = limits::axis_feedrate(segment, machine);
+    let normal = (fastest * fastest * curvature / own).min(NORMAL);
+    own * (1.0 - normal * normal).sqrt()
 }
 
 /// The feedrate along an arc that leaves half the acceleration for ramps, mm/s; infinite along a
@@ -168,6 +235,7 @@ pub fn arc_feedrate(segment: &Segment, acceleration: f64, machine: &Machine) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::mm_per_min;
 
     fn turn(angle: f64) -> Turn {
         let (before, after) = (Vector::x(), Vector::new(angle.cos(), angle.sin(), 0.0));
@@ -177,6 +245,7 @@ mod tests {
             change: (after - before).norm(),
             half_cosine: 0.5 * (after + before).norm(),
             shorter: 10.0,
+            of_arc: false,
         }
     }
 
@@ -201,6 +270,16 @@ mod tests {
         for (junction, feedrate) in expected {
             let found = corner.feedrate(&machine(junction), 0.02);
             assert!(found == feedrate || (found / feedrate - 1.0).abs() < 1e-12, "{junction:?}: {found}");
+        }
+    }
+
+    /// Feedrates that LinuxCNC 2.9 was recorded at on its circles.
+    #[test]
+    fn blends_are_as_fast_as_recorded() {
+        let machine = machine(Junction::AccelerationBlend);
+        for (degrees, recorded) in [(90.0f64, 274.3), (135.0, 139.0)] {
+            let found = mm_per_min(turn(degrees.to_radians()).feedrate(&machine, 0.02));
+            assert!((found - recorded).abs() < 0.1, "{degrees}°: {found} mm/min");
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! It is the smallest of
 //!
-//! - the programmed (or rapid) feedrate times its override;
+//! - the programmed feedrate times its override, or that of a rapid within its axis limits times its
+//!   own;
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it;
 //! - L Ω_k / |Δ_k|: no rotary axis k, which turns along by Δ_k, above its limit Ω_k (rad/s);
 //! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ the filtered path runs inside by
@@ -24,17 +25,22 @@ use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 
 /// The feedrate asked for, mm/s: programmed or rapid, with override and axis velocity limits.
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
+    let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
-        Motion::Rapid => machine.rapid.feedrate * machine.overrides.rapid,
+        Motion::Rapid => machine.rapid.feedrate.min(by_axes) * machine.overrides.of_rapid(segment.line.0),
         Motion::Feed { feedrate } => feedrate * machine.overrides.of_feed(segment.line.0),
     };
-    let feedrate = feedrate.min(rotary_feedrate(segment, machine));
+    feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
+}
+
+/// The feedrate at which no axis is above its velocity limit, mm/s.
+pub fn axis_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     if machine.axes.iter().all(|axis| axis.velocity == f64::INFINITY) {
-        return feedrate;
+        return f64::INFINITY;
     }
     let share = largest_share(segment);
     let limits = machine.axes.iter().enumerate().map(|(k, axis)| axis.velocity / share[k]);
-    limits.fold(feedrate, f64::min)
+    limits.fold(f64::INFINITY, f64::min)
 }
 
 /// The feedrate at which no rotary axis that turns along is above its limit, mm/s.

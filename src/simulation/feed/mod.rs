@@ -8,12 +8,16 @@
 //! A turn of rotary axes alone has no length along the path: it is a wait of its time, and a chain of
 //! turns costs the filter delay once.
 //!
+//! Chains of nearly straight lines may be planned as one, as in the module of smoothing. With the junctions
+//! of LinuxCNC the segments of a stretch become pulses as in [`blend`].
+//!
 //! What ends a stretch, each costing a full D:
 //!
 //! - the beginning and the end of the program;
 //! - a dwell, a tool change or another M-word: machine functions wait for the motion to end;
 //! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends
-//!   of every rapid where the machine has rapids stop;
+//!   of every rapid where the machine has rapids stop or wait for position;
+//! - a wait before a line, of [`halts`];
 //! - a change of the filters' constants, between feed and rapid, where rapids have their own:
 //!   filters can only be exchanged while the machine stands, or distance would be lost.
 //!
@@ -25,21 +29,31 @@
 //! what the stand-in machine does, by a millisecond; a corner on an arc may so leave the tolerance by
 //! itself, which `CornerMode::Guaranteed` corrects.
 //!
+//! Acceleration limits of axes and path act behind the filters, in [`retiming`]; only where junctions
+//! follow laws of acceleration they shape the command itself.
+//!
 //! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest feedrate asked for in
 //! the stretch, so that the filters are constant while the machine moves; feed and rapid then
 //! differ, and are joined by a full stop.
 
+pub mod blend;
 pub mod block;
 pub mod corner;
+mod halts;
 pub mod junction;
 pub mod limits;
+pub mod retiming;
+mod smoothing;
 mod tolerances;
 
+pub use retiming::{Knot, Pace, Retiming};
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Junction, Machine, TimeConstants};
+use crate::simulation::feed::blend::{Blend, Leg};
 use crate::simulation::feed::block::End;
 use crate::simulation::feed::corner::CornerLaw;
+use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::junction::Turn;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
@@ -104,6 +118,8 @@ pub struct FeedPlan {
     pub corner_feedrates: Vec<f64>,
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
+    /// What acceleration limits behind the filters cost; none where they cost nothing.
+    pub retiming: Option<Retiming>,
 }
 
 /// By what the corners and arcs are commanded.
@@ -141,13 +157,23 @@ impl From<Tolerances> for Rule<'_> {
     }
 }
 
+impl Pulse {
+    /// Whether it is one of the halts that the program does not ask for.
+    pub fn is_halt(&self) -> bool {
+        self.feedrate == [0.0, 0.0]
+    }
+}
+
 impl FeedPlan {
-    /// Cycle time, s: all pulses, the filter delay of every stretch, and the waits. Exact but for
-    /// the rounding of the last digit.
+    /// Cycle time, s: all pulses, the filter delay of every stretch and what it loses behind the filters,
+    /// and the waits. Exact but for the rounding of the last digit and what is lost.
     pub fn cycle_time(&self) -> f64 {
         let durations = self.phases.iter().flat_map(|phase| match phase {
-            Phase::Wait(wait) => [wait.duration, 0.0],
-            Phase::Motion(stretch) => [self.command_time(stretch), self.filters[stretch.filter].delay()],
+            Phase::Wait(wait) => [wait.duration, 0.0, 0.0],
+            Phase::Motion(stretch) => {
+                let delay = self.filters[stretch.filter].delay();
+                [self.command_time(stretch), delay, retiming::lost(self.knots(stretch))]
+            }
         });
         running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
     }
@@ -160,7 +186,13 @@ impl FeedPlan {
         })
     }
 
-    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer.
+    /// The knots of a stretch where it loses time behind the filters; none where it does not.
+    pub fn knots(&self, stretch: &Stretch) -> &[Knot] {
+        self.retiming.as_ref().map_or(&[], |retiming| retiming.knots(stretch))
+    }
+
+    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer, and what it
+    /// loses behind the filters.
     pub fn command_time(&self, stretch: &Stretch) -> f64 {
         let durations = self.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
         running_sum(durations).last().unwrap_or(0.0)
@@ -180,7 +212,18 @@ pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f6
 
 /// The feed plan of a toolpath on a machine.
 pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
+    let Some(merged) = smoothing::merged(toolpath, machine, rule.tolerances()) else {
+        return plan_as_written(toolpath, machine, rule);
+    };
+    let given = merged.given(rule);
+    let rule = given.as_ref().map_or(rule, |(corners, segments)| Rule::Given { corners, segments });
+    merged.spread(plan_as_written(&merged.toolpath, machine, rule), toolpath)
+}
+
+/// The plan with each block run as it is written.
+fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
+    let halting = Halting::of(toolpath, machine);
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
     let mut begin = 0;
@@ -193,6 +236,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
         while end < segments.len()
             && end != next_stop
             && !stands_between(&segments[end - 1], &segments[end], machine)
+            && !halting.stands_before(end)
         {
             end += 1;
         }
@@ -202,6 +246,7 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     for stop in stops {
         add_wait(&mut plan, stop, machine);
     }
+    halting.put_into(&mut plan, toolpath, machine);
     plan
 }
 
@@ -245,8 +290,23 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
     before.exact_stop
         || (rapid(before) != rapid(after) && own_filters)
         || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
-        || (machine.interpolator.exact_stop_angle < std::f64::consts::PI
-            && machine.interpolator.exact_stop_angle < turn(before, after))
+        || halts::rapid_ends_stop(before, machine)
+        || exact_stop_by_turn(before, after, machine)
+}
+
+/// Whether the corner between two segments is sharper than the machine's exact-stop angle.
+fn exact_stop_by_turn(before: &Segment, after: &Segment, machine: &Machine) -> bool {
+    machine.interpolator.exact_stop_angle < std::f64::consts::PI
+        && machine.interpolator.exact_stop_angle < turn(before, after)
+}
+
+/// Whether the stop before segment `next` is one of the path mode, known before it is reached, and not
+/// the end of the program or a function that waits.
+fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bool {
+    let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
+    let before = &toolpath.segments[next - 1];
+    before.exact_stop
+        || (!waits && toolpath.segments.get(next).is_some_and(|next| stands_between(before, next, machine)))
 }
 
 /// The angle by which the path turns between two segments, rad.
@@ -263,22 +323,9 @@ struct Corner {
     feedrate: f64,
     /// Whether the motion goes on beyond it.
     blended: bool,
-    /// Command at which the turn alone takes the acceleration of an axis, mm/s.
-    by_acceleration: f64,
 }
 
-const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false, by_acceleration: f64::INFINITY };
-
-impl Corner {
-    /// How long the command must be held on each side, s, so that turn and ramps together keep the
-    /// axes within their acceleration. A turn that takes all of it leaves nothing for a ramp until
-    /// the bell of the filters has fallen from its top, half a delay, or the longest constant where
-    /// that is more; a turn that takes less leaves more, sooner.
-    fn clearance(&self, filter: &FilterChain) -> f64 {
-        let longest = filter.time_constants().iter().copied().fold(filter.half_delay(), f64::max);
-        longest * (self.feedrate / self.by_acceleration)
-    }
-}
+const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false };
 
 fn add_stretch(
     plan: &mut FeedPlan,
@@ -301,9 +348,19 @@ fn add_stretch(
         *feedrate = feedrate.min(junction::arc_feedrate(segment, *acceleration, machine));
     }
     let tolerances = rule.tolerances();
-    let blends = tolerances.limits(toolpath, machine, range.start).map(|limit| limit.along());
-    junction::share(&mut accelerations, segments, &without_tolerance, blends, machine);
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        for (acceleration, segment) in accelerations.iter_mut().zip(segments) {
+            *acceleration = junction::acceleration(segment, *acceleration, machine);
+        }
+        if !is_stopped_by_mode(toolpath, range.end, machine) {
+            accelerations[segments.len() - 1] *= 0.5;
+        }
+    }
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
+    if machine.interpolator.junction == Junction::Tolerance {
+        // There the limits act behind the filters.
+        accelerations.fill(f64::INFINITY);
+    }
     let held = tolerances.limits(toolpath, machine, range.start);
     let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
         .map(|(i, ((segment, &feedrate), limit))| match rule {
@@ -313,6 +370,7 @@ fn add_stretch(
         .collect();
     let mut corners = Vec::with_capacity(segments.len() + 1);
     corners.push(FULL_STOP);
+    let mut blends = vec![Blend::none(0.0)];
     let held = tolerances.limits(toolpath, machine, range.start);
     let held = held.zip(tolerances.limits(toolpath, machine, range.start + 1));
     for ((i, pair), (limit, next_limit)) in segments.windows(2).enumerate().zip(held) {
@@ -326,16 +384,34 @@ fn add_stretch(
                 law.feedrate(limit.towards(next_limit, turn) / turn, before, after)
             }
         };
-        let (by_acceleration, by_jerk) = match machine.interpolator.junction {
-            Junction::Tolerance => axis_corner_feedrates(&change, machine, chain),
-            _ => (Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()), f64::INFINITY),
+        let by_limits = match machine.interpolator.junction {
+            Junction::Tolerance => axis_corner_feedrate(&change, machine, chain),
+            Junction::AccelerationBlend => {
+                let blend = Turn::between(&pair[0], &pair[1]).blend(machine, limit.along(), slower);
+                blends.push(Blend { feedrate: blend.feedrate.min(by_rule), ..blend });
+                blend.feedrate
+            }
+            _ => Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()),
         };
-        let feedrate = by_rule.min(by_acceleration).min(by_jerk);
-        let by_acceleration = match machine.interpolator.junction {
-            Junction::Tolerance => by_acceleration,
-            _ => f64::INFINITY,
-        };
-        corners.push(Corner { feedrate, blended: true, by_acceleration });
+        corners.push(Corner { feedrate: by_rule.min(by_limits), blended: true });
+    }
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        blends.push(Blend::none(0.0));
+        let first_pulse = plan.pulses.len();
+        let legs: Vec<Leg> = (segments.iter().zip(&feedrates).zip(&accelerations))
+            .map(|((segment, &feedrate), &acceleration)| Leg {
+                length: segment.length,
+                feedrate,
+                acceleration,
+            })
+            .collect();
+        let (pulses, at_corners) = blend::pulses(&legs, &blends, range.start);
+        plan.pulses.extend(pulses);
+        plan.corner_feedrates.extend(at_corners);
+        plan.segment_feedrates.extend(feedrates);
+        let pulses = first_pulse..plan.pulses.len();
+        plan.phases.push(Phase::Motion(Stretch { segments: range, pulses, filter }));
+        return;
     }
     corners.push(FULL_STOP);
     limit_by_acceleration(&mut corners, segments, &accelerations);
@@ -347,7 +423,7 @@ fn add_stretch(
             feedrate: corner.feedrate,
             hold: if corner.blended {
                 let chord = limits::first_chord(segment, machine) / corner.feedrate;
-                law.hold(corner.feedrate, without_tolerance[i]).min(chord).max(corner.clearance(chain))
+                law.hold(corner.feedrate, without_tolerance[i]).min(chord)
             } else {
                 0.0
             },
@@ -402,20 +478,16 @@ fn filter_of_stretch(
     })
 }
 
-/// The fastest corner commands at which the turn alone keeps each axis within its acceleration, and
-/// within its jerk: an axis whose velocity steps by c |Δu| before the filters accelerates by
-/// c |Δu| max h after them. One filter has no finite jerk, and no limit on it can be kept.
-fn axis_corner_feedrates(change: &Vector, machine: &Machine, filter: &FilterChain) -> (f64, f64) {
-    if machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY && axis.jerk == f64::INFINITY) {
-        return (f64::INFINITY, f64::INFINITY);
+/// The fastest corner command at which the turn keeps each axis within its jerk: an axis whose velocity
+/// steps by c |Δu| before the filters has the jerk c |Δu| max ḣ after them. One filter has no finite jerk,
+/// and no limit on it can be kept.
+fn axis_corner_feedrate(change: &Vector, machine: &Machine, filter: &FilterChain) -> f64 {
+    if machine.axes.iter().all(|axis| axis.jerk == f64::INFINITY) {
+        return f64::INFINITY;
     }
-    let (peak, slope) = (filter.peak_impulse(), filter.peak_impulse_slope());
-    let axes = machine.axes.iter().enumerate();
-    axes.fold((f64::INFINITY, f64::INFINITY), |(acceleration, jerk), (k, axis)| {
-        let step = change[k].abs();
-        let by_jerk = if slope.is_finite() { axis.jerk / (step * slope) } else { f64::INFINITY };
-        (acceleration.min(axis.acceleration / (step * peak)), jerk.min(by_jerk))
-    })
+    let slope = filter.peak_impulse_slope();
+    let axes = machine.axes.iter().enumerate().filter(|_| slope.is_finite());
+    axes.map(|(k, axis)| axis.jerk / (change[k].abs() * slope)).fold(f64::INFINITY, f64::min)
 }
 
 /// Lowers feedrates from which the motion could not stop within the blocks the control sees.

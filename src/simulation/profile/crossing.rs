@@ -35,7 +35,7 @@ impl Profile<'_> {
             while let Some(distance) = wanted.next_if(|distance| *distance < to) {
                 let within =
                     if distance < from { 0.0 } else { motion.crossing(distance, &mut low, &mut pulse) };
-                times.push(start + within);
+                times.push(start + motion.true_time(within));
             }
         }
         let end = self.cycle_time();

@@ -3,18 +3,23 @@
 //! The profile is not a table: it is the plan, asked through [`Profile::at_time`] at any moment, exactly.
 //! Tables for charts and files are made by [`Profile::samples`], dense where the feedrate bends.
 //!
+//! Where acceleration limits act behind the filters, the motion that leaves them is run more slowly, as in
+//! [`retiming`]: [`Profile`] and its tables speak of the true time, a [`Motion`] of the filtered one.
+//!
 //! Distance is measured along the programmed path, as the integral of the filtered feed command.
 //! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
 //! feedrate is that of the tool, ‖Ṗ‖, which dips at corners.
 
 mod crossing;
+mod retiming;
 mod samples;
 mod state;
 
+pub use retiming::retimed;
 pub use samples::{Resolution, Samples};
 pub use state::{Dynamics, Moment, State};
 
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch, running_sum};
+use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulse, Stretch, retiming::lost, running_sum};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Point, Segment, Toolpath};
 
@@ -30,7 +35,7 @@ pub struct Profile<'a> {
     pulse_starts: Vec<f64>,
 }
 
-/// One stretch of motion between two full stops.
+/// One stretch of motion between two full stops as it leaves the filters: its times are filtered times.
 #[derive(Clone, Copy)]
 pub struct Motion<'a> {
     segments: &'a [Segment],
@@ -41,6 +46,8 @@ pub struct Motion<'a> {
     first_pulse: usize,
     /// One past the last pulse.
     end_pulse: usize,
+    /// Where the machine is later than its filters.
+    knots: &'a [Knot],
 }
 
 impl<'a> Profile<'a> {
@@ -82,7 +89,7 @@ impl<'a> Profile<'a> {
             Phase::Wait(_) => self.standing(self.segments_before(index)),
             Phase::Motion(stretch) => {
                 let motion = self.motion(stretch);
-                motion.state(motion.moment(time - self.phase_starts[index]))
+                motion.state_at(time - self.phase_starts[index])
             }
         }
     }
@@ -92,7 +99,7 @@ impl<'a> Profile<'a> {
         let index = self.phase_at(time)?;
         let Phase::Motion(stretch) = &self.plan.phases[index] else { return None };
         let motion = self.motion(stretch);
-        Some(motion.dynamics(motion.moment(time - self.phase_starts[index])))
+        Some(motion.dynamics_at(time - self.phase_starts[index]))
     }
 
     /// When the tool has run `distance` (mm) of the programmed path, s: the last moment at which
@@ -124,6 +131,7 @@ impl<'a> Profile<'a> {
             pulse_starts: &self.pulse_starts,
             first_pulse: stretch.pulses.start,
             end_pulse: stretch.pulses.end,
+            knots: self.plan.knots(stretch),
         }
     }
 
@@ -135,7 +143,10 @@ impl<'a> Profile<'a> {
     fn phase_duration(&self, phase: &Phase) -> f64 {
         match phase {
             Phase::Wait(wait) => wait.duration,
-            Phase::Motion(stretch) => self.motion(stretch).duration(),
+            Phase::Motion(stretch) => {
+                let motion = self.motion(stretch);
+                motion.duration() + lost(motion.knots)
+            }
         }
     }
 

@@ -109,10 +109,11 @@ impl Samples {
     }
 }
 
-/// A row to be: local time (s) and state.
+/// A row to be: time since the beginning of the stretch, true and filtered (s), and state.
 #[derive(Clone, Copy)]
 struct Row {
     time: f64,
+    filtered: f64,
     state: State,
 }
 
@@ -134,15 +135,20 @@ impl Sampler<'_> {
         let duration = self.motion.duration();
         let mut last = self.row(0.0);
         self.push(last);
-        while last.time < duration {
-            let next = self.row(self.next_time(last.time).min(duration));
+        while last.filtered < duration {
+            let next = self.row(self.next_time(last.filtered).min(duration));
             self.fill(last, next, 0);
             last = next;
         }
     }
 
-    fn row(&self, time: f64) -> Row {
-        Row { time, state: self.motion.state(self.motion.moment(time)) }
+    fn row(&self, filtered: f64) -> Row {
+        if self.motion.knots.is_empty() {
+            let state = self.motion.state(self.motion.moment(filtered));
+            return Row { time: filtered, filtered, state };
+        }
+        let time = self.motion.true_time(filtered);
+        Row { time, filtered, state: self.motion.state_at(time) }
     }
 
     /// Where the next row of the first spacing goes: on by an eighth of the filter delay, or to
@@ -150,6 +156,10 @@ impl Sampler<'_> {
     fn next_time(&self, time: f64) -> f64 {
         let delay = self.motion.filter.delay();
         let step = self.next_kink(time, time + delay / 8.0);
+        // A ramp behind the filters may begin or end where nothing changes before them.
+        let knots = self.motion.knots;
+        let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));
+        let edge = edge.map_or(f64::INFINITY, |knot| knot.filtered);
         let moment = self.motion.moment(time);
         let pulse = &self.motion.pulses[moment.pulse];
         if moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
@@ -161,7 +171,7 @@ impl Sampler<'_> {
             Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
         };
         let end = self.motion.pulse_starts[moment.pulse] + pulse.duration;
-        step.max(end.min(time + widest))
+        step.max(end.min(time + widest).min(edge))
     }
 
     /// The first time after `time` and up to `latest` at which the feedrate may bend within less
@@ -192,12 +202,12 @@ impl Sampler<'_> {
 
     /// Adds the rows after `a` up to `b`.
     fn fill(&mut self, a: Row, b: Row, depth: u32) {
-        let middle = self.row(0.5 * (a.time + b.time));
+        let middle = self.row(0.5 * (a.filtered + b.filtered));
         let bends = depth < DEEPEST
             && (self.bends(a, middle, b)
                 || [0.25, 0.75]
                     .iter()
-                    .any(|part| self.bends(a, self.row(a.time + part * (b.time - a.time)), b)));
+                    .any(|part| self.bends(a, self.row(a.filtered + part * (b.filtered - a.filtered)), b)));
         if bends {
             self.fill(a, middle, depth + 1);
             self.fill(middle, b, depth + 1);

@@ -11,6 +11,7 @@
 //! | G9 | exact stop in its own block; it changes no mode |
 //! | G64 | no exact stop; takes back what a `G64 P` set |
 //! | G64 P | no exact stop, tolerance P in the program's unit (LinuxCNC); P0 as without P |
+//! | G64 Q | distance within which LinuxCNC runs lines as one; without it P |
 //! | G187 E | tolerance E in the program's unit, through G61 and G64 (Haas, largest rounding of a corner); E0 exact stop |
 //! | G187 P1, P2, P3 | the machine's tolerance for rough, medium, finish, where it is known (Haas) |
 //! | G187 | takes back what G187 set |
@@ -20,7 +21,8 @@
 //!
 //! LinuxCNC's G64 without P is "as fast as possible, however far from the path". No machine is
 //! infinitely far: here it is the tolerance that the machine was found, or set, to run with. Its
-//! naive CAM detector, which merges lines within Q (or else P) of one line, is not modelled.
+//! naive CAM detector, which merges lines within Q (or else P) of one line, is in the path smoothing of
+//! the feed plan, and at work where the machine file gives LinuxCNC's junctions.
 //!
 //! Sources differ on whether G187 P1 or P3 is rough: 1 rough, 2 medium, 3 finish is taken, and an E
 //! beside it counts alone.
@@ -30,6 +32,7 @@
 
 use thiserror::Error;
 
+use crate::machine::Junction;
 use crate::simulation::gcode::{LineNumber, Place, Severity};
 use crate::simulation::toolpath::Toolpath;
 use crate::simulation::toolpath::block::{AXIS_WORDS, CENTER_WORDS, bits};
@@ -47,6 +50,8 @@ pub struct PathMode {
     pub source: String,
     /// What holds at corners and along arcs.
     pub blending: Blending,
+    /// Distance within which lines are to be merged into one, mm (Q of G64); none: the tolerance.
+    pub merging: Option<f64>,
 }
 
 /// How far the motion may leave the programmed path.
@@ -98,6 +103,8 @@ pub(super) enum PathWord {
 pub(super) struct InForce {
     exact_stop: Option<String>,
     tolerance: Option<(Blending, String, Keeper)>,
+    /// Q of G64, mm.
+    merging: Option<f64>,
     /// Modes of the toolpath that were set while compensation kept moves back, by index.
     early: Vec<usize>,
 }
@@ -117,7 +124,7 @@ pub(super) enum PathRemark {
     )]
     BadTolerance { source_words: String, value: f64 },
     #[error(
-        "lines within Q (or P) of one line are merged by LinuxCNC after G64 P: not modelled, each line is run as written"
+        "lines within Q (or P) of one line are merged by LinuxCNC after G64 P: this machine runs each line as written; with interpolator.junction_rule = acceleration_blend it merges them"
     )]
     NaiveCam,
     #[error(
@@ -202,18 +209,19 @@ impl Tracer<'_> {
             (None, Some((blending, source, _))) => (*blending, source.as_str()),
             (None, None) => (Blending::Machine, ""),
         };
+        let merging = self.path_mode.merging;
         let from = self.toolpath.segments.len();
         let modes = &mut self.toolpath.path_modes;
         modes.pop_if(|last| last.from == from);
         let is_in_force = match modes.last() {
-            Some(last) => last.blending == blending && last.source == source,
-            None => blending == Blending::Machine,
+            Some(last) => last.blending == blending && last.source == source && last.merging == merging,
+            None => blending == Blending::Machine && merging.is_none(),
         };
         if !is_in_force {
             if self.contour.keeps_back() {
                 self.path_mode.early.push(modes.len());
             }
-            modes.push(PathMode { from, line, source: source.to_string(), blending });
+            modes.push(PathMode { from, line, source: source.to_string(), blending, merging });
         }
     }
 
@@ -270,14 +278,19 @@ impl Tracer<'_> {
     fn continuous(&mut self, place: Place, code: Code, owns_p: bool) {
         let p = if owns_p { self.given.take(b'P') } else { None };
         let q = if owns_p { self.given.take(b'Q') } else { None };
+        let merging = q.map(|q| q * self.modal.unit).filter(|q| *q == 0.0 || LENGTHS.contains(q));
+        self.path_mode.merging = merging;
+        let source = words(code, 'P', p);
         match p {
             Some(p) if p != 0.0 => {
-                self.set_path_mode(place, words(code, 'P', Some(p)), Blending::Within(p * self.modal.unit));
-                if q != Some(0.0) {
+                self.set_path_mode(place, source, Blending::Within(p * self.modal.unit));
+                let merges = self.machine.interpolator.junction == Junction::AccelerationBlend
+                    || self.machine.interpolator.path_smoothing.is_some();
+                if q != Some(0.0) && !merges {
                     self.remark_on_path(place, PathRemark::NaiveCam);
                 }
             }
-            _ => self.set_continuous_path(place, words(code, 'P', p)),
+            _ => self.set_continuous_path(place, source),
         }
     }
 

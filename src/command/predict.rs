@@ -1,0 +1,205 @@
+//! `truefeed predict`: the cycle time of a program for each contour tolerance.
+
+use std::path::PathBuf;
+
+use lexopt::prelude::*;
+use truefeed::project::{Prediction, profile_csv, severity_word};
+use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
+use truefeed::simulation::contour::plan_within;
+use truefeed::simulation::drive::actual_motion;
+use truefeed::simulation::feed::{Held, Tolerances};
+use truefeed::simulation::gcode::Dialect;
+use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::toolpath::{Blending, Toolpath};
+
+use crate::command::cutting::Cut;
+use crate::command::{Refusal, dialect, machine_of, once, print, toolpath_of, value, write_whole};
+
+/// The request of `predict`.
+#[derive(Default)]
+struct Request {
+    program: Option<PathBuf>,
+    machine: Option<PathBuf>,
+    tolerances: Vec<f64>,
+    dialect: Option<Dialect>,
+    json: bool,
+    profile: Option<PathBuf>,
+    cutting: Option<PathBuf>,
+    forces: Option<PathBuf>,
+}
+
+/// Carries out `predict`.
+pub fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
+    let Some(request) = request(parser)? else { return print(crate::USAGE) };
+    let program = request.program.ok_or("which program? Give a G-code file, or - for standard input")?;
+    let machine_path = request.machine.ok_or("which machine? Give --machine M.toml")?;
+    let machine = machine_of(&machine_path)?;
+    let toolpath = toolpath_of(&program, request.dialect, &machine)?;
+
+    let mut cut = match &request.cutting {
+        Some(job) => Some(Cut::new(job, request.forces, &machine, &toolpath)?),
+        None if request.forces.is_some() => return Err("--forces needs --cutting JOB.toml".to_string()),
+        None => None,
+    };
+    let tolerances = match request.tolerances {
+        none if none.is_empty() => vec![Tolerances::Programmed],
+        given => given.into_iter().map(Tolerances::One).collect(),
+    };
+    let mut quotes = Vec::with_capacity(tolerances.len());
+    for (index, &tolerance) in tolerances.iter().enumerate() {
+        let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
+        quotes.push(quote(&toolpath, &machine, &plan, tolerance, &errors));
+        if let (0, Some(path)) = (index, &request.profile) {
+            let commanded = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+            write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;
+        }
+        if let Some(cut) = &mut cut {
+            cut.load(&toolpath, &Profile::new(&toolpath, &plan).samples(Resolution::CHART))?;
+        }
+    }
+    let programmed = programmed_time(&toolpath, &machine);
+    let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy();
+    if request.json {
+        let prediction = Prediction::new(&name, &toolpath, programmed, &quotes);
+        let prediction = match &cut {
+            Some(cut) => cut.added_to(prediction),
+            None => prediction,
+        };
+        print(&prediction.to_json())
+    } else {
+        let cutting = cut.map_or(String::new(), |cut| cut.text());
+        print(&(table(&name, programmed, &quotes, &toolpath) + &cutting))
+    }
+}
+
+/// Reads the rest of the command line; none where help was asked for.
+fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
+    let mut request = Request::default();
+    while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
+        match argument {
+            Long("machine") => once(&mut request.machine, value(parser)?, "--machine")?,
+            Long("profile") => once(&mut request.profile, value(parser)?, "--profile")?,
+            Long("cutting") => once(&mut request.cutting, value(parser)?, "--cutting")?,
+            Long("forces") => once(&mut request.forces, value(parser)?, "--forces")?,
+            Long("json") => request.json = true,
+            Long("dialect") => {
+                request.dialect = Some(dialect(parser)?);
+            }
+            Long("tolerance") => {
+                let text = value(parser)?.to_string_lossy().into_owned();
+                let tolerance: f64 = text.parse().unwrap_or(f64::NAN);
+                if !(1e-6..=10.0).contains(&tolerance) {
+                    return Err(format!(
+                        "--tolerance {text}: expected millimetres from 0.000001 to 10, such as 0.01"
+                    ));
+                }
+                request.tolerances.push(tolerance);
+            }
+            Long("help") | Short('h') => return Ok(None),
+            Value(program) => once(&mut request.program, program, "PROGRAM")?,
+            other => return Err(other.unexpected().to_string()),
+        }
+    }
+    Ok(Some(request))
+}
+
+/// The result for people.
+fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> String {
+    let mut text = format!(
+        "{name} ({}): {} blocks of motion, programmed time {programmed:.2} s\n",
+        toolpath.dialect.name(),
+        toolpath.segments.len()
+    );
+    text += "tolerance mm   cycle time s   difference   cutting s    rapid s    dwell s   changes s    other s   error mm";
+    for quote in quotes {
+        let difference = 100.0 * (quote.cycle_time / programmed - 1.0);
+        let b = &quote.breakdown;
+        text += &format!(
+            "\n{:12} {:14.3} {:11} {:11.2} {:10.2} {:10.2} {:11.2} {:10.2} {:10.4}",
+            quote.tolerance,
+            quote.cycle_time,
+            if difference.is_finite() { format!("{difference:+.1} %") } else { "-".to_string() },
+            b.cutting,
+            b.rapid,
+            b.dwell,
+            b.tool_change,
+            b.other,
+            quote.max_contour_error
+        );
+    }
+    for held in quotes.iter().flat_map(|quote| &quote.held) {
+        text += &format!("\n{}", held_text(held));
+    }
+    // What functions and whole changes take is the same for all tolerances.
+    text += &quotes.first().map_or(String::new(), |quote| other_parts(&quote.breakdown.functions));
+    for quote in quotes {
+        text += &parts(quote);
+    }
+    for diagnostic in &toolpath.diagnostics {
+        let severity = severity_word(diagnostic.severity);
+        text += &format!("\n{severity}: line {}: {}", diagnostic.line.0, diagnostic.message);
+    }
+    text
+}
+
+/// What the other time is made of, a line for each part that takes any.
+fn other_parts(functions: &Functions) -> String {
+    let Functions { spindle, coolant, stops, pallet, clamp, m_words, start, halts } = *functions;
+    let names = [
+        "spindle",
+        "coolant",
+        "program stops",
+        "pallet changes",
+        "clamping",
+        "other M-words",
+        "program start",
+        "halts",
+    ];
+    let times = [spindle, coolant, stops, pallet, clamp, m_words, start, halts];
+    let parts = names.into_iter().zip(times).filter(|(_, seconds)| *seconds != 0.0);
+    parts.map(|(name, seconds)| format!("\nother: {name} {seconds:.2} s")).collect()
+}
+
+/// Operations and tools of one tolerance, where there is more than one.
+fn parts(quote: &Quote) -> String {
+    const TITLES: &str = "     time s     lost s  cutting s    rapid s    dwell s  changes s    other s    feed mm   rapid mm  blocks";
+    let mut text = String::new();
+    let row = |share: &Share| {
+        let b = &share.breakdown;
+        let times = [share.time(), share.lost(), b.cutting, b.rapid, b.dwell, b.tool_change, b.other];
+        let columns = times.into_iter().chain([share.feed_length, share.rapid_length]);
+        columns.map(|value| format!(" {value:10.2}")).collect::<String>() + &format!(" {:7}", share.moves)
+    };
+    let number = |tool: Option<u32>| tool.map_or("-".to_string(), |tool| format!("T{tool}"));
+    if 1 < quote.operations.len() {
+        text += &format!("\noperations at {} mm\n    line  tool{TITLES}  name", quote.tolerance);
+        for found in &quote.operations {
+            let (line, tool) = (found.operation.line.0, number(found.operation.tool));
+            let name = found.operation.name.as_deref().unwrap_or("");
+            text += format!("\n{line:8} {tool:>5}{}  {name}", row(&found.share)).trim_end();
+        }
+    }
+    if 1 < quote.tools.len() {
+        text += &format!("\ntools at {} mm\n          tool{TITLES}  name", quote.tolerance);
+        for found in &quote.tools {
+            let (tool, name) = (number(found.tool), found.name.as_deref().unwrap_or(""));
+            text += format!("\n         {tool:>5}{}  {name}", row(&found.share)).trim_end();
+        }
+    }
+    text
+}
+
+/// Where a tolerance of the program holds.
+fn held_text(held: &Held) -> String {
+    let (first, last) = (held.lines.0.0, held.lines.1.0);
+    let what = match held.blending {
+        Blending::ExactStop => "exact stop".to_string(),
+        Blending::Machine => format!("{} mm, the machine's", held.tolerance),
+        Blending::Within(tolerance) => format!("{tolerance} mm"),
+        Blending::Distance(distance) => {
+            format!("{distance} mm before each corner, up to {} mm beside it", held.tolerance)
+        }
+    };
+    let source = if held.source.is_empty() { String::new() } else { format!(" ({})", held.source) };
+    format!("tolerance in lines {first} to {last}: {what}{source}")
+}

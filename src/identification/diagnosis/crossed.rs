@@ -1,0 +1,75 @@
+//! How far feedrates differ on stretches to which nothing was fitted.
+//!
+//! Each run is cut into stretches of equal time. The values of all named causes are fitted to every second
+//! one, and the feedrates are compared on the others; then the other way round.
+
+use crate::identification::comparison::{FeedError, compare, feed_error_during};
+use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
+use crate::identification::fit::Run;
+use crate::machine::Machine;
+
+/// Stretches of a run.
+const STRETCHES: f64 = 8.0;
+
+/// The root mean squares of recorded less simulated feedrates, mm/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossed {
+    /// On the machine believed in.
+    pub before: f64,
+    /// With the causes as the other stretches have them.
+    pub after: f64,
+}
+
+/// Compares on each half of the stretches what the other half says; none where no feed was recorded, or
+/// nothing is named. `base` has the causes that are not fitted to time.
+pub fn crossed(machine: &Machine, base: &Machine, named: &[Candidate], runs: &[Run]) -> Option<Crossed> {
+    let (last, others) = named.split_last()?;
+    let whole = Evidence::of(runs, &with_all(base, named));
+    let mut sums = [Sum::default(); 2];
+    for fold in 0..2 {
+        let is_held = |run: &Run, time: f64| {
+            let Some((first, last)) = run.alignment.marks.first().zip(run.alignment.marks.last()) else {
+                return false;
+            };
+            let stretch = (time - first.time) / (last.time - first.time).max(1e-9) * STRETCHES;
+            stretch.max(0.0) as usize % 2 == fold
+        };
+        let mut rest = whole.clone();
+        for (run, whitening) in runs.iter().zip(&mut rest.whitenings) {
+            let marks = &run.alignment.marks;
+            whitening.ignore(|mark| is_held(run, marks[mark].time));
+        }
+        let (last, mut all) = rest.refined(base, last, others);
+        all.push(last);
+        let fitted = with_all(base, &all);
+        for (machine, sum) in [machine, &fitted].into_iter().zip(&mut sums) {
+            for run in runs {
+                let plan = run.plan(machine);
+                let lost = compare(run.toolpath, &plan, run.alignment).lost;
+                let held = |time: f64| is_held(run, time);
+                sum.add(feed_error_during(run.toolpath, &plan, run.alignment, &lost, &held));
+            }
+        }
+    }
+    sums[0].rms().zip(sums[1].rms()).map(|(before, after)| Crossed { before, after })
+}
+
+/// Squares, weighted by the way they were taken over.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    squares: f64,
+    way: f64,
+}
+
+impl Sum {
+    fn add(&mut self, error: Option<FeedError>) {
+        if let Some(error) = error {
+            self.squares += error.way * error.rms * error.rms;
+            self.way += error.way;
+        }
+    }
+
+    fn rms(&self) -> Option<f64> {
+        (0.0 < self.way).then(|| (self.squares / self.way).sqrt())
+    }
+}

@@ -1,0 +1,228 @@
+//! Rests: the recorded machine stands though the program goes on.
+//!
+//! Along the fixes of a recording a rest is a stretch of path of next to no length that took the recorded
+//! machine at least [`LEAST`] s longer than the simulated one. What the rest cost is the lost time over
+//! it and the ramps on both sides; where the tool stood is where the command was taken away, because
+//! the filters had run empty.
+//!
+//! | the tool stood | hypothesis |
+//! |---|---|
+//! | at a function, a dwell or a tool change | none of this module: a wait of that |
+//! | where a long block meets a long block | a wait before the line of the later one |
+//! | anywhere else | a feed hold on the line |
+//!
+//! Rests of one visit of a line are one, where the longer one was.
+//!
+//! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
+//! be held each time; more rests than [`MOST`] are a property of the machine and not halts.
+
+use std::sync::Arc;
+
+use crate::identification::alignment::{Method, Visit, visits};
+use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
+use crate::identification::fit::{Freed, Run, Scale};
+use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
+use crate::machine::Machine;
+use crate::simulation::profile::Profile;
+
+/// The shortest rest, s.
+const LEAST: f64 = 0.1;
+/// A rest is this short along the path, mm, or so many standard deviations of a position.
+const SHORT: (f64, f64) = (0.02, 6.0);
+/// A block is long that is so many times as long as a rest.
+const LONG: f64 = 10.0;
+/// Rests of one run at most.
+const MOST: usize = 20;
+/// Longest halt, s.
+const LONGEST: f64 = 3600.0;
+
+/// A rest of the recorded machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// Line of the program.
+    pub line: u32,
+    /// The part of the line's path before it; none where it is before the line.
+    pub place: Option<f64>,
+    /// Where the line's path begins, mm.
+    pub begin: f64,
+    /// What it cost, s.
+    pub seconds: f64,
+}
+
+/// The rests of a run that a machine does not have, by place, without those at functions.
+pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
+    let fixes = &run.alignment.fixes;
+    let segments = &run.toolpath.segments;
+    if fixes.len() < 3 || segments.is_empty() {
+        return Vec::new();
+    }
+    let machine = run.machine(machine);
+    let plan = run.plan(&machine);
+    let profile = Profile::new(run.toolpath, &plan);
+    let distances: Vec<f64> = fixes.iter().map(|fix| fix.distance).collect();
+    let simulated = profile.crossing_times(&distances);
+    let clock = machine.recorder.clock_ratio;
+    let lost = |from: usize, to: usize| {
+        (fixes[to].time - fixes[from].time) - clock * (simulated[to] - simulated[from])
+    };
+    let noise = run.alignment.track.as_ref().map_or(0.0, |track| track.noise);
+    let short = SHORT.0.max(SHORT.1 * noise);
+    let poll = match run.alignment.method {
+        Method::Positions => 0.0,
+        Method::Lines | Method::Feed => run.alignment.poll.unwrap_or(0.0),
+    };
+    let least = LEAST.max(2.0 * poll);
+    let ramp = plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
+    let visits = visits(run.toolpath);
+    let mut found: Vec<Rest> = Vec::new();
+    let (mut from, mut to) = (0, 0);
+    while from + 1 < fixes.len() && found.len() <= MOST {
+        to = to.max(from + 1);
+        while to + 1 < fixes.len() && fixes[to + 1].distance - fixes[from].distance <= short {
+            to += 1;
+        }
+        let is_short = fixes[to].distance - fixes[from].distance <= short;
+        if !is_short || lost(from, to) < least {
+            from += 1;
+            continue;
+        }
+        // What still begins or ends it is part of it.
+        let first = fixes[..from].partition_point(|fix| fix.time < fixes[from].time - ramp);
+        let last = to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp);
+        let at = 0.5 * (fixes[from].distance + fixes[to].distance);
+        let rest = match run.alignment.method {
+            Method::Positions => rest_at(run, &profile, at, short, lost(first, last)),
+            Method::Lines | Method::Feed => {
+                let middle = 0.5 * (fixes[from].time + fixes[to].time);
+                rest_during(run, &visits, &profile, at, middle, lost(first, last))
+            }
+        };
+        match found.last_mut().zip(rest) {
+            Some((before, rest)) if (before.line, before.begin) == (rest.line, rest.begin) => {
+                let place = if before.seconds < rest.seconds { rest.place } else { before.place };
+                *before = Rest { place, seconds: before.seconds + rest.seconds, ..rest };
+            }
+            _ => found.extend(rest),
+        }
+        (from, to) = (to, to + 1);
+    }
+    if MOST < found.len() { Vec::new() } else { found }
+}
+
+/// The rest at a distance along the path; none where a function is near.
+fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Option<Rest> {
+    let segments = &run.toolpath.segments;
+    let end = |segment: usize| profile.distance_before(segment);
+    let stops = run.toolpath.stops.iter().map(|stop| end(stop.after.min(segments.len())));
+    // A stop of the program at the beginning or the end of the path is one as well.
+    if stops.chain([0.0, profile.length()]).any(|stop| (stop - at).abs() <= 2.0 * near) {
+        return None;
+    }
+    let mut low = 0;
+    let mut high = segments.len();
+    while low + 1 < high {
+        let middle = low.midpoint(high);
+        if end(middle) <= at { low = middle } else { high = middle }
+    }
+    let is_long = |segment: usize| LONG * near < segments[segment].length;
+    let boundary = [low, low + 1].into_iter().find(|segment| {
+        (end(*segment) - at).abs() <= near
+            && 0 < *segment
+            && *segment < segments.len()
+            && is_long(segment - 1)
+            && is_long(*segment)
+            && segments[segment - 1].line != segments[*segment].line
+    });
+    if let Some(boundary) = boundary {
+        return Some(Rest { line: segments[boundary].line.0, place: None, begin: at, seconds });
+    }
+    let line = segments[low].line;
+    let first = (0..=low).rev().take_while(|segment| segments[*segment].line == line).last()?;
+    let after = (low..segments.len()).take_while(|segment| segments[*segment].line == line).last()? + 1;
+    let place = (at - end(first)) / (end(after) - end(first)).max(1e-9);
+    Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), begin: end(first), seconds })
+}
+
+/// The rest at a time of a recording that names lines but no positions: on the line that was named last, as a
+/// rest is longer than the time between two looks. None where that line has a function.
+fn rest_during(
+    run: &Run,
+    visits: &[Visit],
+    profile: &Profile,
+    at: f64,
+    time: f64,
+    seconds: f64,
+) -> Option<Rest> {
+    let marks = &run.alignment.marks;
+    let named = marks.partition_point(|mark| mark.time <= time).checked_sub(1)?;
+    let visit = visits.iter().find(|visit| visit.begin == marks[named].place)?;
+    if !visit.stops.is_empty() || visit.segments.is_empty() {
+        return None;
+    }
+    let begin = profile.distance_before(visit.segments.start);
+    let length = profile.distance_before(visit.segments.end) - begin;
+    let place = ((at - begin) / length).clamp(0.0, 1.0);
+    Some(Rest { line: visit.line.0, place: Some(place), begin, seconds })
+}
+
+impl Rest {
+    /// The halt that would leave it.
+    pub fn hypothesis(self) -> Hypothesis {
+        let Rest { line, place, seconds, .. } = self;
+        let report: Report = Arc::new(move |values| {
+            vec![("line", Reported::Number(f64::from(line))), ("seconds", Reported::Number(values[0]))]
+        });
+        let table = if place.is_some() { "feed_holds" } else { "waits" };
+        let key = format!("halts.{table}.L{line}");
+        let start = seconds.clamp(0.0, LONGEST);
+        let freed =
+            Freed::new(key, start, (0.0, LONGEST), Scale::Difference, move |machine, value| match place {
+                Some(place) => {
+                    machine.halts.feed_holds.insert(line, value);
+                    machine.halts.feed_hold_places.insert(line, place);
+                }
+                None => {
+                    machine.halts.waits.insert(line, value);
+                }
+            });
+        Hypothesis {
+            id: if place.is_some() { "feed_hold" } else { "unmodelled_wait" },
+            variant: format!("line {line}"),
+            trace: Trace::Time,
+            freed: vec![freed],
+            trials: [0.8, 1.0, 1.25].iter().map(|part| vec![part * start]).collect(),
+            is_continuous: true,
+            report,
+        }
+    }
+}
+
+/// The feed holds that the runs show, all at once, each with what the cost falls by because of it: nothing else
+/// leaves such a trace, and until they are known everything else is hard to see.
+pub fn feed_holds(base: &Machine, runs: &[Run], price: f64) -> Vec<(Candidate, f64)> {
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for run in runs {
+        for rest in rests(base, run).into_iter().filter(|rest| rest.place.is_some()) {
+            let hypothesis = rest.hypothesis();
+            let known = |other: &Candidate| other.hypothesis.variant == hypothesis.variant;
+            if !candidates.iter().any(known) {
+                let (values, deviations) = (vec![rest.seconds], vec![f64::NAN]);
+                candidates.push(Candidate { hypothesis, values, deviations, cost: f64::NAN });
+            }
+        }
+    }
+    let Some((first, rest)) = candidates.split_first() else { return Vec::new() };
+    let evidence = Evidence::of(runs, &with_all(base, &candidates));
+    let (first, rest) = evidence.refined(base, first, rest);
+    let mut candidates = vec![first];
+    candidates.extend(rest);
+    let cost = evidence.cost(&with_all(base, &candidates));
+    let gain_of = |at: usize| {
+        let mut others = candidates.clone();
+        others.remove(at);
+        evidence.cost(&with_all(base, &others)) - cost
+    };
+    let gains: Vec<f64> = (0..candidates.len()).map(gain_of).collect();
+    let each = candidates.into_iter().zip(gains);
+    each.filter(|(candidate, gain)| price < *gain && 0.5 * LEAST < candidate.values[0]).collect()
+}

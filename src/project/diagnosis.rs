@@ -1,0 +1,330 @@
+//! A diagnosis as JSON and as text: the sentence that says it, then what, where, how sure, what else it
+//! could be, and by how much the fit improves. The form of the JSON is fixed; more fields may be added.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::identification::alignment::AlignmentError;
+use crate::identification::comparison::Comparison;
+use crate::identification::diagnosis::{Cause, Diagnosis, Region, Verdict};
+use crate::identification::hypotheses::Reported;
+use crate::machine::Machine;
+use crate::project::causes::{Known, known};
+use crate::project::comparison::{Refusal, seconds, sentence_of};
+use crate::project::form::values;
+use crate::units::mm_per_min;
+
+/// Regions that are told as text.
+const TOLD: usize = 8;
+
+/// What was found, for people and programs.
+#[derive(Clone, Debug, Serialize)]
+pub struct DiagnosisReport {
+    verdict: &'static str,
+    /// What the user reads first.
+    sentence: String,
+    causes: Vec<CauseRow>,
+    regions: Vec<RegionRow>,
+    fit: Fit,
+    not_excited: Vec<String>,
+    messages: Vec<String>,
+    /// The extended machine as a filled form; null where nothing is compared.
+    values: Option<Map<String, Value>>,
+}
+
+/// A named cause.
+#[derive(Clone, Debug, Serialize)]
+struct CauseRow {
+    id: String,
+    parameters: Map<String, Value>,
+    uncertainty: Map<String, Value>,
+    lines: Vec<[u32; 2]>,
+    /// Time it explains, s.
+    seconds: Option<f64>,
+    /// Position error it explains, mm; null for causes of time.
+    position_mm: Option<f64>,
+    confidence: Option<f64>,
+    indistinguishable_from: Vec<String>,
+    /// Name for people, and which of several.
+    name: String,
+    /// What it is, a sentence with its numbers.
+    sentence: String,
+    /// What vendors call the setting; may be empty.
+    vendors: &'static str,
+    /// In how many stretches it was better, and worse, where it was not fitted.
+    sections: Option<[usize; 2]>,
+}
+
+/// Where simulation and recording differ.
+#[derive(Clone, Debug, Serialize)]
+struct RegionRow {
+    lines: [u32; 2],
+    distance_mm: [f64; 2],
+    time_s: [f64; 2],
+    seconds: f64,
+    /// Which of the recordings, from 0.
+    run: usize,
+}
+
+/// Before and after.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Fit {
+    feed_rmse_mm_min: Sides,
+    position_rmse_mm: Sides,
+    cycle_time_error_s: Sides,
+    held_out: HeldOut,
+}
+
+#[derive(Clone, Debug, Default, Serialize)]
+struct HeldOut {
+    feed_rmse_mm_min: Sides,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Sides {
+    before: Option<f64>,
+    after: Option<f64>,
+}
+
+impl DiagnosisReport {
+    /// Of a diagnosis of the recordings with these names.
+    pub fn new(diagnosis: &Diagnosis, names: &[String]) -> DiagnosisReport {
+        let causes: Vec<CauseRow> = diagnosis.causes.iter().map(cause).collect();
+        let machine = extended(&diagnosis.machine, names);
+        let mut messages: Vec<String> =
+            diagnosis.messages.iter().map(|message| sentence_of(message)).collect();
+        if diagnosis.verdict == Verdict::Ambiguous {
+            messages.push(
+                "A short probe program separates what cannot be told apart here: truefeed probe --between CAUSE CAUSE."
+                    .to_string(),
+            );
+        }
+        DiagnosisReport {
+            verdict: word(diagnosis.verdict),
+            sentence: sentence(diagnosis, &causes),
+            causes,
+            regions: diagnosis.regions.iter().map(region).collect(),
+            fit: Fit {
+                feed_rmse_mm_min: sides(diagnosis, |side| mean_square(side, feed_error)),
+                position_rmse_mm: Sides {
+                    before: diagnosis.form.map(|form| form.0),
+                    after: diagnosis.form.map(|form| form.1),
+                },
+                cycle_time_error_s: sides(diagnosis, |side| {
+                    Some(side.iter().map(|side| side.whole.simulated - side.whole.recorded).sum())
+                }),
+                held_out: HeldOut {
+                    feed_rmse_mm_min: diagnosis.held_out.map_or(Sides::default(), |held_out| Sides {
+                        before: Some(mm_per_min(held_out.before)),
+                        after: Some(mm_per_min(held_out.after)),
+                    }),
+                },
+            },
+            not_excited: diagnosis.not_excited.clone(),
+            messages,
+            values: Some(values(&machine)),
+        }
+    }
+
+    /// Of a recording that is not of the program.
+    pub fn not_comparable(error: &AlignmentError) -> DiagnosisReport {
+        let reason = Refusal::from(error);
+        let cause = CauseRow {
+            id: "wrong_program".to_string(),
+            parameters: Map::from_iter([("what".to_string(), Value::from(error.to_string()))]),
+            uncertainty: Map::new(),
+            lines: Vec::new(),
+            seconds: None,
+            position_mm: None,
+            confidence: None,
+            indistinguishable_from: Vec::new(),
+            name: "wrong program".to_string(),
+            sentence: sentence_of(&error.to_string()),
+            vendors: "",
+            sections: None,
+        };
+        let causes = if is_of_another_program(error) { vec![cause] } else { Vec::new() };
+        DiagnosisReport {
+            verdict: "not_comparable",
+            sentence: sentence_of(&error.to_string()),
+            causes,
+            regions: Vec::new(),
+            fit: Fit::default(),
+            not_excited: Vec::new(),
+            messages: vec![reason.to_string()],
+            values: None,
+        }
+    }
+
+    /// As JSON.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("strings and numbers can be written")
+    }
+
+    /// For people.
+    pub fn to_text(&self) -> String {
+        let mut text = self.sentence.clone();
+        for cause in &self.causes {
+            text += &format!("\n{}: {}", cause.name, cause.sentence);
+            if let Some(confidence) = cause.confidence {
+                text += &format!(" Confidence {:.0} %.", 100.0 * confidence);
+            }
+            if !cause.indistinguishable_from.is_empty() {
+                let others = cause.indistinguishable_from.join(", ");
+                text += &format!(" It cannot be told from {others} by this recording.");
+            }
+            if !cause.vendors.is_empty() {
+                text += &format!(" Settings: {}.", cause.vendors);
+            }
+        }
+        for region in self.regions.iter().take(TOLD) {
+            let [first, last] = region.lines;
+            text += &format!("\nlines {first} to {last}: {:+.3} s", region.seconds);
+        }
+        let mut row = |name: &str, sides: Sides, unit: &str, decimals: usize| {
+            if let (Some(before), Some(after)) = (sides.before, sides.after) {
+                text += &format!("\n{name}: {before:.decimals$} → {after:.decimals$} {unit}");
+            }
+        };
+        row("cycle time, simulated less recorded", self.fit.cycle_time_error_s, "s", 3);
+        row("feed RMSE", self.fit.feed_rmse_mm_min, "mm/min", 1);
+        row("feed RMSE where nothing was fitted", self.fit.held_out.feed_rmse_mm_min, "mm/min", 1);
+        row("position RMSE", self.fit.position_rmse_mm, "mm", 4);
+        if !self.not_excited.is_empty() {
+            text += &format!("\nnot excited by this program: {}", self.not_excited.join(", "));
+        }
+        self.messages.iter().fold(text, |text, message| text + "\n" + message)
+    }
+}
+
+/// The machine with the causes, which says where they come from.
+pub fn extended(machine: &Machine, names: &[String]) -> Machine {
+    let provenance = format!("extended by a diagnosis of {}", names.join(", "));
+    let provenance = match machine.provenance.as_str() {
+        "" => provenance,
+        before => format!("{before}; {provenance}"),
+    };
+    Machine { provenance, ..machine.clone() }
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NothingMissing => "nothing_missing",
+        Verdict::Explained => "explained",
+        Verdict::Ambiguous => "ambiguous",
+        Verdict::Unknown => "unknown",
+    }
+}
+
+fn is_of_another_program(error: &AlignmentError) -> bool {
+    matches!(
+        error,
+        AlignmentError::NowhereNear
+            | AlignmentError::OffPath { hint: None, .. }
+            | AlignmentError::OtherWay { .. }
+            | AlignmentError::LinesDoNotFit { .. }
+            | AlignmentError::StopsDoNotFit { .. }
+    )
+}
+
+fn cause(cause: &Cause) -> CauseRow {
+    let candidate = &cause.candidate;
+    let hypothesis = &candidate.hypothesis;
+    let reported = (hypothesis.report)(&candidate.values);
+    let mut uncertainty: Map<String, Value> = Map::new();
+    for (at, deviation) in candidate.deviations.iter().enumerate().filter(|(_, own)| own.is_finite()) {
+        let mut moved = candidate.values.clone();
+        moved[at] += deviation;
+        for ((name, value), (_, other)) in reported.iter().zip((hypothesis.report)(&moved)) {
+            if let (Reported::Number(value), Reported::Number(other)) = (value, other)
+                && value != &other
+            {
+                let before = uncertainty.get(*name).and_then(Value::as_f64).unwrap_or(0.0);
+                uncertainty.insert((*name).to_string(), json!(before.hypot(other - value)));
+            }
+        }
+    }
+    let parameters: Map<String, Value> =
+        reported.iter().map(|(name, value)| ((*name).to_string(), written(value))).collect();
+    let Known { sentence, vendors } = known(hypothesis.id);
+    let is_of_form = 0.0 < cause.form;
+    CauseRow {
+        id: hypothesis.id.to_string(),
+        sentence: sentence(&parameters, &cause.lines, cause.seconds),
+        name: hypothesis.name(),
+        parameters,
+        uncertainty,
+        lines: cause.lines.iter().map(|(first, last)| [*first, *last]).collect(),
+        seconds: Some(cause.seconds),
+        position_mm: is_of_form.then_some(cause.form),
+        confidence: Some(cause.confidence.clamp(0.0, 1.0)),
+        indistinguishable_from: cause.alike.clone(),
+        vendors,
+        sections: cause.held_out.map(|held_out| [held_out.better, held_out.worse]),
+    }
+}
+
+fn written(value: &Reported) -> Value {
+    match value {
+        Reported::Number(number) if number.fract() == 0.0 && number.abs() < 1e9 => json!(*number as i64),
+        Reported::Number(number) => json!(number),
+        Reported::List(numbers) => json!(numbers),
+        Reported::Word(word) => json!(word),
+    }
+}
+
+fn region(region: &Region) -> RegionRow {
+    RegionRow {
+        lines: [region.lines.0, region.lines.1],
+        distance_mm: [region.distance.start, region.distance.end],
+        time_s: [region.time.start, region.time.end],
+        seconds: region.seconds,
+        run: region.run,
+    }
+}
+
+fn sides(diagnosis: &Diagnosis, of: impl Fn(&[Comparison]) -> Option<f64>) -> Sides {
+    Sides { before: of(&diagnosis.before), after: of(&diagnosis.after) }
+}
+
+/// Squares and the way they were taken over.
+fn feed_error(comparison: &Comparison) -> Option<(f64, f64)> {
+    comparison.feed.map(|feed| (mm_per_min(feed.rms), feed.way))
+}
+
+fn mean_square(side: &[Comparison], of: fn(&Comparison) -> Option<(f64, f64)>) -> Option<f64> {
+    let (squares, way) = side
+        .iter()
+        .filter_map(of)
+        .fold((0.0, 0.0), |(squares, way), (rms, own)| (squares + own * rms * rms, way + own));
+    (0.0 < way).then(|| f64::sqrt(squares / way))
+}
+
+fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
+    let lost: f64 = diagnosis.before.iter().map(|side| side.whole.recorded - side.whole.simulated).sum();
+    let place = diagnosis.regions.iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()));
+    let place = place.map_or(String::new(), |region| match region.lines {
+        (first, last) if first == last => format!(", most of it in line {first}"),
+        (first, last) => format!(", most of it in lines {first} to {last}"),
+    });
+    match diagnosis.verdict {
+        Verdict::NothingMissing => format!(
+            "Nothing is missing: recording and simulation agree within {} as far as this recording shows.",
+            seconds(lost.abs().max(0.01))
+        ),
+        Verdict::Unknown => match causes.first() {
+            None => format!(
+                "Something differs by {} that nothing known explains{place}.",
+                seconds(lost.abs().max(0.01))
+            ),
+            Some(first) => format!(
+                "{} That is not all: more differs that nothing known explains{place}.",
+                first.sentence
+            ),
+        },
+        Verdict::Explained | Verdict::Ambiguous => {
+            let told: Vec<&str> = causes.iter().map(|cause| cause.sentence.as_str()).collect();
+            told.join(" ")
+        }
+    }
+}

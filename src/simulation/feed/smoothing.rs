@@ -1,0 +1,455 @@
+//! Toolpath → toolpath with chains of nearly straight lines run as one, and the plan back again.
+//!
+//! A chain of feed moves begins at B. The line to a further point E joins it while every point P that
+//! was passed lies within Q of the segment BE,
+//!
+//! ```text
+//! ‖P − B − t M‖ ≤ Q,   M = E − B,   t = (P − B)·M / ‖M‖², no less than 0 and no more than 1
+//! ```
+//!
+//! and the chain has no more than [`MOST_POINTS`] points, so that the work is linear. It is ended by
+//! what is no line, by another feedrate or path mode, by a stop, by a move on which rotary axes turn
+//! along, and where it would come back to B. An arc around Z whose middle lies within Q of its chord
+//! becomes the two lines over that middle, which may join chains as well.
+//!
+//! A chain of length S along the program is ‖M‖ along its chord. It is planned as one segment of that
+//! length; what comes out is put back onto the program with distances and feedrates times S/‖M‖, so
+//! that the time is that of the chord and each block has its share by length. The distance axis so stays
+//! that of the program, and a position on it is within Q of the one on the chord.
+//!
+//! Q is what the machine holds. Where it leaves that to the program, which is with the law of LinuxCNC
+//! alone, it is Q of G64, or else P, and with neither, or with exact stops, nothing is merged. A tolerance laid over the whole
+//! program is meant as P.
+//!
+//! Limits: with [`CornerMode::Guaranteed`](crate::machine::CornerMode) nothing is corrected inside a
+//! chain. Source: LinuxCNC, naive CAM detector (src/emc/task/emccanon.cc).
+
+use crate::machine::{Junction, Machine};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Rule, Stretch, Tolerances};
+use crate::simulation::toolpath::{
+    Blending, Curve, Motion, PathMode, Point, Segment, Stop, Toolpath, Vector,
+};
+
+/// Points of a chain beside its beginning.
+const MOST_POINTS: usize = 101;
+
+/// Tilt of a circle's plane from that of X and Y up to which it is taken for it.
+const TILT: f64 = 1e-9;
+
+/// A toolpath to plan in place of the program's.
+pub struct Merged {
+    /// The segments as they are run. Each covers the program from where the one before ends.
+    pub toolpath: Toolpath,
+    /// What each covers.
+    covers: Vec<Cover>,
+}
+
+/// What a segment covers of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cover {
+    /// The first segment of the program, and how far along it this one begins, mm.
+    first: usize,
+    offset: f64,
+    /// The last, which may be the first of the next as well.
+    last: usize,
+    /// Length of the program, mm.
+    length: f64,
+}
+
+/// The toolpath with its chains merged; none where nothing is.
+pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) -> Option<Merged> {
+    let leaves_it = machine.interpolator.junction == Junction::AccelerationBlend
+        && std::f64::consts::PI <= machine.interpolator.exact_stop_angle;
+    if !(machine.interpolator.path_smoothing.map_or(leaves_it, |within| 0.0 < within)) {
+        return None;
+    }
+    let mut merging = Merging {
+        toolpath,
+        merged: Merged { toolpath: Toolpath::default(), covers: Vec::new() },
+        points: Vec::new(),
+        cover: Cover { first: 0, offset: 0.0, last: 0, length: 0.0 },
+        stops: 0,
+        has_merged: false,
+    };
+    let mut modes = toolpath.path_modes.iter().peekable();
+    let mut within = distance(None, machine, tolerances);
+    for (number, segment) in toolpath.segments.iter().enumerate() {
+        while let Some(mode) = modes.next_if(|mode| mode.from <= number) {
+            merging.flush();
+            within = distance(Some(mode), machine, tolerances);
+            let from = merging.merged.covers.len();
+            merging.merged.toolpath.path_modes.push(PathMode { from, ..mode.clone() });
+        }
+        merging.take(number, segment, within, machine);
+    }
+    merging.flush();
+    merging.take_stops(usize::MAX);
+    merging.has_merged.then_some(merging.merged)
+}
+
+/// Q under a path mode, mm.
+fn distance(mode: Option<&PathMode>, machine: &Machine, tolerances: Tolerances) -> f64 {
+    let blending = mode.map_or(Blending::Machine, |mode| mode.blending);
+    let by_program = || match (tolerances, blending) {
+        (Tolerances::One(tolerance), _) => tolerance,
+        (_, Blending::Within(tolerance)) => {
+            let own = mode.and_then(|mode| mode.merging);
+            own.unwrap_or(machine.path_modes.tolerance_override.unwrap_or(tolerance))
+        }
+        _ => mode.and_then(|mode| mode.merging).unwrap_or(0.0),
+    };
+    match blending {
+        Blending::ExactStop => 0.0,
+        _ => machine.interpolator.path_smoothing.unwrap_or_else(by_program),
+    }
+}
+
+/// A chain that grows, and what came of those before.
+struct Merging<'a> {
+    toolpath: &'a Toolpath,
+    merged: Merged,
+    /// The points of the chain after its beginning.
+    points: Vec<Point>,
+    /// What the chain covers so far.
+    cover: Cover,
+    /// Stops that were taken over.
+    stops: usize,
+    /// Whether anything is not as written.
+    has_merged: bool,
+}
+
+impl Merging<'_> {
+    /// Takes the next segment of the program.
+    fn take(&mut self, number: usize, segment: &Segment, within: f64, machine: &Machine) {
+        let joins = |before: &Segment| {
+            let of_feed = |segment: &Segment| machine.overrides.of_feed(segment.line.0);
+            before.motion == segment.motion && !before.exact_stop && of_feed(before) == of_feed(segment)
+        };
+        let next_stop = self.toolpath.stops.get(self.stops).map_or(usize::MAX, |stop| stop.after);
+        if next_stop <= number || !number.checked_sub(1).is_some_and(|k| joins(&self.toolpath.segments[k])) {
+            self.flush();
+            self.take_stops(number);
+        }
+        let may_merge =
+            within != 0.0 && segment.motion != Motion::Rapid && segment.rotation == Vector::zeros();
+        match &segment.curve {
+            Curve::Line if may_merge => self.add(number, 0.0, segment.length, segment.end, within),
+            Curve::Arc(arc) if may_merge => {
+                let half = 0.5 * segment.length;
+                let middle = segment.point(half);
+                let chord = segment.start + 0.5 * (segment.end - segment.start);
+                let is_level = arc.e1.z.abs().max(arc.e2.z.abs()) < TILT;
+                let stays_whole = machine.interpolator.exact_stop_angle < std::f64::consts::PI;
+                if is_level
+                    && !stays_whole
+                    && arc.sweep < std::f64::consts::PI
+                    && (middle - chord).norm() < within
+                {
+                    self.add(number, 0.0, half, middle, within);
+                    self.add(number, half, segment.length - half, segment.end, within);
+                } else {
+                    self.copy(number, segment);
+                }
+            }
+            _ => self.copy(number, segment),
+        }
+    }
+
+    /// Adds a line of `length` (mm) to `end`, which covers the segment `number` from `offset` (mm) on.
+    fn add(&mut self, number: usize, offset: f64, length: f64, end: Point, within: f64) {
+        if !self.points.is_empty() && !self.reaches(end, within) {
+            self.flush();
+        }
+        if self.points.is_empty() {
+            self.cover = Cover { first: number, offset, last: number, length: 0.0 };
+        }
+        self.points.push(end);
+        self.cover.last = number;
+        self.cover.length += length;
+    }
+
+    /// Whether the chain may go on to `end`.
+    fn reaches(&self, end: Point, within: f64) -> bool {
+        let begin = self.begin();
+        let chord = end - begin;
+        let square = chord.norm_squared();
+        let is_near = |point: &Point| {
+            let passed = point - begin;
+            let along = (passed.dot(&chord) / square).clamp(0.0, 1.0);
+            (passed - along * chord).norm() <= within
+        };
+        self.points.len() < MOST_POINTS && 0.0 < square && self.points.iter().all(is_near)
+    }
+
+    fn begin(&self) -> Point {
+        self.toolpath.segments[self.cover.first].point(self.cover.offset)
+    }
+
+    /// Ends the chain.
+    fn flush(&mut self) {
+        let Some(&end) = self.points.last() else { return };
+        let cover = self.cover;
+        let last = &self.toolpath.segments[cover.last];
+        let is_alone = cover.first == cover.last && cover.length == last.length;
+        let segment = if is_alone && last.curve == Curve::Line {
+            last.clone()
+        } else {
+            self.has_merged = true;
+            let start = self.begin();
+            let length = (end - start).norm();
+            // The first half of an arc does not stop where that ends.
+            let exact_stop = last.exact_stop && end == last.end;
+            Segment { start, end, curve: Curve::Line, length, exact_stop, ..last.clone() }
+        };
+        self.points.clear();
+        self.push(segment, cover);
+    }
+
+    fn copy(&mut self, number: usize, segment: &Segment) {
+        self.flush();
+        let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
+        self.push(segment.clone(), cover);
+    }
+
+    fn push(&mut self, segment: Segment, cover: Cover) {
+        self.merged.toolpath.segments.push(segment);
+        self.merged.covers.push(cover);
+    }
+
+    /// Takes over the stops up to a segment of the program.
+    fn take_stops(&mut self, number: usize) {
+        let after = self.merged.covers.len();
+        while let Some(stop) = self.toolpath.stops.get(self.stops).filter(|stop| stop.after <= number) {
+            self.merged.toolpath.stops.push(Stop { after, ..*stop });
+            self.stops += 1;
+        }
+    }
+}
+
+impl Merged {
+    /// Feedrates that are given for the segments of the program, for those that are run: the smallest of
+    /// a chain, and at its end that of the corner there.
+    pub fn given(&self, rule: Rule) -> Option<(Vec<f64>, Vec<f64>)> {
+        let Rule::Given { corners, segments } = rule else { return None };
+        let at_end = |(index, cover): (usize, &Cover)| {
+            let goes_on = self.covers.get(index + 1).is_some_and(|next| next.first == cover.last);
+            if goes_on { f64::INFINITY } else { corners[cover.last] }
+        };
+        let slowest =
+            |cover: &Cover| segments[cover.first..=cover.last].iter().copied().fold(f64::INFINITY, f64::min);
+        Some((
+            self.covers.iter().enumerate().map(at_end).collect(),
+            self.covers.iter().map(slowest).collect(),
+        ))
+    }
+
+    /// The plan of the merged toolpath, put back onto the program.
+    pub fn spread(&self, plan: FeedPlan, program: &Toolpath) -> FeedPlan {
+        let segments = program.segments.len();
+        let mut spread = FeedPlan {
+            start: plan.start,
+            phases: Vec::with_capacity(plan.phases.len()),
+            pulses: Vec::with_capacity(plan.pulses.len() + segments),
+            filters: plan.filters,
+            corner_feedrates: vec![f64::INFINITY; segments],
+            segment_feedrates: vec![f64::INFINITY; segments],
+            retiming: None,
+        };
+        for (index, cover) in self.covers.iter().enumerate() {
+            let ratio = self.ratio(index);
+            for feedrate in &mut spread.segment_feedrates[cover.first..=cover.last] {
+                *feedrate = feedrate.min(ratio * plan.segment_feedrates[index]);
+            }
+            spread.corner_feedrates[cover.last] = plan.corner_feedrates[index];
+        }
+        for phase in &plan.phases {
+            let Phase::Motion(stretch) = phase else {
+                spread.phases.push(phase.clone());
+                continue;
+            };
+            let first_pulse = spread.pulses.len();
+            let mut place = (0, 0.0);
+            let mut now = usize::MAX;
+            for pulse in &plan.pulses[stretch.pulses.clone()] {
+                let index = pulse.segment as usize;
+                let cover = &self.covers[index];
+                if index != now {
+                    (now, place) = (index, (cover.first, cover.offset));
+                }
+                let ratio = self.ratio(index);
+                lay(pulse, ratio, cover.last, &mut place, program, &mut spread);
+            }
+            let covered = stretch.segments.clone();
+            spread.phases.push(Phase::Motion(Stretch {
+                segments: self.covers[covered.start].first..self.covers[covered.end - 1].last + 1,
+                pulses: first_pulse..spread.pulses.len(),
+                filter: stretch.filter,
+            }));
+        }
+        spread
+    }
+
+    /// Length along the program over that which is run.
+    fn ratio(&self, index: usize) -> f64 {
+        let (run, written) = (self.toolpath.segments[index].length, self.covers[index].length);
+        if run == written { 1.0 } else { written / run }
+    }
+}
+
+/// Lays a pulse onto the program from `place` on, a segment and the distance along it (mm), up to the
+/// segment `last`. Where it goes beyond the end of a segment it is cut: the distance x is reached after
+///
+/// ```text
+/// t = 2 x / (f + √(f² + 2 b x))         f command at its beginning, b its slope, mm/s²
+/// ```
+fn lay(
+    pulse: &Pulse,
+    ratio: f64,
+    last: usize,
+    place: &mut (usize, f64),
+    program: &Toolpath,
+    plan: &mut FeedPlan,
+) {
+    let mut left = pulse.duration;
+    let mut feedrate = pulse.feedrate.map(|feedrate| ratio * feedrate);
+    let slope = (feedrate[1] - feedrate[0]) / pulse.duration;
+    loop {
+        let (number, offset) = *place;
+        let room = program.segments[number].length - offset;
+        let passed = left * 0.5 * (feedrate[0] + feedrate[1]);
+        if number == last || passed < room {
+            let segment = number as u32;
+            plan.pulses.push(Pulse { segment, duration: left, offset, feedrate });
+            place.1 += passed;
+            return;
+        }
+        let end = (feedrate[0] * feedrate[0] + 2.0 * slope * room).max(0.0).sqrt();
+        let duration = (2.0 * room / (feedrate[0] + end)).min(left);
+        if 0.0 < duration {
+            let segment = number as u32;
+            plan.pulses.push(Pulse { segment, duration, offset, feedrate: [feedrate[0], end] });
+            left -= duration;
+        }
+        feedrate[0] = end;
+        plan.corner_feedrates[number] = end;
+        *place = (number + 1, 0.0);
+        if left <= 0.0 {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    const WITHIN: f64 = 0.02;
+
+    fn machine() -> Machine {
+        let mut machine = Machine::default();
+        machine.interpolator.path_smoothing = Some(WITHIN);
+        machine
+    }
+
+    fn merged_of(program: &str, machine: &Machine) -> Option<(Toolpath, Merged)> {
+        let toolpath = trace(&read(program.as_bytes()), machine);
+        merged(&toolpath, machine, Tolerances::Programmed).map(|merged| (toolpath, merged))
+    }
+
+    /// A wave through points of a given spacing, mm.
+    fn wave(spacing: f64, height: f64) -> String {
+        let points = (1..600).map(|k| {
+            let x = spacing * f64::from(k);
+            format!("X{x:.4} Y{:.4} Z{:.4}\n", height * (0.7 * x).sin(), height * (0.3 * x).cos())
+        });
+        "G21 G90 G1 F2000\n".to_string() + &points.collect::<String>()
+    }
+
+    #[test]
+    fn chains_are_within_their_distance_and_as_long_as_they_can_be() {
+        for (spacing, height) in [(0.1, 0.5), (0.3, 2.0), (0.05, 0.05), (1.0, 0.2)] {
+            let (program, merged) = merged_of(&wave(spacing, height), &machine()).expect("some merge");
+            let passed = |k: usize, cover: Cover, upto: usize| {
+                let begin = merged.toolpath.segments[k].start;
+                let chord = program.segments[upto].end - begin;
+                let points = program.segments[cover.first..upto].iter();
+                let away = points.map(move |segment| {
+                    let from = segment.end - begin;
+                    let along = (from.dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0);
+                    (from - along * chord).norm()
+                });
+                away.fold(0.0, f64::max)
+            };
+            let mut next = 0;
+            for (k, &cover) in merged.covers.iter().enumerate() {
+                assert_eq!((cover.first, cover.offset), (next, 0.0), "the program is covered once");
+                next = cover.last + 1;
+                assert!(passed(k, cover, cover.last) <= WITHIN, "{cover:?}");
+                assert!(next - cover.first <= MOST_POINTS);
+                let could_go_on = next < program.segments.len() && next - cover.first < MOST_POINTS;
+                assert!(!could_go_on || WITHIN < passed(k, cover, next), "{cover:?} ends early");
+            }
+            assert_eq!(next, program.segments.len());
+        }
+    }
+
+    #[test]
+    fn what_is_not_one_move_is_not_merged() {
+        for between in ["F1500", "M8", "G4 P1", "G0 X2.5", "G64 P0.05", "G2 X3 Y0 I0.5"] {
+            let program = format!("G1 F2000 X1\nX2\n{between}\nG1 X4\nX5");
+            let (_, merged) = merged_of(&program, &machine()).expect("both ends merge");
+            let lines: Vec<u32> = merged.toolpath.segments.iter().map(|segment| segment.line.0).collect();
+            assert!(lines.contains(&2) && lines.last() == Some(&5), "{between}: {lines:?}");
+        }
+        let (_, merged) = merged_of("G1 F2000 X1\nG9 X2\nX3\nX4", &machine()).expect("both ends merge");
+        let stops: Vec<bool> = merged.toolpath.segments.iter().map(|segment| segment.exact_stop).collect();
+        assert_eq!(stops, [true, false]);
+        assert!(merged_of("G1 F2000 X1\nX2 A5\nX3 A10\nG61 X4\nX5", &machine()).is_none());
+    }
+
+    #[test]
+    fn q_is_the_programs_own_with_the_law_of_linuxcnc_alone() {
+        let mut machine = Machine::default();
+        let merges = |words: &str, machine: &Machine| {
+            merged_of(&format!("{words}\nG1 F2000 X1\nX2 Y0.015\nX3 Y0"), machine).is_some()
+        };
+        assert!(!merges("G64 P0.02", &machine));
+        machine.interpolator.junction = Junction::AccelerationBlend;
+        for (words, expected) in [
+            ("", false),
+            ("G64", false),
+            ("G64 P0.02", true),
+            ("G64 P0.005", false),
+            ("G64 P0.005 Q0.02", true),
+            ("G64 P0.02 Q0", false),
+            ("G64 P0 Q0.02", true),
+            ("G20 G64 P0.001\nG21", true),
+            ("G64 P0.02\nG64", false),
+            ("G64 P0.02\nG61", false),
+        ] {
+            assert_eq!(merges(words, &machine), expected, "{words}");
+        }
+        machine.interpolator.exact_stop_angle = 0.1;
+        assert!(!merges("G64 P0.02", &machine));
+        machine.interpolator.exact_stop_angle = std::f64::consts::PI;
+        machine.path_modes.tolerance_override = Some(0.001);
+        assert!(!merges("G64 P0.02", &machine));
+        machine.interpolator.path_smoothing = Some(0.02);
+        assert!(merges("G64 P0.001", &machine));
+    }
+
+    #[test]
+    fn a_small_arc_is_two_lines() {
+        // Its middle lies 0.0125 mm from the chord.
+        let program = "G1 F2000 X1\nG2 X2 Y0 I0.5 J-10\nG1 X3";
+        let toolpath = trace(&read(program.as_bytes()), &machine());
+        let merged = merged(&toolpath, &machine(), Tolerances::Programmed).expect("the arc is small");
+        assert!(merged.toolpath.segments.iter().all(|segment| segment.curve == Curve::Line));
+        let covered: f64 = merged.covers.iter().map(|cover| cover.length).sum();
+        let length: f64 = toolpath.segments.iter().map(|segment| segment.length).sum();
+        assert!((covered - length).abs() < 1e-12);
+        assert!(merged_of("G1 F2000 X1\nG2 X3 Y0 I1 J-10\nG1 Y3", &machine()).is_none());
+    }
+}

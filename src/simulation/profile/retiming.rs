@@ -1,0 +1,273 @@
+//! Acceleration limits behind the filters: filtered motion, run no faster than axes and path can follow.
+//!
+//! The filtered motion P(τ) has the feedrate w = ‖P′‖ and the direction u = P′/w. Run at v ≤ w along the
+//! same path, the machine changes its feedrate as its axes and its path allow:
+//!
+//! ```text
+//! |v̇| ≤ A along the path,     |v̇ u_k| ≤ A_k for each axis k
+//! ```
+//!
+//! The fastest such motion is found by two passes over the squared feedrate, one forward from each
+//! stop and one backward: from one sample to the next, Δσ apart,
+//!
+//! ```text
+//! Δ(v²) ≤ 2 Δσ min(A, A_k/|u_k|)
+//! ```
+//!
+//! So a ramp begins as round as the filters make it, runs straight, and ends where it meets the filtered
+//! motion; with filters of no length it is a trapezoid. The path, and with it the contour error, is that
+//! of the filters.
+//!
+//! Samples lie a 48th of the filter delay apart while the filtered motion changes, and nowhere else:
+//! where it is constant the ramps are straight, and their ends are put in exactly. The work is linear in
+//! the number of pulses. Limits: what turning takes of an axis is left to the corner law and to the limit of
+//! centripetal acceleration, as in controls that plan the feedrate along the path; rotary axes are left out.
+//!
+//! Controls whose junctions follow laws of acceleration plan their ramps before any filter, as in
+//! [`crate::simulation::feed::block`]; their plans are left as they are.
+
+use crate::machine::{Junction, Machine};
+use crate::simulation::feed::{FeedPlan, Knot, Retiming, Stretch, retiming, running_sum};
+use crate::simulation::profile::{Dynamics, Motion, Profile, State};
+use crate::simulation::toolpath::{Curve, Toolpath, Vector};
+
+/// Samples within one filter delay.
+const SAMPLES_PER_DELAY: f64 = 48.0;
+
+/// Largest angle turned on an arc between two samples, rad.
+const WIDEST_ANGLE: f64 = 0.02;
+
+/// A feedrate that is less than this part below the filtered one is that one.
+const ROUNDING: f64 = 1e-12;
+
+/// The plan with the time that acceleration limits cost behind the filters.
+pub fn retimed(toolpath: &Toolpath, machine: &Machine, plan: FeedPlan) -> FeedPlan {
+    let limits = Limits::of(machine);
+    if machine.interpolator.junction != Junction::Tolerance || !limits.are_finite() {
+        return plan;
+    }
+    let mut lost = Retiming::default();
+    {
+        let profile = Profile::new(toolpath, &plan);
+        for stretch in plan.stretches() {
+            limits.slow_down(&profile.motion(stretch), stretch, &mut lost);
+        }
+    }
+    FeedPlan { retiming: (!lost.is_empty()).then_some(lost), ..plan }
+}
+
+/// A sample of the filtered motion.
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Filtered time since the beginning of the stretch, s.
+    time: f64,
+    /// Segment on which the tool is.
+    segment: usize,
+    /// Filtered feedrate, mm/s.
+    filtered: f64,
+    /// |u|.
+    share: Vector,
+    /// v², mm²/s².
+    square: f64,
+}
+
+/// Acceleration limits, mm/s².
+struct Limits {
+    axes: Vector,
+    path: f64,
+}
+
+impl Limits {
+    fn of(machine: &Machine) -> Limits {
+        let axes = Vector::from_fn(|k, _| machine.axes[k].acceleration);
+        Limits { axes, path: machine.path.acceleration }
+    }
+
+    fn are_finite(&self) -> bool {
+        self.path.is_finite() || self.axes.iter().any(|axis| axis.is_finite())
+    }
+
+    /// Adds what a stretch loses.
+    fn slow_down(&self, motion: &Motion, stretch: &Stretch, lost: &mut Retiming) {
+        let mut samples = self.samples(motion, stretch);
+        for i in 1..samples.len() {
+            samples[i].square = samples[i].square.min(self.reach(&samples[i - 1], &samples[i]));
+        }
+        for i in (1..samples.len()).rev() {
+            samples[i - 1].square = samples[i - 1].square.min(self.reach(&samples[i], &samples[i - 1]));
+        }
+        if samples.iter().all(Sample::is_free) {
+            return;
+        }
+        let between = samples
+            .windows(2)
+            .flat_map(|pair| self.turning_points(&pair[0], &pair[1]).into_iter().flatten().chain([pair[1]]));
+        let samples: Vec<Sample> = [samples[0]].into_iter().chain(between).collect();
+        let losses: Vec<f64> = samples.windows(2).map(|pair| pair[0].lost_until(&pair[1])).collect();
+        let mut segments: Vec<(usize, f64)> = Vec::new();
+        for (sample, loss) in samples.iter().zip(&losses).filter(|(_, loss)| 0.0 < **loss) {
+            match segments.last_mut() {
+                Some((at, sum)) if *at == sample.segment => *sum += loss,
+                _ => segments.push((sample.segment, *loss)),
+            }
+        }
+        let mut knots: Vec<Knot> = Vec::with_capacity(samples.len());
+        let losts = [0.0].into_iter().chain(running_sum(losses.into_iter()));
+        for (i, (sample, lost)) in samples.iter().zip(losts).enumerate() {
+            let around = &samples[i.saturating_sub(1)..samples.len().min(i + 2)];
+            // Of what runs free only the ends are kept.
+            if around.len() < 3 || !around.iter().all(Sample::is_free) {
+                knots.push(sample.knot(lost));
+            }
+        }
+        lost.push(stretch, &knots, &segments);
+    }
+
+    /// The filtered motion of a stretch.
+    fn samples(&self, motion: &Motion, stretch: &Stretch) -> Vec<Sample> {
+        let end = motion.duration();
+        let mut samples = Vec::new();
+        let (mut time, mut segment) = (0.0, stretch.segments.start);
+        loop {
+            let moment = motion.moment(time);
+            let state = motion.state(moment);
+            while segment + 1 < stretch.segments.end && motion.distances[segment + 1] <= state.distance {
+                segment += 1;
+            }
+            let filtered = state.velocity.norm();
+            let share = if 0.0 < filtered { state.velocity.abs() / filtered } else { Vector::zeros() };
+            samples.push(Sample { time, segment, filtered, share, square: filtered * filtered });
+            if end <= time {
+                return samples;
+            }
+            time = next_time(motion, time).min(end);
+        }
+    }
+
+    /// The largest slope of the feedrate at a sample, mm/s².
+    fn available(&self, sample: &Sample) -> f64 {
+        let of_axis = |k: usize| self.axes[k] / sample.share[k];
+        (0..3).filter(|&k| 0.0 < sample.share[k]).map(of_axis).fold(self.path, f64::min)
+    }
+
+    /// The largest squared feedrate at `to` that is reached from that at `from`.
+    fn reach(&self, from: &Sample, to: &Sample) -> f64 {
+        match 2.0 * from.distance(to) {
+            0.0 => from.square,
+            doubled => from.square + doubled * self.available(from).min(self.available(to)),
+        }
+    }
+
+    /// Where between two samples of a constant filtered motion a ramp ends and another begins, or
+    /// both meet.
+    fn turning_points(&self, from: &Sample, to: &Sample) -> [Option<Sample>; 2] {
+        let full = from.filtered * from.filtered;
+        let is_constant = (to.filtered / from.filtered - 1.0).abs() <= 1e-9;
+        if !is_constant || (from.is_free() && to.is_free()) {
+            return [None; 2];
+        }
+        let doubled_slope = 2.0 * self.available(from).min(self.available(to));
+        let length = from.distance(to);
+        let at = |distance: f64, square: f64| {
+            let is_inside = 0.0 < distance && distance < length;
+            let time = from.time + distance / from.filtered;
+            is_inside.then_some(Sample { time, square: square.min(full), ..*from })
+        };
+        let (rise, fall) = ((full - from.square) / doubled_slope, (full - to.square) / doubled_slope);
+        if rise + fall < length {
+            [at(rise, full), at(length - fall, full)]
+        } else {
+            let distance = 0.5 * (length + (to.square - from.square) / doubled_slope);
+            [at(distance, from.square + doubled_slope * distance), None]
+        }
+    }
+}
+
+impl Sample {
+    /// Whether the machine follows the filters here.
+    fn is_free(&self) -> bool {
+        self.filtered * self.filtered * (1.0 - ROUNDING) <= self.square
+    }
+
+    fn feedrate(&self) -> f64 {
+        if self.is_free() { self.filtered } else { self.square.sqrt() }
+    }
+
+    /// Δσ, mm.
+    fn distance(&self, to: &Sample) -> f64 {
+        0.5 * (self.filtered + to.filtered) * (to.time - self.time).abs()
+    }
+
+    /// What is lost from here to the next sample, s.
+    fn lost_until(&self, next: &Sample) -> f64 {
+        if self.is_free() && next.is_free() {
+            return 0.0;
+        }
+        let ratio = (self.filtered + next.filtered) / (self.feedrate() + next.feedrate());
+        (next.time - self.time) * (ratio - 1.0)
+    }
+
+    fn knot(&self, lost: f64) -> Knot {
+        Knot { filtered: self.time, lost, filtered_feedrate: self.filtered, feedrate: self.feedrate() }
+    }
+}
+
+impl Motion<'_> {
+    /// The true time at a filtered one, both since the beginning of the stretch, s.
+    pub(super) fn true_time(&self, filtered: f64) -> f64 {
+        retiming::true_time(self.knots, filtered)
+    }
+
+    /// Where the tool is and how fast it moves at a true time since the beginning of the stretch, s.
+    pub(super) fn state_at(&self, time: f64) -> State {
+        let pace = retiming::pace(self.knots, time);
+        let mut state = self.state(self.moment(pace.filtered));
+        let filtered = state.velocity.norm();
+        if let Some((feedrate, _)) = pace.feedrate
+            && 0.0 < filtered
+        {
+            state.velocity *= feedrate / filtered;
+        }
+        state
+    }
+
+    /// How the velocity changes at a true time since the beginning of the stretch, s: along a path with
+    /// the direction u and its derivatives N and N′ by length, v̇ u + v² N, and its derivative.
+    pub(super) fn dynamics_at(&self, time: f64) -> Dynamics {
+        let pace = retiming::pace(self.knots, time);
+        let moment = self.moment(pace.filtered);
+        let filtered = self.dynamics(moment);
+        let Some((feedrate, slope)) = pace.feedrate else { return filtered };
+        let velocity = self.state(moment).velocity;
+        let speed = velocity.norm();
+        if speed == 0.0 {
+            return filtered;
+        }
+        let tangent = velocity / speed;
+        let along = filtered.acceleration.dot(&tangent);
+        let normal = (filtered.acceleration - along * tangent) / (speed * speed);
+        let change = filtered.jerk.dot(&tangent) + speed.powi(3) * normal.norm_squared();
+        let normal_change = (filtered.jerk - change * tangent - 3.0 * along * speed * normal) / speed.powi(3);
+        Dynamics {
+            acceleration: slope * tangent + feedrate * feedrate * normal,
+            jerk: 3.0 * slope * feedrate * normal + feedrate.powi(3) * normal_change,
+        }
+    }
+}
+
+/// Where the next sample lies.
+fn next_time(motion: &Motion, time: f64) -> f64 {
+    let delay = motion.filter.delay();
+    let step = time + delay / SAMPLES_PER_DELAY;
+    let moment = motion.moment(time);
+    let pulse = &motion.pulses[moment.pulse];
+    if moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
+        return step;
+    }
+    let segment = &motion.segments[pulse.segment as usize];
+    let widest = match &segment.curve {
+        Curve::Line => f64::INFINITY,
+        Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
+    };
+    step.max((motion.pulse_starts[moment.pulse] + pulse.duration).min(time + widest))
+}

@@ -1,0 +1,113 @@
+//! Halts that a recording shows and the machine believed in does not have are found again.
+
+use std::fmt::Write;
+
+use truefeed::identification::alignment::align;
+use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
+use truefeed::identification::fit::Run;
+use truefeed::identification::hypotheses::Reported;
+use truefeed::identification::recording;
+use truefeed::machine::Machine;
+use truefeed::simulation::feed::{Rule, plan};
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::profile::Profile;
+use truefeed::simulation::toolpath::trace;
+
+/// A meander of lines and arcs with rapids between.
+fn program() -> String {
+    let mut text = String::from("G21 G90\nG0 X0 Y0 Z5\nG1 Z0 F600\n");
+    for row in 0..12 {
+        let y = 4 * row;
+        let _ = write!(text, "G1 X40 Y{y} F1800\nG3 X40 Y{} J1 I0\nG1 X3 F1200\nY{}\n", y + 2, y + 4);
+        if row % 4 == 3 {
+            let _ = write!(text, "G0 Z5\nG0 X{row} Y{}\nG1 Z0 F600\n", y + 4);
+        }
+    }
+    text + "G0 Z20\n"
+}
+
+/// What a recorder sees of a run, every 10 ms and to a micrometre or two, as a table.
+fn recorded(program: &str, machine: &Machine) -> String {
+    let toolpath = trace(&read(program.as_bytes()), machine);
+    let plan = plan(&toolpath, machine, Rule::Programmed);
+    let profile = Profile::new(&toolpath, &plan);
+    let mut seed = 1u64;
+    let mut noise = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        4e-3 * ((seed >> 33) as f64 / 2f64.powi(31) - 0.5)
+    };
+    let mut text = String::from("t_s,x_mm,y_mm,z_mm\n");
+    for sample in 0..=(profile.cycle_time() * 100.0) as u32 {
+        let time = f64::from(sample) / 100.0;
+        let p = profile.at_time(time).position;
+        let _ = writeln!(text, "{time:.3},{:.4},{:.4},{:.4}", p.x + noise(), p.y + noise(), p.z + noise());
+    }
+    text
+}
+
+/// The diagnosis of a run of a machine against the one without halts.
+fn diagnosed(halted: &Machine) -> Diagnosis {
+    let program = program();
+    let machine = Machine::default();
+    let toolpath = trace(&read(program.as_bytes()), &machine);
+    let log = recording::read(recorded(&program, halted).as_bytes()).expect("a table");
+    let alignment = align(&log.recordings[0], &toolpath, &machine).expect("the same program");
+    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+    diagnose(&machine, &runs, &mut |_| {})
+}
+
+/// The causes with their line (0 where they have none) and seconds.
+fn causes(diagnosis: &Diagnosis) -> Vec<(&'static str, u32, f64)> {
+    let causes = diagnosis.causes.iter().map(|cause| {
+        let reported = (cause.candidate.hypothesis.report)(&cause.candidate.values);
+        let number = |name: &str| {
+            let found = reported.iter().find(|(known, _)| *known == name);
+            found.map_or(0.0, |(_, value)| if let Reported::Number(number) = value { *number } else { 0.0 })
+        };
+        (cause.candidate.hypothesis.id, number("line") as u32, number("seconds"))
+    });
+    causes.collect()
+}
+
+#[test]
+fn nothing_is_missing_where_nothing_was_held() {
+    let diagnosis = diagnosed(&Machine::default());
+    assert_eq!(diagnosis.verdict, Verdict::NothingMissing, "{:?}", causes(&diagnosis));
+}
+
+#[test]
+fn two_feed_holds_are_found_with_their_lines_and_seconds() {
+    let mut machine = Machine::default();
+    machine.halts.feed_holds = [(10, 1.3), (34, 0.6)].into();
+    machine.halts.feed_hold_places = [(10, 0.3), (34, 0.7)].into();
+    let diagnosis = diagnosed(&machine);
+    let found = causes(&diagnosis);
+    assert_eq!(
+        found.iter().map(|(id, line, _)| (*id, *line)).collect::<Vec<_>>(),
+        [("feed_hold", 10), ("feed_hold", 34)]
+    );
+    assert!((found[0].2 - 1.3).abs() < 0.02 && (found[1].2 - 0.6).abs() < 0.02, "{found:?}");
+    assert_eq!(diagnosis.verdict, Verdict::Explained);
+    let places = &diagnosis.machine.halts.feed_hold_places;
+    assert!((places[&10] - 0.3).abs() < 0.01 && (places[&34] - 0.7).abs() < 0.01, "{places:?}");
+}
+
+#[test]
+fn a_wait_before_a_line_is_not_a_feed_hold() {
+    let mut machine = Machine::default();
+    machine.halts.waits = [(14, 0.9)].into();
+    let found = causes(&diagnosed(&machine));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!((found[0].0, found[0].1), ("unmodelled_wait", 14));
+    assert!((found[0].2 - 0.9).abs() < 0.02, "{found:?}");
+}
+
+#[test]
+fn waits_for_position_at_rapid_ends_are_found() {
+    let mut machine = Machine::default();
+    machine.halts.in_position = 0.15;
+    machine.halts.in_position_at = truefeed::machine::InPosition::RapidEnds;
+    let found = causes(&diagnosed(&machine));
+    assert_eq!(found.first().map(|cause| cause.0), Some("in_position_wait"), "{found:?}");
+    assert!((found[0].2 - 0.15).abs() < 0.015, "{found:?}");
+}
