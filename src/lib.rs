@@ -4,6 +4,7 @@
 //!
 //! ```text
 //! simulation      bytes → blocks → toolpath → feed plan → profile → quote
+//! cutting                          toolpath → engagement; with profile → load
 //! identification  recording → alignment → residual → hypotheses → fit → report
 //! ```
 //!
@@ -26,6 +27,7 @@
 //! assert!(errors.largest() < 0.010 + 1e-9, "and within the tolerance, mm");
 //! ```
 
+pub mod cutting;
 pub mod identification;
 pub mod machine;
 pub mod plot;

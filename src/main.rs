@@ -13,6 +13,7 @@ use crate::command::{Refusal, calibrate, diagnose, predict, print, probe};
 
 const USAGE: &str = "\
 truefeed predict   PROGRAM --machine M.toml [--tolerance MM]... [--dialect D] [--json] [--profile OUT.csv]
+                   [--cutting JOB.toml [--forces OUT.csv]]
 truefeed calibrate --machine M.toml --run PROGRAM RECORDING [--run PROGRAM RECORDING]... --out FITTED.toml [--json]
 truefeed diagnose  PROGRAM RECORDING [--run PROGRAM RECORDING]... --machine M.toml [--json] [--out EXTENDED.toml]
 truefeed probe     --machine M.toml --between CAUSE CAUSE [--out PROGRAM]
@@ -25,6 +26,9 @@ The control the program was written for is found by what stands in it; --dialect
 linuxcnc, siemens, klartext, heidenhain-iso, grbl, mach or okuma.
 --json prints the result as JSON; --profile writes time, distance, feedrate, position and line
 for the first tolerance.
+--cutting adds what the cut asks of tool and spindle: stock, tools, material and limits are in JOB.toml.
+--forces writes force, torque, power and removal rate along the path, by the programmed and by the
+predicted feedrate, for the first tolerance.
 
 calibrate: fits filters, tolerance, rapid feedrate and the times of changes to recordings of real runs, and
 writes the machine file that predicts the next program.

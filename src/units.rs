@@ -9,11 +9,17 @@
 //! | jerk         | mm/s³  | mm/s³                 |
 //! | angle        | rad    | degree                |
 //! | turning rate | rad/s  | degree/min            |
+//! | force        | N      | N                     |
+//! | torque       | N·mm   | N·m                   |
+//! | power        | N·mm/s | W                     |
 //!
 //! Borders are G-code words, the machine file, the command line's output and the page.
 
 /// Millimetres in an inch, exact by definition.
 pub const MM_PER_INCH: f64 = 25.4;
+
+/// Millimetres in a metre.
+const MM_PER_M: f64 = 1000.0;
 
 /// Seconds in a minute.
 pub const SECONDS_PER_MINUTE: f64 = 60.0;
@@ -42,6 +48,26 @@ pub fn mm_per_s(feedrate_mm_per_min: f64) -> f64 {
 /// A feedrate in mm/min from one in mm/s.
 pub fn mm_per_min(feedrate: f64) -> f64 {
     feedrate * SECONDS_PER_MINUTE
+}
+
+/// A torque in N·m from one in N·mm.
+pub fn n_m_of_n_mm(torque: f64) -> f64 {
+    torque / MM_PER_M
+}
+
+/// A torque in N·mm from one in N·m.
+pub fn n_mm_of_n_m(torque_n_m: f64) -> f64 {
+    torque_n_m * MM_PER_M
+}
+
+/// A power in W from one in N·mm/s.
+pub fn watts_of_n_mm_per_s(power: f64) -> f64 {
+    power / MM_PER_M
+}
+
+/// A power in N·mm/s from one in W.
+pub fn n_mm_per_s_of_watts(power_watts: f64) -> f64 {
+    power_watts * MM_PER_M
 }
 
 /// The unit in which a machine parameter is written at the borders.

@@ -8,6 +8,7 @@
 #![deny(clippy::unwrap_used)]
 
 mod chart;
+mod cutting;
 mod job;
 mod recorded;
 

@@ -14,6 +14,7 @@ const FLOW: &[&str] = &[
     "simulation/profile",
     "simulation/drive",
     "simulation/contour",
+    "cutting",
     "quote",
     "identification/recording",
     "identification/alignment",

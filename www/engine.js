@@ -1,7 +1,7 @@
 // Runs simulations, comparisons and calibrations in a worker, one at a time. Cancelling ends the worker; the next run
 // starts a fresh one.
 
-/** @import { CalibrationReport, Column, ComparisonReport, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run } from "./types.js" */
+/** @import { CalibrationReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run } from "./types.js" */
 
 /**
  * @typedef {object} SimulateRequest
@@ -14,6 +14,7 @@
 
 /** @typedef {{program: Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
 /** @typedef {{machine: string, runs: {name: string, program: Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
+/** @typedef {{program: Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
 /** @typedef {(text: string, part: number) => void} Stage */
 
 /**
@@ -70,6 +71,11 @@ export class Engine {
    */
   calibrate(request, stage) {
     return this.#result('calibrate', request, stage)
+  }
+
+  /** Cuts the stock of a job with a program. @param {CutRequest} request @returns {Promise<CutResult>} */
+  cut(request) {
+    return this.#result('cut', request, () => {})
   }
 
   /** Runs what gives one result. @param {string} verb @param {object} request @param {Stage} stage @returns {Promise<any>} */

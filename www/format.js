@@ -46,6 +46,9 @@ export const feedrate = (value) => `${none.format(value)} mm/min`
 /** A length in mm. @param {number} value */
 export const millimetres = (value) => `${two.format(value)} mm`
 
+/** A number in about three figures. @param {number} value */
+export const number = (value) => (Math.abs(value) < 10 ? two : Math.abs(value) < 1000 ? one : none).format(value)
+
 /** A count. @param {number} value */
 export const count = (value) => none.format(value)
 

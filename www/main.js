@@ -13,6 +13,7 @@ import { columnLabel, columnsOf } from './columns.js'
 import { Ended, Engine } from './engine.js'
 import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
+import * as cuttingPanel from './panels/cutting.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
 import * as machinePanel from './panels/machine.js'
 import * as programPanel from './panels/program.js'
@@ -402,6 +403,7 @@ const panels = [
   calibrationPanel.mount(element('calibration'), actions),
   findingsPanel.mount(element('findings'), actions),
   breakdownPanel.mount(element('breakdown'), actions),
+  cuttingPanel.mount(element('cutting'), new Engine(module)),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

@@ -26,6 +26,19 @@
  * @property {number} price  0 where there is no hourly rate
  */
 
+/** @typedef {{value: number, line: number, distance_mm: number}} CutPeak */
+/** @typedef {{force_n: CutPeak, torque_nm: CutPeak, power_w: CutPeak, removal_rate_mm3_min: CutPeak}} CutPeaks */
+
+/** What the cut of one run asks of tool and spindle. @typedef {{resolution_mm: number, programmed: CutPeaks, predicted: CutPeaks, assumptions: string}} Cutting */
+/** @typedef {{removed_mm3: number, peak_power_w: CutPeak, peak_force_n: CutPeak}} CutOfOperation */
+
+/**
+ * A prediction with one run, and the loads over distance; without `cutting` there are none, and a diagnostic says why.
+ * @typedef {object} CutResult
+ * @property {{diagnostics: Diagnostic[], runs: {cutting?: Cutting, operations: (Operation & {cutting?: CutOfOperation})[]}[]}} summary
+ * @property {Record<"distance" | "programmedForce" | "predictedForce" | "programmedPower" | "predictedPower" | "programmedRate" | "predictedRate", Float64Array>} columns
+ */
+
 /** What machine functions take. @typedef {{spindle_s: number, coolant_s: number, stops_s: number, pallet_s: number, clamp_s: number, m_words_s: number, start_s: number, halts_s: number}} Functions */
 
 /**

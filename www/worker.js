@@ -1,10 +1,10 @@
 // Simulates, compares and calibrates in the background: one request in, messages out, columns transferred.
 
-import init, { Job, Runs, compareRecording } from './pkg/truefeed.js'
+import init, { Job, Runs, compareRecording, computeCutting } from './pkg/truefeed.js'
 
-/** @import { CalibrateRequest, CompareRequest, SimulateRequest } from "./engine.js" */
+/** @import { CalibrateRequest, CompareRequest, CutRequest, SimulateRequest } from "./engine.js" */
 
-const VERBS = { simulate, compare, calibrate }
+const VERBS = { simulate, compare, calibrate, cut }
 const MATCHED = /** @type {const} */ ([
   'recordedDistance',
   'recordedFeedrate',
@@ -14,6 +14,16 @@ const MATCHED = /** @type {const} */ ([
   'simulatedTime',
   'lostDistance',
   'lostSeconds',
+])
+
+const LOADS = /** @type {const} */ ([
+  'distance',
+  'programmedForce',
+  'predictedForce',
+  'programmedPower',
+  'predictedPower',
+  'programmedRate',
+  'predictedRate',
 ])
 
 self.onmessage = async ({ data: { module, verb, request } }) => {
@@ -53,6 +63,13 @@ function compare({ program, machine, dialect, recording }) {
   const { report, refusal, columns } = compareRecording(program, machine, dialect ?? undefined, recording)
   const curves = plain(columns, [...MATCHED])
   post({ type: 'compared', report, refusal, columns: curves }, Object.values(curves))
+}
+
+/** @param {CutRequest} request */
+function cut({ program, machine, dialect, tolerance, job }) {
+  const { summary, columns } = computeCutting(program, machine, dialect ?? undefined, tolerance ?? undefined, job)
+  const loads = plain(columns, [...LOADS])
+  post({ type: 'cut', summary, columns: loads }, Object.values(loads))
 }
 
 /** @param {CalibrateRequest} request */

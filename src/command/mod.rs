@@ -1,6 +1,7 @@
 //! The commands, one module each, and what all of them do: read files, write them whole, refuse in one line.
 
 mod calibrate;
+mod cutting;
 mod diagnose;
 mod predict;
 mod probe;
@@ -45,10 +46,7 @@ pub fn dialect(parser: &mut lexopt::Parser) -> Result<Dialect, Refusal> {
 
 /// The machine of a machine file.
 pub fn machine_of(path: &Path) -> Result<Machine, Refusal> {
-    let text = String::from_utf8(bytes_of(path)?).map_err(|error| {
-        format!("{}: not UTF-8 text at byte {}", path.display(), error.utf8_error().valid_up_to())
-    })?;
-    machine_from_toml(&text).map_err(|fault| format!("{}: {fault}", path.display()))
+    machine_from_toml(&text_of(path)?).map_err(|fault| format!("{}: {fault}", path.display()))
 }
 
 /// The toolpath of a program on a machine.
@@ -66,6 +64,13 @@ pub fn bytes_of(path: &Path) -> Result<Vec<u8>, Refusal> {
         std::fs::read(path).map(|read| bytes = read)
     };
     outcome.map(|()| bytes).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// The text of a file.
+pub fn text_of(path: &Path) -> Result<String, Refusal> {
+    String::from_utf8(bytes_of(path)?).map_err(|error| {
+        format!("{}: not UTF-8 text at byte {}", path.display(), error.utf8_error().valid_up_to())
+    })
 }
 
 /// Writes beside the target first, so that there is never half a file.

@@ -12,6 +12,7 @@ use truefeed::simulation::gcode::Dialect;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::{Blending, Toolpath};
 
+use crate::command::cutting::Cut;
 use crate::command::{Refusal, dialect, machine_of, once, print, toolpath_of, value, write_whole};
 
 /// The request of `predict`.
@@ -23,6 +24,8 @@ struct Request {
     dialect: Option<Dialect>,
     json: bool,
     profile: Option<PathBuf>,
+    cutting: Option<PathBuf>,
+    forces: Option<PathBuf>,
 }
 
 /// Carries out `predict`.
@@ -33,6 +36,11 @@ pub fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     let machine = machine_of(&machine_path)?;
     let toolpath = toolpath_of(&program, request.dialect, &machine)?;
 
+    let mut cut = match &request.cutting {
+        Some(job) => Some(Cut::new(job, request.forces, &machine, &toolpath)?),
+        None if request.forces.is_some() => return Err("--forces needs --cutting JOB.toml".to_string()),
+        None => None,
+    };
     let tolerances = match request.tolerances {
         none if none.is_empty() => vec![Tolerances::Programmed],
         given => given.into_iter().map(Tolerances::One).collect(),
@@ -45,13 +53,22 @@ pub fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
             let commanded = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
             write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;
         }
+        if let Some(cut) = &mut cut {
+            cut.load(&toolpath, &Profile::new(&toolpath, &plan).samples(Resolution::CHART))?;
+        }
     }
     let programmed = programmed_time(&toolpath, &machine);
     let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy();
     if request.json {
-        print(&Prediction::new(&name, &toolpath, programmed, &quotes).to_json())
+        let prediction = Prediction::new(&name, &toolpath, programmed, &quotes);
+        let prediction = match &cut {
+            Some(cut) => cut.added_to(prediction),
+            None => prediction,
+        };
+        print(&prediction.to_json())
     } else {
-        print(&table(&name, programmed, &quotes, &toolpath))
+        let cutting = cut.map_or(String::new(), |cut| cut.text());
+        print(&(table(&name, programmed, &quotes, &toolpath) + &cutting))
     }
 }
 
@@ -62,6 +79,8 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
         match argument {
             Long("machine") => once(&mut request.machine, value(parser)?, "--machine")?,
             Long("profile") => once(&mut request.profile, value(parser)?, "--profile")?,
+            Long("cutting") => once(&mut request.cutting, value(parser)?, "--cutting")?,
+            Long("forces") => once(&mut request.forces, value(parser)?, "--forces")?,
             Long("json") => request.json = true,
             Long("dialect") => {
                 request.dialect = Some(dialect(parser)?);

@@ -20,12 +20,14 @@ mod decimate;
 mod draw;
 mod error_panel;
 mod feed_panel;
+mod loads;
 mod lost_panel;
 mod panel;
 mod theme;
 mod view;
 
 pub use draw::draw;
+pub use loads::{LoadChart, LoadCurves, draw_loads};
 pub use theme::{PALETTE, Theme};
 pub use view::{Frame, View};
 

@@ -7,6 +7,8 @@
 mod calibrated_view;
 mod causes;
 mod comparison;
+mod cutting_file;
+mod cutting_results;
 mod diagnosis;
 mod form;
 mod machine_file;
@@ -14,6 +16,8 @@ mod results;
 
 pub use calibrated_view::CalibrationReport;
 pub use comparison::{ComparisonReport, Refusal, lost_label};
+pub use cutting_file::{EXAMPLE_CUTTING, cutting_from_toml};
+pub use cutting_results::{cutting_refusal, cutting_remarks, cutting_table, loads_csv};
 pub use diagnosis::{DiagnosisReport, extended};
 pub use form::{dialects, faults_to_json, form, machine_from_form};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};

@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use crate::cutting::{CuttingError, Engagement, Loads};
+use crate::project::cutting_results::{Cutting, OfOperation, cutting_refusal, cutting_remarks};
 use crate::quote::{self, OperationShare, Quote, Share, ToolShare};
 use crate::simulation::contour::Region;
 use crate::simulation::feed::Held;
@@ -42,6 +44,9 @@ struct Run {
     /// Where the contour error is above the tolerance.
     beyond_tolerance: Vec<Place>,
     price: f64,
+    /// Forces, where a cutting job is given and they can be computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cutting: Option<Cutting>,
 }
 
 /// Where one tolerance of the program holds.
@@ -121,6 +126,9 @@ struct Operation {
     name: Option<String>,
     #[serde(flatten)]
     part: Part,
+    /// As of the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cutting: Option<OfOperation>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -209,6 +217,7 @@ impl From<&OperationShare> for Operation {
             tool_name: operation.tool_name.clone(),
             name: operation.name.clone(),
             part: Part::from(share),
+            cutting: None,
         }
     }
 }
@@ -242,6 +251,7 @@ impl Prediction {
             max_contour_error_mm: quote.max_contour_error,
             beyond_tolerance: quote.beyond_tolerance.iter().map(Place::from).collect(),
             price: quote.price,
+            cutting: None,
         });
         let remarks = toolpath.diagnostics.iter().map(|diagnostic| Remark {
             line: diagnostic.line.0,
@@ -255,6 +265,42 @@ impl Prediction {
             runs: runs.collect(),
             diagnostics: remarks.collect(),
         }
+    }
+
+    /// Adds the loads of a cut by the programmed and the predicted feedrate, one pair a run, or why
+    /// there are none.
+    pub fn with_cutting(
+        mut self,
+        engagement: &Result<Engagement, CuttingError>,
+        runs: &[Result<[Loads; 2], CuttingError>],
+    ) -> Prediction {
+        let mut remarks = Vec::new();
+        match engagement {
+            Err(error) => remarks.push(cutting_refusal(error)),
+            Ok(engagement) => {
+                for (run, loads) in self.runs.iter_mut().zip(runs) {
+                    match loads {
+                        Err(error) => remarks.push(cutting_refusal(error)),
+                        Ok(loads) => {
+                            remarks.extend(cutting_remarks(engagement, loads));
+                            run.cutting = Some(Cutting::new(engagement, loads));
+                            for (operation, load) in run.operations.iter_mut().zip(&loads[1].operations) {
+                                operation.cutting = Some(OfOperation::from(load));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        // Runs of several tolerances say much the same.
+        remarks.sort();
+        remarks.dedup();
+        self.diagnostics.extend(remarks.into_iter().map(|(line, is_error, message)| Remark {
+            line,
+            severity: severity_word(if is_error { Severity::Error } else { Severity::Warning }),
+            message,
+        }));
+        self
     }
 
     /// As JSON text.

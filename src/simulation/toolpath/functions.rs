@@ -59,7 +59,7 @@ impl Tracer<'_> {
             return;
         }
         let to = Spin { speed, ..from };
-        self.functions.spin = to;
+        self.spin(to);
         if self.machine.times.spindle.ramp != 0.0 {
             self.stop(block, StopCause::Spindle { from, to, code: None });
         }
@@ -90,8 +90,17 @@ impl Tracer<'_> {
             }
             to = Spin { direction, speed: self.functions.speed.unwrap_or(0.0) };
         }
-        self.functions.spin = to;
+        self.spin(to);
         StopCause::Spindle { from, to, code: Some(code) }
+    }
+
+    /// The spindle turns like this from here on.
+    fn spin(&mut self, spin: Spin) {
+        self.functions.spin = spin;
+        let after = self.toolpath.segments.len();
+        let spins = &mut self.toolpath.spins;
+        spins.pop_if(|known| known.0 == after);
+        spins.push((after, spin));
     }
 
     /// Waits for what one of these words would have the spindle do, without the word.
@@ -110,7 +119,7 @@ impl Tracer<'_> {
             }
             _ => {
                 self.functions.tool_in_spindle = tool;
-                self.functions.spin = Spin::STANDING;
+                self.spin(Spin::STANDING);
                 StopCause::ToolChange { tool }
             }
         }

@@ -175,6 +175,9 @@ pub struct Toolpath {
     /// The path modes that the program sets, by ascending `from`, each once; before the first, and
     /// where there is none, [`Blending::Machine`].
     pub path_modes: Vec<PathMode>,
+    /// What the spindle does, and how many segments come before it, by ascending number, each once;
+    /// before the first it stands. Beside a compensated contour up to a few moves early.
+    pub spins: Vec<(usize, Spin)>,
     /// What was left out or assumed, of reading and tracing together, in line order.
     pub diagnostics: Vec<Diagnostic>,
 }

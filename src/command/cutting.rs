@@ -1,0 +1,69 @@
+//! What `predict` adds with `--cutting`: the job, the cut, and the loads of each tolerance.
+
+use std::path::{Path, PathBuf};
+
+use truefeed::cutting::{CuttingError, Engagement, Loads, Setup, engagement, programmed_and_predicted};
+use truefeed::machine::Machine;
+use truefeed::project::{
+    Prediction, cutting_from_toml, cutting_refusal, cutting_remarks, cutting_table, loads_csv,
+};
+use truefeed::simulation::profile::Samples;
+use truefeed::simulation::toolpath::Toolpath;
+
+use crate::command::{Refusal, text_of, write_whole};
+
+/// A cut along a toolpath, and its loads so far, one for each tolerance.
+pub struct Cut {
+    setup: Setup,
+    engagement: Result<Engagement, CuttingError>,
+    loads: Vec<Result<[Loads; 2], CuttingError>>,
+    forces: Option<PathBuf>,
+}
+
+impl Cut {
+    /// The cut of a job; `forces` is where the loads of the first tolerance are written to.
+    pub fn new(
+        job: &Path,
+        forces: Option<PathBuf>,
+        machine: &Machine,
+        toolpath: &Toolpath,
+    ) -> Result<Cut, Refusal> {
+        let setup = cutting_from_toml(&text_of(job)?, machine);
+        let setup = setup.map_err(|fault| format!("{}: {fault}", job.display()))?;
+        let engagement = engagement(toolpath, &setup);
+        Ok(Cut { setup, engagement, loads: Vec::new(), forces })
+    }
+
+    /// Adds the loads of a tolerance by its profile.
+    pub fn load(&mut self, toolpath: &Toolpath, samples: &Samples) -> Result<(), Refusal> {
+        let Ok(engagement) = &self.engagement else { return Ok(()) };
+        let both = programmed_and_predicted(engagement, toolpath, &self.setup, samples);
+        if let (true, Some(path), Ok(both)) = (self.loads.is_empty(), &self.forces, &both) {
+            write_whole(path, &loads_csv(engagement, both))?;
+        }
+        self.loads.push(both);
+        Ok(())
+    }
+
+    /// A prediction with all that was computed.
+    pub fn added_to(&self, prediction: Prediction) -> Prediction {
+        prediction.with_cutting(&self.engagement, &self.loads)
+    }
+
+    /// Peaks of the first tolerance and remarks, for people.
+    pub fn text(&self) -> String {
+        let line = |(line, is_error, text): (u32, bool, String)| {
+            let severity = if is_error { "error" } else { "warning" };
+            let place = if line == 0 { String::new() } else { format!("line {line}: ") };
+            format!("\n{severity}: {place}{text}")
+        };
+        match (&self.engagement, self.loads.first()) {
+            (Err(error), _) | (_, Some(Err(error))) => line(cutting_refusal(error)),
+            (Ok(engagement), Some(Ok(both))) => {
+                let remarks: String = cutting_remarks(engagement, both).into_iter().map(line).collect();
+                format!("\n{}{remarks}", cutting_table(both))
+            }
+            (Ok(_), None) => String::new(),
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! Toolpath → engagement: where along the path the teeth are in the material, and what is removed.
+//!
+//! The mill is run along the programmed path over the height map. At each place its circumference
+//! is asked where it stands in material, over the half that moves forward:
+//!
+//! ```text
+//!             feed t          φ = 0 beside the tool where its teeth move with the feed (M3: left),
+//!              ↑  φ = π/2     π/2 in front, π on the other side; a tooth runs from 0 to π, and
+//!          .---+---.          the chip is f sin φ thick. Material in 0 … π/2 alone is cut
+//!  φ = 0  (    +    )  φ = π  conventionally, in π/2 … π alone climbing.
+//! ```
+//!
+//! A sector is a range of φ with the depth of material above the tip of the tool. The map lags a few
+//! cells behind the tool, so that what is cut just there still stands; within ten degrees of either
+//! side, where a chip is less than a fifth of the feed thick and a cell says little, the sector next
+//! to it goes on. Angles are known to a few a/R (a side of a cell, R radius), radial depth to a few
+//! cells.
+//!
+//! Left out: cutting by the bottom when the tool goes straight down (its volume counts), the shape
+//! of a rounded corner of the tool in the sectors, and the deviation of the real path from the
+//! programmed one, which is within the contour tolerance.
+
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use crate::cutting::setup::{CuttingError, Mill, Setup};
+use crate::cutting::stock::HeightMap;
+use crate::machine::Direction;
+use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Toolpath, Vector};
+
+/// Teeth in material between two angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sector {
+    /// Where a tooth enters, rad, 0 to π.
+    pub entry: f64,
+    /// Where it leaves, rad, above `entry`, at most π.
+    pub exit: f64,
+    /// Depth of the material above the tip, mm.
+    pub depth: f64,
+}
+
+/// A place on the path where material is cut.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Distance along the programmed path, mm: the middle of the stretch it stands for.
+    pub distance: f64,
+    /// Length of that stretch, mm.
+    pub length: f64,
+    /// Its segment.
+    pub segment: usize,
+    /// Line of the program.
+    pub line: u32,
+    /// Volume removed on the stretch, mm³.
+    pub removed: f64,
+    /// Share of the motion that is level, 0 straight down to 1.
+    pub level: f64,
+    /// Which sectors are its own.
+    sectors: Range<usize>,
+}
+
+/// A rapid move through material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collision {
+    /// Its segment.
+    pub segment: usize,
+    /// Line of the program.
+    pub line: u32,
+    /// Where it begins along the path, mm.
+    pub distance: f64,
+    /// Volume it went through, mm³.
+    pub removed: f64,
+}
+
+/// What is cut along a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Engagement {
+    /// Where material is cut, by ascending distance; between them nothing is.
+    pub places: Vec<Place>,
+    /// Rapid moves through material, in order.
+    pub collisions: Vec<Collision>,
+    /// Side of a cell, mm.
+    pub resolution: f64,
+    /// The material that is left.
+    pub rest: HeightMap,
+    sectors: Vec<Sector>,
+}
+
+impl Engagement {
+    /// The sectors of a place, by ascending angle.
+    pub fn sectors(&self, place: &Place) -> &[Sector] {
+        &self.sectors[place.sectors.clone()]
+    }
+
+    /// Largest depth along the axis at a place, mm.
+    pub fn axial(&self, place: &Place) -> f64 {
+        self.sectors(place).iter().map(|sector| sector.depth).fold(0.0, f64::max)
+    }
+
+    /// Width across the feed that is in material at a place, mm, given the tool's radius (mm).
+    pub fn radial(&self, place: &Place, radius: f64) -> f64 {
+        self.sectors(place).iter().map(|sector| radius * (sector.entry.cos() - sector.exit.cos())).sum()
+    }
+}
+
+/// How far the map lags behind the tool, cells.
+const LAG: f64 = 4.0;
+
+/// A tool is asked at least so often on its way over its own radius.
+const PLACES_A_RADIUS: f64 = 25.0;
+
+/// Stretches of a path at most; more would fill the memory of a browser.
+const MOST_STRETCHES: f64 = 3e6;
+
+/// Depths within this part of a cell are one.
+const SAME_DEPTH: f64 = 0.25;
+
+/// A step of the tool that has not reached the map yet.
+struct Step {
+    position: Point,
+    distance: f64,
+    owner: Owner,
+}
+
+/// What a removed volume belongs to.
+#[derive(Clone, Copy)]
+enum Owner {
+    Place(usize),
+    Rapid { segment: usize, line: u32, distance: f64 },
+}
+
+/// The run of one tool after the other over the map.
+struct Run<'a> {
+    engagement: Engagement,
+    mill: &'a Mill,
+    waiting: VecDeque<Step>,
+    /// Where the same mill cut last.
+    last: Option<Point>,
+    /// Stretches run so far.
+    stretches: f64,
+}
+
+/// What is cut along a toolpath.
+pub fn engagement(toolpath: &Toolpath, setup: &Setup) -> Result<Engagement, CuttingError> {
+    let stock = setup.stock.as_ref().ok_or(CuttingError::NoStock)?;
+    let map = HeightMap::new(stock, setup.resolution(stock))?;
+    let turn = toolpath.segments.iter().find(|segment| segment.rotation != Vector::zeros());
+    let turn = turn.map(|segment| segment.line).or_else(|| {
+        let is_rotary = |cause: &StopCause| matches!(cause, StopCause::Rotary { .. });
+        toolpath.stops.iter().find(|stop| is_rotary(&stop.cause)).map(|stop| stop.line)
+    });
+    if let Some(line) = turn {
+        return Err(CuttingError::Rotary { line: line.0 });
+    }
+    let none = Mill::default();
+    let mut run = Run {
+        engagement: Engagement {
+            places: Vec::new(),
+            collisions: Vec::new(),
+            resolution: map.resolution(),
+            rest: map,
+            sectors: Vec::new(),
+        },
+        mill: &none,
+        waiting: VecDeque::new(),
+        last: None,
+        stretches: 0.0,
+    };
+    let mut operations = toolpath.operations.iter().peekable();
+    let mut spins = toolpath.spins.iter().peekable();
+    let (mut tool, mut mirrored, mut is_new) = (None, false, true);
+    let mut distance = 0.0;
+    for (index, segment) in toolpath.segments.iter().enumerate() {
+        while let Some(operation) = operations.next_if(|operation| operation.first_segment <= index) {
+            (tool, is_new) = (operation.tool, is_new || operation.tool != tool);
+        }
+        while let Some((_, spin)) = spins.next_if(|(first, _)| *first <= index) {
+            mirrored = spin.direction == Direction::Counterclockwise;
+        }
+        // The way there may be run before there is a tool: only what cuts or feeds needs one.
+        if is_new {
+            let mill = setup.mill(tool, segment.line.0);
+            match (mill, segment.motion) {
+                (Ok(mill), _) => {
+                    run.change(mill);
+                    is_new = false;
+                }
+                (Err(_), Motion::Rapid) => {
+                    distance += segment.length;
+                    continue;
+                }
+                (Err(error), Motion::Feed { .. }) => return Err(error),
+            }
+        }
+        run.segment(index, segment, distance, mirrored)?;
+        distance += segment.length;
+    }
+    run.cut_up_to(f64::INFINITY);
+    let mut engagement = run.engagement;
+    engagement.places.retain(|place| 0.0 < place.removed || !place.sectors.is_empty());
+    Ok(engagement)
+}
+
+impl<'a> Run<'a> {
+    fn change(&mut self, mill: &'a Mill) {
+        self.cut_up_to(f64::INFINITY);
+        (self.mill, self.last) = (mill, None);
+    }
+
+    /// Runs along a segment that begins at `distance` (mm).
+    fn segment(
+        &mut self,
+        index: usize,
+        segment: &Segment,
+        distance: f64,
+        mirrored: bool,
+    ) -> Result<(), CuttingError> {
+        let (radius, resolution) = (self.mill.radius(), self.engagement.resolution);
+        let reach = match segment.curve {
+            Curve::Line => self.engagement.rest.reach(radius, segment.start, segment.end),
+            Curve::Arc(_) => Some((0.0, 1.0)),
+        };
+        let Some((from, to)) = reach else {
+            self.cut_up_to(f64::INFINITY);
+            self.last = None;
+            return Ok(());
+        };
+        if 0.0 < from {
+            self.cut_up_to(f64::INFINITY);
+            self.last = None;
+        }
+        let way = (to - from) * segment.length;
+        let spacing = resolution.max(radius / PLACES_A_RADIUS);
+        let stretches = (way / spacing).ceil().max(1.0);
+        self.stretches += stretches;
+        if MOST_STRETCHES < self.stretches {
+            return Err(CuttingError::TooLong { resolution, line: segment.line.0 });
+        }
+        let length = way / stretches;
+        let steps = (length / resolution).ceil().max(1.0);
+        for stretch in 0..stretches as usize {
+            let start = from * segment.length + stretch as f64 * length;
+            let middle = start + 0.5 * length;
+            let owner = match segment.motion {
+                Motion::Rapid => Owner::Rapid { segment: index, line: segment.line.0, distance },
+                Motion::Feed { .. } => {
+                    self.cut_up_to(distance + middle - LAG * resolution);
+                    self.place(index, segment, middle, distance + middle, length, mirrored)
+                }
+            };
+            for step in 1..=steps as usize {
+                let s = start + length * step as f64 / steps;
+                self.waiting.push_back(Step { position: segment.point(s), distance: distance + s, owner });
+            }
+        }
+        if segment.motion == Motion::Rapid || to < 1.0 {
+            self.cut_up_to(f64::INFINITY);
+        }
+        if to < 1.0 {
+            self.last = None;
+        }
+        Ok(())
+    }
+
+    /// Brings the map up to a distance, mm.
+    fn cut_up_to(&mut self, distance: f64) {
+        while let Some(step) = self.waiting.pop_front_if(|step| step.distance <= distance) {
+            let removed = self.engagement.rest.cut(self.mill, self.last, step.position);
+            self.last = Some(step.position);
+            match step.owner {
+                Owner::Place(place) => self.engagement.places[place].removed += removed,
+                Owner::Rapid { segment, line, distance } if 0.0 < removed => {
+                    match self.engagement.collisions.last_mut().filter(|last| last.segment == segment) {
+                        Some(last) => last.removed += removed,
+                        None => {
+                            self.engagement.collisions.push(Collision { segment, line, distance, removed })
+                        }
+                    }
+                }
+                Owner::Rapid { .. } => {}
+            }
+        }
+    }
+
+    /// A place in the middle of a stretch, with the sectors there.
+    fn place(
+        &mut self,
+        index: usize,
+        segment: &Segment,
+        s: f64,
+        distance: f64,
+        length: f64,
+        mirrored: bool,
+    ) -> Owner {
+        let first = self.engagement.sectors.len();
+        let tangent = segment.tangent(s);
+        let level = tangent.x.hypot(tangent.y);
+        // Along a steeper way the tool cuts with its bottom.
+        if 1e-3 < level {
+            let forward = [tangent.x / level, tangent.y / level];
+            self.sectors(segment.point(s), forward, mirrored);
+        }
+        self.engagement.places.push(Place {
+            distance,
+            length,
+            segment: index,
+            line: segment.line.0,
+            removed: 0.0,
+            level,
+            sectors: first..self.engagement.sectors.len(),
+        });
+        Owner::Place(self.engagement.places.len() - 1)
+    }
+
+    /// Finds the sectors of the tool at a point, moving `forward`.
+    fn sectors(&mut self, tip: Point, forward: [f64; 2], mirrored: bool) {
+        let (radius, resolution) = (self.mill.radius(), self.engagement.resolution);
+        let Engagement { rest, sectors, .. } = &mut self.engagement;
+        let side = if mirrored { [forward[1], -forward[0]] } else { [-forward[1], forward[0]] };
+        let bins = (PI * radius / resolution).ceil().clamp(36.0, 720.0) as usize;
+        let width = PI / bins as f64;
+        let depth_at = |bin: usize| {
+            let (sin, cos) = ((bin as f64 + 0.5) * width).sin_cos();
+            let at = |axis: usize| tip[axis] + radius * (cos * side[axis] + sin * forward[axis]);
+            rest.height(at(0), at(1)).map_or(0.0, |height| (height - tip.z).max(0.0))
+        };
+        // Nearer to the sides the layer that the map still holds is thinner than a cell.
+        let unsure = (std::f64::consts::FRAC_1_SQRT_2 / LAG).asin();
+        let unsure = ((unsure / width).ceil() as usize).min(bins / 2 - 1);
+        let depths: Vec<f64> = (0..bins).map(|bin| depth_at(bin.clamp(unsure, bins - 1 - unsure))).collect();
+        let first = sectors.len();
+        let mut count = 0.0;
+        for bin in 0..bins {
+            // A single bin is a cell at most; what its neighbours do not know is not there.
+            let (before, after) = (depths[bin.saturating_sub(1)], depths[(bin + 1).min(bins - 1)]);
+            let depth = depths[bin].clamp(before.min(after), before.max(after));
+            let (entry, exit) = (bin as f64 * width, (bin + 1) as f64 * width);
+            match sectors[first..].last_mut() {
+                Some(last)
+                    if last.exit == entry
+                        && 0.0 < depth
+                        && (last.depth - depth).abs() <= SAME_DEPTH * resolution =>
+                {
+                    last.exit = exit;
+                    last.depth += (depth - last.depth) / (count + 1.0);
+                    count += 1.0;
+                }
+                _ if 0.0 < depth => {
+                    sectors.push(Sector { entry, exit, depth });
+                    count = 1.0;
+                }
+                _ => {}
+            }
+        }
+    }
+}

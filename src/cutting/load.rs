@@ -1,0 +1,277 @@
+//! Engagement and feed → load: force, torque, power and removal rate along the path.
+//!
+//! ```text
+//! f = v / (n N)        feed per tooth: v level feedrate (mm/s), n speed (1/s), N teeth
+//! P = 2π n M           power from the mean torque M over a revolution
+//! Q = V v / L          removal rate from the volume V removed over a stretch of length L
+//! ```
+//!
+//! The same engagement is loaded with as many feedrates as wanted: the programmed one and those
+//! of the profile. Lengths in mm, times in s, forces in N, torques in N·mm, power in N·mm/s.
+
+use std::f64::consts::TAU;
+
+use crate::cutting::engagement::Engagement;
+use crate::cutting::force::Rotor;
+use crate::cutting::setup::{CuttingError, Limits, Setup};
+use crate::simulation::profile::Samples;
+use crate::simulation::toolpath::{Motion, Operation, Toolpath};
+use crate::units::SECONDS_PER_MINUTE;
+
+/// What the tool feels at a place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Largest force within a revolution, N.
+    pub force: f64,
+    /// Resultant of the mean force, N.
+    pub mean_force: f64,
+    /// Largest torque within a revolution, N·mm.
+    pub torque: f64,
+    /// Power over a revolution, N·mm/s.
+    pub power: f64,
+    /// Removal rate, mm³/s.
+    pub removal_rate: f64,
+    /// Thickest chip, mm.
+    pub chip: f64,
+}
+
+/// The largest value of something, and where.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// The value, in the unit of what it is of.
+    pub value: f64,
+    /// Line of the program.
+    pub line: u32,
+    /// Distance along the path, mm.
+    pub distance: f64,
+}
+
+/// What an operation asks of tool and spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OperationLoad {
+    /// Volume removed, mm³, that of rapids included.
+    pub removed: f64,
+    /// Largest force, N.
+    pub force: Peak,
+    /// Largest power, N·mm/s.
+    pub power: Peak,
+}
+
+/// What can be exceeded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Limit {
+    /// Force on the tool, N.
+    ToolForce,
+    /// Torque on the tool, N·mm.
+    ToolTorque,
+    /// Power through the tool, N·mm/s.
+    ToolPower,
+    /// Force on the spindle, N.
+    SpindleForce,
+    /// Torque of the spindle, N·mm.
+    SpindleTorque,
+    /// Power of the spindle, N·mm/s.
+    SpindlePower,
+}
+
+/// A stretch of the path on which a limit is exceeded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exceeded {
+    /// Which.
+    pub limit: Limit,
+    /// Its value.
+    pub allowed: f64,
+    /// Where it is exceeded most, and by what.
+    pub peak: Peak,
+    /// Least and greatest line.
+    pub lines: (u32, u32),
+}
+
+/// The load along a path at one feedrate for each place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loads {
+    /// At each place of the engagement.
+    pub at: Vec<Load>,
+    /// Largest force, N.
+    pub force: Peak,
+    /// Largest torque, N·mm.
+    pub torque: Peak,
+    /// Largest power, N·mm/s.
+    pub power: Peak,
+    /// Largest removal rate, mm³/s.
+    pub removal_rate: Peak,
+    /// By operation, in the order they are run.
+    pub operations: Vec<OperationLoad>,
+    /// Where limits are exceeded, by limit and distance.
+    pub exceeded: Vec<Exceeded>,
+}
+
+impl Peak {
+    fn rise(&mut self, other: Peak) {
+        if self.value < other.value {
+            *self = other;
+        }
+    }
+}
+
+/// Programmed feedrate at each place, mm/s.
+pub fn programmed_feedrates(engagement: &Engagement, toolpath: &Toolpath) -> Vec<f64> {
+    let of = |segment: usize| match toolpath.segments[segment].motion {
+        Motion::Feed { feedrate } => feedrate,
+        Motion::Rapid => 0.0,
+    };
+    engagement.places.iter().map(|place| of(place.segment)).collect()
+}
+
+impl Samples {
+    /// Feedrate at each place, mm/s, between the rows in a straight line over distance.
+    pub fn feedrates_at(&self, engagement: &Engagement) -> Vec<f64> {
+        let mut row = 0;
+        let feedrate = |distance: f64| {
+            while row + 1 < self.distance.len() && self.distance[row + 1] < distance {
+                row += 1;
+            }
+            let (Some(&before), Some(&after)) = (self.distance.get(row), self.distance.get(row + 1)) else {
+                return 0.0;
+            };
+            let share =
+                if before < after { ((distance - before) / (after - before)).clamp(0.0, 1.0) } else { 1.0 };
+            self.feedrate[row] + share * (self.feedrate[row + 1] - self.feedrate[row])
+        };
+        engagement.places.iter().map(|place| place.distance).map(feedrate).collect()
+    }
+}
+
+/// The loads by the programmed feedrate and by that of a profile.
+pub fn programmed_and_predicted(
+    engagement: &Engagement,
+    toolpath: &Toolpath,
+    setup: &Setup,
+    samples: &Samples,
+) -> Result<[Loads; 2], CuttingError> {
+    let (programmed, predicted) =
+        (programmed_feedrates(engagement, toolpath), samples.feedrates_at(engagement));
+    let both = loads(engagement, toolpath, setup, &[&programmed, &predicted])?;
+    Ok(both.try_into().expect("two lists of feedrates give two loads"))
+}
+
+/// The loads at each list of feedrates (mm/s, one a place).
+pub fn loads(
+    engagement: &Engagement,
+    toolpath: &Toolpath,
+    setup: &Setup,
+    feedrates: &[&[f64]],
+) -> Result<Vec<Loads>, CuttingError> {
+    let coefficients = setup.coefficients.ok_or(CuttingError::NoMaterial)?;
+    let whole = [Operation::default()];
+    let operations = if toolpath.operations.is_empty() { &whole[..] } else { &toolpath.operations };
+    let blank = Loads { operations: vec![OperationLoad::default(); operations.len()], ..Loads::default() };
+    let mut all = vec![blank; feedrates.len()];
+    let operation_of = |segment: usize| {
+        operations.partition_point(|operation| operation.first_segment <= segment).max(1) - 1
+    };
+    let mut watches = vec![Watch::default(); feedrates.len()];
+    for (index, place) in engagement.places.iter().enumerate() {
+        let operation = operation_of(place.segment);
+        let mill = setup.mill(operations[operation].tool, place.line)?;
+        let speed = spindle_speed(toolpath, setup, place.segment)
+            .ok_or(CuttingError::NoSpindleSpeed { line: place.line })?;
+        let Some(rotor) = Rotor::new(mill, coefficients) else {
+            let tool = operations[operation].tool;
+            return Err(CuttingError::NoDiameter { tool, line: place.line });
+        };
+        let turns = speed / SECONDS_PER_MINUTE;
+        let per_tooth = place.level / (turns * f64::from(rotor.teeth));
+        let feeds: Vec<f64> = feedrates.iter().map(|feedrates| feedrates[index] * per_tooth).collect();
+        let forces = rotor.forces(engagement.sectors(place), &feeds);
+        for (((loads, watch), force), feedrates) in
+            all.iter_mut().zip(&mut watches).zip(forces).zip(feedrates)
+        {
+            let [x, y, z] = force.mean;
+            let load = Load {
+                force: force.peak,
+                mean_force: x.hypot(y).hypot(z),
+                torque: force.peak_torque,
+                power: TAU * turns * force.mean_torque,
+                removal_rate: place.removed * feedrates[index] / place.length,
+                chip: force.chip,
+            };
+            let peak = |value: f64| Peak { value, line: place.line, distance: place.distance };
+            loads.force.rise(peak(load.force));
+            loads.torque.rise(peak(load.torque));
+            loads.power.rise(peak(load.power));
+            loads.removal_rate.rise(peak(load.removal_rate));
+            let own = &mut loads.operations[operation];
+            own.removed += place.removed;
+            own.force.rise(peak(load.force));
+            own.power.rise(peak(load.power));
+            watch.pass(&load, &mill.limits, &setup.spindle, peak, &mut loads.exceeded);
+            loads.at.push(load);
+        }
+    }
+    for loads in &mut all {
+        for collision in &engagement.collisions {
+            loads.operations[operation_of(collision.segment)].removed += collision.removed;
+        }
+        loads
+            .exceeded
+            .sort_by(|a, b| a.limit.cmp(&b.limit).then(a.peak.distance.total_cmp(&b.peak.distance)));
+    }
+    Ok(all)
+}
+
+/// Speed of the spindle on a segment, rpm, by the program or else by the set-up.
+fn spindle_speed(toolpath: &Toolpath, setup: &Setup, segment: usize) -> Option<f64> {
+    let before = toolpath.spins.partition_point(|(first, _)| *first <= segment);
+    let programmed = before.checked_sub(1).map(|last| toolpath.spins[last].1.speed);
+    programmed.filter(|speed| 0.0 < *speed).or(setup.spindle_speed).filter(|speed| 0.0 < *speed)
+}
+
+/// Which stretch beyond each limit is open: the distance of the last place beyond it (mm) and its entry.
+#[derive(Clone, Copy, Debug, Default)]
+struct Watch {
+    open: [Option<(f64, usize)>; 6],
+}
+
+impl Watch {
+    /// Opens, extends or closes the stretches beyond the limits at a place.
+    fn pass(
+        &mut self,
+        load: &Load,
+        tool: &Limits,
+        spindle: &Limits,
+        peak: impl Fn(f64) -> Peak,
+        exceeded: &mut Vec<Exceeded>,
+    ) {
+        let watched = [
+            (Limit::ToolForce, load.force, tool.force),
+            (Limit::ToolTorque, load.torque, tool.torque),
+            (Limit::ToolPower, load.power, tool.power),
+            (Limit::SpindleForce, load.force, spindle.force),
+            (Limit::SpindleTorque, load.torque, spindle.torque),
+            (Limit::SpindlePower, load.power, spindle.power),
+        ];
+        for (open, (limit, value, allowed)) in self.open.iter_mut().zip(watched) {
+            if value <= allowed {
+                continue;
+            }
+            let peak = peak(value);
+            match *open {
+                // A dip between two exceedings is not worth a second entry.
+                Some((last, entry)) if peak.distance - last <= CLOSE => {
+                    let entry = &mut exceeded[entry];
+                    entry.peak.rise(peak);
+                    entry.lines = (entry.lines.0.min(peak.line), entry.lines.1.max(peak.line));
+                    *open = open.map(|(_, entry)| (peak.distance, entry));
+                }
+                _ => {
+                    *open = Some((peak.distance, exceeded.len()));
+                    exceeded.push(Exceeded { limit, allowed, peak, lines: (peak.line, peak.line) });
+                }
+            }
+        }
+    }
+}
+
+/// Way between two exceedings that count as one, mm.
+const CLOSE: f64 = 10.0;

@@ -1,0 +1,191 @@
+//! The chart of cutting loads over distance: force (N), power (W) and removal rate (cm³/min), one
+//! panel each, by the programmed and by the predicted feedrate.
+//!
+//! Between the places of an engagement nothing is cut, and the curves lie at 0. The abscissa is that
+//! of the chart of feedrates, so that both can be looked at over the same distances.
+
+use plotters::prelude::*;
+
+use crate::cutting::{Engagement, Load, Loads};
+use crate::plot::Theme;
+use crate::plot::View;
+use crate::plot::decimate::{clipped, decimated};
+use crate::plot::draw::Failure;
+use crate::plot::panel::{Axes, Look, borders, grouped};
+use crate::units::{mm_per_min, watts_of_n_mm_per_s};
+
+/// Room above the largest value, as a part of it.
+const HEADROOM: f64 = 0.08;
+
+/// Cubic millimetres in a cubic centimetre.
+const MM3_PER_CM3: f64 = 1000.0;
+
+/// One quantity by both feedrates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadCurves {
+    /// By the programmed feedrate.
+    pub programmed: Vec<f64>,
+    /// By the predicted one.
+    pub predicted: Vec<f64>,
+}
+
+/// Everything the chart shows, in columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadChart {
+    /// Distance along the programmed path, mm, ascending.
+    pub distance: Vec<f64>,
+    /// Largest force within a revolution, N.
+    pub force: LoadCurves,
+    /// Power, W.
+    pub power: LoadCurves,
+    /// Removal rate, cm³/min.
+    pub removal_rate: LoadCurves,
+}
+
+impl LoadChart {
+    /// The loads of an engagement by the programmed and the predicted feedrate.
+    pub fn of(engagement: &Engagement, [programmed, predicted]: &[Loads; 2]) -> LoadChart {
+        let mut chart = LoadChart::default();
+        let none = Load::default();
+        let mut end = f64::NEG_INFINITY;
+        for (index, place) in engagement.places.iter().enumerate() {
+            let start = place.distance - 0.5 * place.length;
+            // A hair is rounding, more is a gap in which nothing is cut.
+            if end + 1e-6 < start {
+                if end.is_finite() {
+                    chart.push(end, [&none, &none]);
+                }
+                chart.push(start, [&none, &none]);
+            }
+            chart.push(place.distance, [&programmed.at[index], &predicted.at[index]]);
+            end = place.distance + 0.5 * place.length;
+        }
+        if end.is_finite() {
+            chart.push(end, [&none, &none]);
+        }
+        chart
+    }
+
+    fn push(&mut self, distance: f64, [programmed, predicted]: [&Load; 2]) {
+        self.distance.push(distance);
+        for (curves, of) in [
+            (&mut self.force, (|load| load.force) as fn(&Load) -> f64),
+            (&mut self.power, |load| watts_of_n_mm_per_s(load.power)),
+            (&mut self.removal_rate, |load| mm_per_min(load.removal_rate) / MM3_PER_CM3),
+        ] {
+            curves.programmed.push(of(programmed));
+            curves.predicted.push(of(predicted));
+        }
+    }
+}
+
+/// Draws the chart between two distances (mm) over the whole of a backend.
+pub fn draw_loads<B: DrawingBackend>(
+    chart: &LoadChart,
+    distance: (f64, f64),
+    theme: &Theme,
+    scale: f64,
+    backend: B,
+) -> Result<(), Failure<B>> {
+    let root = backend.into_drawing_area();
+    root.fill(&theme.background)?;
+    let panels = [
+        (&chart.force, "Force (N)", None),
+        (&chart.power, "Power (W)", None),
+        (&chart.removal_rate, "Removal (cm³/min)", Some("Distance along the path (mm)")),
+    ];
+    let tops = panels.map(|(curves, ..)| top(&chart.distance, curves, distance));
+    let characters = tops.map(|top| grouped(top, top).chars().count());
+    let look = Look { theme: *theme, scale, label_characters: characters.into_iter().fold(5, usize::max) };
+    for ((area, (curves, title, distance_title)), top) in
+        root.split_evenly((panels.len(), 1)).iter().zip(panels).zip(tops)
+    {
+        let axes = Axes { distance, distance_title, value: (0.0, top), value_title: title };
+        let mut context = look.panel(area, &axes)?;
+        let borders = borders(&context);
+        let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
+        look.mesh(&mut context, &axes)?;
+        let lines = [
+            (&curves.programmed, theme.programmed.stroke_width(look.points(2.5))),
+            (&curves.predicted, theme.curves[0].stroke_width(look.points(1.75))),
+        ];
+        for (values, style) in lines {
+            let kept = decimated(&chart.distance, values, distance, columns);
+            let parts = clipped(&kept, View { distance, feedrate: axes.value });
+            context.draw_series(parts.into_iter().map(|part| PathElement::new(part, style)))?;
+        }
+    }
+    root.present()?;
+    Ok(())
+}
+
+/// The top of an ordinate that fits what is in sight.
+fn top(at: &[f64], curves: &LoadCurves, (low, high): (f64, f64)) -> f64 {
+    let seen = at.partition_point(|at| *at < low)..at.partition_point(|at| *at <= high);
+    let largest = |values: &[f64]| values[seen.clone()].iter().copied().fold(0.0, f64::max);
+    let largest = largest(&curves.programmed).max(largest(&curves.predicted));
+    if 0.0 < largest { largest * (1.0 + HEADROOM) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cutting::{Mill, Setup, StockBox, engagement, loads, material, programmed_feedrates};
+    use crate::machine::Machine;
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    /// Two slots with air between them, the second at half of the feedrate predicted.
+    fn chart() -> LoadChart {
+        let program = "G21 G90 G0 X-10 Y5 Z5\nZ-2\nG1 X30 F1200\nG0 Z5\nY15\nZ-2\nG1 X-10\n";
+        let toolpath = trace(&read(program.as_bytes()), &Machine::default());
+        let setup = Setup {
+            stock: Some(StockBox { min: [0.0, 0.0, -5.0], max: [20.0, 20.0, 0.0] }),
+            resolution: Some(0.2),
+            coefficients: material("al7075").map(|material| material.coefficients),
+            tool: Some(Mill { diameter: Some(6.0), teeth: Some(2), ..Mill::default() }),
+            spindle_speed: Some(8000.0),
+            ..Setup::default()
+        };
+        let cut = engagement(&toolpath, &setup).expect("all is given");
+        let programmed = programmed_feedrates(&cut, &toolpath);
+        let half: Vec<f64> = programmed.iter().map(|feedrate| 0.5 * feedrate).collect();
+        let both = loads(&cut, &toolpath, &setup, &[&programmed, &half]).expect("all is given");
+        LoadChart::of(&cut, &both.try_into().expect("two"))
+    }
+
+    #[test]
+    fn between_cuts_and_around_them_there_is_nothing() {
+        let chart = chart();
+        assert!(chart.distance.is_sorted());
+        assert_eq!((chart.force.programmed[0], chart.force.programmed.last()), (0.0, Some(&0.0)));
+        // Each slot begins and ends at 0.
+        let zeros = chart.power.programmed.iter().filter(|power| **power == 0.0).count();
+        assert!(4 <= zeros, "{zeros}");
+        for (programmed, predicted) in chart.force.programmed.iter().zip(&chart.force.predicted) {
+            assert!(*predicted <= *programmed);
+        }
+        // 6 mm × 2 mm × 1200 mm/min.
+        let middle = chart.distance.len() / 4;
+        assert!((chart.removal_rate.programmed[middle] / 14.4 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_picture_has_three_panels_with_two_curves_each() {
+        let mut svg = String::new();
+        let backend = SVGBackend::with_string(&mut svg, (800, 600));
+        draw_loads(&chart(), (0.0, 120.0), &Theme::LIGHT, 1.0, backend)
+            .expect("an SVG in memory can be drawn");
+        for title in ["Force (N)", "Power (W)", "Removal (cm³/min)", "Distance along the path (mm)"] {
+            assert_eq!(svg.matches(title).count(), 1, "{title}");
+        }
+        let hex = |color: RGBColor| format!("stroke=\"#{:02X}{:02X}{:02X}\"", color.0, color.1, color.2);
+        for color in [Theme::LIGHT.programmed, Theme::LIGHT.curves[0]] {
+            assert!(3 <= svg.matches(&hex(color)).count(), "{}", hex(color));
+        }
+        let mut empty = String::new();
+        let backend = SVGBackend::with_string(&mut empty, (800, 600));
+        draw_loads(&LoadChart::default(), (0.0, 1.0), &Theme::LIGHT, 1.0, backend)
+            .expect("nothing can be drawn");
+    }
+}

@@ -1,0 +1,249 @@
+//! Cutting forces as text: what `predict` adds where a cutting job is given.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::cutting::{Collision, CuttingError, Engagement, Exceeded, Limit, Loads, OperationLoad, Peak};
+use crate::units::{mm_per_min, n_m_of_n_mm, watts_of_n_mm_per_s};
+
+/// What the cut asks of tool and spindle at one tolerance.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Cutting {
+    /// Side of a cell of the stock.
+    resolution_mm: f64,
+    /// By the programmed feedrate.
+    programmed: Peaks,
+    /// By the predicted one.
+    predicted: Peaks,
+    /// Where the predicted feedrate exceeds limits.
+    exceeded: Vec<Beyond>,
+    /// Rapid moves through material.
+    rapids_through_stock: Vec<Rapid>,
+    /// What the numbers rest on.
+    assumptions: &'static str,
+}
+
+const ASSUMPTIONS: &str = "force is the largest resultant within a revolution, power its mean; engagement on the \
+     programmed path in a height map; linear edge force model with a stiff tool; cutting by the bottom is left out";
+
+/// Largest values.
+#[derive(Clone, Debug, Serialize)]
+struct Peaks {
+    force_n: At,
+    torque_nm: At,
+    power_w: At,
+    removal_rate_mm3_min: At,
+}
+
+/// A value and where it is.
+#[derive(Clone, Debug, Serialize)]
+struct At {
+    value: f64,
+    line: u32,
+    distance_mm: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Beyond {
+    /// tool_force, tool_torque, tool_power, spindle_force, spindle_torque or spindle_power.
+    limit: &'static str,
+    unit: &'static str,
+    allowed: f64,
+    largest: At,
+    lines: [u32; 2],
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Rapid {
+    line: u32,
+    distance_mm: f64,
+    removed_mm3: f64,
+}
+
+/// What an operation asks of tool and spindle.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct OfOperation {
+    removed_mm3: f64,
+    /// By the predicted feedrate.
+    peak_power_w: At,
+    /// By the predicted feedrate.
+    peak_force_n: At,
+}
+
+fn at(peak: &Peak, convert: impl Fn(f64) -> f64) -> At {
+    At { value: convert(peak.value), line: peak.line, distance_mm: peak.distance }
+}
+
+impl From<&Loads> for Peaks {
+    fn from(loads: &Loads) -> Peaks {
+        Peaks {
+            force_n: at(&loads.force, |force| force),
+            torque_nm: at(&loads.torque, n_m_of_n_mm),
+            power_w: at(&loads.power, watts_of_n_mm_per_s),
+            // As a feedrate over an area.
+            removal_rate_mm3_min: at(&loads.removal_rate, mm_per_min),
+        }
+    }
+}
+
+impl From<&OperationLoad> for OfOperation {
+    fn from(load: &OperationLoad) -> OfOperation {
+        OfOperation {
+            removed_mm3: load.removed,
+            peak_power_w: at(&load.power, watts_of_n_mm_per_s),
+            peak_force_n: at(&load.force, |force| force),
+        }
+    }
+}
+
+/// Word, unit, name, and how a limit is written.
+fn limit_row(limit: Limit) -> (&'static str, &'static str, &'static str, fn(f64) -> f64) {
+    let same: fn(f64) -> f64 = |force| force;
+    match limit {
+        Limit::ToolForce => ("tool_force", "N", "force on the tool", same),
+        Limit::ToolTorque => ("tool_torque", "N·m", "torque on the tool", n_m_of_n_mm),
+        Limit::ToolPower => ("tool_power", "W", "power through the tool", watts_of_n_mm_per_s),
+        Limit::SpindleForce => ("spindle_force", "N", "force on the spindle", same),
+        Limit::SpindleTorque => ("spindle_torque", "N·m", "torque of the spindle", n_m_of_n_mm),
+        Limit::SpindlePower => ("spindle_power", "W", "power of the spindle", watts_of_n_mm_per_s),
+    }
+}
+
+impl From<&Exceeded> for Beyond {
+    fn from(exceeded: &Exceeded) -> Beyond {
+        let (limit, unit, _, convert) = limit_row(exceeded.limit);
+        Beyond {
+            limit,
+            unit,
+            allowed: convert(exceeded.allowed),
+            largest: at(&exceeded.peak, convert),
+            lines: [exceeded.lines.0, exceeded.lines.1],
+        }
+    }
+}
+
+impl From<&Collision> for Rapid {
+    fn from(collision: &Collision) -> Rapid {
+        let Collision { line, distance, removed, .. } = *collision;
+        Rapid { line, distance_mm: distance, removed_mm3: removed }
+    }
+}
+
+impl Cutting {
+    /// Programmed and predicted loads of an engagement.
+    pub(super) fn new(engagement: &Engagement, [programmed, predicted]: &[Loads; 2]) -> Cutting {
+        Cutting {
+            resolution_mm: engagement.resolution,
+            programmed: Peaks::from(programmed),
+            predicted: Peaks::from(predicted),
+            exceeded: predicted.exceeded.iter().map(Beyond::from).collect(),
+            rapids_through_stock: engagement.collisions.iter().map(Rapid::from).collect(),
+            assumptions: ASSUMPTIONS,
+        }
+    }
+}
+
+/// What there is to say about a cut: line, whether it is an error, sentence.
+pub fn cutting_remarks(
+    engagement: &Engagement,
+    [programmed, predicted]: &[Loads; 2],
+) -> Vec<(u32, bool, String)> {
+    let rapids = engagement.collisions.iter().map(|collision| {
+        let text = format!("the rapid move goes through {:.1} mm³ of material", collision.removed);
+        (collision.line, true, text)
+    });
+    let beyond = predicted.exceeded.chunk_by(|a, b| a.limit == b.limit).map(|all| {
+        let (_, unit, name, convert) = limit_row(all[0].limit);
+        let worst = all.iter().max_by(|a, b| a.peak.value.total_cmp(&b.peak.value)).expect("a chunk has one");
+        let places = if all.len() == 1 { String::new() } else { format!(", in {} places", all.len()) };
+        let text = format!(
+            "{name} reaches {} {unit}, {} are allowed{places}",
+            short(convert(worst.peak.value)),
+            short(convert(worst.allowed)),
+        );
+        (worst.peak.line, false, text)
+    });
+    // Where only the programmed feed would be too much, the machine's slowness keeps the tool.
+    let spared = programmed.exceeded.chunk_by(|a, b| a.limit == b.limit).filter_map(|all| {
+        let is_met = !predicted.exceeded.iter().any(|beyond| beyond.limit == all[0].limit);
+        let (_, unit, name, convert) = limit_row(all[0].limit);
+        let text = format!(
+            "{name} would reach {} {unit} at the programmed feedrate, {} are allowed; the machine runs slower here",
+            short(convert(all[0].peak.value)),
+            short(convert(all[0].allowed)),
+        );
+        is_met.then_some((all[0].peak.line, false, text))
+    });
+    rapids.chain(beyond).chain(spared).collect()
+}
+
+/// A number in about three figures.
+fn short(value: f64) -> String {
+    if value.abs() < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") }
+}
+
+/// Why there are no forces, as a remark.
+pub fn cutting_refusal(error: &CuttingError) -> (u32, bool, String) {
+    (error.line(), false, error.to_string())
+}
+
+/// Peaks of both feedrates for people.
+pub fn cutting_table([programmed, predicted]: &[Loads; 2]) -> String {
+    let mut text =
+        "cutting, largest   force N    line   torque N·m    power W    line   removal cm³/min".to_string();
+    for (name, loads) in [("programmed feed", programmed), ("predicted feed", predicted)] {
+        write!(
+            text,
+            "\n{name:16} {:9.1} {:7} {:12.3} {:10.1} {:7} {:17.2}",
+            loads.force.value,
+            loads.force.line,
+            n_m_of_n_mm(loads.torque.value),
+            watts_of_n_mm_per_s(loads.power.value),
+            loads.power.line,
+            1e-3 * mm_per_min(loads.removal_rate.value),
+        )
+        .expect("writing to a string cannot fail");
+    }
+    text
+}
+
+/// Loads along the path as CSV, one row a place where material is cut.
+pub fn loads_csv(engagement: &Engagement, both: &[Loads; 2]) -> String {
+    let mut csv = String::from("distance_mm,line,axial_mm,entry_deg,exit_deg,removed_mm3");
+    for feed in ["programmed", "predicted"] {
+        for column in ["force_n", "torque_nm", "power_w", "removal_rate_mm3_min", "chip_mm"] {
+            write!(csv, ",{feed}_{column}").expect("writing to a string cannot fail");
+        }
+    }
+    for (index, place) in engagement.places.iter().enumerate() {
+        let sectors = engagement.sectors(place);
+        let entry = sectors.first().map_or(0.0, |sector| sector.entry);
+        let exit = sectors.last().map_or(0.0, |sector| sector.exit);
+        write!(
+            csv,
+            "\n{:.4},{},{:.4},{:.2},{:.2},{:.5}",
+            place.distance,
+            place.line,
+            engagement.axial(place),
+            entry.to_degrees(),
+            exit.to_degrees(),
+            place.removed
+        )
+        .expect("writing to a string cannot fail");
+        for load in both.iter().map(|loads| &loads.at[index]) {
+            write!(
+                csv,
+                ",{:.3},{:.5},{:.3},{:.2},{:.6}",
+                load.force,
+                n_m_of_n_mm(load.torque),
+                watts_of_n_mm_per_s(load.power),
+                mm_per_min(load.removal_rate),
+                load.chip
+            )
+            .expect("writing to a string cannot fail");
+        }
+    }
+    csv.push('\n');
+    csv
+}

@@ -1,0 +1,153 @@
+//! Cutting forces for the page: computed in the worker, drawn on a canvas of their own.
+
+use plotters_canvas::CanvasBackend;
+use wasm_bindgen::prelude::*;
+use web_sys::HtmlCanvasElement;
+
+use crate::cutting::{engagement, programmed_and_predicted};
+use crate::plot::{LoadChart, LoadCurves, Theme, draw_loads};
+use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from_form};
+use crate::quote::{programmed_time, quote};
+use crate::simulation::contour::plan_within;
+use crate::simulation::feed::Tolerances;
+use crate::simulation::gcode::{Dialect, Options, read_with};
+use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::toolpath::trace;
+use crate::web::job::object;
+
+/// A cutting job to begin with, as text.
+#[wasm_bindgen(js_name = exampleCutting)]
+pub fn example_cutting() -> String {
+    crate::project::EXAMPLE_CUTTING.to_string()
+}
+
+/// What a cut asks of tool and spindle.
+#[wasm_bindgen(getter_with_clone)]
+pub struct Cut {
+    /// A prediction with one run.
+    pub summary: JsValue,
+    /// The loads along the path; empty where there are none.
+    pub columns: LoadColumns,
+}
+
+/// Loads over distance, by the programmed and by the predicted feedrate.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone, Default)]
+pub struct LoadColumns {
+    /// Distance along the path, mm.
+    pub distance: Vec<f64>,
+    /// Force, N.
+    #[wasm_bindgen(js_name = programmedForce)]
+    pub programmed_force: Vec<f64>,
+    /// Force, N.
+    #[wasm_bindgen(js_name = predictedForce)]
+    pub predicted_force: Vec<f64>,
+    /// Power, W.
+    #[wasm_bindgen(js_name = programmedPower)]
+    pub programmed_power: Vec<f64>,
+    /// Power, W.
+    #[wasm_bindgen(js_name = predictedPower)]
+    pub predicted_power: Vec<f64>,
+    /// Removal rate, cm³/min.
+    #[wasm_bindgen(js_name = programmedRate)]
+    pub programmed_rate: Vec<f64>,
+    /// Removal rate, cm³/min.
+    #[wasm_bindgen(js_name = predictedRate)]
+    pub predicted_rate: Vec<f64>,
+}
+
+/// Cuts the stock of a job (text of a cutting job) with a program on the machine of a filled form;
+/// throws what is wrong with the job.
+#[wasm_bindgen(js_name = computeCutting)]
+pub fn compute_cutting(
+    program: &[u8],
+    machine: &str,
+    dialect: Option<String>,
+    tolerance: Option<f64>,
+    job: &str,
+) -> Result<Cut, String> {
+    let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
+    let setup = cutting_from_toml(job, &machine).map_err(|fault| fault.to_string())?;
+    let dialect = dialect.as_deref().and_then(Dialect::from_word);
+    let toolpath = trace(&read_with(program, &Options { dialect, ..Options::default() }), &machine);
+    let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
+    let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |_| {});
+    let quote = quote(&toolpath, &machine, &plan, tolerances, &errors);
+    let cut = engagement(&toolpath, &setup);
+    let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+    let loads: Vec<_> =
+        cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, &setup, &samples)).collect();
+    let columns = match (&cut, loads.first()) {
+        (Ok(cut), Some(Ok(both))) => LoadColumns::from(LoadChart::of(cut, both)),
+        _ => LoadColumns::default(),
+    };
+    let time = programmed_time(&toolpath, &machine);
+    // What there is to say about the program itself is said where it is simulated.
+    let bare = crate::simulation::toolpath::Toolpath::default();
+    let prediction = Prediction::new("", &bare, time, &[quote]).with_cutting(&cut, &loads);
+    let summary = object(&prediction).map_err(|_| "the result has no form in JavaScript".to_string())?;
+    Ok(Cut { summary, columns })
+}
+
+impl From<LoadChart> for LoadColumns {
+    fn from(chart: LoadChart) -> LoadColumns {
+        LoadColumns {
+            distance: chart.distance,
+            programmed_force: chart.force.programmed,
+            predicted_force: chart.force.predicted,
+            programmed_power: chart.power.programmed,
+            predicted_power: chart.power.predicted,
+            programmed_rate: chart.removal_rate.programmed,
+            predicted_rate: chart.removal_rate.predicted,
+        }
+    }
+}
+
+/// The chart of cutting loads on its canvas.
+#[wasm_bindgen]
+pub struct LoadPicture {
+    chart: LoadChart,
+}
+
+#[wasm_bindgen]
+impl LoadPicture {
+    /// A chart of loads; the columns are those of `LoadColumns`.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
+        distance: Vec<f64>,
+        programmed_force: Vec<f64>,
+        predicted_force: Vec<f64>,
+        programmed_power: Vec<f64>,
+        predicted_power: Vec<f64>,
+        programmed_rate: Vec<f64>,
+        predicted_rate: Vec<f64>,
+    ) -> LoadPicture {
+        let curves = |programmed, predicted| LoadCurves { programmed, predicted };
+        let chart = LoadChart {
+            distance,
+            force: curves(programmed_force, predicted_force),
+            power: curves(programmed_power, predicted_power),
+            removal_rate: curves(programmed_rate, predicted_rate),
+        };
+        LoadPicture { chart }
+    }
+
+    /// Draws all of the path on a canvas of this size in CSS pixels.
+    pub fn draw(
+        &self,
+        canvas: HtmlCanvasElement,
+        width: f64,
+        height: f64,
+        ratio: f64,
+        dark: bool,
+    ) -> Result<(), String> {
+        canvas.set_width((width * ratio).round() as u32);
+        canvas.set_height((height * ratio).round() as u32);
+        let backend = CanvasBackend::with_canvas_object(canvas).ok_or("this canvas cannot be drawn on")?;
+        let theme = if dark { Theme::DARK } else { Theme::LIGHT };
+        let ends = self.chart.distance.first().zip(self.chart.distance.last());
+        let (from, to) = ends.map_or((0.0, 1.0), |(from, to)| (*from, *to));
+        draw_loads(&self.chart, (from, to.max(from + 1e-3)), &theme, ratio, backend)
+            .map_err(|error| error.to_string())
+    }
+}
