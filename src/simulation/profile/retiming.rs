@@ -19,7 +19,7 @@
 //! make it, runs straight, and ends where it meets the filtered motion; with filters of no length it
 //! is a trapezoid. The path, and with it the contour error, is that of the filters.
 //!
-//! Samples lie a 48th of the filter delay apart while the filtered motion changes, and nowhere else:
+//! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered motion changes, and nowhere else:
 //! where it is constant the ramps are straight, and their ends are put in exactly. The work is linear in
 //! the number of pulses. Limits: N counts with its magnitude, which takes a little too much where
 //! turning and braking would push an axis opposite ways; rotary axes are left out.
@@ -32,8 +32,11 @@ use crate::simulation::feed::{FeedPlan, Knot, Retiming, Stretch, retiming, runni
 use crate::simulation::profile::{Dynamics, Motion, Profile, State};
 use crate::simulation::toolpath::{Curve, Toolpath, Vector};
 
-/// Samples within one filter delay.
-const SAMPLES_PER_DELAY: f64 = 48.0;
+/// Samples within one filter delay, and at most where one of the filters is short.
+const SAMPLES_PER_DELAY: (f64, f64) = (48.0, 480.0);
+
+/// Samples within the shortest filter.
+const SAMPLES_PER_FILTER: f64 = 12.0;
 
 /// Largest angle turned on an arc between two samples, rad.
 const WIDEST_ANGLE: f64 = 0.02;
@@ -304,7 +307,9 @@ impl Motion<'_> {
 /// Where the next sample lies.
 fn next_time(motion: &Motion, time: f64) -> f64 {
     let delay = motion.filter.delay();
-    let step = time + delay / SAMPLES_PER_DELAY;
+    let shortest = motion.filter.time_constants().iter().copied().fold(delay, f64::min);
+    let (fewest, most) = SAMPLES_PER_DELAY;
+    let step = time + (shortest / SAMPLES_PER_FILTER).clamp(delay / most, delay / fewest);
     let moment = motion.moment(time);
     let pulse = &motion.pulses[moment.pulse];
     if moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
