@@ -8,7 +8,7 @@ use truefeed::simulation::toolpath::trace;
 
 /// By what part an acceleration may pass its limit where a ramp of the filters turns into one of the
 /// limit: passes judge it from sample to sample.
-const BETWEEN_SAMPLES: f64 = 0.25;
+const BETWEEN_SAMPLES: f64 = 0.4;
 
 #[test]
 fn no_axis_accelerates_beyond_its_limit() {
