@@ -22,19 +22,21 @@ pub fn known(id: &str) -> Known {
     match id {
         "axis_acceleration_limit" => of(
             |p, _, s| {
-                format!(
-                    "Axis {} accelerates at {} mm/s² at most{}.",
-                    word(p, "axis"),
-                    number(p, "a_mm_s2"),
-                    costs(s)
-                )
+                let (a, costs) = (number(p, "a_mm_s2"), costs(s));
+                match p.contains_key("planner") {
+                    true => format!(
+                        "Ramps grow with the speed step: the planner is limited in acceleration, {a} mm/s² on each axis, \
+                         and does not filter{costs}."
+                    ),
+                    false => format!("Axis {} accelerates at {a} mm/s² at most{costs}.", word(p, "axis")),
+                }
             },
             "MAX_AX_ACCEL (Siemens MD32300), maxAcceleration or MP1060 (Heidenhain), $120–$122 (grbl), MAX_ACCELERATION (LinuxCNC)",
         ),
         "path_acceleration_limit" => of(
             |p, _, s| {
                 format!(
-                    "The machine accelerates along the path at {} mm/s² at most{}.",
+                    "Ramps grow with the speed step: the machine accelerates along the path at {} mm/s² at most{}.",
                     number(p, "a_mm_s2"),
                     costs(s)
                 )

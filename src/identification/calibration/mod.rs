@@ -13,10 +13,12 @@
 //! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
 //!   the filters of feed moves unless their own are, the total delay being the first guess of each.
 
+mod planner;
 mod waits;
 
 use nalgebra::DMatrix;
 
+pub use planner::become_planner;
 pub use waits::Kind;
 
 use crate::identification::comparison::{Comparison, compare};
@@ -30,6 +32,8 @@ const UNKNOWN: f64 = 0.4;
 const BETTER_ORDER: (f64, f64) = (15.0, 0.1);
 /// By how much, and by what part, the cost must fall for filters of their own on rapid moves.
 const BETTER_RAPID: (f64, f64) = (15.0, 0.03);
+/// By what part the cost must fall for another family of controls.
+const BETTER_FAMILY: f64 = 0.3;
 /// How much slower filters of rapid moves are tried first.
 const RAPID_SLOWER: f64 = 2.0;
 /// A wait that is uncertain by more than itself and by more than this, s, counts as unknown.
@@ -121,7 +125,8 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     };
     let parameters =
         |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
-            let mut all = motion(machine, guess, order, runs);
+            let is_other = machine.interpolator.junction != guess.interpolator.junction;
+            let mut all = motion(if is_other { guess } else { machine }, guess, order, runs);
             all.extend(waits.iter().map(|(freed, value)| {
                 (freed.from(current(&freed.key, guess).unwrap_or(freed.start)), *value)
             }));
@@ -130,7 +135,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let nominal = machine.interpolator.filters;
     let mut share = Share { done: 0.0, part: 0.25, progress };
     let first = run_fit(&guess, runs, &parameters(nominal, &guess), &whiten(&guess), &mut share);
-    let whitenings = whiten(&first.machine);
+    let mut whitenings = whiten(&first.machine);
     let second = run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, &mut share);
     let mut orders = vec![(nominal, second.cost)];
     let mut best = second;
@@ -157,6 +162,16 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         let found = run_fit(&start, runs, &parameters(order, &start), &whitenings, &mut share);
         if found.cost < best.cost - BETTER_RAPID.0.max(BETTER_RAPID.1 * best.cost) {
             best = found;
+        }
+    }
+    if has_filters {
+        let start = planner::guess(machine, &best.machine, runs, &whitenings);
+        let found = run_fit(&start, runs, &parameters(1, &start), &whitenings, &mut share);
+        if found.cost < (1.0 - BETTER_FAMILY) * best.cost {
+            // At the noise that the planner leaves, which is less.
+            whitenings = whiten(&found.machine);
+            order = 1;
+            best = run_fit(&found.machine, runs, &parameters(1, &start), &whitenings, &mut share);
         }
     }
     let all = parameters(order, &best.machine);
@@ -200,7 +215,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         };
         Estimate {
             key: freed.key.clone(),
-            before: *before,
+            before: current(&freed.key, machine).unwrap_or(*before),
             value,
             deviation: (deviation.is_finite() && *verdict != Verdict::Unknown).then_some(deviation),
             verdict: *verdict,

@@ -9,7 +9,7 @@
 //! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
 //! | held out | fitted without a section, it is better there, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
-//! | size | it explains more than `SIZE` of the cycle time, and more than `LEAST` s |
+//! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
 //! Feed holds are taken in before all of them, as [`rests`] finds them: they stand for themselves.
 //!
@@ -44,6 +44,8 @@ const GAIN: f64 = 12.0;
 const SIZE: f64 = 3e-4;
 /// What a cause must explain, s.
 const LEAST: f64 = 0.015;
+/// What a further cause must explain, as a part of what those before it do.
+const BESIDE: f64 = 0.02;
 /// What a cause moves back and forth counts by this part.
 const NETTED: f64 = 0.2;
 /// A gain of this part of what is left needs no test of its place.
@@ -52,6 +54,10 @@ const LARGE: f64 = 0.5;
 const LEFT: f64 = 2e-3;
 /// Candidates whose cost is this close to the best's cannot be told from it.
 const SAME: f64 = 6.0;
+/// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
+/// known to be exactly 1.
+const BELIEVED: f64 = 6e-3;
+const SWITCHES: [&str; 3] = ["feed_override", "rapid_override", "recorder_clock"];
 /// Candidates that are refined by least squares.
 const REFINED: usize = 5;
 /// Causes named at most.
@@ -265,6 +271,7 @@ fn next_cause(
     screened.truncate(REFINED);
     let mut refined: Vec<(Candidate, Vec<Candidate>)> =
         screened.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
+    refined.retain(|(candidate, _)| !is_as_believed(candidate, base));
     refined.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
     progress(0.9);
     let (candidate, others) = refined.first()?.clone();
@@ -286,7 +293,8 @@ fn next_cause(
     let (seconds, _) = regions::acts_on(current, &with, runs);
     let moved = regions::moved(current, &with, runs);
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
-    if seconds.abs().max(NETTED * moved) < LEAST.max(SIZE * whole) {
+    let explained = regions::acts_on(base, current, runs).0.abs();
+    if seconds.abs().max(NETTED * moved) < LEAST.max(SIZE * whole).max(BESIDE * explained) {
         return None;
     }
     if gain < LARGE * candidate.cost && !gates::stays_in_place(&last, current, &with) {
@@ -313,6 +321,16 @@ fn next_cause(
     let share = held_out.as_ref().map_or(1.0, HeldOut::share);
     let confidence = (1.0 - (-(gain - price) / 20.0).exp()) * share / (1.0 + alike.len() as f64);
     Some(Found { candidate, others, alike, held_out, confidence })
+}
+
+/// Whether a setting is found at the value that the machine file has, within what a calibration is sure of.
+fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
+    let hypothesis = &candidate.hypothesis;
+    let [freed] = &hypothesis.freed[..] else { return false };
+    let believed = freed.of(machine).filter(|value| 0.0 < *value);
+    !SWITCHES.contains(&hypothesis.id)
+        && hypothesis.is_continuous
+        && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
 }
 
 /// What was named for a cause.

@@ -76,6 +76,12 @@ impl Freed {
         Some(Freed::new(key, start, bounds, scale, move |machine, value| set(machine, Some(value))))
     }
 
+    /// The value that a machine has (core units); none where it has none, or it is not under a key alone.
+    pub fn of(&self, machine: &Machine) -> Option<f64> {
+        let Access::Number { get, .. } = parameter(&self.key)?.access else { return None };
+        get(machine)
+    }
+
     /// Gives a machine the value (core units), within bounds.
     pub fn apply(&self, machine: &mut Machine, value: f64) {
         (self.set)(machine, value.clamp(self.bounds.0, self.bounds.1));

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::identification::calibration::become_planner;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
 use crate::machine::{AXES, Junction, Machine, TimeConstants};
@@ -43,9 +44,10 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     all.extend(filters(machine, &demand));
     all.push(if demand.has_tolerance { programmed_tolerance(machine) } else { tolerance(machine) });
     all.extend(junctions(machine));
+    all.extend(planners(machine));
     all.push(smoothing(machine));
     all.extend(overrides(machine, &demand));
-    all.extend(blocks());
+    all.extend(blocks(runs));
     all.push(single(
         "recorder_clock",
         Freed::number("recorder.clock_ratio", 1.0, (0.8, 1.25), Scale::Ratio),
@@ -248,7 +250,8 @@ fn smoothing(machine: &Machine) -> Option<Hypothesis> {
 fn junctions(machine: &Machine) -> Vec<Option<Hypothesis>> {
     let mut all = Vec::new();
     let mut rule = |word: &'static str, key: &'static str, trials: Vec<f64>, unit: fn(f64) -> f64| {
-        let Some(freed) = Freed::number(key, trials[0], (1e-6, 1e5), Scale::Ratio) else { return };
+        // Below the least of them every corner is a full stop, which is another cause.
+        let Some(freed) = Freed::number(key, trials[0], (0.5 * trials[0], 1e5), Scale::Ratio) else { return };
         // These laws are laws of an acceleration; without one the usual value of a machining centre.
         let needs = machine.path.acceleration.is_infinite()
             && machine.axes.iter().all(|axis| axis.acceleration.is_infinite());
@@ -269,6 +272,30 @@ fn junctions(machine: &Machine) -> Vec<Option<Hypothesis>> {
     );
     rule("axis_velocity_step", "interpolator.axis_velocity_step_mm_min", ratios(0.3, 60.0, 10), mm_per_min);
     all
+}
+
+/// Another family of controls: no filters, trapezoids within the acceleration of the axes.
+fn planners(machine: &Machine) -> Vec<Option<Hypothesis>> {
+    if machine.interpolator.junction != Junction::Tolerance {
+        return Vec::new();
+    }
+    let of = |by_axis: bool| {
+        let freed =
+            Freed::new("axis.acceleration", 500.0, (10.0, 1e5), Scale::Ratio, move |machine, value| {
+                become_planner(machine, value, by_axis);
+            });
+        let hypothesis = single("axis_acceleration_limit", Some(freed), ratios(50.0, 2e4, 14), |value| {
+            vec![
+                ("axis", Reported::Word("XYZ".to_string())),
+                ("a_mm_s2", Reported::Number(value)),
+                ("planner", Reported::Word("acceleration_blend".to_string())),
+            ]
+        });
+        let variant =
+            if by_axis { "planner of trapezoids" } else { "planner of trapezoids, rapid along the path" };
+        hypothesis.map(|hypothesis| Hypothesis { variant: variant.to_string(), ..hypothesis })
+    };
+    vec![of(true), of(false)]
 }
 
 fn overrides(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
@@ -295,7 +322,33 @@ fn overrides(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
     all
 }
 
-fn blocks() -> Vec<Option<Hypothesis>> {
+/// Parts of all blocks that are shorter than a block time that is tried, and how much longer it is than the
+/// programmed time of the longest of them.
+const SHORTER: [f64; 12] = [0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0];
+const LONGER: f64 = 1.08;
+
+/// Block times that act on more and more blocks, s; below the least of them none is shorter.
+fn block_times(runs: &[Run]) -> Vec<f64> {
+    let segments = runs.iter().flat_map(|run| &run.toolpath.segments);
+    let mut durations: Vec<f64> = segments
+        .filter_map(|segment| match segment.motion {
+            Motion::Feed { feedrate } => Some(segment.length / feedrate),
+            Motion::Rapid => None,
+        })
+        .filter(|duration| 0.0 < *duration && duration.is_finite())
+        .collect();
+    durations.sort_by(f64::total_cmp);
+    let at = |part: f64| {
+        let place = (durations.len() as f64 * part) as usize;
+        durations.get(place.min(durations.len().saturating_sub(1)))
+    };
+    let mut times: Vec<f64> =
+        SHORTER.iter().filter_map(|part| at(*part)).map(|time| (LONGER * time).clamp(1e-5, 1.0)).collect();
+    times.dedup_by(|b, a| *b < 1.01 * *a);
+    times
+}
+
+fn blocks(runs: &[Run]) -> Vec<Option<Hypothesis>> {
     let look_ahead = single(
         "look_ahead",
         Freed::number("interpolator.look_ahead_blocks", 10.0, (1.0, 1e6), Scale::Ratio),
@@ -306,7 +359,7 @@ fn blocks() -> Vec<Option<Hypothesis>> {
         single(
             "block_processing_time",
             Freed::number("interpolator.block_time_s", 0.005, (1e-5, 1.0), Scale::Ratio),
-            ratios(5e-4, 0.1, 14),
+            block_times(runs),
             |value| vec![("seconds", Reported::Number(value))],
         ),
         look_ahead.map(|hypothesis| Hypothesis { is_continuous: false, ..hypothesis }),

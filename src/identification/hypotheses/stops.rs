@@ -9,11 +9,21 @@ use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, rat
 use crate::machine::{InPosition, Machine};
 use crate::simulation::toolpath::Motion;
 
-/// Angles tried first as the least that stops, °.
-const ANGLES: [f64; 13] = [0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 130.0];
+/// Angles between which no corner turns are one, where they are closer than this, rad.
+const CLOSE: f64 = 0.01;
+/// Least angles that stop, at most so many; the widest gaps between corners first.
+const MOST_ANGLES: usize = 16;
 
 pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
-    let report: Report = Arc::new(|values| vec![("angle_deg", Reported::Number(values[0].to_degrees()))]);
+    let gaps = gaps(runs);
+    let trials = gaps.iter().map(|(low, high)| vec![0.5 * (low + high)]).collect();
+    let report: Report = Arc::new(move |values| {
+        let mut all = vec![("angle_deg", Reported::Number(values[0].to_degrees()))];
+        if let Some((low, high)) = gaps.iter().find(|(low, high)| *low <= values[0] && values[0] <= *high) {
+            all.push(("between_deg", Reported::List(vec![low.to_degrees(), high.to_degrees()])));
+        }
+        all
+    });
     let angle = Freed::number(
         "interpolator.exact_stop_angle_deg",
         std::f64::consts::PI,
@@ -26,7 +36,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
             variant: String::new(),
             trace: Trace::Time,
             freed: vec![angle],
-            trials: ANGLES.iter().map(|angle| vec![f64::to_radians(*angle)]).collect(),
+            trials,
             is_continuous: false,
             report,
         })
@@ -75,6 +85,28 @@ fn in_position(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
         });
     }
     all
+}
+
+/// Angles (rad) between which no corner of the programs turns: any least angle in one of them stops at the
+/// same corners.
+fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
+    let mut turns = vec![0.0];
+    for run in runs {
+        let segments = &run.toolpath.segments;
+        turns.extend(segments.windows(2).map(|pair| {
+            let (before, after) = (pair[0].tangent(pair[0].length), pair[1].tangent(0.0));
+            (before - after).norm().atan2((before + after).norm()) * 2.0
+        }));
+    }
+    turns.sort_by(f64::total_cmp);
+    let mut gaps: Vec<(f64, f64)> =
+        turns.windows(2).map(|pair| (pair[0], pair[1])).filter(|(low, high)| CLOSE < high - low).collect();
+    gaps.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));
+    gaps.truncate(MOST_ANGLES);
+    gaps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // At all ends of blocks, even where nothing turns.
+    gaps.insert(0, (0.0, 0.0));
+    gaps
 }
 
 /// Longer or shorter waits at one kind of stop.
