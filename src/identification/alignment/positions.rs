@@ -29,6 +29,8 @@ const FIRST_WAYS: usize = 64;
 const OFF_PATH: f64 = 60.0;
 /// Samples are thinned to at most about so many that count.
 const MOST_SAMPLES: usize = 150_000;
+/// A position that is told again for longer than this is one at which the tool stays, s.
+const STAYS: f64 = 0.1;
 /// The tool has moved when it is so many standard deviations of the noise from where it was.
 const MOVED: f64 = 6.0;
 /// With less of the way off the path it is not looked at from afar.
@@ -78,6 +80,24 @@ impl Track {
                 Point::new(at(0), at(1), at(2))
             })
             .collect();
+        let all: Vec<Point> = position;
+        // A position that is told again is not another sample; of one that stays the last tells until when.
+        let repeats = |row: usize| row != 0 && all[row] == all[row - 1];
+        let mut kept: Vec<usize> = Vec::with_capacity(all.len());
+        for row in 0..all.len() {
+            let ends = repeats(row) && (row + 1 == all.len() || !repeats(row + 1));
+            let stays = kept.last().is_some_and(|first| STAYS < time[row] - time[*first]);
+            if !repeats(row) || (ends && stays) {
+                kept.push(row);
+            }
+        }
+        let position: Vec<Point> = kept.iter().map(|row| all[*row]).collect();
+        let time: Vec<f64> = kept.iter().map(|row| time[*row]).collect();
+        if time.len() < 3 {
+            return None;
+        }
+        let columns = columns
+            .map(|column| column.map(|column| kept.iter().map(|row| column[*row]).collect::<Vec<f64>>()));
         let mut noises: Vec<f64> = columns.iter().flatten().map(|column| noise(column)).collect();
         noises.sort_by(f64::total_cmp);
         let noise = noises.last().copied().unwrap_or(0.0).max(FINEST);

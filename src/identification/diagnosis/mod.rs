@@ -52,6 +52,8 @@ const NETTED: f64 = 0.2;
 const LARGE: f64 = 0.5;
 /// What is left unexplained without a word, as a part of the cycle time.
 const LEFT: f64 = 2e-3;
+/// What is left of what there was, from which on it is not explained.
+const MUCH: f64 = 0.25;
 /// Candidates whose cost is this close to the best's cannot be told from it.
 const SAME: f64 = 6.0;
 /// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
@@ -196,7 +198,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         (true, true) => Verdict::Unknown,
         (true, false) => Verdict::NothingMissing,
         _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
-        (false, true) if 0.5 * regions::left(&before, runs) < left => Verdict::Unknown,
+        (false, true) if MUCH * regions::left(&before, runs) < left => Verdict::Unknown,
         _ => Verdict::Explained,
     };
     progress(1.0);

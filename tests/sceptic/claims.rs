@@ -1,0 +1,115 @@
+//! A diagnosis says what there is, follows what is done to the recording, and is silent where nothing is.
+
+use truefeed::identification::diagnosis::Verdict;
+use truefeed::identification::hypotheses::Reported;
+
+use crate::{Rows, diagnosed, machine, program, recorded};
+
+/// A limit of the X axis, mm/s².
+const LIMIT: f64 = 600.0;
+
+fn limited(axis: usize) -> Rows {
+    let mut truth = machine();
+    truth.axes[axis].acceleration = LIMIT;
+    recorded(&program(), &truth, 200.0)
+}
+
+/// The one cause that is named: its id, which of several, and its first value.
+fn named(rows: &[&Rows]) -> (String, String, f64, f64) {
+    let diagnosis = diagnosed(rows, &machine());
+    let ids: Vec<_> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.name()).collect();
+    assert_eq!(ids.len(), 1, "{ids:?}");
+    let cause = &diagnosis.causes[0];
+    let hypothesis = &cause.candidate.hypothesis;
+    let value = cause.candidate.values[0];
+    (hypothesis.id.to_string(), hypothesis.variant.clone(), value, cause.confidence)
+}
+
+#[test]
+fn a_match_has_no_cause() {
+    let diagnosis = diagnosed(&[&recorded(&program(), &machine(), 200.0)], &machine());
+    assert_eq!(diagnosis.verdict, Verdict::NothingMissing);
+    assert!(diagnosis.causes.is_empty());
+}
+
+#[test]
+fn the_answer_follows_the_axis_and_the_strength() {
+    for axis in [0, 1] {
+        let (id, variant, value, _) = named(&[&limited(axis)]);
+        assert_eq!((&*id, &*variant), ("axis_acceleration_limit", ["X", "Y"][axis]));
+        assert!((value / LIMIT - 1.0).abs() < 0.05, "{value} mm/s²");
+    }
+    for ratio in [0.95, 0.9] {
+        let mut truth = machine();
+        truth.overrides.feed = ratio;
+        let (id, _, value, _) = named(&[&recorded(&program(), &truth, 200.0)]);
+        assert_eq!(id, "feed_override");
+        assert!((value - ratio).abs() < 0.005, "{value}");
+    }
+}
+
+#[test]
+fn the_same_samples_again_make_nothing_more_certain() {
+    let once = limited(0);
+    let again: Rows = once
+        .iter()
+        .flat_map(|row| (0..5).map(move |copy| [row[0] + 1e-5 * f64::from(copy), row[1], row[2], row[3]]))
+        .collect();
+    let (one, other) = (diagnosed(&[&once], &machine()), diagnosed(&[&again], &machine()));
+    let first = |diagnosis: &truefeed::identification::diagnosis::Diagnosis| {
+        let cause = &diagnosis.causes[0];
+        (cause.candidate.hypothesis.id, cause.candidate.values[0], cause.candidate.deviations[0])
+    };
+    let ((id, value, deviation), (same, close, closer)) = (first(&one), first(&other));
+    assert_eq!(id, same);
+    assert!((value / close - 1.0).abs() < 0.02, "{value}, {close}");
+    assert!(0.5 * deviation < closer, "±{deviation} became ±{closer}");
+}
+
+#[test]
+fn two_runs_agree() {
+    let (slow, fast) = (
+        limited(0),
+        recorded(
+            &program(),
+            &{
+                let mut truth = machine();
+                truth.axes[0].acceleration = LIMIT;
+                truth
+            },
+            100.0,
+        ),
+    );
+    let (id, variant, value, _) = named(&[&slow, &fast]);
+    assert_eq!((&*id, &*variant), ("axis_acceleration_limit", "X"));
+    assert!((value / LIMIT - 1.0).abs() < 0.05, "{value} mm/s²");
+}
+
+#[test]
+fn values_are_reported_in_the_units_of_their_names() {
+    let diagnosis = diagnosed(&[&limited(0)], &machine());
+    let candidate = &diagnosis.causes[0].candidate;
+    let reported = (candidate.hypothesis.report)(&candidate.values);
+    assert!(reported.contains(&("axis", Reported::Word("X".to_string()))), "{reported:?}");
+    assert!(
+        reported
+            .iter()
+            .any(|(name, value)| *name == "a_mm_s2" && *value == Reported::Number(candidate.values[0]))
+    );
+}
+
+#[test]
+fn a_feed_that_comes_and_goes_is_unknown_and_located() {
+    let mut rows = recorded(&program(), &machine(), 200.0);
+    let mut late = 0.0;
+    let mut before = 0.0;
+    for row in &mut rows {
+        let time = row[0];
+        late += 0.25 * (7.0 * time).sin() * (time - before);
+        before = time;
+        row[0] += late;
+    }
+    let diagnosis = diagnosed(&[&rows], &machine());
+    assert_eq!(diagnosis.verdict, Verdict::Unknown, "{:?}", diagnosis.causes);
+    assert!(!diagnosis.regions.is_empty(), "it is located");
+}
