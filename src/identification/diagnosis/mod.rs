@@ -9,6 +9,7 @@
 //! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
 //! | held out | fitted without a section, it is better there, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
+//! | feedrate | feedrates differ no more with it than without it |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
 //! Feed holds are taken in before all of them, as [`rests`] finds them: they stand for themselves.
@@ -34,7 +35,7 @@ pub use regions::{Region, regions};
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::HeldOut;
-use crate::identification::fit::Run;
+use crate::identification::fit::{Run, Scale};
 use crate::identification::hypotheses::{Trace, library};
 use crate::machine::Machine;
 
@@ -52,6 +53,8 @@ const NETTED: f64 = 0.2;
 const LARGE: f64 = 0.5;
 /// What is left unexplained without a word, as a part of the cycle time.
 const LEFT: f64 = 2e-3;
+/// By what ratio feedrates may differ more with a cause than without it.
+const WORSE: f64 = 1.03;
 /// What is left of what there was, from which on it is not explained.
 const MUCH: f64 = 0.25;
 /// Candidates whose cost is this close to the best's cannot be told from it.
@@ -273,7 +276,16 @@ fn next_cause(
     screened.truncate(REFINED);
     let mut refined: Vec<(Candidate, Vec<Candidate>)> =
         screened.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
-    refined.retain(|(candidate, _)| !is_as_believed(candidate, base));
+    refined.retain(|(candidate, _)| !is_as_believed(candidate, base) && !is_at_bound(candidate));
+    // Times between marks can be had by speeds that nobody saw.
+    let speeds = feed_error(current, runs);
+    refined.retain(|(candidate, others)| {
+        let mut all = others.clone();
+        all.push(candidate.clone());
+        speeds
+            .zip(feed_error(&with_all(base, &all), runs))
+            .is_none_or(|(before, after)| after <= WORSE * before)
+    });
     refined.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
     progress(0.9);
     let (candidate, others) = refined.first()?.clone();
@@ -333,6 +345,23 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
     !SWITCHES.contains(&hypothesis.id)
         && hypothesis.is_continuous
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
+}
+
+/// Root mean square of recorded less simulated feedrates, mm/s; none where none are known.
+fn feed_error(machine: &Machine, runs: &[Run]) -> Option<f64> {
+    let squares: Vec<f64> =
+        compared(machine, runs).iter().filter_map(|run| run.feed).map(|feed| feed.rms * feed.rms).collect();
+    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+}
+
+/// Whether a value went as far as it may go: what it is to explain is something else.
+fn is_at_bound(candidate: &Candidate) -> bool {
+    let of = candidate.hypothesis.freed.iter().zip(&candidate.values);
+    candidate.hypothesis.is_continuous
+        && of.filter(|(freed, _)| freed.scale == Scale::Ratio).any(|(freed, value)| {
+            let (low, high) = freed.bounds;
+            *value <= low * (1.0 + BELIEVED) || high * (1.0 - BELIEVED) <= *value
+        })
 }
 
 /// What was named for a cause.

@@ -29,6 +29,8 @@ use crate::simulation::profile::Profile;
 const LEAST: f64 = 0.1;
 /// A rest is this short along the path, mm, or so many standard deviations of a position.
 const SHORT: (f64, f64) = (0.02, 6.0);
+/// From one sample to the next the machine stood if it lost this part of the time.
+const STANDS: f64 = 0.8;
 /// A block is long that is so many times as long as a rest.
 const LONG: f64 = 10.0;
 /// Rests of one run at most.
@@ -81,7 +83,9 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         while to + 1 < fixes.len() && fixes[to + 1].distance - fixes[from].distance <= short {
             to += 1;
         }
-        let is_short = fixes[to].distance - fixes[from].distance <= short;
+        // At a low rate the first sample after a rest may be far from it.
+        let stands = to == from + 1 && STANDS * (fixes[to].time - fixes[from].time) <= lost(from, to);
+        let is_short = stands || fixes[to].distance - fixes[from].distance <= short;
         if !is_short || lost(from, to) < least {
             from += 1;
             continue;
