@@ -77,8 +77,7 @@ fn separates(one: (&str, &str, f64), other: (&str, &str, f64)) {
             _ => machine(&format!("[{table}]\n{key} = {value}\n")),
         };
         let diagnosis = diagnosed(&probe.program, &believed, &truth);
-        let found: Vec<&str> =
-            diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.id).collect();
+        let found: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.id).collect();
         assert_eq!(found.first(), Some(&id), "{id} {value}: {found:?} {:?}", diagnosis.verdict);
     }
 }

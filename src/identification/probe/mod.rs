@@ -14,7 +14,7 @@
 //! time but form, positions at equal times, the common delay taken out.
 //!
 //! Snippets are taken greedily, those first that separate most a second, until every pair of variants (axes,
-//! rules), either way round, is [`ENOUGH`] apart or [`LONGEST`] s are used.
+//! rules), either way round, is [`ENOUGH`] apart and [`SHORTEST`] s are filled, or [`LONGEST`] s are used.
 //!
 //! Limits: a cause is tried at one middle strength; other parameters of the machine are taken as known.
 
@@ -35,6 +35,8 @@ pub const ENOUGH: f64 = 10.0;
 const LEAST: f64 = 5.0;
 /// The longest program for two causes, s.
 pub const LONGEST: f64 = 90.0;
+/// A shorter program is made longer: other causes and held-out stretches want motion as well, s.
+const SHORTEST: f64 = 20.0;
 /// Standard deviation of the time of a mark, s: a recorder at 500 Hz.
 pub const STAMP: f64 = 1e-3;
 
@@ -212,12 +214,11 @@ fn least(rivalries: &[Rivalry], chosen: &[usize]) -> f64 {
 fn chosen(rivalries: &[Rivalry], costs: &[f64]) -> Vec<usize> {
     // Somewhat more than enough: chords are not the curve.
     let goal = (1.5 * ENOUGH).powi(2);
-    let score = |chosen: &[usize]| -> f64 {
-        rivalries.iter().map(|rivalry| rivalry.squared(chosen).min(goal).sqrt()).sum()
-    };
+    let score =
+        |chosen: &[usize]| -> f64 { rivalries.iter().map(|rivalry| rivalry.squared(chosen).ln_1p()).sum() };
     let mut chosen: Vec<usize> = Vec::new();
     let mut used = 0.0;
-    while least(rivalries, &chosen) < goal.sqrt() {
+    while used < SHORTEST || least(rivalries, &chosen) < goal.sqrt() {
         let now = score(&chosen);
         let gain = |at: usize| {
             let mut more = chosen.clone();

@@ -212,9 +212,9 @@ pub fn rivalries(
     let curves = sides.each_ref().map(|side| {
         side.iter().map(|hypothesis| Curve::of(machine, hypothesis, &see)).collect::<Vec<Curve>>()
     });
-    let typical = curves.each_ref().map(|side| {
-        side.iter().filter_map(|curve| curve.typical(&base)).collect::<Vec<&Vec<Vec<f64>>>>()
-    });
+    let typical = curves
+        .each_ref()
+        .map(|side| side.iter().filter_map(|curve| curve.typical(&base)).collect::<Vec<&Vec<Vec<f64>>>>());
     let mut rivalries = Vec::new();
     for side in 0..2 {
         for truth in &typical[side] {
@@ -233,11 +233,7 @@ struct Curve {
 }
 
 impl Curve {
-    fn of(
-        machine: &Machine,
-        hypothesis: &Hypothesis,
-        see: &dyn Fn(&Machine) -> Vec<Vec<f64>>,
-    ) -> Curve {
+    fn of(machine: &Machine, hypothesis: &Hypothesis, see: &dyn Fn(&Machine) -> Vec<Vec<f64>>) -> Curve {
         let at = |values: &[f64]| see(&hypothesis.machine(machine, values));
         let (mut points, mut trials) = (Vec::new(), Vec::new());
         for (index, values) in hypothesis.trials.iter().enumerate() {
