@@ -119,9 +119,10 @@ fn block_time_and_look_ahead() {
     );
 }
 
+/// The diagnosis takes a form error below 10 µm for none, which a play of 20 µm does not reach.
 #[test]
 fn play_and_lag() {
-    separates(("backlash", "axis.x.backlash_mm", 0.02), ("servo_lag", "axis.x.servo_lag_s", 0.02));
+    separates(("backlash", "axis.x.backlash_mm", 0.06), ("servo_lag", "axis.x.servo_lag_s", 0.02));
 }
 
 /// Every law a program must hold on its machine.

@@ -6,7 +6,7 @@ use crate::identification::alignment::{Alignment, Mark, Method, Place, Track};
 use crate::identification::fit::{Run, Whitening, simulate};
 use crate::identification::hypotheses::Hypothesis;
 use crate::identification::probe::STAMP;
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::simulation::drive::actual_motion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::gcode::read;
@@ -30,7 +30,9 @@ const SEEN: f64 = 3.0;
 pub struct Bench {
     toolpath: Toolpath,
     alignment: Alignment,
-    plan: FeedPlan,
+    /// The machine believed in without its drives, and what it commands.
+    undriven: Machine,
+    commanded: Samples,
     whitening: Whitening,
     seconds: f64,
     /// Times at which positions are compared, s, with the velocities there, mm/s.
@@ -97,7 +99,8 @@ impl Bench {
             remarks: Vec::new(),
         };
         let whitening = Whitening::new(&alignment, WANDER);
-        Bench { toolpath, alignment, plan, whitening, seconds, instants }
+        let (undriven, commanded) = (without_drives(machine), commanded(&toolpath, &plan));
+        Bench { toolpath, alignment, undriven, commanded, whitening, seconds, instants }
     }
 
     /// It as a run.
@@ -117,11 +120,11 @@ impl Bench {
 
     /// What is seen of a machine, in standard deviations: positions at times, off the base's motion less than along it.
     fn positions(&self, machine: &Machine) -> Vec<f64> {
-        let slower = simulate(&self.toolpath, machine);
-        let plan = if slower == self.plan { &self.plan } else { &slower };
-        let commanded =
-            Profile::new(&self.toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 });
-        let actual = actual_motion(&commanded, machine);
+        // Drives change no command, and most that is compared here are drives.
+        let other = (without_drives(machine) != self.undriven)
+            .then(|| commanded(&self.toolpath, &simulate(&self.toolpath, machine)));
+        let commanded = other.as_ref().unwrap_or(&self.commanded);
+        let actual = actual_motion(commanded, machine);
         let ratio = machine.recorder.clock_ratio;
         let mut seen = Vec::with_capacity(3 * self.instants.len());
         let mut slopes = Vec::with_capacity(3 * self.instants.len());
@@ -148,6 +151,20 @@ impl Bench {
         }
         seen
     }
+}
+
+/// The machine whose axes follow their command exactly.
+fn without_drives(machine: &Machine) -> Machine {
+    let mut machine = machine.clone();
+    for axis in &mut machine.axes {
+        *axis = Axis { servo_lag: 0.0, backlash: 0.0, mode: None, ..*axis };
+    }
+    machine
+}
+
+/// What a plan commands over time.
+fn commanded(toolpath: &Toolpath, plan: &FeedPlan) -> Samples {
+    Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 })
 }
 
 /// The position at a time between two rows of a table.

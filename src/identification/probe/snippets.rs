@@ -15,7 +15,7 @@
 //! machine is done as soon. Each snippet begins with a rapid to its own start and ends with a dwell,
 //! so that the dynamics of one do not reach into the next.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::fmt::Write;
 
 use crate::machine::Machine;
@@ -144,7 +144,7 @@ const DIRECTIONS: [(&str, [f64; 3]); 6] = [
     ("along Y", [0.0, 1.0, 0.0]),
     ("along Z", [0.0, 0.0, 1.0]),
     ("at 30° in XY", [0.866_025_4, 0.5, 0.0]),
-    ("at 45° in XY", [0.707_106_8, 0.707_106_8, 0.0]),
+    ("at 45° in XY", [FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]),
     ("at 60° in XY", [0.5, 0.866_025_4, 0.0]),
 ];
 
