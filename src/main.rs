@@ -16,7 +16,7 @@ truefeed predict   PROGRAM --machine M.toml [--tolerance MM]... [--dialect D] [-
                    [--cutting JOB.toml [--forces OUT.csv]]
 truefeed calibrate --machine M.toml --run PROGRAM RECORDING [--run PROGRAM RECORDING]... --out FITTED.toml [--json]
 truefeed diagnose  PROGRAM RECORDING [--run PROGRAM RECORDING]... --machine M.toml [--json] [--out EXTENDED.toml]
-truefeed probe     --machine M.toml --between CAUSE CAUSE [--out PROGRAM]
+truefeed probe     --machine M.toml [--between CAUSE CAUSE] [--out PROGRAM]
 
 predict: what the machine will do with a G-code program: cycle time for each contour tolerance.
 PROGRAM is a G-code file, or - for standard input. Without --tolerance the program's own tolerances
@@ -35,6 +35,7 @@ writes the machine file that predicts the next program.
 diagnose: says where a recording differs from the simulation, which physics was left out and how sure that
 is; --out writes the machine file extended by it.
 probe: writes a short program on which two causes look different; CAUSE is an id as diagnose names it.
+Without --between the program exercises every effect.
 RECORDING is a log of the machine: CSV, MTConnect, halsampler, scope or trace files are told by content.";
 
 fn main() -> ExitCode {

@@ -23,6 +23,7 @@ const FLOW: &[&str] = &[
     "identification/calibration",
     "identification/hypotheses",
     "identification/diagnosis",
+    "identification/probe",
     "identification/step",
     "plot",
     "project",

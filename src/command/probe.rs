@@ -1,16 +1,50 @@
 //! `truefeed probe`: a short program on which two causes look different.
 
-use lexopt::prelude::*;
+use std::path::PathBuf;
 
-use crate::command::{Refusal, value};
+use lexopt::prelude::*;
+use truefeed::identification::probe::{probe_all, probe_between};
+
+use crate::command::{Refusal, machine_of, once, print, value, write_whole};
 
 /// Carries out `probe`.
 pub fn probe(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
+    let (mut machine, mut out) = (None, None);
+    let mut between: Option<[String; 2]> = None;
     while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
         match argument {
-            Long("machine") => drop(value(parser)?),
+            Long("machine") => once(&mut machine, value(parser)?, "--machine")?,
+            Long("out") => once(&mut out, value(parser)?, "--out")?,
+            Long("between") => {
+                if between.is_some() {
+                    return Err("--between is given twice".to_string());
+                }
+                let mut values = parser
+                    .values()
+                    .map_err(|_| "--between needs two causes")?
+                    .map(|word| word.to_string_lossy().into_owned());
+                let pair = values.next().zip(values.next());
+                let (one, other) = pair.ok_or("--between needs two causes: --between CAUSE CAUSE")?;
+                if let Some(more) = values.next() {
+                    return Err(format!("--between takes two causes; {more} is one too many"));
+                }
+                between = Some([one, other]);
+            }
+            Long("help") | Short('h') => return print(crate::USAGE),
             other => return Err(other.unexpected().to_string()),
         }
     }
-    Err(String::new())
+    let machine: PathBuf = machine.ok_or("which machine? Give --machine M.toml")?;
+    let machine = machine_of(&machine)?;
+    let probe = match &between {
+        Some([one, other]) => probe_between(&machine, [one, other]).map_err(|error| error.to_string())?,
+        None => probe_all(&machine),
+    };
+    match out {
+        Some(out) => {
+            write_whole(&out, &probe.program)?;
+            print(&probe.summary.join("\n"))
+        }
+        None => print(probe.program.trim_end()),
+    }
 }

@@ -6,5 +6,6 @@ pub mod comparison;
 pub mod diagnosis;
 pub mod fit;
 pub mod hypotheses;
+pub mod probe;
 pub mod recording;
 pub mod step;
