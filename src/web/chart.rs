@@ -45,6 +45,9 @@ pub struct Pointer {
     pub curves: Vec<CurveReading>,
     /// Time lost up to there, s; none without a recording.
     pub lost: Option<f64>,
+    /// The same against the machine after, s; none where there is but one.
+    #[wasm_bindgen(js_name = lostAfter)]
+    pub lost_after: Option<f64>,
 }
 
 /// One curve at one distance.
@@ -81,6 +84,7 @@ impl Chart {
             programmed: Programmed { end, feedrate, rapid, line },
             curves: Vec::new(),
             lost: None,
+            lost_after: None,
         };
     }
 
@@ -120,6 +124,12 @@ impl Chart {
     #[wasm_bindgen(js_name = showLost)]
     pub fn show_lost(&mut self, distance: Vec<f64>, seconds: Vec<f64>) {
         self.chart.lost = Some(LostTime { distance, seconds });
+    }
+
+    /// Shows the time lost against the machine after as well.
+    #[wasm_bindgen(js_name = showLostAfter)]
+    pub fn show_lost_after(&mut self, distance: Vec<f64>, seconds: Vec<f64>) {
+        self.chart.lost_after = Some(LostTime { distance, seconds });
     }
 
     /// Colour of the curve with this index, as CSS writes it.
@@ -252,6 +262,7 @@ impl Chart {
             rapid: reading.rapid,
             curves: curves.collect(),
             lost: reading.lost,
+            lost_after: reading.lost_after,
         })
     }
 }
