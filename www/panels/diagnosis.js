@@ -36,6 +36,7 @@ export function mount(root, engine, actions) {
   const sentence = find(root, '.sentence')
   const choices = find(root, '.outcome')
   const view = find(root, '.view')
+  const picker = find(root, '.of')
   const runs = /** @type {HTMLSelectElement} */ (find(root, '.of select'))
   const chosen = find(root, '.chosen')
   const place = find(root, '.result')
@@ -101,7 +102,7 @@ export function mount(root, engine, actions) {
     use.addEventListener('click', () => {
       if (used) actions.undoDiagnosis()
       else actions.useDiagnosis()
-      /** @type {HTMLElement | null} */ (root.querySelector('.use-diagnosis'))?.focus()
+      find(root, '.use-diagnosis').focus()
     })
     const { values } = report
     const save = make('button', { type: 'button', className: 'save' }, 'Save machine.toml')
@@ -112,7 +113,7 @@ export function mount(root, engine, actions) {
     asJson.addEventListener('click', () => saveFile(json, 'application/json', 'diagnosis.json'))
     choices.replaceChildren(...(report.changes.length > 0 ? [use, save] : []), asHtml, asJson)
     runs.replaceChildren(...all.map(({ name }, index) => make('option', { value: String(index) }, name)))
-    /** @type {HTMLElement} */ (runs.closest('label')).hidden = all.length < 2
+    picker.hidden = all.length < 2
     place.replaceChildren(
       ...report.causes.map(causeOf),
       numbersTable(report),
