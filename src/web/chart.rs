@@ -9,7 +9,7 @@ use web_sys::HtmlCanvasElement;
 
 use crate::machine::tolerance_label;
 use crate::plot::{
-    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Stretch, Theme, View, draw,
+    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Stretch, Theme, View, draw, svg,
 };
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
@@ -174,6 +174,11 @@ impl Chart {
         self.frame =
             draw(&self.chart, self.view, &self.theme(), ratio, backend).map_err(|error| error.to_string())?;
         Ok(())
+    }
+
+    /// The whole as SVG for a document, dark on white; none where it cannot be drawn.
+    pub fn svg(&self, width: u32, height: u32) -> Option<String> {
+        svg(&self.chart, (width, height))
     }
 
     /// Shows everything.

@@ -18,6 +18,12 @@ use crate::simulation::toolpath::trace;
 use crate::web::job::object;
 use crate::web::recorded::Runs;
 
+/// What stands in the document for the chart of a run.
+#[wasm_bindgen(js_name = markOfChart)]
+pub fn mark(run: usize) -> String {
+    format!("<!--chart {run}-->")
+}
+
 /// A diagnosis.
 #[wasm_bindgen(getter_with_clone)]
 pub struct Diagnosed {
@@ -25,7 +31,8 @@ pub struct Diagnosed {
     pub report: JsValue,
     /// The same as JSON.
     pub json: String,
-    /// The same as an HTML document with its charts.
+    /// The same as an HTML document; a comment, [`mark`], stands where the chart of each run belongs, because a
+    /// worker cannot measure text.
     pub html: String,
     /// The curves, run by run.
     pub runs: Vec<DiagnosedColumns>,
@@ -93,7 +100,7 @@ impl Runs {
         Ok(Some(Diagnosed {
             report: object(&report)?,
             json: report.to_json(),
-            html: report.to_html(&charts),
+            html: report.to_html(&(0..charts.len()).map(mark).collect::<Vec<_>>()),
             runs: charts.into_iter().map(DiagnosedColumns::from).collect(),
         }))
     }

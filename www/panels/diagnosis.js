@@ -1,7 +1,7 @@
 // The diagnosis: what was left out of the machine. A sentence first, then before and after, where, why, how sure, what
 // else it could be, and what the machine would be with it.
 
-import { Chart, lostLabel } from '../pkg/truefeed.js'
+import { Chart, lostLabel, markOfChart } from '../pkg/truefeed.js'
 import { Ended } from '../engine.js'
 import { find, make } from '../dom.js'
 import { count, difference, feedrate, seconds } from '../format.js'
@@ -10,11 +10,13 @@ import { usable } from '../recordings.js'
 import { saveFile, saveMachine } from '../save.js'
 import { headOf, lineOf } from './chart.js'
 
-/** @import { Cause, Change, Diagnosis, DiagnosisReport, Sides, State, Values } from "../types.js" */
+/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Values } from "../types.js" */
 /** @import { Engine } from "../engine.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 const NAMES = ['recorded', 'simulated before', 'simulated after']
+/** Size of a chart in the report, pixels. */
+const REPORT_PX = /** @type {const} */ ([1040, 560])
 const FOLDER = 'samples/'
 const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'standin.toml' }
 
@@ -78,14 +80,7 @@ export function mount(root, engine, actions) {
     runs.value = String(index)
     chosen.hidden = true
     plot.hide()
-    chart.program(columns.end, columns.feedrate, columns.rapid, columns.line)
-    const none = new Float64Array()
-    for (const [at, name] of NAMES.entries()) {
-      chart.addProgrammed(name, none, none, none)
-      chart.fill(columns.distances[at], columns.feedrates[at], columns.times[at], none, none)
-    }
-    chart.showLost(columns.lostDistances[0], columns.lostSeconds[0])
-    chart.showLostAfter(columns.lostDistances[1], columns.lostSeconds[1])
+    fillChart(chart, columns)
     plot.fit(true)
   }
 
@@ -108,7 +103,7 @@ export function mount(root, engine, actions) {
     const save = make('button', { type: 'button', className: 'save' }, 'Save machine.toml')
     if (values) save.addEventListener('click', () => saveMachine(values))
     const asHtml = make('button', { type: 'button', className: 'html' }, 'Save the report (HTML)')
-    asHtml.addEventListener('click', () => saveFile(html, 'text/html', 'diagnosis.html'))
+    asHtml.addEventListener('click', () => saveFile(withCharts(html, all.map(({ columns }) => columns)), 'text/html', 'diagnosis.html'))
     const asJson = make('button', { type: 'button', className: 'json' }, 'Save it as JSON')
     asJson.addEventListener('click', () => saveFile(json, 'application/json', 'diagnosis.json'))
     choices.replaceChildren(...(report.changes.length > 0 ? [use, save] : []), asHtml, asJson)
@@ -200,6 +195,29 @@ export function mount(root, engine, actions) {
       if (isOther) draw(0)
     },
   }
+}
+
+/** Gives a chart the curves of a run. @param {Chart} chart @param {DiagnosedColumns} columns */
+function fillChart(chart, columns) {
+  const none = new Float64Array()
+  chart.program(columns.end, columns.feedrate, columns.rapid, columns.line)
+  for (const [at, name] of NAMES.entries()) {
+    chart.addProgrammed(name, none, none, none)
+    chart.fill(columns.distances[at], columns.feedrates[at], columns.times[at], none, none)
+  }
+  chart.showLost(columns.lostDistances[0], columns.lostSeconds[0])
+  chart.showLostAfter(columns.lostDistances[1], columns.lostSeconds[1])
+}
+
+/** The report with its charts. @param {string} html @param {DiagnosedColumns[]} runs */
+function withCharts(html, runs) {
+  const chart = new Chart()
+  const whole = runs.reduce((text, columns, index) => {
+    fillChart(chart, columns)
+    return text.replace(markOfChart(index), () => chart.svg(...REPORT_PX) ?? '')
+  }, html)
+  chart.free()
+  return whole
 }
 
 /** A file of the sample. @param {string} name */

@@ -1,20 +1,17 @@
 //! A diagnosis as one HTML document that stands alone: no scripts, no other files, the charts inline as
 //! SVG. It is well-formed XML but for its first line, and says the same as the page in the same order.
 
-use crate::plot::{FeedChart, svg};
 use crate::project::comparison::lost_label;
 use crate::project::diagnosis::{CauseRow, DiagnosisReport, RegionRow, Sides};
 
-/// Size of a chart, pixels.
-const SIZE: (u32, u32) = (1040, 560);
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1d242c;background:#fff;max-width:1040px;\
     margin:24px auto;padding:0 16px}h1{font-size:24px;line-height:1.3}h2{font-size:17px;margin:28px 0 6px}\
     table{border-collapse:collapse}th,td{text-align:left;padding:3px 18px 3px 0;border-bottom:1px solid #dde1e6;\
     vertical-align:top}figure{margin:12px 0}svg{max-width:100%;height:auto}.small{color:#5b6672;font-size:13px}";
 
 impl DiagnosisReport {
-    /// As an HTML document, with the chart of each recording.
-    pub fn to_html(&self, charts: &[FeedChart]) -> String {
+    /// As an HTML document, with the chart of each recording as SVG.
+    pub fn to_html(&self, charts: &[String]) -> String {
         let names = self.runs.join(", ");
         let mut body = format!("<h1>{}</h1>\n", escaped(&self.sentence));
         body += &format!(
@@ -28,8 +25,7 @@ impl DiagnosisReport {
         if !charts.is_empty() {
             body += "<h2>Before and after</h2>\n";
         }
-        for (chart, name) in charts.iter().zip(&self.runs) {
-            let picture = svg(chart, SIZE).unwrap_or_default();
+        for (picture, name) in charts.iter().zip(&self.runs) {
             let caption = format!(
                 "{}: feedrate recorded, simulated before and after; below the time lost, before and after",
                 escaped(name)
@@ -151,6 +147,7 @@ mod tests {
     use super::*;
     use crate::identification::diagnosis::diagnose;
     use crate::identification::fit::{Recorded, Run};
+    use crate::plot::svg;
     use crate::project::{diagnosis_chart, machine_from_toml};
     use crate::simulation::gcode::read;
     use crate::simulation::toolpath::trace;
@@ -169,7 +166,8 @@ mod tests {
         let name = "a <b> & \"c\".csv".to_string();
         let report = DiagnosisReport::new(&diagnosis, &[name]).beside(&machine);
         let chart = diagnosis_chart(&diagnosis, &machine, &runs, 0).expect("there is a run");
-        let html = report.to_html(&[chart]);
+        let picture = svg(&chart, (1040, 560)).expect("it can be drawn");
+        let html = report.to_html(&[picture]);
         let (first, rest) = html.split_once('\n').expect("it has lines");
         assert_eq!(first, "<!doctype html>");
         let document = roxmltree::Document::parse(rest).expect("it is well-formed");
