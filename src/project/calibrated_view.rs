@@ -321,7 +321,7 @@ mod tests {
         let mut machine = Machine::default();
         machine.rapid.feedrate *= 1.0123456789;
         machine.times.m_codes.insert(8, 2.3456789);
-        let after = rounded(values(&machine), &before);
+        let after = rounded(values(&machine), &before, DIGITS);
         for (key, value) in &after {
             match key.as_str() {
                 "rapid.feed_mm_min" => {

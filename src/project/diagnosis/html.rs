@@ -64,7 +64,11 @@ impl DiagnosisReport {
     /// Before and after, a row each of what is known.
     fn numbers(&self) -> Vec<Vec<String>> {
         let row = |name: &str, sides: Sides, unit: &str, decimals: usize| {
-            let number = |value: f64| format!("{value:.decimals$}").replace('-', "−");
+            let number = |value: f64| {
+                // What rounds to nothing has no sign.
+                let size = 10f64.powi(decimals as i32);
+                format!("{:.decimals$}", (value * size).round() / size + 0.0).replace('-', "−")
+            };
             let (before, after) = (sides.before?, sides.after?);
             Some(vec![name.to_string(), number(before), number(after), unit.to_string()])
         };
