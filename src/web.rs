@@ -1,4 +1,5 @@
-//! The boundary to JavaScript: one job that simulates, one chart that draws, one set of runs that calibrates.
+//! The boundary to JavaScript: one job that simulates, one chart that draws, one set of runs that calibrates and
+//! diagnoses.
 //!
 //! The worker holds a [`Job`] and answers with summaries and columns; the page holds a
 //! [`Chart`] and forwards pixels. What comes in is JSON text, which refuses unknown fields, and
@@ -9,6 +10,7 @@
 
 mod chart;
 mod cutting;
+mod diagnosed;
 mod job;
 mod recorded;
 

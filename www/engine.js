@@ -1,7 +1,7 @@
-// Runs simulations, comparisons and calibrations in a worker, one at a time. Cancelling ends the worker; the next run
+// Runs simulations, comparisons, calibrations and diagnoses in a worker, one at a time. Cancelling ends the worker; the next run
 // starts a fresh one.
 
-/** @import { CalibrationReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run } from "./types.js" */
+/** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run } from "./types.js" */
 
 /**
  * @typedef {object} SimulateRequest
@@ -15,6 +15,7 @@
 /** @typedef {{program: Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
 /** @typedef {{machine: string, runs: {name: string, program: Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
 /** @typedef {{program: Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
+/** @typedef {{program: Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
 /** @typedef {(text: string, part: number) => void} Stage */
 
 /**
@@ -71,6 +72,21 @@ export class Engine {
    */
   calibrate(request, stage) {
     return this.#result('calibrate', request, stage)
+  }
+
+  /**
+   * Says what was left out of a machine; undefined where no run can be compared.
+   * @param {CalibrateRequest} request
+   * @param {Stage} stage
+   * @returns {Promise<{report?: DiagnosisReport, json: string, html: string, runs: DiagnosedRun["columns"][]}>}
+   */
+  diagnose(request, stage) {
+    return this.#result('diagnose', request, stage)
+  }
+
+  /** Cycle times (s) of a program on several machines. @param {TimesRequest} request @returns {Promise<{times: number[]}>} */
+  cycleTimes(request) {
+    return this.#result('cycleTimes', request, () => {})
   }
 
   /** Cuts the stock of a job with a program. @param {CutRequest} request @returns {Promise<CutResult>} */

@@ -8,6 +8,7 @@ import init, {
   motionOf,
   toleranceLabel,
   usualTolerances,
+  valuesOfFile,
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
 import { Ended, Engine } from './engine.js'
@@ -18,7 +19,7 @@ import * as diagnosticsPanel from './panels/diagnostics.js'
 import * as machinePanel from './panels/machine.js'
 import * as programPanel from './panels/program.js'
 import * as calibrationPanel from './panels/calibration.js'
-import * as findingsPanel from './panels/findings.js'
+import * as diagnosisPanel from './panels/diagnosis.js'
 import * as progressPanel from './panels/progress.js'
 import * as recordingPanel from './panels/recording.js'
 import * as resultsPanel from './panels/results.js'
@@ -67,6 +68,9 @@ const state = {
   recording: null,
   calibration: null,
   calibrating: false,
+  diagnosis: null,
+  diagnosing: false,
+  sample: null,
   progress: null,
   paused: false,
 }
@@ -90,7 +94,7 @@ export const actions = {
   addRecordings(files) {
     for (const { name, bytes } of files) {
       const program = pairs(name, state)
-      state.recordings.push({ id: nextId++, name, bytes, program, used: true, match: null, failure: null, findings: null })
+      state.recordings.push({ id: nextId++, name, bytes, program, used: true, match: null, failure: null })
     }
     actions.selectRecording(state.recordings[state.recordings.length - files.length].id)
     changed()
@@ -105,7 +109,7 @@ export const actions = {
   },
   /** Says which program a recording is of. @param {number} id @param {number} program */
   setProgramOf(id, program) {
-    change(id, { program, match: null, failure: null, findings: null })
+    change(id, { program, match: null, failure: null })
     actions.selectRecording(id)
     changed()
   },
@@ -128,16 +132,57 @@ export const actions = {
   /** Calibrates the machine from all recordings that are used. */
   calibrate() {
     state.calibrating = true
+    state.diagnosing = false
     engine.cancel()
     changed()
   },
   /** Takes the machine back that was there before the calibration. */
   undoCalibration() {
     if (!state.calibration) return
-    const { preset, values, tolerances } = state.calibration.before
+    const { before } = state.calibration
     state.calibration = null
-    state.tolerances = tolerances
-    actions.setMachine(preset, values)
+    putBack(before)
+  },
+  /** Says what was left out of the machine, from all recordings that are used. */
+  diagnose() {
+    state.diagnosing = true
+    state.calibrating = false
+    engine.cancel()
+    changed()
+  },
+  /** Puts the machine with the causes in the form. */
+  useDiagnosis() {
+    const { diagnosis } = state
+    if (!diagnosis?.report.values) return
+    state.diagnosis = { ...diagnosis, used: true, before: now() }
+    actions.setMachine(state.machine.preset, diagnosis.report.values)
+  },
+  /** Takes the machine back that was there before. */
+  undoDiagnosis() {
+    if (!state.diagnosis) return
+    const { before } = state.diagnosis
+    state.diagnosis = { ...state.diagnosis, used: false }
+    putBack(before)
+  },
+  /** Puts values that were tried in the form. @param {Values} values */
+  tryValues(values) {
+    if (!state.diagnosis) return
+    if (!state.diagnosis.used) state.diagnosis = { ...state.diagnosis, used: true, before: now() }
+    actions.setMachine(state.machine.preset, values)
+  },
+  /** A program, its machine and a recording in which something is concealed. @param {{machine: string, program: {name: string, bytes: Uint8Array}, recording: {name: string, bytes: Uint8Array}}} sample */
+  addSample({ machine, program, recording }) {
+    state.sample ??= now()
+    actions.setMachine(state.machine.preset, JSON.parse(valuesOfFile(machine)))
+    actions.addPrograms([program])
+    actions.addRecordings([recording])
+  },
+  /** Takes the machine back that was there before the sample. */
+  undoSample() {
+    if (!state.sample) return
+    const before = state.sample
+    state.sample = null
+    putBack(before)
   },
   /** @param {number} id */
   select(id) {
@@ -200,9 +245,10 @@ export const actions = {
     changed()
   },
   cancel() {
-    // Who stops a calibration wants the machine as it is, and its results.
-    if (state.calibrating) {
+    // Who stops a calibration or a diagnosis wants the machine as it is, and its results.
+    if (state.calibrating || state.diagnosing) {
       state.calibrating = false
+      state.diagnosing = false
       engine.cancel()
       return changed()
     }
@@ -214,6 +260,15 @@ export const actions = {
     state.paused = false
     changed()
   },
+}
+
+/** What is in the form now. @returns {import("./types.js").Before} */
+const now = () => ({ preset: state.machine.preset, values: state.machine.values, tolerances: state.tolerances })
+
+/** Puts back what was in the form. @param {import("./types.js").Before} before */
+function putBack({ preset, values, tolerances }) {
+  state.tolerances = tolerances
+  actions.setMachine(preset, values)
 }
 
 /** @param {number} id @param {Partial<Recording>} what */
@@ -275,6 +330,8 @@ async function work() {
     const compares = recording && (!program || (recording.program === state.selected && program.id !== state.selected))
     if (state.calibrating) {
       if (!(await calibrate())) break
+    } else if (state.diagnosing) {
+      if (!(await diagnose())) break
     } else if (compares) {
       if (!(await compare(recording, motion))) break
     } else if (program) {
@@ -346,7 +403,6 @@ async function compare(recording, motion) {
     if (recording.program === program.id && program.dialect === dialect) {
       recording.match = { motion, report, refusal, columns }
       recording.failure = null
-      recording.findings = null
     }
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
@@ -356,19 +412,45 @@ async function compare(recording, motion) {
   return true
 }
 
+/** The recordings that are used, as they are asked about. */
+function collected() {
+  return usable(state).flatMap(({ name, program: id, bytes: recording }) => {
+    const program = state.programs.find((candidate) => candidate.id === id)
+    if (!program) return []
+    return [{ name, program, request: { name, program: program.bytes, dialect: program.dialect, recording } }]
+  })
+}
+
+/** Diagnoses the machine; false where that was cancelled. */
+async function diagnose() {
+  const stage = stageOf(null)
+  stage('Diagnosing', 0)
+  const all = collected()
+  const before = now()
+  try {
+    update()
+    const runs = all.map(({ request }) => request)
+    const { report, json, html, runs: columns } = await engine.diagnose({ machine: JSON.stringify(before.values), runs }, stage)
+    state.diagnosing = false
+    const diagnosed = all.map(({ name, program }, index) => ({ name, program, columns: columns[index] }))
+    if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false }
+  } catch (error) {
+    if (error instanceof Ended && error.kind === 'cancelled') return false
+    state.diagnosing = false
+    fail(`The recording could not be diagnosed: ${error instanceof Error ? error.message : error}.`)
+  }
+  return true
+}
+
 /** Calibrates the machine; false where that was cancelled. */
 async function calibrate() {
   const stage = stageOf(null)
   stage('Calibrating the machine', 0)
-  const runs = usable(state).flatMap(({ name, program: id, bytes: recording }) => {
-    const program = state.programs.find((candidate) => candidate.id === id)
-    return program ? [{ name, program: program.bytes, dialect: program.dialect, recording }] : []
-  })
-  const { preset, values } = state.machine
-  const before = { preset, values, tolerances: state.tolerances }
+  const runs = collected().map(({ request }) => request)
+  const before = now()
   try {
     update()
-    const { report } = await engine.calibrate({ machine: JSON.stringify(values), runs }, stage)
+    const { report } = await engine.calibrate({ machine: JSON.stringify(before.values), runs }, stage)
     state.calibrating = false
     if (report) take({ report, before })
   } catch (error) {
@@ -401,7 +483,7 @@ const panels = [
   chart,
   recordings,
   calibrationPanel.mount(element('calibration'), actions),
-  findingsPanel.mount(element('findings'), actions),
+  diagnosisPanel.mount(element('diagnosis'), new Engine(module), actions),
   breakdownPanel.mount(element('breakdown'), actions),
   cuttingPanel.mount(element('cutting'), new Engine(module)),
   diagnosticsPanel.mount(element('diagnostics')),

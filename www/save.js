@@ -1,4 +1,4 @@
-// Gives a machine to the user as a file.
+// Gives files to the user.
 
 import { machineFile } from './pkg/truefeed.js'
 import { make } from './dom.js'
@@ -7,8 +7,12 @@ import { make } from './dom.js'
 
 /** @param {Values} values */
 export function saveMachine(values) {
-  const file = new Blob([machineFile(JSON.stringify(values)) ?? ''], { type: 'application/toml' })
-  const link = make('a', { href: URL.createObjectURL(file), download: 'machine.toml' })
+  saveFile(machineFile(JSON.stringify(values)) ?? '', 'application/toml', 'machine.toml')
+}
+
+/** @param {string} text @param {string} type @param {string} name */
+export function saveFile(text, type, name) {
+  const link = make('a', { href: URL.createObjectURL(new Blob([text], { type })), download: name })
   link.click()
   URL.revokeObjectURL(link.href)
 }

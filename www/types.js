@@ -179,12 +179,43 @@
  * @property {number} tolerance_mm
  */
 
+/** Before and after; null where it is not known. @typedef {{before: number | null, after: number | null}} Sides */
+
 /**
- * What is said about a recording beyond where time was lost: a sentence first, then what it stands on.
- * @typedef {object} Findings
+ * What was left out of the machine.
+ * @typedef {object} Cause
+ * @property {string} name
  * @property {string} sentence
- * @property {{label: string, detail: string, lines: [number, number][], seconds: number | null, confidence: number | null}[]} causes
- * @property {{lines: [number, number], distance_mm: [number, number], seconds: number}[]} regions
+ * @property {{name: string, value: string, deviation: string | null, unit: string}[]} told
+ * @property {[number, number][]} lines
+ * @property {number | null} position_mm
+ * @property {number | null} confidence
+ * @property {[number, number] | null} sections  better and worse where nothing was fitted
+ * @property {string} vendors
+ * @property {string[]} indistinguishable_from
+ */
+
+/** A field of the form that the extended machine has otherwise. @typedef {{key: string, label: string, unit: string, before: string, after: string, number: number | null}} Change */
+
+/**
+ * What a diagnosis says; texts come from Rust.
+ * @typedef {object} DiagnosisReport
+ * @property {string} sentence
+ * @property {Cause[]} causes
+ * @property {{lines: [number, number], distance_mm: [number, number], time_s: [number, number], seconds: number, run: number}[]} regions
+ * @property {{feed_rmse_mm_min: Sides, position_rmse_mm: Sides, cycle_time_error_s: Sides, held_out: {feed_rmse_mm_min: Sides}}} fit
+ * @property {string[]} not_excited
+ * @property {string[]} messages
+ * @property {Values | null} values
+ * @property {Change[]} changes
+ */
+
+/** The lists are of the recorded curve, of the one simulated before, and of the one after. @typedef {Steps & {distances: Float64Array[], feedrates: Float64Array[], times: Float64Array[], lostDistances: Float64Array[], lostSeconds: Float64Array[]}} DiagnosedColumns */
+/** @typedef {{name: string, program: Program, columns: DiagnosedColumns}} DiagnosedRun */
+
+/**
+ * A diagnosis with its documents; `used`: its machine is in the form instead of the one `before`.
+ * @typedef {{report: DiagnosisReport, json: string, html: string, runs: DiagnosedRun[], before: Before, used: boolean}} Diagnosis
  */
 
 /**
@@ -198,10 +229,9 @@
  * @property {string} name
  * @property {Uint8Array} bytes
  * @property {number | null} program  of which it is; null: not there yet
- * @property {boolean} used  to calibrate
+ * @property {boolean} used  to calibrate and to diagnose
  * @property {Match | null} match
  * @property {string | null} failure  why the last comparison of it ended
- * @property {Findings | null} findings
  */
 
 /** What was in the form before a calibration. @typedef {{preset: number, values: Values, tolerances: number[]}} Before */
@@ -220,6 +250,9 @@
  * @property {number | null} recording  the one in sight
  * @property {Calibration | null} calibration
  * @property {boolean} calibrating  a calibration was asked for and is not there yet
+ * @property {Diagnosis | null} diagnosis
+ * @property {boolean} diagnosing  a diagnosis was asked for and is not there yet
+ * @property {Before | null} sample  what was in the form before the sample's machine
  * @property {Progress | null} progress
  * @property {boolean} paused  the user cancelled; nothing runs until something changes
  */

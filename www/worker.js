@@ -1,10 +1,10 @@
-// Simulates, compares and calibrates in the background: one request in, messages out, columns transferred.
+// Simulates, compares, calibrates and diagnoses in the background: one request in, messages out, columns transferred.
 
-import init, { Job, Runs, compareRecording, computeCutting } from './pkg/truefeed.js'
+import init, { Job, Runs, compareRecording, computeCutting, cycleTime } from './pkg/truefeed.js'
 
-/** @import { CalibrateRequest, CompareRequest, CutRequest, SimulateRequest } from "./engine.js" */
+/** @import { CalibrateRequest, CompareRequest, CutRequest, SimulateRequest, TimesRequest } from "./engine.js" */
 
-const VERBS = { simulate, compare, calibrate, cut }
+const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, cut }
 const MATCHED = /** @type {const} */ ([
   'recordedDistance',
   'recordedFeedrate',
@@ -13,6 +13,18 @@ const MATCHED = /** @type {const} */ ([
   'simulatedFeedrate',
   'simulatedTime',
   'lostDistance',
+  'lostSeconds',
+])
+
+const DIAGNOSED = /** @type {const} */ ([
+  'end',
+  'feedrate',
+  'rapid',
+  'line',
+  'distances',
+  'feedrates',
+  'times',
+  'lostDistances',
   'lostSeconds',
 ])
 
@@ -75,15 +87,44 @@ function cut({ program, machine, dialect, tolerance, job }) {
 /** @param {CalibrateRequest} request */
 function calibrate({ machine, runs }) {
   const of = runs.length + 10
+  const all = collected(machine, runs, of)
+  const progress = (/** @type {number} */ part) => stage('Calibrating the machine', runs.length + 10 * part, of)
+  progress(0)
+  post({ type: 'calibrated', report: all.calibrate(progress) }, [])
+  all.free()
+}
+
+/** @param {CalibrateRequest} request */
+function diagnose({ machine, runs }) {
+  const of = runs.length + 10
+  const all = collected(machine, runs, of)
+  const progress = (/** @type {number} */ part) => stage(stageAt(part), runs.length + 10 * part, of)
+  progress(0)
+  const found = all.diagnose(progress)
+  all.free()
+  if (!found) return post({ type: 'diagnosed', runs: [] }, [])
+  const { report, json, html } = found
+  const columns = found.runs.map((run) => plain(run, [...DIAGNOSED]))
+  found.free()
+  post({ type: 'diagnosed', report, json, html, runs: columns }, columns.flatMap((own) => Object.values(own).flat()))
+}
+
+/** What a diagnosis is at. @param {number} part */
+const stageAt = (part) => (part < 1 ? 'Diagnosing: trying what could have been left out' : 'Diagnosing: testing it where nothing was fitted')
+
+/** @param {TimesRequest} request */
+function cycleTimes({ program, dialect, machines }) {
+  post({ type: 'times', times: machines.map((machine) => cycleTime(program, machine, dialect ?? undefined)) }, [])
+}
+
+/** All runs of a machine, read. @param {string} machine @param {CalibrateRequest["runs"]} runs @param {number} of */
+function collected(machine, runs, of) {
   const all = new Runs(machine)
   for (const [index, { name, program, dialect, recording }] of runs.entries()) {
     stage(`Reading ${name}`, index, of)
     all.add(name, program, dialect ?? undefined, recording)
   }
-  const progress = (/** @type {number} */ part) => stage('Calibrating the machine', runs.length + 10 * part, of)
-  progress(0)
-  post({ type: 'calibrated', report: all.calibrate(progress) }, [])
-  all.free()
+  return all
 }
 
 /** @param {string} text @param {number} done @param {number} of */

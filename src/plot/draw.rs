@@ -103,6 +103,7 @@ mod tests {
             programmed,
             curves: vec![curve("10 µm", 0.01, 4.0), curve("20 µm", 0.02, 9.0)],
             lost: None,
+            lost_after: None,
         }
     }
 

@@ -2,7 +2,8 @@
 //! distance.
 //!
 //! Where the line rises the machine is slower than simulated, where it falls faster; a step is a wait. The
-//! ordinate fits what is in sight and always has 0 in it.
+//! ordinate fits what is in sight and always has 0 in it. Of a machine before and after a change both are
+//! drawn, in the colours of their feedrates.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -27,10 +28,15 @@ pub(crate) fn draw<B: DrawingBackend>(
     look: &Look,
     area: &DrawingArea<B, Shift>,
 ) -> Result<Borders, Failure<B>> {
+    let after = chart.lost_after.as_ref();
+    let all = [lost].into_iter().chain(after);
+    let value = all
+        .map(|lost| in_sight(lost, view.distance))
+        .fold((0.0f64, 0.0f64), |(low, high), own| (low.min(own.0), high.max(own.1)));
     let axes = Axes {
         distance: view.distance,
         distance_title: Some("Distance along the path (mm)"),
-        value: in_sight(lost, view.distance),
+        value,
         value_title: "Time lost (s)",
     };
     let mut context = look.panel(area, &axes)?;
@@ -45,10 +51,16 @@ pub(crate) fn draw<B: DrawingBackend>(
     look.mesh(&mut context, &axes)?;
     let none = [(view.distance.0, 0.0), (view.distance.1, 0.0)];
     context.draw_series([PathElement::new(none, theme.axis.stroke_width(look.points(1.0)))])?;
-    let kept = decimated(&lost.distance, &lost.seconds, view.distance, columns);
-    let line = theme.curves[0].stroke_width(look.points(1.75));
-    let parts = clipped(&kept, View { distance: view.distance, feedrate: axes.value });
-    context.draw_series(parts.into_iter().map(|part| PathElement::new(part, line)))?;
+    let lines = match after {
+        None => vec![(lost, theme.curves[0])],
+        Some(after) => vec![(lost, theme.curves[1]), (after, theme.curves[2])],
+    };
+    for (lost, color) in lines {
+        let kept = decimated(&lost.distance, &lost.seconds, view.distance, columns);
+        let line = color.stroke_width(look.points(1.75));
+        let parts = clipped(&kept, View { distance: view.distance, feedrate: axes.value });
+        context.draw_series(parts.into_iter().map(|part| PathElement::new(part, line)))?;
+    }
     Ok(borders)
 }
 

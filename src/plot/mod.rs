@@ -23,11 +23,13 @@ mod feed_panel;
 mod loads;
 mod lost_panel;
 mod panel;
+mod svg;
 mod theme;
 mod view;
 
 pub use draw::draw;
 pub use loads::{LoadChart, LoadCurves, draw_loads};
+pub use svg::svg;
 pub use theme::{PALETTE, Theme};
 pub use view::{Frame, View};
 
@@ -44,6 +46,9 @@ pub struct FeedChart {
     pub curves: Vec<Curve>,
     /// Time lost against a recording, shown instead of contour errors; none without one.
     pub lost: Option<LostTime>,
+    /// The same against a machine that was changed since, drawn over it; the curves then are those of the
+    /// recording, of the machine before, and of the machine after.
+    pub lost_after: Option<LostTime>,
 }
 
 /// How much later a recorded machine is than the simulated one, over distance, straight lines between
@@ -112,6 +117,8 @@ pub struct Reading {
     pub curves: Vec<Option<CurveReading>>,
     /// Time lost up to there, s; none without a recording.
     pub lost: Option<f64>,
+    /// The same against the machine after, s; none where there is but one.
+    pub lost_after: Option<f64>,
 }
 
 /// What a curve says about one distance.
@@ -161,6 +168,7 @@ impl FeedChart {
             rapid: self.programmed.rapid.get(segment).copied().unwrap_or(false),
             curves: curves.collect(),
             lost: self.lost.as_ref().and_then(|lost| lost.at(distance)),
+            lost_after: self.lost_after.as_ref().and_then(|lost| lost.at(distance)),
         }
     }
 }
@@ -258,7 +266,7 @@ mod tests {
             rapid: vec![true, false],
             line: vec![3, 4],
         };
-        FeedChart { programmed, curves: vec![curve], lost: None }
+        FeedChart { programmed, curves: vec![curve], lost: None, lost_after: None }
     }
 
     #[test]

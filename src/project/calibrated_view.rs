@@ -99,7 +99,7 @@ impl CalibrationReport {
             runs,
             remarks: remarks(calibration),
             tolerance_mm: machine.interpolator.contour_tolerance,
-            values: rounded(values(&machine), &values(before)),
+            values: rounded(values(&machine), &values(before), DIGITS),
         }
     }
 }
@@ -176,12 +176,12 @@ fn row(estimate: &Estimate) -> Row {
 }
 
 /// A number with at most five digits, without zeros at its end.
-fn as_short(value: f64) -> String {
+pub(super) fn as_short(value: f64) -> String {
     significant(value, DIGITS).to_string().replace('-', "−")
 }
 
 /// A number with the decimals that a deviation with two digits has.
-fn to_the_digits_of(value: f64, deviation: f64) -> String {
+pub(super) fn to_the_digits_of(value: f64, deviation: f64) -> String {
     if 0.0 < deviation && deviation.is_finite() {
         let decimals = (1.0 - deviation.log10().floor()).clamp(0.0, 9.0) as usize;
         format!("{value:.decimals$}").replace('-', "−")
@@ -274,16 +274,20 @@ fn remarks(calibration: &Calibration) -> Vec<String> {
 }
 
 /// A filled form in which what a fit changed has no more digits than it means.
-fn rounded(values: Map<String, Value>, before: &Map<String, Value>) -> Map<String, Value> {
-    fn round(value: Value, before: Option<&Value>) -> Value {
+pub(super) fn rounded(
+    values: Map<String, Value>,
+    before: &Map<String, Value>,
+    digits: usize,
+) -> Map<String, Value> {
+    fn round(value: Value, before: Option<&Value>, digits: usize) -> Value {
         match value {
             Value::Number(number) if before != Some(&Value::Number(number.clone())) => {
-                number.as_f64().map_or(Value::Null, |number| Value::from(significant(number, DIGITS)))
+                number.as_f64().map_or(Value::Null, |number| Value::from(significant(number, digits)))
             }
             Value::Object(entries) => {
                 let own = |key: &str| before.and_then(|before| before.get(key));
                 let entries = entries.into_iter().map(|(key, value)| {
-                    let value = round(value, own(&key));
+                    let value = round(value, own(&key), digits);
                     (key, value)
                 });
                 Value::Object(entries.collect())
@@ -292,7 +296,7 @@ fn rounded(values: Map<String, Value>, before: &Map<String, Value>) -> Map<Strin
         }
     }
     let entries = values.into_iter().map(|(key, value)| {
-        let value = round(value, before.get(&key));
+        let value = round(value, before.get(&key), digits);
         (key, value)
     });
     entries.collect()
@@ -317,7 +321,7 @@ mod tests {
         let mut machine = Machine::default();
         machine.rapid.feedrate *= 1.0123456789;
         machine.times.m_codes.insert(8, 2.3456789);
-        let after = rounded(values(&machine), &before);
+        let after = rounded(values(&machine), &before, DIGITS);
         for (key, value) in &after {
             match key.as_str() {
                 "rapid.feed_mm_min" => {

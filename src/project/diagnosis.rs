@@ -1,6 +1,12 @@
 //! A diagnosis as JSON and as text: the sentence that says it, then what, where, how sure, what else it
 //! could be, and by how much the fit improves. The form of the JSON is fixed; more fields may be added.
 
+mod chart;
+mod html;
+mod told;
+
+pub use chart::diagnosis_chart;
+
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -9,11 +15,15 @@ use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::{Cause, Diagnosis, Region, Verdict};
 use crate::identification::hypotheses::Reported;
 use crate::machine::Machine;
+use crate::project::calibrated_view::rounded;
 use crate::project::causes::{Known, known};
 use crate::project::comparison::{Refusal, seconds, sentence_of};
+use crate::project::diagnosis::told::{Change, Told, changes, told};
 use crate::project::form::values;
 use crate::units::mm_per_min;
 
+/// Digits of what is changed in the form.
+const DIGITS: usize = 6;
 /// Regions that are told as text.
 const TOLD: usize = 8;
 
@@ -30,6 +40,10 @@ pub struct DiagnosisReport {
     messages: Vec<String>,
     /// The extended machine as a filled form; null where nothing is compared.
     values: Option<Map<String, Value>>,
+    /// What the extended machine has otherwise than the machine before, as in the form.
+    changes: Vec<Change>,
+    /// Names of the recordings, in the order of `run`.
+    runs: Vec<String>,
 }
 
 /// A named cause.
@@ -53,6 +67,8 @@ struct CauseRow {
     vendors: &'static str,
     /// In how many stretches it was better, and worse, where it was not fitted.
     sections: Option<[usize; 2]>,
+    /// The parameters with their uncertainty and units, for people.
+    told: Vec<Told>,
 }
 
 /// Where simulation and recording differ.
@@ -123,6 +139,8 @@ impl DiagnosisReport {
             not_excited: diagnosis.not_excited.clone(),
             messages,
             values: Some(values(&machine)),
+            changes: Vec::new(),
+            runs: names.to_vec(),
         }
     }
 
@@ -142,6 +160,7 @@ impl DiagnosisReport {
             sentence: sentence_of(&error.to_string()),
             vendors: "",
             sections: None,
+            told: Vec::new(),
         };
         let causes = if is_of_another_program(error) { vec![cause] } else { Vec::new() };
         DiagnosisReport {
@@ -153,7 +172,17 @@ impl DiagnosisReport {
             not_excited: Vec::new(),
             messages: vec![reason.to_string()],
             values: None,
+            changes: Vec::new(),
+            runs: Vec::new(),
         }
+    }
+
+    /// The same beside the machine before, with what was changed in it.
+    pub fn beside(self, before: &Machine) -> DiagnosisReport {
+        let before = values(before);
+        let values = self.values.map(|values| rounded(values, &before, DIGITS));
+        let changes = values.as_ref().map_or(Vec::new(), |values| changes(&before, values));
+        DiagnosisReport { values, changes, ..self }
     }
 
     /// As JSON.
@@ -252,6 +281,7 @@ fn cause(cause: &Cause) -> CauseRow {
         id: hypothesis.id.to_string(),
         sentence: sentence(&parameters, &cause.lines, cause.seconds),
         name: hypothesis.name(),
+        told: told(&parameters, &uncertainty),
         parameters,
         uncertainty,
         lines: cause.lines.iter().map(|(first, last)| [*first, *last]).collect(),

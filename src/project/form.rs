@@ -91,6 +91,11 @@ pub fn form() -> String {
     serde_json::to_string(&form).expect("text and finite numbers have a JSON form")
 }
 
+/// A machine as a filled form, as JSON.
+pub fn machine_values(machine: &Machine) -> String {
+    Value::Object(values(machine)).to_string()
+}
+
 /// A machine as a filled form.
 pub(super) fn values(machine: &Machine) -> Map<String, Value> {
     let values = PARAMETERS.iter().map(|row| {

@@ -9,7 +9,7 @@ use web_sys::HtmlCanvasElement;
 
 use crate::machine::tolerance_label;
 use crate::plot::{
-    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Stretch, Theme, View, draw,
+    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Stretch, Theme, View, draw, svg,
 };
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
@@ -45,6 +45,9 @@ pub struct Pointer {
     pub curves: Vec<CurveReading>,
     /// Time lost up to there, s; none without a recording.
     pub lost: Option<f64>,
+    /// The same against the machine after, s; none where there is but one.
+    #[wasm_bindgen(js_name = lostAfter)]
+    pub lost_after: Option<f64>,
 }
 
 /// One curve at one distance.
@@ -81,6 +84,7 @@ impl Chart {
             programmed: Programmed { end, feedrate, rapid, line },
             curves: Vec::new(),
             lost: None,
+            lost_after: None,
         };
     }
 
@@ -120,6 +124,12 @@ impl Chart {
     #[wasm_bindgen(js_name = showLost)]
     pub fn show_lost(&mut self, distance: Vec<f64>, seconds: Vec<f64>) {
         self.chart.lost = Some(LostTime { distance, seconds });
+    }
+
+    /// Shows the time lost against the machine after as well.
+    #[wasm_bindgen(js_name = showLostAfter)]
+    pub fn show_lost_after(&mut self, distance: Vec<f64>, seconds: Vec<f64>) {
+        self.chart.lost_after = Some(LostTime { distance, seconds });
     }
 
     /// Colour of the curve with this index, as CSS writes it.
@@ -164,6 +174,11 @@ impl Chart {
         self.frame =
             draw(&self.chart, self.view, &self.theme(), ratio, backend).map_err(|error| error.to_string())?;
         Ok(())
+    }
+
+    /// The whole as SVG for a document, dark on white; none where it cannot be drawn.
+    pub fn svg(&self, width: u32, height: u32) -> Option<String> {
+        svg(&self.chart, (width, height))
     }
 
     /// Shows everything.
@@ -252,6 +267,7 @@ impl Chart {
             rapid: reading.rapid,
             curves: curves.collect(),
             lost: reading.lost,
+            lost_after: reading.lost_after,
         })
     }
 }

@@ -107,12 +107,12 @@ pub fn compare_recording(
     })
 }
 
-/// Runs of one machine, collected to calibrate it.
+/// Runs of one machine, collected to calibrate it, or to say what was left out of it.
 #[wasm_bindgen]
 pub struct Runs {
-    machine: Machine,
-    names: Vec<String>,
-    aligned: Vec<Recorded>,
+    pub(super) machine: Machine,
+    pub(super) names: Vec<String>,
+    pub(super) aligned: Vec<Recorded>,
 }
 
 #[wasm_bindgen]

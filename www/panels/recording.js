@@ -26,7 +26,7 @@ const NAMES = ['recorded', 'simulated']
 /** @param {HTMLElement} root @param {Actions} actions */
 export function mount(root, actions) {
   const input = /** @type {HTMLInputElement} */ (find(root, '#recordings'))
-  const invite = find(root, '.invite')
+  const invites = [.../** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll('.invite'))]
   const list = find(root, '.pairs')
   const answer = find(root, '.answer')
   const view = find(root, '.view')
@@ -104,7 +104,7 @@ export function mount(root, actions) {
     const removal = make('button', { type: 'button', className: 'remove', title: 'Remove' }, '×')
     removal.setAttribute('aria-label', `Remove ${name}`)
     removal.addEventListener('click', () => remove(entry))
-    const use = make('label', { className: 'use', title: 'Use it to calibrate the machine' }, box, 'calibrate with it')
+    const use = make('label', { className: 'use', title: 'Use it to calibrate and diagnose the machine' }, box, 'use it')
     return make('li', {}, choose, make('label', { className: 'of' }, 'run of ', of), use, removal)
   }
 
@@ -151,7 +151,7 @@ export function mount(root, actions) {
       program = recording && programOf(recording, state)
       const waiting = state.recordings.filter((entry) => !programOf(entry, state)).map(({ name }) => name)
       orphans.textContent = waiting.length > 0 ? `${waiting.join(', ')}: recorded. Now drop the program that was run.` : ''
-      invite.hidden = recording !== undefined
+      for (const invite of invites) invite.hidden = recording !== undefined
       fillList(state)
       const match = recording?.match
       root.classList.toggle('stale', Boolean(match) && match?.motion !== state.machine.motion)

@@ -1,0 +1,50 @@
+//! Before and after on the same axes: the recorded feedrate, the simulated ones of the machine before and
+//! of the machine with the causes, and the time lost against both, over the distance.
+
+use crate::identification::comparison::{Comparison, course, pointwise};
+use crate::identification::diagnosis::Diagnosis;
+use crate::identification::fit::Run;
+use crate::machine::Machine;
+use crate::plot::{Curve, FeedChart, LostTime, Programmed};
+use crate::simulation::profile::{Profile, Resolution};
+
+/// The chart of a diagnosed run, `index` of those that were diagnosed on the machine `before`; none where
+/// there is no such run.
+pub fn diagnosis_chart(
+    diagnosis: &Diagnosis,
+    before: &Machine,
+    runs: &[Run],
+    index: usize,
+) -> Option<FeedChart> {
+    let run = runs.get(index)?;
+    let plan = run.plan(before);
+    let rows = pointwise(run.toolpath, &plan, run.alignment);
+    let begin = run.alignment.marks.first().map_or(0.0, |mark| mark.time);
+    let recorded = Curve {
+        label: "recorded".to_string(),
+        distance: rows.distance,
+        feedrate: rows.recorded,
+        time: rows.recorded_time.into_iter().map(|time| time - begin).collect(),
+        ..Curve::default()
+    };
+    let simulated = |label: &str, machine: &Machine| {
+        let plan = run.plan(machine);
+        let samples = Profile::new(run.toolpath, &plan).samples(Resolution::CHART);
+        let (distance, feedrate, time) = (samples.distance, samples.feedrate, samples.time);
+        Curve { label: label.to_string(), distance, feedrate, time, ..Curve::default() }
+    };
+    let lost = |comparison: &Comparison| {
+        let course = course(run.toolpath, run.alignment, comparison);
+        LostTime { distance: course.distance, seconds: course.seconds }
+    };
+    Some(FeedChart {
+        programmed: Programmed::of(run.toolpath, before),
+        curves: vec![
+            recorded,
+            simulated("simulated before", before),
+            simulated("simulated after", &diagnosis.machine),
+        ],
+        lost: diagnosis.before.get(index).map(lost),
+        lost_after: diagnosis.after.get(index).map(lost),
+    })
+}

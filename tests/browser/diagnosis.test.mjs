@@ -1,0 +1,194 @@
+// The diagnosis on the page: of the sample, in which a feed override of 78 % from line 31 on is concealed, and of what
+// cannot be diagnosed.
+
+import assert from 'node:assert/strict'
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
+import { tmpdir } from 'node:os'
+import { join } from 'node:path'
+import { after } from 'node:test'
+import { drop, frame, pageTest, ROOT } from './steps.mjs'
+
+const folder = mkdtempSync(join(tmpdir(), 'truefeed-diagnosis-'))
+after(() => rmSync(folder, { recursive: true }))
+const sample = (name) => join(ROOT, 'www/samples', name)
+const FEED = '#field-override-feed'
+const TIMEOUT = { timeout: 60_000 }
+
+/** Waits until the recording in sight is compared and nothing runs. */
+const compared = (page) =>
+  page.waitForFunction(
+    () =>
+      document.querySelector('#progress').hidden &&
+      !document.querySelector('.stale') &&
+      document.querySelector('#recording .answer .sentence'),
+    null,
+    TIMEOUT,
+  )
+const diagnosed = (page) => page.waitForFunction(() => document.querySelector('#diagnosis .sentence').textContent, null, TIMEOUT)
+
+/** Loads the sample from the first page. */
+async function loadSample(page) {
+  await page.click('#welcome .concealed')
+  await compared(page)
+}
+
+/** The text of a file that a button saves. */
+async function saved(page, button, name) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click(button)])
+  const path = join(folder, name)
+  await download.saveAs(path)
+  return { text: readFileSync(path, 'utf8'), suggested: download.suggestedFilename() }
+}
+
+/** The values of the machine form. */
+const formOf = (page) => page.$$eval('#machine [id^="field-"]', (all) => all.map((field) => field.value ?? field.checked))
+
+/** Cells of a row of a table of the diagnosis. */
+const cells = (page, name) =>
+  page.evaluate((wanted) => {
+    const rows = [...document.querySelectorAll('#diagnosis tbody tr')]
+    const found = rows.find((own) => own.cells[0].textContent.startsWith(wanted))
+    return [...(found?.cells ?? [])].map((own) => own.textContent)
+  }, name)
+
+/** Pixels of the diagnosis' chart in each curve's colour in the lower panel. */
+const lostPixels = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector('#diagnosis canvas')
+    const top = Math.round(0.62 * canvas.height)
+    const { data } = canvas.getContext('2d').getImageData(0, top, canvas.width, canvas.height - top)
+    return [1, 2].map((index) => {
+      const wanted = getComputedStyle(document.documentElement).getPropertyValue(`--curve-${index}`).match(/\d+/g).map(Number)
+      let count = 0
+      for (let i = 0; i < data.length; i += 4)
+        if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
+      return count
+    })
+  })
+
+for (const viewport of [
+  { width: 1280, height: 900 },
+  { width: 390, height: 844 },
+]) {
+  pageTest(
+    `what is concealed in the sample is found at ${viewport.width} px`,
+    async ({ page }) => {
+      await loadSample(page)
+      await page.click('#diagnosis .start')
+      await page.waitForFunction(() => /Diagnosing/.test(document.querySelector('#progress p').textContent))
+      await diagnosed(page)
+      assert.match(await page.textContent('#diagnosis .sentence'), /^From line 31 on the machine ran at 78 % of the programmed feed: feed override/)
+      assert.equal(await page.getAttribute('#diagnosis .sentence', 'aria-live'), 'polite')
+      const cause = await page.textContent('#diagnosis .cause')
+      assert.match(cause, /ratio.*0\.7[78]\d* ±/s)
+      assert.match(cause, /How sure.*\d+ %; better in \d+ of \d+ sections where nothing was fitted/s)
+      const [, before, found] = await cells(page, 'Feed RMSE where nothing')
+      assert.ok(Number.parseFloat(found) < 0.5 * Number.parseFloat(before), `${before} → ${found}`)
+      await frame(page)
+      const pixels = await lostPixels(page)
+      assert.ok(pixels.every((count) => 200 < count), `time lost before and after: ${pixels}`)
+      const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
+      assert.ok(!wider, 'the page scrolls sideways')
+      await page.locator('#diagnosis').screenshot({ path: join(ROOT, `tests/browser/output/diagnosis-${viewport.width}.png`) })
+
+      // A region is shown in the charts.
+      const whole = await page.getAttribute('#diagnosis .plot', 'data-span')
+      await page.click('#diagnosis .scroll button')
+      await frame(page)
+      assert.notEqual(await page.getAttribute('#diagnosis .plot', 'data-span'), whole)
+    },
+    { viewport },
+  )
+}
+
+pageTest('the extended machine is used, undone, saved and varied; the report is exported', async ({ page }) => {
+  const own = await formOf(page)
+  await loadSample(page)
+  const stock = await formOf(page)
+  assert.notDeepEqual(stock, own)
+  await page.click('#diagnosis .start')
+  await diagnosed(page)
+
+  await page.waitForFunction(() => /takes/.test(document.querySelector('#diagnosis .what-if')?.textContent ?? ''), null, TIMEOUT)
+  const box = page.locator('#try-override-feed')
+  await box.fill('1')
+  await box.press('Enter')
+  await page.waitForFunction(() => /saves 8\.\d s/.test(document.querySelector('#diagnosis .what-if').textContent), null, TIMEOUT)
+  await box.fill('fast')
+  await box.press('Enter')
+  assert.match(await page.textContent('#diagnosis .trial .fault'), /fast is not a number/)
+
+  await page.click('.use-diagnosis')
+  assert.ok(Math.abs(Number(await page.inputValue(FEED)) - 0.78) < 0.001)
+  await compared(page)
+  const [, error] = (await page.textContent('#recording .sentence')).match(/\(([+−]?[\d.]+) %\)/)
+  assert.ok(Math.abs(Number(error.replace('−', '-'))) <= 0.2, `${error} %`)
+  await page.click('.use-diagnosis')
+  assert.deepEqual(await formOf(page), stock)
+  await page.click('#diagnosis .restore button')
+  assert.deepEqual(await formOf(page), own)
+
+  const machine = await saved(page, '#diagnosis .save', 'machine.toml')
+  assert.match(machine.text, /from_line = 31/)
+  const json = await saved(page, '#diagnosis .json', 'diagnosis.json')
+  assert.equal(json.suggested, 'diagnosis.json')
+  const report = JSON.parse(json.text)
+  assert.equal(report.verdict, 'explained')
+  assert.equal(report.causes[0].id, 'feed_override')
+  assert.equal(report.causes[0].parameters.from_line, 31)
+  const html = await saved(page, '#diagnosis .html', 'diagnosis.html')
+  assert.equal(html.suggested, 'diagnosis.html')
+  const parsed = await page.evaluate((text) => {
+    const document = new DOMParser().parseFromString(text.replace(/^.*\n/, ''), 'application/xml')
+    const count = (name) => document.getElementsByTagName(name).length
+    return { faults: count('parsererror'), charts: count('svg'), scripts: count('script'), says: document.getElementsByTagName('h1')[0]?.textContent }
+  }, html.text)
+  assert.deepEqual([parsed.faults, parsed.charts, parsed.scripts], [0, 1, 0])
+  assert.match(parsed.says, /78 % of the programmed feed/)
+  assert.ok(!/(src|href)=/.test(html.text), 'the report needs no other file')
+})
+
+pageTest('a diagnosis can be cancelled, and leaves everything as it was', async ({ page }) => {
+  await loadSample(page)
+  const before = await formOf(page)
+  const sentence = await page.textContent('#recording .sentence')
+  await page.click('#diagnosis .start')
+  await page.waitForFunction(() => /Diagnosing/.test(document.querySelector('#progress p').textContent))
+  await page.click('#progress button')
+  await page.waitForSelector('#progress', { state: 'hidden' })
+  assert.deepEqual(await formOf(page), before)
+  assert.equal(await page.textContent('#recording .sentence'), sentence)
+  assert.equal(await page.textContent('#diagnosis .sentence'), '')
+  assert.ok(await page.isHidden('#diagnosis .view'))
+  assert.ok(await page.isEnabled('#diagnosis .start'))
+})
+
+pageTest('a recording that is refused says why, and is not diagnosed', async ({ page }) => {
+  const other = join(folder, 'other.nc')
+  writeFileSync(other, ['G21 G90', 'G1 X200 F2000', 'G1 Y300', 'G1 X0', 'G1 Y0', 'M30'].join('\n'))
+  await drop(page, 'body', [other, sample('standin.csv')])
+  await page.waitForSelector('#recording .refused', TIMEOUT)
+  await page.waitForSelector('#progress', { state: 'hidden' })
+  assert.ok(await page.isDisabled('#diagnosis .start'))
+  const reason = await page.textContent('#recording .refused')
+  assert.equal(await page.textContent('#diagnosis .why'), `standin.csv cannot be diagnosed: ${reason}`)
+})
+
+pageTest('the keyboard alone finds what is concealed', async ({ page }) => {
+  const press = async (selector) => {
+    for (let steps = 0; steps < 150; steps += 1) {
+      if (await page.evaluate((wanted) => document.activeElement?.matches(wanted), selector)) break
+      await page.keyboard.press('Tab')
+    }
+    assert.ok(await page.evaluate((wanted) => document.activeElement?.matches(wanted), selector), `${selector} cannot be reached`)
+    await page.keyboard.press('Enter')
+  }
+  await press('#welcome .concealed')
+  await compared(page)
+  await press('#diagnosis .start')
+  await diagnosed(page)
+  await press('#diagnosis .use-diagnosis')
+  assert.ok(Math.abs(Number(await page.inputValue(FEED)) - 0.78) < 0.001)
+  assert.match(await page.textContent('#diagnosis .use-diagnosis'), /Undo/)
+  assert.ok(await page.evaluate(() => document.activeElement?.matches('.use-diagnosis')), 'the focus stays')
+})

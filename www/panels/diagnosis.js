@@ -1,0 +1,311 @@
+// The diagnosis: what was left out of the machine. A sentence first, then before and after, where, why, how sure, what
+// else it could be, and what the machine would be with it.
+
+import { Chart, lostLabel, markOfChart } from '../pkg/truefeed.js'
+import { Ended } from '../engine.js'
+import { find, make } from '../dom.js'
+import { count, difference, feedrate, seconds } from '../format.js'
+import { mountPlot } from '../plot.js'
+import { usable } from '../recordings.js'
+import { saveFile, saveMachine } from '../save.js'
+import { headOf, lineOf } from './chart.js'
+
+/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Values } from "../types.js" */
+/** @import { Engine } from "../engine.js" */
+/** @import { Pointer } from "../pkg/truefeed.js" */
+
+const NAMES = ['recorded', 'simulated before', 'simulated after']
+/** Size of a chart in the report, pixels. */
+const REPORT_PX = /** @type {const} */ ([1040, 560])
+const FOLDER = 'samples/'
+const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'standin.toml' }
+
+/**
+ * @typedef {object} Actions
+ * @property {() => void} diagnose
+ * @property {() => void} useDiagnosis
+ * @property {() => void} undoDiagnosis
+ * @property {(values: Values) => void} tryValues
+ * @property {(sample: {machine: string, program: {name: string, bytes: Uint8Array}, recording: {name: string, bytes: Uint8Array}}) => void} addSample
+ * @property {() => void} undoSample
+ */
+
+/** @param {HTMLElement} root @param {Engine} engine  one of its own, for what is asked beside all else @param {Actions} actions */
+export function mount(root, engine, actions) {
+  const start = /** @type {HTMLButtonElement} */ (find(root, '.start'))
+  const why = find(root, '.why')
+  const restore = find(root, '.restore')
+  const sentence = find(root, '.sentence')
+  const choices = find(root, '.outcome')
+  const view = find(root, '.view')
+  const picker = find(root, '.of')
+  const runs = /** @type {HTMLSelectElement} */ (find(root, '.of select'))
+  const chosen = find(root, '.chosen')
+  const place = find(root, '.result')
+  const chart = new Chart()
+  /** @type {Diagnosis | null} */
+  let shown = null
+  let wasUsed = false
+  let run = 0
+
+  const plot = mountPlot(root, chart, {
+    isShown: () => Boolean(shown && shown.runs.length > 0),
+    words: (pointer) => words(pointer, shown?.runs[run].program),
+    chosen(pointer) {
+      chosen.hidden = false
+      const head = headOf(pointer.distance, pointer.programmed, pointer.rapid)
+      chosen.replaceChildren(head, ...lineOf(pointer.line, shown?.runs[run].program))
+    },
+  })
+  start.addEventListener('click', () => actions.diagnose())
+  find(restore, 'button').addEventListener('click', () => actions.undoSample())
+  runs.addEventListener('change', () => draw(Number(runs.value)))
+  for (const button of document.querySelectorAll('.concealed')) {
+    button.addEventListener('click', async () => {
+      const [program, recording, machine] = await Promise.all([SAMPLE.program, SAMPLE.recording, SAMPLE.machine].map(fetched))
+      actions.addSample({
+        machine: new TextDecoder().decode(machine),
+        program: { name: SAMPLE.program, bytes: program },
+        recording: { name: SAMPLE.recording, bytes: recording },
+      })
+      start.focus()
+    })
+  }
+
+  /** Draws one of the runs. @param {number} index */
+  function draw(index) {
+    const columns = shown?.runs[index]?.columns
+    if (!columns) return
+    run = index
+    runs.value = String(index)
+    chosen.hidden = true
+    plot.hide()
+    fillChart(chart, columns)
+    plot.fit(true)
+  }
+
+  /** Goes to a region in the charts. @param {number} index @param {[number, number]} distances */
+  function show(index, distances) {
+    if (index !== run) draw(index)
+    plot.show({ distance_mm: distances })
+  }
+
+  /** @param {Diagnosis} diagnosis @param {State} state */
+  function fill({ report, json, html, runs: all, used }, state) {
+    sentence.textContent = report.sentence
+    const use = make('button', { type: 'button', className: 'use-diagnosis' }, used ? 'Undo: the machine before' : 'Use the extended machine')
+    use.addEventListener('click', () => {
+      if (used) actions.undoDiagnosis()
+      else actions.useDiagnosis()
+      find(root, '.use-diagnosis').focus()
+    })
+    const { values } = report
+    const save = make('button', { type: 'button', className: 'save' }, 'Save machine.toml')
+    if (values) save.addEventListener('click', () => saveMachine(values))
+    const asHtml = make('button', { type: 'button', className: 'html' }, 'Save the report (HTML)')
+    asHtml.addEventListener('click', () => saveFile(withCharts(html, all.map(({ columns }) => columns)), 'text/html', 'diagnosis.html'))
+    const asJson = make('button', { type: 'button', className: 'json' }, 'Save it as JSON')
+    asJson.addEventListener('click', () => saveFile(json, 'application/json', 'diagnosis.json'))
+    choices.replaceChildren(...(report.changes.length > 0 ? [use, save] : []), asHtml, asJson)
+    runs.replaceChildren(...all.map(({ name }, index) => make('option', { value: String(index) }, name)))
+    picker.hidden = all.length < 2
+    place.replaceChildren(
+      ...report.causes.map(causeOf),
+      numbersTable(report),
+      regionsTable(report, all.map(({ name }) => name), show),
+      ...(values && report.changes.length > 0 ? [whatIf(report, values, state)] : []),
+      ...report.messages.map((message) => make('p', { className: 'facts' }, message)),
+      ...notShown(report),
+    )
+  }
+
+  /** The changed fields, to be varied; says what a value would do to the cycle time. @param {DiagnosisReport} report @param {Values} values @param {State} state */
+  function whatIf(report, values, state) {
+    const answer = make('p', { className: 'what-if', role: 'status' })
+    const fault = make('p', { className: 'fault', role: 'alert' })
+    /** @type {Values} */
+    let tried = { ...values }
+    const first = shown?.runs[0]
+    const before = shown?.before.values
+    if (!first || !before) return answer
+    const { program } = first
+    const compute = async () => {
+      fault.textContent = ''
+      const machines = [before, values, tried].map((machine) => JSON.stringify(machine))
+      try {
+        const { times } = await engine.cycleTimes({ program: program.bytes, dialect: program.dialect, machines })
+        const what = report.changes.filter(({ key }) => tried[key] !== values[key])
+        const named = what.map(({ label, unit, key }) => `${tried[key] ?? '–'} ${unit} ${label.toLowerCase()}`.replace(/ +/g, ' '))
+        const saved = times[1] - times[2]
+        const effect = Math.abs(saved) < 0.005 ? 'takes as long' : `${saved > 0 ? 'saves' : 'costs'} ${seconds(Math.abs(saved))}`
+        answer.textContent =
+          named.length === 0
+            ? `${program.name} takes ${seconds(times[1])} as it was found, ${seconds(times[0])} on the machine before.`
+            : `With ${named.join(', ')}, ${program.name} ${effect}: ${seconds(times[2])} instead of ${seconds(times[1])}.`
+      } catch (error) {
+        if (error instanceof Ended && error.kind === 'cancelled') return
+        fault.textContent = `${error instanceof Error ? error.message : error}`
+      }
+    }
+    const rows = report.changes.map(({ key, label, unit, before: was, after, number }) => {
+      const input = make('input', { type: 'text', inputMode: 'decimal', size: 9, value: String(number), id: `try-${key.replaceAll('.', '-')}` })
+      input.setAttribute('aria-label', `${label}${unit ? `, ${unit}` : ''}: try another value`)
+      input.addEventListener('change', () => {
+        const value = Number(input.value.trim().replace(',', '.'))
+        if (input.value.trim() === '' || !Number.isFinite(value)) {
+          input.setAttribute('aria-invalid', 'true')
+          fault.textContent = `${label}: ${input.value.trim() || 'nothing'} is not a number.`
+          return
+        }
+        input.removeAttribute('aria-invalid')
+        tried = { ...tried, [key]: value }
+        compute()
+      })
+      return [unit ? `${label} (${unit})` : label, was, after, number === null ? '' : input]
+    })
+    const form = make('button', { type: 'button', className: 'try' }, 'Put these values in the machine form')
+    form.addEventListener('click', () => actions.tryValues(tried))
+    compute()
+    const all = table('The machine, and what if', ['', 'Before', 'After', 'What if'], rows)
+    return make('div', { className: 'trial' }, all, answer, fault, make('p', { className: 'choices' }, form))
+  }
+
+  return {
+    /** @param {State} state */
+    update(state) {
+      const { diagnosis, diagnosing, machine, recordings, sample } = state
+      const all = usable(state).length
+      root.hidden = recordings.length === 0 && !diagnosis
+      restore.hidden = !sample
+      start.disabled = all === 0 || diagnosing || machine.faults.length > 0
+      start.textContent = all < 2 ? 'Diagnose' : `Diagnose ${count(all)} recordings together`
+      const refused = recordings.find(({ match }) => match?.refusal)
+      why.textContent = all > 0 || !refused ? '' : `${refused.name} cannot be diagnosed: ${refused.match?.refusal?.reason}`
+      if (diagnosis === shown && (diagnosis?.used ?? false) === wasUsed) return
+      const isOther = diagnosis !== shown && diagnosis?.runs !== shown?.runs
+      shown = diagnosis
+      wasUsed = diagnosis?.used ?? false
+      view.hidden = !diagnosis
+      if (diagnosis) fill(diagnosis, state)
+      else {
+        sentence.textContent = ''
+        choices.replaceChildren()
+        place.replaceChildren()
+      }
+      if (isOther) draw(0)
+    },
+  }
+}
+
+/** Gives a chart the curves of a run. @param {Chart} chart @param {DiagnosedColumns} columns */
+function fillChart(chart, columns) {
+  const none = new Float64Array()
+  chart.program(columns.end, columns.feedrate, columns.rapid, columns.line)
+  for (const [at, name] of NAMES.entries()) {
+    chart.addProgrammed(name, none, none, none)
+    chart.fill(columns.distances[at], columns.feedrates[at], columns.times[at], none, none)
+  }
+  chart.showLost(columns.lostDistances[0], columns.lostSeconds[0])
+  chart.showLostAfter(columns.lostDistances[1], columns.lostSeconds[1])
+}
+
+/** The report with its charts. @param {string} html @param {DiagnosedColumns[]} runs */
+function withCharts(html, runs) {
+  const chart = new Chart()
+  const whole = runs.reduce((text, columns, index) => {
+    fillChart(chart, columns)
+    return text.replace(markOfChart(index), () => chart.svg(...REPORT_PX) ?? '')
+  }, html)
+  chart.free()
+  return whole
+}
+
+/** A file of the sample. @param {string} name */
+async function fetched(name) {
+  const response = await fetch(new URL(`../${FOLDER}${name}`, import.meta.url))
+  return new Uint8Array(await response.arrayBuffer())
+}
+
+/** What the chart says about one distance. @param {Pointer} pointer @param {import("../types.js").Program | undefined} program */
+function words({ distance, line, programmed, rapid, curves, lost, lostAfter }, program) {
+  const rows = curves.map(({ label, feedrate: feed, time }, index) =>
+    make(
+      'tr',
+      {},
+      make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
+      make('td', {}, feedrate(feed)),
+      make('td', {}, seconds(time)),
+    ),
+  )
+  const both = [lost, lostAfter].flatMap((value) => (value === undefined ? [] : [lostLabel(value)]))
+  const late = both.length === 0 ? [] : [make('p', {}, 'time lost so far, before → after ', make('strong', {}, both.join(' → ')))]
+  return [headOf(distance, programmed, rapid), make('table', {}, ...rows), ...late, ...lineOf(line, program)]
+}
+
+/** An id as words. @param {string} id */
+const spoken = (id) => id.replaceAll('_', ' ')
+
+/** @param {[number, number]} lines */
+const range = ([from, to]) => (from === to ? `${from}` : `${from}–${to}`)
+
+/** @param {Cause} cause */
+function causeOf({ name, sentence, told, lines, confidence, sections, vendors, indistinguishable_from: others, position_mm: form }) {
+  const rows = told.map(({ name, value, deviation, unit }) => [name, `${value}${deviation === null ? '' : ` ± ${deviation}`} ${unit}`.trim()])
+  if (lines.length > 0) rows.push(['Lines', lines.map(range).join(', ')])
+  if (form !== null) rows.push(['Position error it explains', `${(1000 * form).toPrecision(3)} µm`])
+  if (confidence !== null) {
+    const proof = sections ? `; better in ${sections[0]} of ${sections[0] + sections[1]} sections where nothing was fitted` : ''
+    rows.push(['How sure', `${Math.round(100 * confidence)} %${proof}`])
+  }
+  rows.push(['What else it could be', others.length > 0 ? others.map(spoken).join(', ') : 'nothing else that is known'])
+  if (vendors) rows.push(['Setting', vendors])
+  const list = rows.map(([term, text]) => make('div', {}, make('dt', {}, term), make('dd', {}, text)))
+  return make('article', { className: 'cause' }, make('h3', {}, name), make('p', {}, sentence), make('dl', {}, ...list))
+}
+
+/** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */
+function table(caption, titles, rows) {
+  const head = make('tr', {}, ...titles.map((title) => make('th', { scope: 'col' }, title)))
+  const body = rows.map(([name, ...cells]) =>
+    make('tr', {}, make('th', { scope: 'row' }, name), ...cells.map((cell) => make('td', {}, cell))),
+  )
+  const all = make('table', {}, make('caption', {}, caption), make('thead', {}, head), make('tbody', {}, ...body))
+  return make('div', { className: 'scroll' }, all)
+}
+
+/** @param {DiagnosisReport} report */
+function numbersTable({ fit }) {
+  /** @type {[string, Sides, (value: number) => string][]} */
+  const all = [
+    ['Cycle time, simulated less recorded', fit.cycle_time_error_s, difference],
+    ['Feed RMSE', fit.feed_rmse_mm_min, feedrate],
+    ['Feed RMSE where nothing was fitted', fit.held_out.feed_rmse_mm_min, feedrate],
+    ['Position RMSE', fit.position_rmse_mm, (value) => `${(1000 * value).toPrecision(3)} µm`],
+  ]
+  const rows = all.flatMap(([name, { before, after }, written]) =>
+    before === null || after === null ? [] : [[name, written(before), written(after)]],
+  )
+  return table('Before and after', ['', 'Before', 'After'], rows)
+}
+
+/** @param {DiagnosisReport} report @param {string[]} names @param {(run: number, distances: [number, number]) => void} show */
+function regionsTable({ regions }, names, show) {
+  const all = regions.reduce((sum, { seconds: own }) => sum + Math.abs(own), 0)
+  const rows = regions.map(({ lines, seconds: own, distance_mm: distances, time_s: times, run }) => {
+    const go = make('button', { type: 'button', title: 'Show it in the charts' }, range(lines))
+    go.addEventListener('click', () => show(run, distances))
+    const share = `${Math.round((100 * Math.abs(own)) / all)} %`
+    const when = `${seconds(times[0])} – ${seconds(times[1])}`
+    return [go, lostLabel(own), share, when, ...(names.length > 1 ? [names[run]] : [])]
+  })
+  const titles = ['Lines', 'Lost', 'Share', 'Recorded at', ...(names.length > 1 ? ['Recording'] : [])]
+  if (rows.length === 0) return make('p', { className: 'facts' }, 'Nowhere do simulation and recording differ by more than noise.')
+  return table('Where they differ', titles, rows)
+}
+
+/** @param {DiagnosisReport} report */
+function notShown({ not_excited: ids }) {
+  if (ids.length === 0) return []
+  const text = ids.map(spoken).join(', ')
+  return [make('p', { className: 'facts not-excited' }, `What this program does not excite, and so cannot show: ${text}.`)]
+}
