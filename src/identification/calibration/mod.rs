@@ -23,7 +23,7 @@ pub use waits::Kind;
 
 use crate::identification::calibration::laws::has_filters;
 use crate::identification::comparison::{Comparison, compare};
-use crate::identification::fit::{Fit, Freed, Run, Scale, Whitening, fit, huber};
+use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, fit, huber};
 use crate::machine::{Machine, TimeConstants};
 use crate::simulation::toolpath::Motion;
 
@@ -37,6 +37,9 @@ const MOST_UNCERTAIN: f64 = 0.5;
 const CONTRADICTED: f64 = 4.0;
 /// Values farther than this from the one before, in standard deviations, are not tried again.
 const DOUBTFUL: f64 = 5.0;
+/// A step that gains less than this part of the cost is the last: of fits that are only to be compared, and of
+/// those whose values are taken.
+const ROUGHLY: f64 = 3e-3;
 /// Orders of filters tried.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
 
@@ -115,9 +118,6 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         freed.apply(&mut guess, seconds);
         waits.push((freed, machine.times.start));
     }
-    let whiten = |machine: &Machine| -> Vec<Whitening> {
-        runs.iter().map(|run| Whitening::of(run.alignment, &run.residuals(machine))).collect()
-    };
     let parameters =
         |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
             let mut all = motion(machine, guess, order, runs);
@@ -128,9 +128,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         };
     let nominal = machine.interpolator.filters;
     let mut share = Share { done: 0.0, part: 0.25, progress };
-    let first = run_fit(&guess, runs, &parameters(nominal, &guess), &whiten(&guess), &mut share);
-    let whitenings = whiten(&first.machine);
-    let second = run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, &mut share);
+    let first = run_fit(&guess, runs, &parameters(nominal, &guess), &whitened(&guess, runs), ROUGHLY, &mut share);
+    let whitenings = whitened(&first.machine, runs);
+    let second = run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, ROUGHLY, &mut share);
     let mut orders = vec![(nominal, second.cost)];
     let mut best = second;
     let mut order = nominal;
@@ -140,7 +140,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         share.part = 0.06;
         let mut start = best.machine.clone();
         set_order(&mut start, other);
-        let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, &mut share);
+        let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, ROUGHLY, &mut share);
         orders.push((other, found.cost));
         if found.cost < best.cost - BETTER_ORDER.0.max(BETTER_ORDER.1 * best.cost) {
             (best, order) = (found, other);
@@ -149,7 +149,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     orders.sort_by_key(|(order, _)| *order);
     share.part = 0.06;
     let whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
-        run_fit(machine, runs, &parameters(order, machine), whitenings, &mut share)
+        run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
     });
     let all = parameters(order, &best.machine);
     let mut verdicts: Vec<Verdict> = all
@@ -214,6 +214,14 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
 }
 
+/// The whitening of each run at the noise that a machine leaves, sections with it.
+fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
+    let whiten = |run: &Run| {
+        Whitening::of(run.alignment, &run.residuals(machine)).with_sections(run.alignment)
+    };
+    runs.iter().map(whiten).collect()
+}
+
 /// Takes into `best` every law that the runs show, and gives the whitening at the noise that is left.
 fn with_laws(
     before: &Machine,
@@ -222,6 +230,7 @@ fn with_laws(
     mut whitenings: Vec<Whitening>,
     mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
 ) -> Vec<Whitening> {
+    let mut is_other = false;
     for choice in laws::CHOICES {
         let whole = |machine: &Machine| -> f64 {
             let each = runs.iter().zip(&whitenings);
@@ -236,12 +245,12 @@ fn with_laws(
         let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
         let margin = laws::BETTER.0.max(laws::BETTER.1 * best.cost);
         if let Some(found) = found.filter(|found| found.cost < best.cost - margin) {
-            whitenings = runs
-                .iter()
-                .map(|run| Whitening::of(run.alignment, &run.residuals(&found.machine)))
-                .collect();
-            *best = fitted(&found.machine, &whitenings);
+            (*best, is_other) = (found, true);
         }
+    }
+    if is_other {
+        whitenings = whitened(&best.machine, runs);
+        *best = fitted(&best.machine, &whitenings);
     }
     whitenings
 }
@@ -258,13 +267,14 @@ fn run_fit(
     runs: &[Run],
     parameters: &[(Freed, f64)],
     whitenings: &[Whitening],
+    hardly: f64,
     share: &mut Share,
 ) -> Fit {
     let freed: Vec<Freed> = parameters.iter().map(|(freed, _)| freed.clone()).collect();
     let (done, part) = (share.done, share.part);
     let progress = &mut share.progress;
     let found =
-        fit(machine, runs, &freed, whitenings, &mut |of_this| progress((done + part * of_this).min(1.0)));
+        fit(machine, runs, &freed, whitenings, hardly, &mut |of_this| progress((done + part * of_this).min(1.0)));
     share.done += part;
     found
 }
@@ -287,7 +297,7 @@ fn put_back(
             freed.apply(&mut base, *before);
         }
     }
-    run_fit(&base, runs, &kept, whitenings, share)
+    run_fit(&base, runs, &kept, whitenings, HARDLY, share)
 }
 
 /// Whether the runs say hardly anything of a parameter.
