@@ -128,9 +128,11 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         };
     let nominal = machine.interpolator.filters;
     let mut share = Share { done: 0.0, part: 0.25, progress };
-    let first = run_fit(&guess, runs, &parameters(nominal, &guess), &whitened(&guess, runs), ROUGHLY, &mut share);
+    let first =
+        run_fit(&guess, runs, &parameters(nominal, &guess), &whitened(&guess, runs), ROUGHLY, &mut share);
     let whitenings = whitened(&first.machine, runs);
-    let second = run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, ROUGHLY, &mut share);
+    let second =
+        run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, ROUGHLY, &mut share);
     let mut orders = vec![(nominal, second.cost)];
     let mut best = second;
     let mut order = nominal;
@@ -216,9 +218,8 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
 
 /// The whitening of each run at the noise that a machine leaves, sections with it.
 fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
-    let whiten = |run: &Run| {
-        Whitening::of(run.alignment, &run.residuals(machine)).with_sections(run.alignment)
-    };
+    let whiten =
+        |run: &Run| Whitening::of(run.alignment, &run.residuals(machine)).with_sections(run.alignment);
     runs.iter().map(whiten).collect()
 }
 
@@ -273,8 +274,9 @@ fn run_fit(
     let freed: Vec<Freed> = parameters.iter().map(|(freed, _)| freed.clone()).collect();
     let (done, part) = (share.done, share.part);
     let progress = &mut share.progress;
-    let found =
-        fit(machine, runs, &freed, whitenings, hardly, &mut |of_this| progress((done + part * of_this).min(1.0)));
+    let found = fit(machine, runs, &freed, whitenings, hardly, &mut |of_this| {
+        progress((done + part * of_this).min(1.0))
+    });
     share.done += part;
     found
 }

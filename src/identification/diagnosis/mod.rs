@@ -268,7 +268,8 @@ fn next_cause(
         screened.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
     // Of two that are as good, the one with fewer parameters; the same price as below.
     let sections = gates::sections(runs);
-    let priced = |candidate: &Candidate| candidate.cost + candidate.values.len() as f64 * (sections as f64).ln();
+    let priced =
+        |candidate: &Candidate| candidate.cost + candidate.values.len() as f64 * (sections as f64).ln();
     refined.sort_by(|a, b| priced(&a.0).total_cmp(&priced(&b.0)));
     progress(0.9);
     let (candidate, others) = refined.first()?.clone();

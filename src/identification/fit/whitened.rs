@@ -96,7 +96,8 @@ impl Whitening {
             innovation * scale
         };
         let marks = residuals.iter().zip(&self.steps).map(whiten);
-        let gained = |(begin, end, scale): &(usize, usize, f64)| (residuals[*end] - residuals[*begin]) * scale;
+        let gained =
+            |(begin, end, scale): &(usize, usize, f64)| (residuals[*end] - residuals[*begin]) * scale;
         marks.chain(self.sections.iter().map(gained)).collect()
     }
 

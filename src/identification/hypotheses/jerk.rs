@@ -60,8 +60,7 @@ fn positioning(machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
         Freed::number("rapid.positioning_jerk_mm_s3", POSITIONING[1], (5e3, 5e6), Scale::Ratio),
         Freed::number("rapid.feed_mm_min", rate, (0.02 * rate, 10.0 * rate), Scale::Ratio),
     ];
-    let trials =
-        RATES.iter().flat_map(|part| POSITIONING.map(|jerk| vec![jerk, part * rate])).collect();
+    let trials = RATES.iter().flat_map(|part| POSITIONING.map(|jerk| vec![jerk, part * rate])).collect();
     let report: Report = Arc::new(|values| {
         vec![
             ("j_mm_s3", Reported::Number(values[0])),
