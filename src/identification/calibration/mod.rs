@@ -11,8 +11,10 @@
 //!   higher by less than `CONTRADICTED`. One after another, because parameters that depend on each other
 //!   hide behind each other;
 //! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
-//!   the filters of feed moves unless their own are, the total delay being the first guess of each.
+//!   the filters of feed moves unless they are better by the margin of [`laws`], the total delay being the
+//!   first guess of each. So it is with the other laws there: one that is taken in is not put back.
 
+mod laws;
 mod planner;
 mod waits;
 
@@ -21,27 +23,27 @@ use nalgebra::DMatrix;
 pub use planner::become_planner;
 pub use waits::Kind;
 
+use crate::identification::calibration::laws::has_filters;
 use crate::identification::comparison::{Comparison, compare};
-use crate::identification::fit::{Fit, Freed, Run, Scale, Whitening, fit};
-use crate::machine::{Junction, Machine, TimeConstants};
+use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, fit, huber};
+use crate::machine::{Machine, TimeConstants};
 use crate::simulation::toolpath::Motion;
 
 /// A relative standard deviation above which a positive parameter counts as unknown.
 const UNKNOWN: f64 = 0.4;
 /// By how much, and by what part, the cost must fall for another filter order.
 const BETTER_ORDER: (f64, f64) = (15.0, 0.1);
-/// By how much, and by what part, the cost must fall for filters of their own on rapid moves.
-const BETTER_RAPID: (f64, f64) = (15.0, 0.03);
 /// By what part the cost must fall for another family of controls.
 const BETTER_FAMILY: f64 = 0.3;
-/// How much slower filters of rapid moves are tried first.
-const RAPID_SLOWER: f64 = 2.0;
 /// A wait that is uncertain by more than itself and by more than this, s, counts as unknown.
 const MOST_UNCERTAIN: f64 = 0.5;
 /// A value is contradicted where going back to it costs more than this: two standard deviations.
 const CONTRADICTED: f64 = 4.0;
 /// Values farther than this from the one before, in standard deviations, are not tried again.
 const DOUBTFUL: f64 = 5.0;
+/// A step that gains less than this part of the cost is the last: of fits that are only to be compared, and of
+/// those whose values are taken.
+const ROUGHLY: f64 = 3e-3;
 /// Orders of filters tried.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
 
@@ -120,9 +122,6 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         freed.apply(&mut guess, seconds);
         waits.push((freed, machine.times.start));
     }
-    let whiten = |machine: &Machine| -> Vec<Whitening> {
-        runs.iter().map(|run| Whitening::of(run.alignment, &run.residuals(machine))).collect()
-    };
     let parameters =
         |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
             let is_other = machine.interpolator.junction != guess.interpolator.junction;
@@ -134,9 +133,11 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         };
     let nominal = machine.interpolator.filters;
     let mut share = Share { done: 0.0, part: 0.25, progress };
-    let first = run_fit(&guess, runs, &parameters(nominal, &guess), &whiten(&guess), &mut share);
-    let mut whitenings = whiten(&first.machine);
-    let second = run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, &mut share);
+    let first =
+        run_fit(&guess, runs, &parameters(nominal, &guess), &whitened(&guess, runs), ROUGHLY, &mut share);
+    let mut whitenings = whitened(&first.machine, runs);
+    let second =
+        run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, ROUGHLY, &mut share);
     let mut orders = vec![(nominal, second.cost)];
     let mut best = second;
     let mut order = nominal;
@@ -146,41 +147,37 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         share.part = 0.06;
         let mut start = best.machine.clone();
         set_order(&mut start, other);
-        let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, &mut share);
+        let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, ROUGHLY, &mut share);
         orders.push((other, found.cost));
         if found.cost < best.cost - BETTER_ORDER.0.max(BETTER_ORDER.1 * best.cost) {
             (best, order) = (found, other);
         }
     }
     orders.sort_by_key(|(order, _)| *order);
-    if let (None, TimeConstants::Equal(constant)) =
-        (&best.machine.rapid.time_constants, &best.machine.interpolator.time_constants)
-        && has_filters
-    {
-        let mut start = best.machine.clone();
-        start.rapid.time_constants = Some(TimeConstants::Equal(RAPID_SLOWER * constant));
-        let found = run_fit(&start, runs, &parameters(order, &start), &whitenings, &mut share);
-        if found.cost < best.cost - BETTER_RAPID.0.max(BETTER_RAPID.1 * best.cost) {
-            best = found;
-        }
-    }
     if has_filters {
         let start = planner::guess(machine, &best.machine, runs, &whitenings);
-        let found = run_fit(&start, runs, &parameters(1, &start), &whitenings, &mut share);
+        let found = run_fit(&start, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
         if found.cost < (1.0 - BETTER_FAMILY) * best.cost {
             // At the noise that the planner leaves, which is less.
-            whitenings = whiten(&found.machine);
+            whitenings = whitened(&found.machine, runs);
             order = 1;
-            best = run_fit(&found.machine, runs, &parameters(1, &start), &whitenings, &mut share);
+            best = run_fit(&found.machine, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
         }
     }
+    share.part = 0.06;
+    let whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
+        run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
+    });
     let all = parameters(order, &best.machine);
     let mut verdicts: Vec<Verdict> = all
         .iter()
         .enumerate()
-        .map(|(at, (freed, _))| match is_unknown(freed, best.values[at], best.deviations[at]) {
-            true => Verdict::Unknown,
-            false => Verdict::Fitted,
+        .map(|(at, (freed, before))| {
+            // What was not there before cannot be put back.
+            match before.is_finite() && is_unknown(freed, best.values[at], best.deviations[at]) {
+                true => Verdict::Unknown,
+                false => Verdict::Fitted,
+            }
         })
         .collect();
     share.part = 0.04;
@@ -234,6 +231,46 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
 }
 
+/// The whitening of each run at the noise that a machine leaves, sections with it.
+fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
+    let whiten =
+        |run: &Run| Whitening::of(run.alignment, &run.residuals(machine)).with_sections(run.alignment);
+    runs.iter().map(whiten).collect()
+}
+
+/// Takes into `best` every law that the runs show, and gives the whitening at the noise that is left.
+fn with_laws(
+    before: &Machine,
+    runs: &[Run],
+    best: &mut Fit,
+    mut whitenings: Vec<Whitening>,
+    mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
+) -> Vec<Whitening> {
+    let mut is_other = false;
+    for choice in laws::CHOICES {
+        let whole = |machine: &Machine| -> f64 {
+            let each = runs.iter().zip(&whitenings);
+            each.flat_map(|(run, whitening)| whitening.apply(&run.residuals(machine))).map(huber).sum()
+        };
+        let first = |law: laws::Law| {
+            let guesses = law.into_iter().map(|machine| (whole(&machine), machine));
+            guesses.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, machine)| machine)
+        };
+        let laws = choice(before, &best.machine, runs).into_iter().filter_map(first);
+        let found = laws.map(|machine| fitted(&machine, &whitenings));
+        let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let margin = laws::BETTER.0.max(laws::BETTER.1 * best.cost);
+        if let Some(found) = found.filter(|found| found.cost < best.cost - margin) {
+            (*best, is_other) = (found, true);
+        }
+    }
+    if is_other {
+        whitenings = whitened(&best.machine, runs);
+        *best = fitted(&best.machine, &whitenings);
+    }
+    whitenings
+}
+
 /// Progress of one of several fits.
 struct Share<'a> {
     done: f64,
@@ -246,13 +283,15 @@ fn run_fit(
     runs: &[Run],
     parameters: &[(Freed, f64)],
     whitenings: &[Whitening],
+    hardly: f64,
     share: &mut Share,
 ) -> Fit {
     let freed: Vec<Freed> = parameters.iter().map(|(freed, _)| freed.clone()).collect();
     let (done, part) = (share.done, share.part);
     let progress = &mut share.progress;
-    let found =
-        fit(machine, runs, &freed, whitenings, &mut |of_this| progress((done + part * of_this).min(1.0)));
+    let found = fit(machine, runs, &freed, whitenings, hardly, &mut |of_this| {
+        progress((done + part * of_this).min(1.0))
+    });
     share.done += part;
     found
 }
@@ -275,7 +314,7 @@ fn put_back(
             freed.apply(&mut base, *before);
         }
     }
-    run_fit(&base, runs, &kept, whitenings, share)
+    run_fit(&base, runs, &kept, whitenings, HARDLY, share)
 }
 
 /// Whether the runs say hardly anything of a parameter.
@@ -286,14 +325,13 @@ fn is_unknown(freed: &Freed, value: f64, deviation: f64) -> bool {
     }
 }
 
-/// Whether its ramps are those of filters. A planner of trapezoids has one that is shorter than its period.
-fn has_filters(machine: &Machine) -> bool {
-    machine.interpolator.junction != Junction::AccelerationBlend
-}
-
 /// The key of the acceleration of each axis.
 const ACCELERATIONS: [&str; 3] =
     ["axis.x.acceleration_mm_s2", "axis.y.acceleration_mm_s2", "axis.z.acceleration_mm_s2"];
+
+/// Least and largest jerk of positioning and along the path, mm/s³.
+const POSITIONING_BOUNDS: (f64, f64) = (5e3, 5e6);
+const JERK_BOUNDS: (f64, f64) = (1e3, 1e6);
 
 /// How far, as a ratio, they may be from what they are in the machine file.
 const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
@@ -321,6 +359,13 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     }
     let tolerance = (before.interpolator.contour_tolerance, guess.interpolator.contour_tolerance);
     add("interpolator.contour_tolerance_mm", tolerance.0, tolerance.1, (2e-4, 1.0));
+    if let Some(start) = guess.interpolator.arc_tolerance {
+        let own = before.interpolator.arc_tolerance.unwrap_or(f64::INFINITY);
+        add("interpolator.arc_tolerance_mm", own, start, (2e-4, 1.0));
+    }
+    if guess.path.jerk.is_finite() {
+        add("path.jerk_mm_s3", before.path.jerk, guess.path.jerk, JERK_BOUNDS);
+    }
     let runs_rapid = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid);
     if runs.iter().any(runs_rapid) {
         let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
@@ -332,6 +377,10 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
         {
             let own = own * before.interpolator.filters as f64 / order as f64;
             add("rapid.time_constant_s", own, *start, (5e-4, 0.5));
+        }
+        if guess.rapid.positioning_jerk.is_finite() {
+            let (own, start) = (before.rapid.positioning_jerk, guess.rapid.positioning_jerk);
+            add("rapid.positioning_jerk_mm_s3", own, start, POSITIONING_BOUNDS);
         }
         if before.path.acceleration.is_finite() {
             add("path.acceleration_mm_s2", before.path.acceleration, guess.path.acceleration, (10.0, 1e5));

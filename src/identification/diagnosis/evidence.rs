@@ -1,6 +1,6 @@
 //! What the runs say of a machine, in one number: the cost of the whitened residuals.
 
-use crate::identification::fit::{Fit, Run, Whitening, fit, huber};
+use crate::identification::fit::{Fit, HARDLY, Run, Whitening, fit, huber};
 use crate::identification::hypotheses::Hypothesis;
 use crate::machine::Machine;
 
@@ -127,7 +127,7 @@ impl<'a> Evidence<'a> {
             base = each.hypothesis.machine(&base, &each.values);
         }
         let Fit { values, deviations, cost, .. } =
-            fit(&base, self.runs, &freed, &self.whitenings, &mut |_| {});
+            fit(&base, self.runs, &freed, &self.whitenings, HARDLY, &mut |_| {});
         let mut taken = 0;
         let mut take = |each: &Candidate| {
             let mut each = each.clone();

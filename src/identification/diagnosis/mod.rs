@@ -250,6 +250,7 @@ fn next_cause(
     let mut hypotheses: Vec<_> = library
         .iter()
         .filter(|hypothesis| hypothesis.trace == Trace::Time && !is_named(hypothesis.id, &hypothesis.variant))
+        .filter(|hypothesis| !named.iter().any(|named| hypothesis.is_fitted_beside(&named.hypothesis)))
         .cloned()
         .collect();
     let coarse = Evidence::of(runs, current);
@@ -286,7 +287,11 @@ fn next_cause(
             .zip(feed_error(&with_all(base, &all), runs))
             .is_none_or(|(before, after)| after <= WORSE * before)
     });
-    refined.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+    // Of two that are as good, the one with fewer parameters; the same price as below.
+    let sections = gates::sections(runs);
+    let priced =
+        |candidate: &Candidate| candidate.cost + candidate.values.len() as f64 * (sections as f64).ln();
+    refined.sort_by(|a, b| priced(&a.0).total_cmp(&priced(&b.0)));
     progress(0.9);
     let (candidate, others) = refined.first()?.clone();
     // The noise once more, that of the refined one; else its last digits are those of the first guess.
@@ -296,7 +301,6 @@ fn next_cause(
     let (candidate, others) = last.refined(base, &candidate, &others);
     let without = last.cost(current);
     let gain = without - candidate.cost;
-    let sections = gates::sections(runs);
     let price = GAIN + candidate.values.len() as f64 * (sections as f64).ln();
     if gain <= price {
         return None;

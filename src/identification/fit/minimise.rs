@@ -8,15 +8,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identification::fit::{Freed, Run, Whitening, with};
+use crate::identification::fit::{Freed, Run, Whitening, residuals_of_runs, with};
 use crate::machine::Machine;
 
 /// c: whitened residuals beyond it count less.
 const HUBER: f64 = 2.0;
 /// Steps at most.
 const MOST_STEPS: usize = 25;
-/// A step that gains less than this part of the cost, or this much, is the last.
-const HARDLY: (f64, f64) = (1e-4, 0.02);
+/// A step that gains less than this is the last.
+const LEAST: f64 = 0.02;
 
 /// Where the search ended.
 pub struct Minimum {
@@ -38,20 +38,21 @@ pub fn cost_of(value: f64) -> f64 {
     if size <= HUBER { size * size } else { 2.0 * HUBER * size - HUBER * HUBER }
 }
 
-/// The values, as they are varied, at which the cost is least.
+/// The values, as they are varied, at which the cost is least, to the part `hardly`.
 pub fn minimise(
     machine: &Machine,
     runs: &[Run],
     freed: &[Freed],
     whitenings: &[Whitening],
+    hardly: f64,
     progress: &mut dyn FnMut(f64),
 ) -> Minimum {
     let whitened = |varied: &DVector<f64>| -> Vec<Vec<f64>> {
         let values: Vec<f64> =
             freed.iter().zip(varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
         let machine = with(machine, freed, &values);
-        let each = runs.iter().zip(whitenings);
-        each.map(|(run, whitening)| whitening.apply(&run.residuals(&machine))).collect()
+        let each = residuals_of_runs(runs, &machine).into_iter().zip(whitenings);
+        each.map(|(residuals, whitening)| whitening.apply(&residuals)).collect()
     };
     let cost = |whitened: &[Vec<f64>]| whitened.iter().flatten().map(|value| cost_of(*value)).sum::<f64>();
     let mut varied = DVector::from_iterator(freed.len(), freed.iter().map(|freed| freed.inward(freed.start)));
@@ -78,7 +79,7 @@ pub fn minimise(
         let cost_there = cost(&there);
         moved = cost_there < least;
         if moved {
-            converged = least - cost_there < HARDLY.0 * least + HARDLY.1;
+            converged = least - cost_there < hardly * least + LEAST;
             (varied, found, least) = (next, there, cost_there);
             damping = (0.2 * damping).max(1e-9);
         } else {
@@ -117,7 +118,9 @@ fn derivatives(
             beside[column] = freed.inward(freed.outward(varied[column] + sign * step));
             (beside[column], whitened(&beside))
         };
-        let ((low, below), (high, above)) = (beside(-1.0), beside(1.0));
+        // What is linear needs no second point.
+        let below = if freed.is_linear { (varied[column], found.to_vec()) } else { beside(-1.0) };
+        let ((low, below), (high, above)) = (below, beside(1.0));
         if high - low <= 0.0 {
             continue;
         }

@@ -33,6 +33,8 @@ use crate::simulation::feed::{FeedPlan, Rule, Tolerances, plan};
 use crate::simulation::profile::retimed;
 use crate::simulation::toolpath::Toolpath;
 
+/// The part of the cost that is hardly worth a step.
+pub const HARDLY: f64 = 1e-4;
 /// Sections a run is cut into for the uncertainties.
 const SECTIONS: usize = 16;
 
@@ -92,11 +94,32 @@ impl Run<'_> {
     /// By how much the recorded machine is later at each mark, s.
     pub fn residuals(&self, machine: &Machine) -> Vec<f64> {
         let machine = &self.machine(machine);
-        let plan = simulate(self.toolpath, machine);
-        let mut simulated = times_at_marks(self.toolpath, machine, &plan, self.alignment);
+        self.residuals_of(machine, &simulate(self.toolpath, machine))
+    }
+
+    /// The same of a plan on the machine as it was set.
+    fn residuals_of(&self, machine: &Machine, plan: &FeedPlan) -> Vec<f64> {
+        let mut simulated = times_at_marks(self.toolpath, machine, plan, self.alignment);
         simulated.iter_mut().for_each(|time| *time *= machine.recorder.clock_ratio);
         residuals(self.alignment, &simulated)
     }
+}
+
+/// The residuals of each run on a machine, s; runs of one program one after another share their plan.
+pub fn residuals_of_runs(runs: &[Run], machine: &Machine) -> Vec<Vec<f64>> {
+    let mut last: Option<(&Run, FeedPlan)> = None;
+    let each = runs.iter().map(|run| {
+        let (before, plan) = match last.take() {
+            Some((before, plan)) if before.overrides == run.overrides && before.toolpath == run.toolpath => {
+                (before, plan)
+            }
+            _ => (run, run.plan(machine)),
+        };
+        let residuals = run.residuals_of(&run.machine(machine), &plan);
+        last = Some((before, plan));
+        residuals
+    });
+    each.collect()
 }
 
 /// Huber's ρ of a whitened residual.
@@ -112,16 +135,17 @@ pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
     }
 }
 
-/// Fits parameters of a machine to runs, from the values they begin with. `progress` is told the part
-/// that is done.
+/// Fits parameters of a machine to runs, from the values they begin with, until a step gains less than the
+/// part `hardly` of the cost. `progress` is told the part that is done.
 pub fn fit(
     machine: &Machine,
     runs: &[Run],
     freed: &[Freed],
     whitenings: &[Whitening],
+    hardly: f64,
     progress: &mut dyn FnMut(f64),
 ) -> Fit {
-    let found = minimise::minimise(machine, runs, freed, whitenings, progress);
+    let found = minimise::minimise(machine, runs, freed, whitenings, hardly, progress);
     let values: Vec<f64> =
         freed.iter().zip(found.varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
     let covariance = covariance(&found);

@@ -13,6 +13,7 @@
 //! Only what the program can excite is offered: a limit is tried below what the program asks for.
 
 mod form;
+mod jerk;
 mod motion;
 mod stops;
 
@@ -75,6 +76,12 @@ impl Hypothesis {
         if self.variant.is_empty() { words } else { format!("{words} ({})", self.variant) }
     }
 
+    /// Whether it varies what another one fits beside its own parameter.
+    pub fn is_fitted_beside(&self, other: &Hypothesis) -> bool {
+        let beside = other.freed.iter().skip(1);
+        beside.into_iter().any(|beside| self.freed.iter().any(|own| own.key == beside.key))
+    }
+
     /// The machine with these values.
     pub fn machine(&self, machine: &Machine, values: &[f64]) -> Machine {
         crate::identification::fit::with(machine, &self.freed, values)
@@ -84,6 +91,7 @@ impl Hypothesis {
 /// The effects that the runs can excite on a machine, those that leave time along the path first.
 pub fn library(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     let mut all = motion::hypotheses(machine, runs);
+    all.extend(jerk::hypotheses(machine, runs));
     all.extend(stops::hypotheses(machine, runs));
     all.extend(form::hypotheses(runs));
     all

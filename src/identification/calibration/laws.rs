@@ -1,0 +1,90 @@
+//! Laws that a machine may follow and its file does not name: each is offered to the runs, and kept only if
+//! they are much better with it.
+//!
+//! | law | parameter | first guesses |
+//! |---|---|---|
+//! | rapids have filters of their own | `rapid.time_constant_s` | twice that of feed moves |
+//! | rapids run from stand to stand | `rapid.positioning_jerk_mm_s3` | `POSITIONING` |
+//! | ramps grow with the speed step | `path.jerk_mm_s3` | `JERKS`, with filters as they are and shorter |
+//! | arcs are followed by a tolerance of their own | `interpolator.arc_tolerance_mm` | `ARCS` of the contour tolerance |
+//!
+//! A law whose first guesses are all worse than none at all is still fitted from the best of them: with it the
+//! filters become shorter, and that a guess does not know. The first two exclude each other.
+
+use crate::identification::fit::Run;
+use crate::machine::{Junction, Machine, TimeConstants};
+use crate::simulation::toolpath::{Curve, Motion};
+
+/// By how much, and by what part, the cost must fall for another law.
+pub const BETTER: (f64, f64) = (15.0, 0.03);
+/// How much slower filters of rapid moves are tried first.
+const RAPID_SLOWER: f64 = 2.0;
+/// Jerks of positioning tried first, mm/s³.
+const POSITIONING: [f64; 4] = [2e4, 5e4, 1e5, 3e5];
+/// Jerks along the path tried first, mm/s³.
+const JERKS: [f64; 5] = [5e3, 1e4, 2e4, 4e4, 1e5];
+/// Time constants tried with them, as parts of what it is; the corners stay as fast.
+const SHORTER: [f64; 2] = [1.0, 0.6];
+/// Tolerances of arcs tried first, as ratios of that of corners.
+const ARCS: [f64; 3] = [0.3, 3.0, 30.0];
+
+/// Machines to begin the fit of one law from.
+pub type Law = Vec<Machine>;
+
+/// The choices, one after another: of each the best law is kept, or none.
+pub const CHOICES: [fn(&Machine, &Machine, &[Run]) -> Vec<Law>; 3] = [rapids, ramps, arcs];
+
+/// How rapids ramp.
+fn rapids(before: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
+    let TimeConstants::Equal(constant) = found.interpolator.time_constants else { return Vec::new() };
+    let is_named = found.rapid.time_constants.is_some() || found.rapid.positioning_jerk.is_finite();
+    let is_rapid = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid);
+    if is_named || !has_filters(found) || !runs.iter().any(is_rapid) {
+        return Vec::new();
+    }
+    let mut own = found.clone();
+    own.rapid.time_constants = Some(TimeConstants::Equal(RAPID_SLOWER * constant));
+    let positioned = POSITIONING.map(|jerk| {
+        let mut machine = found.clone();
+        machine.rapid.positioning_jerk = jerk;
+        // What filters needed for the time of rapids says nothing of the rate here.
+        machine.rapid.feedrate = before.rapid.feedrate;
+        machine
+    });
+    vec![vec![own], positioned.to_vec()]
+}
+
+/// How the feedrate changes.
+fn ramps(_: &Machine, found: &Machine, _: &[Run]) -> Vec<Law> {
+    let TimeConstants::Equal(constant) = found.interpolator.time_constants else { return Vec::new() };
+    if found.path.jerk.is_finite() || !has_filters(found) {
+        return Vec::new();
+    }
+    let with = |part: f64, jerk: f64| {
+        let mut machine = found.clone();
+        machine.path.jerk = jerk;
+        machine.interpolator.time_constants = TimeConstants::Equal(part * constant);
+        machine.interpolator.contour_tolerance *= part;
+        machine
+    };
+    vec![SHORTER.iter().flat_map(|part| JERKS.map(|jerk| with(*part, jerk))).collect()]
+}
+
+/// How arcs are followed.
+fn arcs(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
+    let is_arc = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.curve != Curve::Line);
+    if found.interpolator.arc_tolerance.is_some() || !has_filters(found) || !runs.iter().any(is_arc) {
+        return Vec::new();
+    }
+    let with = |ratio: f64| {
+        let mut machine = found.clone();
+        machine.interpolator.arc_tolerance = Some(ratio * machine.interpolator.contour_tolerance);
+        machine
+    };
+    vec![ARCS.map(with).to_vec()]
+}
+
+/// Whether its ramps are those of filters. A planner of trapezoids has one that is shorter than its period.
+pub fn has_filters(machine: &Machine) -> bool {
+    machine.interpolator.junction != Junction::AccelerationBlend
+}

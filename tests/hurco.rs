@@ -1,0 +1,79 @@
+//! Calibration on runs of real mills, and what it predicts of programs that it has not seen.
+//!
+//! The data are not part of the project: they lie in `../shared/recordings/nist-hurco` or in the folder of
+//! that name under `TRUEFEED_RECORDINGS`, and the test says so and ends where they are absent. The machine
+//! begins as three filters with rough numbers; nothing else of it is known. Origin of the data: NIST's smstestbed.
+
+use std::path::{Path, PathBuf};
+
+use truefeed::identification::calibration::calibrate;
+use truefeed::identification::comparison::{Comparison, compare};
+use truefeed::identification::fit::{Recorded, Run};
+use truefeed::machine::Machine;
+use truefeed::project::machine_from_toml;
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::toolpath::trace;
+
+/// Three filters and a rapid rate.
+const MACHINE: &str = r#"
+name = "mill"
+[interpolator]
+filters = 3
+time_constant_s = 0.021
+contour_tolerance_mm = 0.012
+[rapid]
+feed_mm_min = 42000
+[times]
+tool_change_s = 4.0
+"#;
+
+/// The folder of the recordings; none, with a word, where it is absent.
+fn recordings() -> Option<PathBuf> {
+    let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
+    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
+    let folder = all.join("nist-hurco");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("skipped: there are no recordings at {}", folder.display());
+    None
+}
+
+fn recorded(folder: &Path, program: &str, run: &str, machine: &Machine) -> Recorded {
+    let file = |name: String| std::fs::read(folder.join(name)).expect("each run has its files");
+    let toolpath = trace(&read(&file(format!("programs/{program}.nc"))), machine);
+    Recorded::new(toolpath, &file(format!("runs/{run}.shdr")), machine).expect("it is of that program")
+}
+
+fn compared(run: &Run, machine: &Machine) -> Comparison {
+    compare(run.toolpath, &run.plan(machine), run.alignment)
+}
+
+#[test]
+fn a_short_program_predicts_another_one_of_its_machine() {
+    let Some(folder) = recordings() else { return };
+    let machine = machine_from_toml(MACHINE).expect("a machine file");
+    let fitted = recorded(&folder, "box-op3", "box-op3-06", &machine);
+    let found = calibrate(&machine, &[fitted.run()], &mut |_| {}).machine;
+    for (program, run) in [("box-op3", "box-op3-07"), ("box-op3", "box-op3-10"), ("box-op2", "box-op2-12")] {
+        let other = recorded(&folder, program, run, &machine);
+        let [before, after] = [&machine, &found].map(|machine| compared(&other.run(), machine));
+        let error = |comparison: &Comparison| {
+            let motion = comparison.motion.simulated / comparison.motion.recorded - 1.0;
+            let feed = comparison.feed.expect("feed moves were recorded");
+            (comparison.whole.simulated / comparison.whole.recorded - 1.0, motion, feed.rms / feed.programmed)
+        };
+        let (was, is) = (error(&before), error(&after));
+        eprintln!(
+            "{run}: whole {:+.2} → {:+.2} %, motion {:+.2} → {:+.2} %, feedrate {:.2} → {:.2} %",
+            1e2 * was.0,
+            1e2 * is.0,
+            1e2 * was.1,
+            1e2 * is.1,
+            1e2 * was.2,
+            1e2 * is.2
+        );
+        assert!(is.1.abs() < 0.025, "{run}: motion {}", is.1);
+        assert!(is.2 < was.2, "{run}: feedrate {} {}", was.2, is.2);
+    }
+}
