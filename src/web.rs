@@ -7,9 +7,11 @@
 
 #![deny(clippy::unwrap_used)]
 
+mod canvas;
 mod chart;
 mod cutting;
 mod job;
+mod quoted;
 mod recorded;
 
 use wasm_bindgen::prelude::*;
