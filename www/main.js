@@ -10,6 +10,7 @@ import init, {
   usualTolerances,
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
+import { confinedWorker } from './confined.js'
 import { Ended, Engine } from './engine.js'
 import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
@@ -45,7 +46,7 @@ const module = await WebAssembly.compile(
   await (await fetch(new URL('pkg/truefeed_bg.wasm', import.meta.url))).arrayBuffer(),
 )
 await init({ module_or_path: module })
-const engine = new Engine(module)
+const engine = new Engine(module, confinedWorker)
 
 /** @type {Form} */
 const form = JSON.parse(formOfModule())
@@ -403,7 +404,7 @@ const panels = [
   calibrationPanel.mount(element('calibration'), actions),
   findingsPanel.mount(element('findings'), actions),
   breakdownPanel.mount(element('breakdown'), actions),
-  cuttingPanel.mount(element('cutting'), new Engine(module)),
+  cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker)),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

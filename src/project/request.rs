@@ -58,8 +58,11 @@ pub enum RequestError {
     #[error("{0} tolerances are too many; give {MOST_TOLERANCES} at most")]
     TooMany(usize),
     /// No control has this word.
-    #[error("there is no dialect “{0}”; there are {}", Dialect::WORDS.map(|(word, ..)| word).join(", "))]
-    UnknownDialect(String),
+    #[error("there is no dialect “{given}”; there are {}", Dialect::WORDS.map(|(word, ..)| word).join(", "))]
+    UnknownDialect {
+        /// What was given.
+        given: String,
+    },
 }
 
 #[derive(Deserialize)]
@@ -91,7 +94,8 @@ impl QuoteRequest {
         if tolerances.is_empty() {
             tolerances.push(Tolerances::Programmed);
         }
-        let word = |word: String| Dialect::from_word(&word).ok_or(RequestError::UnknownDialect(word));
+        let word =
+            |word: String| Dialect::from_word(&word).ok_or(RequestError::UnknownDialect { given: word });
         Ok(QuoteRequest { name, machine, tolerances, dialect: dialect.map(word).transpose()? })
     }
 }
@@ -141,7 +145,7 @@ impl RequestError {
             RequestError::Malformed(_) => "request",
             RequestError::UnknownPreset { .. } | RequestError::Machine(_) => "machine",
             RequestError::Tolerance(_) | RequestError::TooMany(_) => "tolerances",
-            RequestError::UnknownDialect(_) => "dialect",
+            RequestError::UnknownDialect { .. } => "dialect",
         };
         let faults: &[Fault] = if let RequestError::Machine(faults) = self { faults } else { &[] };
         let faults = faults.iter().map(|fault| OfKey { key: fault.key.as_deref(), message: &fault.message });
