@@ -8,7 +8,7 @@ export type MachineValue = number | string | boolean | null | number[] | Record<
 
 /**
  * A machine: the name of a preset, the text of a machine file (TOML), or values by their key, such as
- * `{ "interpolator.filters": 3, "rates.machine_per_hour": 80 }`, laid over a preset if `preset` names one.
+ * `{ "interpolator.filters": 3, "rates.hourly": 80 }`, laid over a preset if `preset` names one.
  */
 export type Machine = string | ({ preset?: string } & Record<string, MachineValue | undefined>)
 

@@ -29,7 +29,7 @@ window.addEventListener('message', ({ origin, source, data }) => {
 
 async function begin() {
   await ask('set-theme', { theme: { '--truefeed-accent': '#b3541e', '--truefeed-radius': '14px' } })
-  await ask('set-machine', { machine: { preset: 'Vertical machining centre, mid-range', 'rates.machine_per_hour': 85 } })
+  await ask('set-machine', { machine: { preset: 'Vertical machining centre, mid-range', 'rates.hourly': 85 } })
   await ask('set-tolerances', { tolerances: [0.01, 0.05] })
   said.textContent = 'Ready.'
 }

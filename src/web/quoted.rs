@@ -22,6 +22,7 @@ pub fn quote_program(program: &[u8], request: &str, progress: &Function) -> Resu
     let quotes = tolerances.iter().enumerate().map(|(index, &tolerance)| {
         // What a listener throws is its own affair.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &((index as f64 + part) / of).into()));
+        tell(0.0);
         let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut tell);
         quote(&toolpath, &machine, &plan, tolerance, &errors)
     });
