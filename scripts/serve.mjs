@@ -23,15 +23,17 @@ const TYPES = {
   '.png': 'image/png',
   '.svg': 'image/svg+xml',
   '.wasm': 'application/wasm',
+  '.webmanifest': 'application/manifest+json',
 }
 
 /**
- * Starts the server; port 0 takes any free one.
+ * Starts the server; port 0 takes any free one. A file is looked for in the folders in their order.
  * @param {number} port
+ * @param {string[]} [folders]
  * @returns {Promise<{ origin: string, close: () => Promise<void> }>}
  */
-export async function serve(port) {
-  const server = createServer(answer)
+export async function serve(port, folders = [WWW]) {
+  const server = createServer((request, response) => answer(folders, request, response))
   await new Promise((resolve, reject) => {
     server.once('error', reject).listen(port, '127.0.0.1', () => resolve(undefined))
   })
@@ -47,15 +49,18 @@ export async function serve(port) {
 }
 
 /**
+ * @param {string[]} folders
  * @param {import('node:http').IncomingMessage} request
  * @param {import('node:http').ServerResponse} response
  */
-async function answer(request, response) {
+async function answer(folders, request, response) {
   if (request.method !== 'GET' && request.method !== 'HEAD') return refuse(response, 405)
-  const path = fileOf(request.url ?? '/')
-  if (path === undefined) return refuse(response, 400)
-  const file = await stat(path).catch(() => undefined)
-  if (!file?.isFile()) return refuse(response, 404)
+  const paths = folders.map((folder) => fileOf(folder, request.url ?? '/')).filter((path) => path !== undefined)
+  if (paths.length === 0) return refuse(response, 400)
+  const files = await Promise.all(paths.map((path) => stat(path).catch(() => undefined)))
+  const index = files.findIndex((file) => file?.isFile())
+  const [path, file] = [paths[index], files[index]]
+  if (!file) return refuse(response, 404)
 
   response.writeHead(200, {
     'Content-Type': TYPES[extname(path)] ?? 'text/plain; charset=utf-8',
@@ -69,10 +74,11 @@ async function answer(request, response) {
 }
 
 /**
- * File of a request, or nothing where its path is malformed or leads out of www.
+ * File of a request, or nothing where its path is malformed or leads out of the folder.
+ * @param {string} folder
  * @param {string} url
  */
-function fileOf(url) {
+function fileOf(folder, url) {
   let path
   try {
     path = decodeURIComponent(url.replace(/[?#].*/s, ''))
@@ -80,8 +86,8 @@ function fileOf(url) {
     return undefined
   }
   if (path.includes('\0')) return undefined
-  const file = join(WWW, path.endsWith('/') ? `${path}index.html` : path)
-  return file.startsWith(WWW + sep) ? file : undefined
+  const file = join(folder, path.endsWith('/') ? `${path}index.html` : path)
+  return file.startsWith(folder + sep) ? file : undefined
 }
 
 /**

@@ -8,10 +8,12 @@
 
 #![deny(clippy::unwrap_used)]
 
+mod canvas;
 mod chart;
 mod cutting;
 mod diagnosed;
 mod job;
+mod quoted;
 mod recorded;
 
 use wasm_bindgen::prelude::*;

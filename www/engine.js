@@ -16,6 +16,7 @@
 /** @typedef {{machine: string, runs: {name: string, program: Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
 /** @typedef {{program: Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
 /** @typedef {{program: Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
+/** @typedef {{program: Uint8Array, request: string}} QuoteRequest  the request as JSON */
 /** @typedef {(text: string, part: number) => void} Stage */
 
 /**
@@ -40,9 +41,10 @@ export class Engine {
   /** @type {((reason: Ended) => void) | null} */
   #reject = null
 
-  /** @param {WebAssembly.Module} module */
-  constructor(module) {
+  /** @param {WebAssembly.Module} module @param {() => Worker} start  makes the worker */
+  constructor(module, start = () => new Worker(new URL('worker.js', import.meta.url), { type: 'module' })) {
     this.module = module
+    this.start = start
   }
 
   /** Simulates a program; the listener hears of each part. @param {SimulateRequest} request @param {Listener} listener */
@@ -94,6 +96,16 @@ export class Engine {
     return this.#result('cut', request, () => {})
   }
 
+  /**
+   * Quotes a program, or says why the request is refused.
+   * @param {QuoteRequest} request
+   * @param {Stage} stage
+   * @returns {Promise<{quote?: import("../npm/index.d.ts").Quote, refusal?: import("../npm/index.d.ts").Refusal, labels: string[]}>}
+   */
+  quote(request, stage) {
+    return this.#result('quote', request, stage)
+  }
+
   /** Runs what gives one result. @param {string} verb @param {object} request @param {Stage} stage @returns {Promise<any>} */
   async #result(verb, request, stage) {
     let result
@@ -107,7 +119,7 @@ export class Engine {
   /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
   async #run(verb, request, hear) {
     this.cancel()
-    this.#worker ??= new Worker(new URL('worker.js', import.meta.url), { type: 'module' })
+    this.#worker ??= this.start()
     const worker = this.#worker
     await new Promise((resolve, reject) => {
       this.#reject = reject

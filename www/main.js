@@ -11,6 +11,7 @@ import init, {
   valuesOfFile,
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
+import { confinedWorker } from './confined.js'
 import { Ended, Engine } from './engine.js'
 import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
@@ -46,7 +47,7 @@ const module = await WebAssembly.compile(
   await (await fetch(new URL('pkg/truefeed_bg.wasm', import.meta.url))).arrayBuffer(),
 )
 await init({ module_or_path: module })
-const engine = new Engine(module)
+const engine = new Engine(module, confinedWorker)
 
 /** @type {Form} */
 const form = JSON.parse(formOfModule())
@@ -485,7 +486,7 @@ const panels = [
   calibrationPanel.mount(element('calibration'), actions),
   diagnosisPanel.mount(element('diagnosis'), new Engine(module), actions),
   breakdownPanel.mount(element('breakdown'), actions),
-  cuttingPanel.mount(element('cutting'), new Engine(module)),
+  cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker)),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

@@ -1,10 +1,18 @@
 // Simulates, compares, calibrates and diagnoses in the background: one request in, messages out, columns transferred.
 
-import init, { Job, Runs, compareRecording, computeCutting, cycleTime } from './pkg/truefeed.js'
+import init, {
+  Job,
+  Runs,
+  compareRecording,
+  computeCutting,
+  cycleTime,
+  quoteProgram,
+  toleranceLabel,
+} from './pkg/truefeed.js'
 
-/** @import { CalibrateRequest, CompareRequest, CutRequest, SimulateRequest, TimesRequest } from "./engine.js" */
+/** @import { CalibrateRequest, CompareRequest, CutRequest, QuoteRequest, SimulateRequest, TimesRequest } from "./engine.js" */
 
-const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, cut }
+const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, cut, quote }
 const MATCHED = /** @type {const} */ ([
   'recordedDistance',
   'recordedFeedrate',
@@ -82,6 +90,18 @@ function cut({ program, machine, dialect, tolerance, job }) {
   const { summary, columns } = computeCutting(program, machine, dialect ?? undefined, tolerance ?? undefined, job)
   const loads = plain(columns, [...LOADS])
   post({ type: 'cut', summary, columns: loads }, Object.values(loads))
+}
+
+/** @param {QuoteRequest} request */
+function quote({ program, request }) {
+  try {
+    const quote = quoteProgram(program, request, (/** @type {number} */ part) => stage('Simulating', part, 1))
+    post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => toleranceLabel(run.tolerance_mm)) }, [])
+  } catch (refusal) {
+    // A refused request leaves the worker as it is; anything else is a fault of it.
+    if (typeof refusal !== 'string') throw refusal
+    post({ type: 'quoted', refusal: JSON.parse(refusal), labels: [] }, [])
+  }
 }
 
 /** @param {CalibrateRequest} request */

@@ -22,7 +22,8 @@ use std::collections::BTreeMap;
 pub use times::{Direction, Function, Spin, SpindleTimes, Times};
 
 pub use tolerance::{
-    ToleranceError, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label,
+    ToleranceError, USUAL_TOLERANCES, checked_tolerance, deviation_label, tolerance_from_text,
+    tolerance_label,
 };
 
 /// The axes a limit can belong to, in the order of the coordinates of a point.

@@ -42,7 +42,11 @@ pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
         _ => return Err(not_a_number()),
     };
     let typed: f64 = number.replace(',', ".").parse().map_err(|_| not_a_number())?;
-    let value = mm(typed);
+    checked_tolerance(mm(typed))
+}
+
+/// The tolerance (mm), where it is one that a machine can have.
+pub fn checked_tolerance(value: f64) -> Result<f64, ToleranceError> {
     let (min, max) = bounds();
     if value.is_nan() || value < min || max < value {
         return Err(ToleranceError::OutOfRange { value, min, max });

@@ -12,6 +12,7 @@ mod cutting_results;
 mod diagnosis;
 mod form;
 mod machine_file;
+mod request;
 mod results;
 
 pub use calibrated_view::CalibrationReport;
@@ -21,6 +22,7 @@ pub use cutting_results::{cutting_refusal, cutting_remarks, cutting_table, loads
 pub use diagnosis::{DiagnosisReport, diagnosis_chart, extended};
 pub use form::{dialects, faults_to_json, form, machine_from_form, machine_values};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
+pub use request::{QuoteRequest, RequestError};
 pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};
 
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, Tool, parameter};

@@ -3,7 +3,6 @@
 //! All pixels that come in and go out are those of the page (CSS pixels, from the canvas' top
 //! left corner); the device's pixel ratio is applied here.
 
-use plotters_canvas::CanvasBackend;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
@@ -13,6 +12,7 @@ use crate::plot::{
 };
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
+use crate::web::canvas::Canvas;
 
 /// The contour error read out is the largest this near to the pointer, pixels.
 const REACH: f64 = 4.0;
@@ -167,9 +167,7 @@ impl Chart {
         height: f64,
         ratio: f64,
     ) -> Result<(), String> {
-        canvas.set_width((width * ratio).round() as u32);
-        canvas.set_height((height * ratio).round() as u32);
-        let backend = CanvasBackend::with_canvas_object(canvas).ok_or("this canvas cannot be drawn on")?;
+        let backend = Canvas::sized(canvas, width, height, ratio)?;
         self.scale = ratio;
         self.frame =
             draw(&self.chart, self.view, &self.theme(), ratio, backend).map_err(|error| error.to_string())?;

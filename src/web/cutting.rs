@@ -1,6 +1,5 @@
 //! Cutting forces for the page: computed in the worker, drawn on a canvas of their own.
 
-use plotters_canvas::CanvasBackend;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
@@ -13,6 +12,7 @@ use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::{Dialect, Options, read_with};
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::trace;
+use crate::web::canvas::Canvas;
 use crate::web::job::object;
 
 /// A cutting job to begin with, as text.
@@ -141,9 +141,7 @@ impl LoadPicture {
         ratio: f64,
         dark: bool,
     ) -> Result<(), String> {
-        canvas.set_width((width * ratio).round() as u32);
-        canvas.set_height((height * ratio).round() as u32);
-        let backend = CanvasBackend::with_canvas_object(canvas).ok_or("this canvas cannot be drawn on")?;
+        let backend = Canvas::sized(canvas, width, height, ratio)?;
         let theme = if dark { Theme::DARK } else { Theme::LIGHT };
         let ends = self.chart.distance.first().zip(self.chart.distance.last());
         let (from, to) = ends.map_or((0.0, 1.0), |(from, to)| (*from, *to));

@@ -6,7 +6,10 @@
 //! browsers refuse.)
 //!
 //! The package is made beside its place and then moved there, so that a failed build leaves the
-//! previous one, and no file of the previous one stays.
+//! previous one, and no file of the previous one stays. In the end the list of the page's files is
+//! written, from which it works without a network ([`files`]).
+
+mod files;
 
 use std::env;
 use std::ffi::OsString;
@@ -86,6 +89,7 @@ fn build() -> Result<()> {
     fs::rename(&package, &settings.out_dir)
         .with_context(|| format!("cannot move the package to {}", settings.out_dir.display()))?;
     println!("the package is in {}", settings.out_dir.display());
+    files::write(&settings.out_dir)?;
     Ok(())
 }
 

@@ -1,0 +1,32 @@
+//! A quote in one call, for pages that embed it and for Node: a program and a request in, a prediction out.
+
+use js_sys::Function;
+use wasm_bindgen::prelude::*;
+
+use crate::project::{Prediction, QuoteRequest, RequestError};
+use crate::quote::{programmed_time, quote};
+use crate::simulation::contour::plan_within;
+use crate::simulation::gcode::{Options, read_with};
+use crate::simulation::toolpath::trace;
+use crate::web::job::object;
+
+/// Quotes a program as a request in JSON asks for ([`QuoteRequest`]): what `predict --json` prints, as
+/// an object. `progress` is called with the part done. Throws a refusal as JSON: kind, message and faults.
+#[wasm_bindgen(js_name = quoteProgram)]
+pub fn quote_program(program: &[u8], request: &str, progress: &Function) -> Result<JsValue, JsValue> {
+    let refused = |error: RequestError| JsValue::from(error.to_json());
+    let QuoteRequest { name, machine, tolerances, dialect } =
+        QuoteRequest::from_json(request).map_err(refused)?;
+    let toolpath = trace(&read_with(program, &Options { dialect, ..Options::default() }), &machine);
+    let of = tolerances.len() as f64;
+    let quotes = tolerances.iter().enumerate().map(|(index, &tolerance)| {
+        // What a listener throws is its own affair.
+        let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &((index as f64 + part) / of).into()));
+        tell(0.0);
+        let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut tell);
+        quote(&toolpath, &machine, &plan, tolerance, &errors)
+    });
+    let quotes: Vec<_> = quotes.collect();
+    let programmed = programmed_time(&toolpath, &machine);
+    Ok(object(&Prediction::new(&name, &toolpath, programmed, &quotes))?)
+}

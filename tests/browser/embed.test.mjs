@@ -1,0 +1,416 @@
+// Quotes embedded elsewhere: two components on one page, a frame under a portal of another origin, hostile messages, and the
+// package in Node. All of them give the times of the command line.
+
+import assert from 'node:assert/strict'
+import { execFileSync, spawnSync } from 'node:child_process'
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs'
+import { tmpdir } from 'node:os'
+import { join } from 'node:path'
+import { after, before, test } from 'node:test'
+import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
+import { leaving, openPage } from './harness.mjs'
+import { binary, ROOT, shot } from './steps.mjs'
+
+const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
+const PACKAGE = join(ROOT, 'target/npm')
+const MACHINE = 'Vertical machining centre, mid-range'
+
+/** That machine as a file. */
+const MACHINE_FILE = `name = "${MACHINE}"
+[interpolator]
+filters = 3
+time_constant_s = 0.030
+contour_tolerance_mm = 0.020
+[rapid]
+feed_mm_min = 24000
+[times]
+tool_change_s = 6
+[rates]
+hourly = 85
+`
+
+const scratch = mkdtempSync(join(tmpdir(), 'truefeed-embed-'))
+after(() => rmSync(scratch, { recursive: true }))
+before(() => execFileSync(join(ROOT, 'scripts/package'), { stdio: 'ignore' }))
+
+/** What the command line says. */
+function predicted(program, tolerances) {
+  const machine = join(scratch, 'machine.toml')
+  writeFileSync(machine, MACHINE_FILE)
+  const flags = tolerances.flatMap((tolerance) => ['--tolerance', String(tolerance)])
+  const args = ['predict', program, '--machine', machine, ...flags, '--json']
+  return JSON.parse(execFileSync(binary(), args, { encoding: 'utf8', maxBuffer: 1 << 28 }))
+}
+
+/** The two sides round differently in the last digit at most: they are two builds of one source. */
+function assertAlike(quote, expected) {
+  assert.equal(quote.runs.length, expected.runs.length)
+  for (const [index, run] of quote.runs.entries()) {
+    const { cycle_time_s: time, price } = expected.runs[index]
+    assert.ok(time > 0 && Math.abs(run.cycle_time_s / time - 1) < 1e-9, `${run.cycle_time_s} instead of ${time}`)
+    assert.ok(Math.abs(run.price - price) < 1e-6, `${run.price} instead of ${price}`)
+  }
+  assert.equal(quote.diagnostics.length, expected.diagnostics.length)
+}
+
+/** A page of an example, in a browser; its requests may go to the example's servers alone. */
+function exampleTest(name, address, body) {
+  test(name, { timeout: 120_000 }, async () => {
+    const [plain, portal] = await Promise.all([servePlainPage(), servePortal()])
+    // Any page that is soon at rest: one that is left while it loads makes errors of its own.
+    const opened = await openPage({ path: '/embed.html' })
+    try {
+      await opened.page.waitForLoadState('networkidle')
+      await opened.page.goto(address({ plain, portal }))
+      await body({ ...opened, plain, portal })
+      assert.deepEqual(opened.errors, [])
+      const allowed = [plain.origin, portal.origin, opened.origin]
+      const elsewhere = allowed.reduce((urls, origin) => leaving(urls, origin), opened.requests)
+      assert.deepEqual(elsewhere, [])
+    } finally {
+      await Promise.all([opened.close(), plain.close(), portal.close()])
+    }
+  })
+}
+
+const quoteOf = (page, id) =>
+  page.waitForFunction((id) => document.getElementById(id).quote, id, { timeout: 20_000 }).then((handle) => handle.jsonValue())
+const rowsOf = (page, id) => page.$$eval(`#${id} tbody tr`, (rows) => rows.length)
+
+exampleTest(
+  'two components on one page, one by attributes and one by properties, each with its own program, machine and look',
+  ({ plain }) => `${plain.origin}/page.html`,
+  async ({ page }) => {
+    const first = await quoteOf(page, 'first')
+    assertAlike(first, predicted(SAMPLE, [0.01, 0.02, 0.05]))
+    assert.equal(first.program, 'pocket.nc')
+    assert.equal(await rowsOf(page, 'first'), 3)
+    assert.equal(await page.$eval('#second', (element) => element.quote), null)
+
+    await page.click('#write')
+    const second = await quoteOf(page, 'second')
+    assert.equal(second.program, 'zigzag.nc')
+    assert.deepEqual(second.runs.map((run) => run.tolerance_mm), [0.05, 0.1])
+    assert.deepEqual((await quoteOf(page, 'first')).runs, first.runs)
+    await page.waitForFunction(() => document.querySelector('#said').textContent.startsWith('zigzag.nc: '))
+
+    const looks = await page.$$eval('truefeed-quote', (all) => all.map((one) => getComputedStyle(one).backgroundColor))
+    assert.equal(looks[1], 'rgb(18, 53, 47)')
+    assert.notEqual(looks[0], looks[1])
+    for (const width of [1280, 360]) {
+      await page.setViewportSize({ width, height: 760 })
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `it scrolls sideways at ${width}`)
+      await shot(page, `embed-page-${width}`)
+    }
+
+    // The page's own style does not reach in, and its other tolerances are quoted anew.
+    await page.$eval('#first', (element) => element.setAttribute('tolerances', 'programmed, 0.03'))
+    await page.waitForFunction(() => document.querySelector('#first').quote?.runs.length === 2)
+    const again = await quoteOf(page, 'first')
+    assert.deepEqual(again.runs.map((run) => run.tolerance_mm), [0.02, 0.03])
+  },
+)
+
+exampleTest(
+  'a component says what is wrong by an event, by a rejection and in sight, and goes on',
+  ({ plain }) => `${plain.origin}/page.html`,
+  async ({ page, errors }) => {
+    await quoteOf(page, 'first')
+    const kinds = await page.evaluate(async () => {
+      const element = document.querySelector('#first')
+      const heard = []
+      element.addEventListener('error', ({ detail }) => heard.push(detail.kind))
+      const tried = []
+      const attempt = async (change) => {
+        change()
+        await element.compute().catch((error) => tried.push(error.kind))
+      }
+      const { machine } = element
+      await attempt(() => (element.machine = { preset: machine.preset, 'interpolator.filters': 99 }))
+      await attempt(() => (element.machine = 'no such machine'))
+      await attempt(() => (element.machine = '{"broken'))
+      await attempt(() => (element.machine = null))
+      await attempt(() => ((element.machine = machine), (element.tolerances = [-1])))
+      await attempt(() => ((element.tolerances = [0.01]), (element.dialect = 'esperanto')))
+      await attempt(() => ((element.dialect = null), element.setAttribute('program-src', 'samples/none.nc')))
+      // A newer request takes the place of an older one.
+      element.setAttribute('program-src', 'samples/pocket.nc')
+      const older = element.compute().catch((error) => error.kind)
+      const newer = await element.compute()
+      return { heard, tried, older: await older, times: newer.runs.length, inSight: element.shadowRoot.textContent }
+    })
+    assert.deepEqual(kinds.tried, ['machine', 'machine', 'machine', 'machine', 'tolerances', 'dialect', 'program'])
+    assert.deepEqual([...new Set(kinds.heard)], ['machine', 'tolerances', 'dialect', 'program'])
+    assert.equal(kinds.older, 'cancelled')
+    assert.equal(kinds.times, 1)
+    assert.match(kinds.inSight, /CAM says/)
+    // The browser itself notes the program that is not there.
+    assert.equal(errors.length, 1)
+    assert.match(errors.pop(), /404/)
+  },
+)
+
+exampleTest(
+  'a portal of another origin has its program quoted in a frame',
+  ({ plain, portal }) => `${portal.origin}/portal.html?truefeed=${plain.origin}`,
+  async ({ page, plain, portal, requests }) => {
+    assert.notEqual(plain.origin, portal.origin)
+    await page.waitForFunction(() => document.querySelector('#said').textContent === 'Ready.')
+    await page.click('button')
+    await page.waitForFunction(() => / a part, /.test(document.querySelector('#said').textContent), null, { timeout: 20_000 })
+    const program = join(scratch, 'order.nc')
+    writeFileSync(program, await page.$eval('textarea', (area) => area.value))
+    const { runs } = predicted(program, [0.01, 0.05])
+    const expected = `${runs[0].cycle_time_s.toFixed(1)} s a part, ${runs[0].price.toFixed(2)} at 85 an hour`
+    assert.equal(await page.textContent('#said'), expected)
+
+    const frame = page.frames()[1]
+    assert.equal(new URL(frame.url()).origin, plain.origin)
+    assert.equal(await frame.$$eval('truefeed-quote tbody tr', (rows) => rows.length), 2)
+    const inner = await frame.evaluate(() => document.documentElement.scrollHeight)
+    await page.waitForFunction((height) => document.querySelector('iframe').offsetHeight >= height, inner)
+    await shot(page, 'embed-portal')
+    assert.ok(!requests.some((url) => url.startsWith(portal.origin) && url.endsWith('.wasm')), 'the portal computes nothing')
+  },
+)
+
+/** A page that holds a frame and keeps all it says; `named` is whom the frame's address names. */
+async function held({ page, plain, portal, named = portal.origin, at = portal.origin }) {
+  await page.waitForLoadState('networkidle')
+  await page.route('**/favicon.ico', (route) => route.fulfill({ status: 204 }))
+  await page.goto(`${at}/example.css`)
+  await page.evaluate(
+    (source) => {
+      window.said = []
+      addEventListener('message', ({ data, origin }) => window.said.push({ ...data, origin }))
+      const frame = document.createElement('iframe')
+      frame.src = source
+      document.body.append(frame)
+      return new Promise((done) => (frame.onload = done))
+    },
+    `${plain.origin}/embed.html?origin=${encodeURIComponent(named)}`,
+  )
+}
+const saidOf = (page) => page.evaluate(() => window.said)
+const send = (page, message) => page.evaluate((message) => frames[0].postMessage(message, '*'), message)
+
+exampleTest(
+  'a frame refuses messages of other origins, versions and shapes, and none of them harms it',
+  ({ plain }) => `${plain.origin}/page.html`,
+  async ({ page, plain, portal }) => {
+    await held({ page, plain, portal })
+    await page.waitForFunction(() => window.said.some(({ type }) => type === 'ready'))
+
+    // What is none of ours is passed over without a word.
+    await page.evaluate(() => {
+      window.said.length = 0
+      for (const odd of [null, undefined, 0, '', 'truefeed', [], [1], true, new Date(), new Map(), {}, { type: 'get-quote', id: 1 }]) {
+        frames[0].postMessage(odd, '*')
+      }
+    })
+
+    /** Each with the kind of refusal it must get. */
+    const refused = await page.evaluate(async () => {
+      const machine = { preset: 'Older or heavy machine' }
+      const own = (key, value) => Object.defineProperty({}, key, { value, enumerable: true })
+      const circle = {}
+      circle.circle = circle
+      let deep = 1
+      for (let depth = 0; depth < 1000; depth += 1) deep = [deep]
+      const hostile = [
+        ['version', { truefeed: 2, type: 'get-quote' }],
+        ['version', { truefeed: '1', type: 'get-quote' }],
+        ['version', { truefeed: { toString: 'x' }, type: 'get-quote' }],
+        ['type', { truefeed: 1 }],
+        ['type', { truefeed: 1, type: 'eval' }],
+        ['type', { truefeed: 1, type: '__proto__' }],
+        ['type', { truefeed: 1, type: 'constructor' }],
+        ['type', { truefeed: 1, type: ['get-quote'] }],
+        ['request', { truefeed: 1, type: 'get-quote', extra: 1 }],
+        ['request', { truefeed: 1, type: 'get-quote', ...Object.fromEntries([['__proto__', { admin: 1 }]]) , constructor: 1 }],
+        ['request', { truefeed: 1, type: 'load-program' }],
+        ['request', { truefeed: 1, type: 'load-program', program: 3 }],
+        ['request', { truefeed: 1, type: 'load-program', program: { length: 5, byteLength: 5 } }],
+        ['request', { truefeed: 1, type: 'load-program', program: 'G0', name: 'x'.repeat(1000) }],
+        ['size', { truefeed: 1, type: 'load-program', program: new Uint8Array(65 * 1024 * 1024) }],
+        ['request', { truefeed: 1, type: 'set-machine', machine: [] }],
+        ['request', { truefeed: 1, type: 'set-machine', machine: null }],
+        ['size', { truefeed: 1, type: 'set-machine', machine: { name: 'x'.repeat(100_000) } }],
+        ['size', { truefeed: 1, type: 'set-machine', machine: circle }],
+        ['size', { truefeed: 1, type: 'set-machine', machine: { big: 1n } }],
+        ['request', { truefeed: 1, type: 'set-tolerances', tolerances: 'all' }],
+        ['request', { truefeed: 1, type: 'set-tolerances', tolerances: [NaN] }],
+        ['request', { truefeed: 1, type: 'set-tolerances', tolerances: Array(33).fill(0.01) }],
+        ['request', { truefeed: 1, type: 'set-theme', theme: { background: 'red' } }],
+        ['request', { truefeed: 1, type: 'set-theme', theme: own('__proto__', 'red') }],
+        ['request', { truefeed: 1, type: 'set-theme', theme: { '--truefeed-text': 'x'.repeat(1000) } }],
+      ]
+      hostile.forEach(([, message], id) => frames[0].postMessage({ id, ...message }, '*'))
+      frames[0].postMessage({ truefeed: 1, type: 'get-quote' }, '*')
+      frames[0].postMessage({ truefeed: 1, type: 'get-quote', id: { toString: 1 } }, '*')
+      frames[0].postMessage({ truefeed: 1, type: 'get-quote', id: 'x'.repeat(1000) }, '*')
+
+      // These are well formed, and refused by what they say.
+      const judged = [
+        ['machine', { machine: Object.defineProperty({ ...machine }, '__proto__', { value: { a: 1 }, enumerable: true }) }],
+        ['machine', { machine: { ...machine, constructor: 1 } }],
+        ['request', { machine: { ...machine, 'interpolator.filters': deep } }],
+        ['machine', { machine: { ...machine, 'interpolator.filters': 1e9 } }],
+        ['machine', { machine: '\u0000' }],
+      ]
+      const answerTo = async (id) => {
+        for (;;) {
+          const found = window.said.find((one) => one.id === id && one.type !== 'progress')
+          if (found) return found
+          await new Promise((done) => setTimeout(done, 20))
+        }
+      }
+      const judgements = []
+      for (const [index, [kind, message]] of judged.entries()) {
+        frames[0].postMessage({ truefeed: 1, id: `set ${index}`, type: 'set-machine', ...message }, '*')
+        frames[0].postMessage({ truefeed: 1, id: `load ${index}`, type: 'load-program', program: 'G1 X10 F100' }, '*')
+        frames[0].postMessage({ truefeed: 1, id: `get ${index}`, type: 'get-quote' }, '*')
+        judgements.push([kind, (await answerTo(`get ${index}`)).error?.kind])
+      }
+      const answers = await Promise.all(hostile.map((_, id) => answerTo(id)))
+      const nameless = window.said.filter(({ id, error }) => id === null && error?.kind === 'request').length
+      return { pairs: hostile.map(([kind], id) => [kind, answers[id].error?.kind]), judgements, nameless }
+    })
+    for (const [index, [expected, kind]] of [...refused.pairs, ...refused.judgements].entries()) {
+      assert.equal(kind, expected, `message ${index}`)
+    }
+    assert.equal(refused.nameless, 3, 'messages without a proper id')
+
+    // After all that it still quotes, bytes too.
+    await page.evaluate((text) => {
+      const bytes = new TextEncoder().encode(text)
+      const messages = [
+        { id: 'a', type: 'set-machine', machine: 'Older or heavy machine' },
+        { id: 'b', type: 'load-program', program: bytes, name: 'part.nc' },
+        { id: 'c', type: 'get-quote' },
+      ]
+      for (const message of messages) frames[0].postMessage({ truefeed: 1, ...message }, '*')
+    }, readFileSync(SAMPLE, 'utf8'))
+    await page.waitForFunction(() => window.said.some(({ id, type }) => id === 'c' && type === 'quote'), null, { timeout: 20_000 })
+    const said = await saidOf(page)
+    assert.ok(said.every(({ origin, truefeed }) => origin === plain.origin && truefeed === 1))
+    const { quote } = said.find(({ id }) => id === 'c')
+    assert.equal(quote.program, 'part.nc')
+    assert.ok(quote.runs[0].cycle_time_s > 10)
+    assert.equal(await page.frames()[1].evaluate(() => ({}).admin), undefined, 'no prototype was changed')
+  },
+)
+
+exampleTest(
+  'a frame says nothing to an origin that its address does not name',
+  ({ plain }) => `${plain.origin}/page.html`,
+  async ({ page, plain, portal, errors }) => {
+    for (const named of ['https://portal.example', 'null', '*', `${portal.origin}/path`, 'javascript:alert(1)', '']) {
+      await held({ page, plain, portal, named })
+      await send(page, { truefeed: 1, id: 1, type: 'get-quote' })
+      await send(page, { truefeed: 1, id: 2, type: 'load-program', program: 'G0 X1' })
+      await page.waitForTimeout(150)
+      assert.deepEqual(await saidOf(page), [], named)
+    }
+    // Chromium notes each message that it did not deliver.
+    const undelivered = errors.splice(0).filter((text) => !/Failed to execute 'postMessage'/.test(text))
+    assert.deepEqual(undelivered, [])
+
+    // A window that is not the parent is not heard either, though of the right origin.
+    await held({ page, plain, portal })
+    await page.waitForFunction(() => window.said.some(({ type }) => type === 'ready'))
+    const before = (await saidOf(page)).length
+    await page.evaluate(
+      () =>
+        new Promise((done) => {
+          const other = document.createElement('iframe')
+          other.src = location.href
+          other.onload = () => {
+            other.contentWindow.eval("parent.frames[0].postMessage({ truefeed: 1, id: 9, type: 'get-quote' }, '*')")
+            setTimeout(done, 150)
+          }
+          document.body.append(other)
+        }),
+    )
+    const later = (await saidOf(page)).slice(before).filter(({ id }) => id === 9)
+    assert.deepEqual(later, [])
+  },
+)
+
+test('the package quotes in Node as the command line does', async () => {
+  const { quote, QuoteError } = await import(join(PACKAGE, 'npm/node.js'))
+  const program = readFileSync(SAMPLE)
+  const parts = []
+  const options = { name: 'pocket.nc', onProgress: (part) => parts.push(part) }
+  const result = await quote(program, MACHINE_FILE, [0.01, 0.05], options)
+  const expected = predicted(SAMPLE, [0.01, 0.05])
+  assertAlike(result, expected)
+  assert.deepEqual(Object.keys(result).sort(), Object.keys(expected).sort())
+  assert.ok(parts.length > 0 && parts.every((part, index) => part >= (parts[index - 1] ?? 0) && part <= 1))
+  assert.deepEqual(await quote(program.toString(), MACHINE_FILE, [0.01, 0.05], options), result)
+
+  for (const [kind, ...request] of [
+    ['machine', program, 'nothing'],
+    ['machine', program, undefined],
+    ['machine', program, { preset: MACHINE, 'rapid.feed_mm_min': -1 }],
+    ['request', program, 3],
+    ['request', program, MACHINE, 'all'],
+    ['tolerances', program, MACHINE, [0]],
+    ['dialect', program, MACHINE, [], { dialect: 'esperanto' }],
+    ['program', 3, MACHINE],
+    ['cancelled', program, MACHINE, [], { signal: AbortSignal.abort() }],
+  ]) {
+    const isOfKind = (error) => error instanceof QuoteError && error.kind === kind && error.message.length > 10
+    await assert.rejects(quote(...request), isOfKind, `${kind} ${request.slice(1)}`)
+  }
+  await assert.rejects(quote(program, { preset: MACHINE, 'rapid.feed_mm_min': -1 }), (error) => error.faults[0].key === 'rapid.feed_mm_min')
+})
+
+test('the example in Node quotes a folder', () => {
+  const folder = mkdtempSync(join(scratch, 'folder-'))
+  for (const name of ['a.nc', 'b.nc']) writeFileSync(join(folder, name), readFileSync(SAMPLE))
+  const machine = join(scratch, 'folder.toml')
+  writeFileSync(machine, MACHINE_FILE)
+  const example = join(ROOT, 'examples/embedding/folder.mjs')
+  const { stdout, status } = spawnSync('node', [example, folder, machine, '0.01', '0.05'], { encoding: 'utf8' })
+  assert.equal(status, 0)
+  const rows = stdout.trim().split('\n').map((row) => row.split(','))
+  assert.equal(rows.length, 5)
+  const { runs } = predicted(SAMPLE, [0.01, 0.05])
+  assert.deepEqual(
+    rows.slice(1).map(([name, tolerance, , time]) => [name, Number(tolerance), time]),
+    ['"a.nc"', '"b.nc"'].flatMap((name) => runs.map((run) => [name, run.tolerance_mm, run.cycle_time_s.toFixed(2)])),
+  )
+  const refused = spawnSync('node', [example, folder, 'nothing'], { encoding: 'utf8' })
+  assert.equal(refused.status, 2)
+  assert.match(refused.stderr, /there is no machine “nothing”/)
+})
+
+test('the types of the package hold for those who use it', () => {
+  const user = join(scratch, 'user')
+  mkdirSync(join(user, 'node_modules'), { recursive: true })
+  symlinkSync(PACKAGE, join(user, 'node_modules/truefeed'))
+  const check = (text) => {
+    writeFileSync(join(user, 'use.ts'), text)
+    const flags = ['--noEmit', '--strict', '--module', 'nodenext', '--target', 'es2022', '--lib', 'es2022,dom']
+    return spawnSync(join(ROOT, 'node_modules/.bin/tsc'), [...flags, 'use.ts'], { cwd: user, encoding: 'utf8' })
+  }
+  writeFileSync(join(user, 'package.json'), '{"type": "module"}')
+  const good = check(`import { quote, QuoteError, type Quote } from 'truefeed'
+import 'truefeed/element'
+const made: Quote = await quote('G1 X10 F100', { preset: 'x', 'rapid.feed_mm_min': 1 }, [0.01, null], { dialect: 'siemens' })
+const time: number = made.runs[0].cycle_time_s
+const element = document.querySelector('truefeed-quote')!
+element.addEventListener('quote', ({ detail }) => detail.runs.map((run) => run.price + time))
+element.machine = 'x'
+export const kind = (error: unknown) => (error instanceof QuoteError ? error.kind : '')
+`)
+  assert.equal(good.stdout, '')
+  const bad = check(`import { quote } from 'truefeed'
+export const wrong: string = (await quote(3, 'x')).runs
+`)
+  assert.match(bad.stdout, /TS2345/)
+  const version = (text, pattern) => text.match(pattern)[1]
+  const cargo = readFileSync(join(ROOT, 'Cargo.toml'), 'utf8')
+  assert.equal(JSON.parse(readFileSync(join(PACKAGE, 'package.json'), 'utf8')).version, version(cargo, /^version = "(.+)"/m))
+})
