@@ -151,8 +151,8 @@ fn chosen() -> String {
          and the right side; they leave {:.1} mm at the walls;\n\
          - cornering section: one pass along the walls, corners of radius {:.0} mm in chords that turn by {:.0}°;\n\
          - stock in cells of {RESOLUTION} mm.\n\n\
-         Depth, speed and the way from loop to loop set the size of the forces and were chosen with the paper's in sight; the two ratios are\n\
-         what came out. How far they depend on the choice is said below.\n\n",
+         Depth, speed, path and the way from loop to loop are not published. They were chosen among many with the paper's forces and ratios\n\
+         in sight, so that the closeness proves little; the coefficients were not. How far the ratios depend on the choice is said below.\n\n",
         material.name,
         material.source,
         CHOICE.depth,

@@ -31,8 +31,11 @@ const ARCS: [f64; 3] = [0.3, 3.0, 30.0];
 /// Machines to begin the fit of one law from.
 pub type Law = Vec<Machine>;
 
+/// The laws of one choice, from the machine as it was, the one that fits so far, and the runs.
+pub type Choice = fn(&Machine, &Machine, &[Run]) -> Vec<Law>;
+
 /// The choices, one after another: of each the best law is kept, or none.
-pub const CHOICES: [fn(&Machine, &Machine, &[Run]) -> Vec<Law>; 3] = [rapids, ramps, arcs];
+pub const CHOICES: [Choice; 3] = [rapids, ramps, arcs];
 
 /// How rapids ramp.
 fn rapids(before: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
