@@ -55,12 +55,17 @@ pub fn known(id: &str) -> Known {
             "MAX_AX_VELO (Siemens), No. 1422 (Fanuc), MP1010 (Heidenhain), $110–$112 (grbl)",
         ),
         "jerk_limit" => of(
-            |p, _, s| {
-                format!(
+            |p, _, s| match p.get("at") {
+                Some(_) => format!(
+                    "Rapids run from stand to stand with a jerk of {} mm/s³, so that short ones take less{}.",
+                    number(p, "j_mm_s3"),
+                    costs(s)
+                ),
+                None => format!(
                     "Jerk is limited to {} mm/s³, so that ramps grow with the speed step{}.",
                     number(p, "j_mm_s3"),
                     costs(s)
-                )
+                ),
             },
             "MAX_AX_JERK (Siemens MD32431), MAX_PATH_JERK, maxPathJerk (Heidenhain)",
         ),
