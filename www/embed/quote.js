@@ -1,7 +1,7 @@
 // <truefeed-quote>: the cycle times of a program as an element of any page. Computed in a worker; nothing leaves the page.
 
 import { make } from '../dom.js'
-import { Ended, Engine } from '../engine.js'
+import { Engine } from '../engine.js'
 import * as show from '../format.js'
 import { compiledModule } from './module.js'
 import { QuoteError, bytesOf, refusalOf, refused, requestOf } from './request.js'
@@ -123,53 +123,58 @@ export class QuoteElement extends HTMLElement {
 
   /** Computes now what is set. @returns {Promise<Quote>} */
   async compute() {
-    const own = ++this.#asked
-    this.#engine?.cancel()
-    this.#isScheduled = false
+    this.cancel()
+    const own = this.#asked
     this.#quote = null
     this.#parts.busy()
     try {
-      const { quote, labels } = await this.#ask()
-      if (own !== this.#asked) throw refused('cancelled', 'A newer quote was asked for.')
+      const { quote, labels } = await this.#ask(own)
       this.#quote = quote
       this.#parts.show(quote, labels)
       this.dispatchEvent(new CustomEvent('quote', { detail: quote, bubbles: true, composed: true }))
       return quote
     } catch (error) {
-      const isOlder = own !== this.#asked
-      const refusal = refusalOf(isOlder ? refused('cancelled', 'A newer quote was asked for.') : error)
-      if (!isOlder) {
+      const refusal = refusalOf(error)
+      // Of what was cancelled, only who asked for it hears.
+      if (own === this.#asked) {
         this.#parts.fail(refusal)
         this.dispatchEvent(new CustomEvent('error', { detail: refusal }))
       }
-      throw new QuoteError(refusal)
+      throw error
     }
   }
 
   /** Ends a computation. */
   cancel() {
+    this.#asked += 1
     this.#isScheduled = false
-    this.#fetching?.abort()
     this.#engine?.cancel()
+    this.#parts.rest()
   }
 
-  async #ask() {
-    const name = this.#name || nameOf(this.getAttribute('program-src'))
-    const request = requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect })
-    const program = this.#program ?? (await this.#fetched())
-    if (program.length > MOST_BYTES) throw tooLarge()
-    this.#engine ??= new Engine(await compiledModule(), QuoteElement.startWorker)
-    const stage = (/** @type {string} */ _, /** @type {number} */ part) => {
-      this.#parts.progress(part)
-      this.dispatchEvent(new CustomEvent('progress', { detail: { part } }))
+  /** The answer to what is set now, unless something newer is asked meanwhile. @param {number} own */
+  async #ask(own) {
+    const heed = () => {
+      if (own !== this.#asked) throw refused('cancelled', 'The quote was cancelled, or a newer one was asked for.')
     }
     try {
-      const { quote, refusal, labels } = await this.#engine.quote({ program, request }, stage)
+      const name = this.#name || nameOf(this.getAttribute('program-src'))
+      const request = requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect })
+      const program = this.#program ?? (await this.#fetched())
+      if (program.length > MOST_BYTES) throw tooLarge()
+      const module = await compiledModule()
+      heed()
+      this.#engine ??= new Engine(module, QuoteElement.startWorker)
+      const { quote, refusal, labels } = await this.#engine.quote({ program, request }, (_, part) => {
+        this.#parts.progress(part)
+        this.dispatchEvent(new CustomEvent('progress', { detail: { part } }))
+      })
+      heed()
       if (!quote) throw new QuoteError(refusal ?? { kind: 'failed', message: 'There is no answer.', faults: [] })
       return { quote, labels }
     } catch (error) {
-      if (!(error instanceof Ended)) throw error
-      throw error.kind === 'cancelled' ? refused('cancelled', 'The quote was cancelled.') : refused('failed', error.message)
+      heed()
+      throw error instanceof QuoteError ? error : new QuoteError(refusalOf(error))
     }
   }
 
@@ -286,6 +291,7 @@ function skeleton(root) {
   }
   return {
     input,
+    rest,
     busy() {
       rest()
       bar.hidden = false
