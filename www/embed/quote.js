@@ -1,7 +1,7 @@
 // <truefeed-quote>: the cycle times of a program as an element of any page. Computed in a worker; nothing leaves the page.
 
 import { make } from '../dom.js'
-import { Ended, Engine } from '../engine.js'
+import { Engine } from '../engine.js'
 import * as show from '../format.js'
 import { compiledModule } from './module.js'
 import { QuoteError, bytesOf, refusalOf, refused, requestOf } from './request.js'
@@ -123,53 +123,58 @@ export class QuoteElement extends HTMLElement {
 
   /** Computes now what is set. @returns {Promise<Quote>} */
   async compute() {
-    const own = ++this.#asked
-    this.#engine?.cancel()
-    this.#isScheduled = false
+    this.cancel()
+    const own = this.#asked
     this.#quote = null
     this.#parts.busy()
     try {
-      const { quote, labels } = await this.#ask()
-      if (own !== this.#asked) throw refused('cancelled', 'A newer quote was asked for.')
+      const { quote, labels } = await this.#ask(own)
       this.#quote = quote
       this.#parts.show(quote, labels)
       this.dispatchEvent(new CustomEvent('quote', { detail: quote, bubbles: true, composed: true }))
       return quote
     } catch (error) {
-      const isOlder = own !== this.#asked
-      const refusal = refusalOf(isOlder ? refused('cancelled', 'A newer quote was asked for.') : error)
-      if (!isOlder) {
+      const refusal = refusalOf(error)
+      // Of what was cancelled, only who asked for it hears.
+      if (own === this.#asked) {
         this.#parts.fail(refusal)
         this.dispatchEvent(new CustomEvent('error', { detail: refusal }))
       }
-      throw new QuoteError(refusal)
+      throw error
     }
   }
 
   /** Ends a computation. */
   cancel() {
+    this.#asked += 1
     this.#isScheduled = false
-    this.#fetching?.abort()
     this.#engine?.cancel()
+    this.#parts.rest()
   }
 
-  async #ask() {
-    const name = this.#name || nameOf(this.getAttribute('program-src'))
-    const request = requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect })
-    const program = this.#program ?? (await this.#fetched())
-    if (program.length > MOST_BYTES) throw tooLarge()
-    this.#engine ??= new Engine(await compiledModule(), QuoteElement.startWorker)
-    const stage = (/** @type {string} */ _, /** @type {number} */ part) => {
-      this.#parts.progress(part)
-      this.dispatchEvent(new CustomEvent('progress', { detail: { part } }))
+  /** The answer to what is set now, unless something newer is asked meanwhile. @param {number} own */
+  async #ask(own) {
+    const heed = () => {
+      if (own !== this.#asked) throw refused('cancelled', 'The quote was cancelled, or a newer one was asked for.')
     }
     try {
-      const { quote, refusal, labels } = await this.#engine.quote({ program, request }, stage)
+      const name = this.#name || nameOf(this.getAttribute('program-src'))
+      const request = requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect })
+      const program = this.#program ?? (await this.#fetched())
+      if (program.length > MOST_BYTES) throw tooLarge()
+      const module = await compiledModule()
+      heed()
+      this.#engine ??= new Engine(module, QuoteElement.startWorker)
+      const { quote, refusal, labels } = await this.#engine.quote({ program, request }, (_, part) => {
+        this.#parts.progress(part)
+        this.dispatchEvent(new CustomEvent('progress', { detail: { part } }))
+      })
+      heed()
       if (!quote) throw new QuoteError(refusal ?? { kind: 'failed', message: 'There is no answer.', faults: [] })
       return { quote, labels }
     } catch (error) {
-      if (!(error instanceof Ended)) throw error
-      throw error.kind === 'cancelled' ? refused('cancelled', 'The quote was cancelled.') : refused('failed', error.message)
+      heed()
+      throw error instanceof QuoteError ? error : new QuoteError(refusalOf(error))
     }
   }
 
@@ -286,6 +291,7 @@ function skeleton(root) {
   }
   return {
     input,
+    rest,
     busy() {
       rest()
       bar.hidden = false
@@ -321,21 +327,24 @@ function skeleton(root) {
 /** @param {Quote} quote @param {string[]} labels */
 function table({ runs, programmed_time_s: programmed }, labels) {
   const priced = runs.some(({ price }) => price > 0)
-  const head = (/** @type {string} */ text) => make('th', { scope: 'col' }, text)
-  const titles = ['Tolerance', 'Cycle time', 'Seconds', 'Against CAM', 'Contour error', ...(priced ? ['Price'] : [])]
+  /** A title, how to say it of a run, and whether a narrow place can do without. @type {[string, (run: Quote["runs"][number]) => string, string][]} */
+  const columns = [
+    ['Cycle time', (run) => show.clock(run.cycle_time_s), 'time'],
+    ['Seconds', (run) => show.seconds(run.cycle_time_s), 'minor'],
+    ['vs CAM', (run) => show.percent(run.cycle_time_s / programmed - 1), ''],
+    ['Contour error', (run) => `${show.number(run.max_contour_error_mm * 1000)} µm`, 'minor'],
+  ]
+  if (priced) columns.push(['Price', (run) => show.money(run.price), ''])
+  const titles = columns.map(([title, , className]) => make('th', { scope: 'col', className }, title))
   const rows = runs.map((run, index) =>
     make(
       'tr',
       {},
       make('th', { scope: 'row' }, run.tolerances ? 'as programmed' : labels[index]),
-      make('td', { className: 'time' }, show.clock(run.cycle_time_s)),
-      make('td', {}, show.seconds(run.cycle_time_s)),
-      make('td', {}, show.percent(run.cycle_time_s / programmed - 1)),
-      make('td', {}, `${show.number(run.max_contour_error_mm * 1000)} µm`),
-      ...(priced ? [make('td', {}, show.money(run.price))] : []),
+      ...columns.map(([, text, className]) => make('td', { className }, text(run))),
     ),
   )
-  const made = make('table', {}, make('thead', {}, make('tr', {}, ...titles.map(head))), make('tbody', {}, ...rows))
+  const made = make('table', {}, make('thead', {}, make('tr', {}, make('th', { scope: 'col' }, 'Tolerance'), ...titles)), make('tbody', {}, ...rows))
   made.setAttribute('part', 'table')
   return made
 }

@@ -2,10 +2,10 @@
 
 const CSS = `
 :host {
-  --_accent: var(--truefeed-accent, #0b6aa8);
+  --_accent: var(--truefeed-accent, light-dark(#0b5d91, #6bb7e6));
   --_muted: var(--truefeed-muted, color-mix(in srgb, currentColor 68%, transparent));
   --_line: var(--truefeed-line, color-mix(in srgb, currentColor 18%, transparent));
-  --_error: var(--truefeed-error, #c62b20);
+  --_error: var(--truefeed-error, light-dark(#b3261e, #ff8a80));
   display: block;
   box-sizing: border-box;
   min-width: 0;
@@ -27,7 +27,8 @@ label { cursor: pointer; color: var(--_accent); font-weight: 600; border-radius:
 label:focus-within { outline: 2px solid var(--_accent); outline-offset: 2px; }
 input { position: absolute; width: 1px; height: 1px; opacity: 0; }
 progress { width: 100%; margin-top: 10px; accent-color: var(--_accent); }
-.scroll { overflow-x: auto; }
+.scroll { overflow-x: auto; container-type: inline-size; }
+@container (max-width: 460px) { .minor { display: none; } }
 table { width: 100%; margin-top: 10px; border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th { font-weight: 550; font-size: 0.9em; color: var(--_muted); }
 th, td { padding: 5px 0 5px 12px; text-align: right; white-space: nowrap; }
