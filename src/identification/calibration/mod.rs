@@ -11,7 +11,7 @@
 //!   higher by less than `CONTRADICTED`. One after another, because parameters that depend on each other
 //!   hide behind each other;
 //! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
-//!   the filters of feed moves unless they are better by the margin of [`laws`], the total delay being the
+//!   the filters of feed moves unless they are better by the margin of `laws`, the total delay being the
 //!   first guess of each. So it is with the other laws there: one that is taken in is not put back.
 
 mod laws;

@@ -12,7 +12,7 @@
 //! | feedrate | feedrates differ no more with it than without it |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
-//! Feed holds are taken in before all of them, as [`rests`] finds them: they stand for themselves.
+//! Feed holds are taken in before all of them, as `rests` finds them: they stand for themselves.
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
 //! back. Others of which the best cannot be told from the runs are its ambiguity.

@@ -14,7 +14,7 @@
 //! time but form, positions at equal times, the common delay taken out.
 //!
 //! Snippets are taken greedily, those first that separate most a second, until every pair of variants (axes,
-//! rules), either way round, is [`ENOUGH`] apart and [`SHORTEST`] s are filled, or [`LONGEST`] s are used.
+//! rules), either way round, is [`ENOUGH`] apart and `SHORTEST` s are filled, or [`LONGEST`] s are used.
 //!
 //! Limits: a cause is tried at one middle strength; other parameters of the machine are taken as known.
 

@@ -17,7 +17,7 @@
 //! - a dwell, a tool change or another M-word: machine functions wait for the motion to end;
 //! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends
 //!   of every rapid where the machine has rapids stop or wait for position;
-//! - a wait before a line, of [`halts`];
+//! - a wait before a line, of `halts`;
 //! - a change of the filters' constants, between feed and rapid, where rapids have their own:
 //!   filters can only be exchanged while the machine stands, or distance would be lost.
 //!

@@ -4,7 +4,7 @@
 //! Tables for charts and files are made by [`Profile::samples`], dense where the feedrate bends.
 //!
 //! Where acceleration limits act behind the filters, the motion that leaves them is run more slowly, as in
-//! [`retiming`]: [`Profile`] and its tables speak of the true time, a [`Motion`] of the filtered one.
+//! `retiming`: [`Profile`] and its tables speak of the true time, a [`Motion`] of the filtered one.
 //!
 //! Distance is measured along the programmed path, as the integral of the filtered feed command.
 //! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
