@@ -3,13 +3,19 @@
 //! Everything follows from the seed. Case numbers are shuffled over the strata, so that a number says
 //! nothing. `answers.json` tells of each case what was concealed, its parameters in the names of the
 //! diagnosis, its strength, and the lines whose duration it changed (−1: everywhere).
+//!
+//! Where what is concealed belongs to the machine, and not to an operator, a recorder or one line, the case
+//! has a second program in `transfer/`: the same machine on another part at twice the tolerance. Nobody is
+//! fitted to it; it shows what an explanation is worth where it was not found.
 
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::effects::{ALL_OR_NOTHING, LIBRARY, OUTSIDE, WRONG_PROGRAM, acts_everywhere, conceal};
+use crate::effects::{
+    ALL_OR_NOTHING, LIBRARY, OUTSIDE, WRONG_PROGRAM, acts_everywhere, belongs_to_machine, conceal,
+};
 use crate::physics::{Motion, Physics};
 use crate::random::Random;
 use crate::reader::{Step, read};
@@ -34,7 +40,12 @@ pub struct Case {
     pub machine: String,
     pub recording: String,
     pub answer: Value,
+    /// Another program on the same machine, at [`TRANSFER`] times the tolerance, and its recording.
+    pub transfer: Option<(String, String)>,
 }
+
+/// The tolerance of the second program, in multiples of the first one's.
+const TRANSFER: f64 = 2.0;
 
 /// All cases of a seed.
 pub fn cases(seed: u64, counts: &Counts) -> Vec<Case> {
@@ -150,13 +161,21 @@ fn case(stratum: &str, ids: &[&str], number: usize, random: &mut Random) -> Opti
     }
     let recorder = Recorder::draw(random);
     let recording = recorder.record(&motion, machine_of_truth.physics.clock, random);
-    let answer = json!({
+    let mut answer = json!({
         "stratum": stratum, "strength": strength, "effects": effects, "lines": lines,
         "accepted": accepted,
         "clean_s": thousandths(clean.cycle_time), "true_s": thousandths(motion.cycle_time),
         "rate_hz": recorder.rate.round(), "sections": families,
     });
-    Some(Case { program: shown, machine, recording, answer })
+    let transfer = (stratum != "outside" && ids.iter().all(|id| belongs_to_machine(id))).then(|| {
+        let (text, _) = program::draw(random);
+        let mut machine = machine_of_truth;
+        machine.physics.tolerance *= TRANSFER;
+        let motion = machine.run(&read(&text));
+        answer["transfer"] = json!({"tolerance": TRANSFER, "true_s": thousandths(motion.cycle_time)});
+        (text, Recorder::ideal().record(&motion, 1.0, random))
+    });
+    Some(Case { program: shown, machine, recording, answer, transfer })
 }
 
 /// The causes that the program cannot tell apart, where that is by design.
@@ -199,6 +218,12 @@ pub fn write(cases: &[Case], folder: &Path) -> std::io::Result<String> {
         std::fs::write(place.join("program.nc"), &case.program)?;
         std::fs::write(place.join("machine.toml"), &case.machine)?;
         std::fs::write(place.join("recording.csv"), &case.recording)?;
+        if let Some((program, recording)) = &case.transfer {
+            let place = place.join("transfer");
+            std::fs::create_dir_all(&place)?;
+            std::fs::write(place.join("program.nc"), program)?;
+            std::fs::write(place.join("recording.csv"), recording)?;
+        }
         answers.insert(name, case.answer.clone());
     }
     let answers = serde_json::to_string_pretty(&answers)? + "\n";
@@ -244,5 +269,6 @@ pub fn sample() -> Case {
             "clean_s": thousandths(clean.cycle_time), "true_s": thousandths(motion.cycle_time),
         }),
         program,
+        transfer: None,
     }
 }

@@ -61,6 +61,13 @@ pub fn acts_everywhere(id: &str) -> bool {
     everywhere.iter().any(|start| id.starts_with(start))
 }
 
+/// Effects that a machine has on every program; the others are an operator's, a recorder's or one line's.
+pub fn belongs_to_machine(id: &str) -> bool {
+    let of_one_run =
+        ["feed_override", "rapid_override", "feed_hold", "unmodelled_wait", "recorder_clock", WRONG_PROGRAM];
+    !of_one_run.contains(&id)
+}
+
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
 /// Effects without a size of their own.

@@ -39,6 +39,20 @@ impl Recorder {
         }
     }
 
+    /// One without errors, to measure with.
+    pub fn ideal() -> Recorder {
+        Recorder {
+            rate: 250.0,
+            lead: 0.5,
+            jitter: 0.0,
+            noise: 0.0,
+            quantum: 1e-4,
+            drift: 0.0,
+            gaps: 0,
+            lines: true,
+        }
+    }
+
     /// The recording as CSV, `clock` seconds of the recorder to one of the machine.
     pub fn record(&self, motion: &Motion, clock: f64, random: &mut Random) -> String {
         let mut text = String::from("t_s,x_mm,y_mm,z_mm");
