@@ -1,4 +1,5 @@
-//! Scores the reports of `truefeed diagnose --json` beside the sealed answers.
+//! Scores the reports of `truefeed diagnose --json` beside the answers, which are sealed unless they are
+//! somebody else's.
 //!
 //! Top-1: the first cause is the one concealed. Set: it is the first, or among those the first cannot be told
 //! from. Strength is in multiples of a rough detection limit, fixed before. Localisation is the overlap of
@@ -14,6 +15,8 @@ use std::path::Path;
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
+
+use crate::effects::OUTSIDE;
 
 type Refusal = Box<dyn std::error::Error>;
 
@@ -71,8 +74,8 @@ const RIVALS: [(&str, &str); 5] = [
 pub fn page(folder: &Path, reports: &Path) -> Result<String, Refusal> {
     let sealed = std::fs::read(folder.join("answers.json"))?;
     let seal: String = Sha256::digest(&sealed).iter().map(|byte| format!("{byte:02x}")).collect();
-    let noted = std::fs::read_to_string(folder.join("sealed.txt"))?;
-    if !noted.starts_with(&seal) {
+    let sealed_as = std::fs::read_to_string(folder.join("sealed.txt")).ok();
+    if sealed_as.as_ref().is_some_and(|noted| !noted.starts_with(&seal)) {
         return Err("answers.json is not the one that was sealed".into());
     }
     let answers: BTreeMap<String, Value> = serde_json::from_slice(&sealed)?;
@@ -89,11 +92,16 @@ pub fn page(folder: &Path, reports: &Path) -> Result<String, Refusal> {
         let transfer = read("transfer.json")?;
         outcomes.push(Outcome { transfer, ..outcome(answer, &read("report.json")?) });
     }
-    let mut text = format!("Answers sealed as `{seal}`, {} cases.\n\n", outcomes.len());
+    let manner = if sealed_as.is_some() { "sealed as" } else { "not sealed, SHA-256" };
+    let mut text = format!("Answers {manner} `{seal}`, {} cases.\n\n", outcomes.len());
     summary(&outcomes, &mut text);
-    strengths(&outcomes, &mut text);
+    if outcomes.iter().any(|outcome| 0.0 < outcome.strength) {
+        strengths(&outcomes, &mut text);
+    }
     effects(&outcomes, &mut text);
-    rivals(&outcomes, &mut text);
+    if outcomes.iter().any(|outcome| outcome.transfer.is_object()) {
+        rivals(&outcomes, &mut text);
+    }
     Ok(text)
 }
 
@@ -129,7 +137,7 @@ fn outcome(answer: &Value, report: &Value) -> Outcome {
         false => top,
     };
     let mut result = Outcome {
-        stratum: text(answer, "stratum"),
+        stratum: stratum(answer, truth),
         effect: truth.keys().cloned().collect::<Vec<_>>().join(" + "),
         strength: answer["strength"].as_f64().unwrap_or(0.0),
         missing: report.is_null(),
@@ -157,6 +165,19 @@ fn outcome(answer: &Value, report: &Value) -> Outcome {
     result
 }
 
+/// As it was drawn; of answers by others, by what they conceal.
+fn stratum(answer: &Value, truth: &serde_json::Map<String, Value>) -> String {
+    if let Some(drawn) = answer["stratum"].as_str() {
+        return drawn.into();
+    }
+    match truth.len() {
+        0 => "negative".into(),
+        1 if truth.keys().all(|id| OUTSIDE.contains(&id.as_str())) => "outside".into(),
+        1 => "single".into(),
+        _ => "double".into(),
+    }
+}
+
 /// Numbers that both know; places in the program are judged by the overlap of lines instead.
 fn compare(parameters: &Value, cause: &Value, result: &mut Outcome) {
     for (key, value) in parameters.as_object().into_iter().flatten() {
@@ -167,10 +188,6 @@ fn compare(parameters: &Value, cause: &Value, result: &mut Outcome) {
             result.covered.push((found - real).abs() <= 1.645 * deviation);
         }
     }
-}
-
-fn text(value: &Value, key: &str) -> String {
-    value[key].as_str().unwrap_or_default().to_string()
 }
 
 fn pair(value: &Value) -> Option<(f64, f64)> {
