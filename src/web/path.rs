@@ -253,6 +253,13 @@ impl PathView {
         self.programmed.line.get(segment).copied()
     }
 
+    /// Mean feedrate around a distance (mm), mm/min; none without a run.
+    #[wasm_bindgen(js_name = feedrateAt)]
+    pub fn feedrate_at(&self, distance: f64) -> Option<f64> {
+        let step = self.pace.end.partition_point(|&end| end < distance);
+        self.pace.value.get(step).copied().map(mm_per_min)
+    }
+
     /// Where a line of the program is first run: from and to, mm; of a line without a move the next that has one.
     /// Empty where there is none.
     #[wasm_bindgen(js_name = stretchOf)]
