@@ -7,11 +7,11 @@ use wasm_bindgen::{Clamped, JsCast};
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
 
 use crate::plot::Programmed;
-use crate::plot::path::{self, Camera, Coloring, Drawing, Pace, Raster, SHADES, Scene, Trail};
+use crate::plot::path::{self, Camera, Coloring, Drawing, Pace, Raster, Scene, Trail};
 use crate::units::mm_per_min;
 
 /// Width of lines and length of dashes, pixels of the page.
-const PEN: f64 = 1.5;
+const PEN: f64 = 2.0;
 const DASH: f64 = 5.0;
 /// How far from the pointer a line is still meant, pixels of the page.
 const REACH: f64 = 8.0;
@@ -123,11 +123,6 @@ impl PathView {
             ends: ends.to_vec(),
             unit: unit.to_string(),
         }
-    }
-
-    /// How many colours a legend has.
-    pub fn shades() -> usize {
-        SHADES
     }
 
     /// Light on dark or dark on light.

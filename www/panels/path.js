@@ -25,7 +25,7 @@ const MOST_PIXELS = 6e6
 
 const COLORS = /** @type {const} */ ([
   ['feedrate', 'by feedrate', 'Feedrate'],
-  ['loss', 'by loss against programmed feed', 'Missing to the programmed feedrate'],
+  ['loss', 'by loss against programmed feed', 'Short of the programmed feedrate'],
   ['lost', 'by time lost in the recording', 'Time lost (+) or gained (−) against the simulation'],
 ])
 
@@ -49,7 +49,8 @@ export function mount(root, actions) {
       const stretch = view.stretchOf(line)
       if (stretch.length === 0) return
       keep([stretch[0], stretch[1]])
-      others.point(0.5 * (stretch[0] + stretch[1]))
+      showAt(0.5 * (stretch[0] + stretch[1]), false)
+      others.point(readAt)
     },
     pointed(line) {
       const stretch = line === null ? [] : view.stretchOf(line)
@@ -473,7 +474,8 @@ export function mount(root, actions) {
     const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, 'All that is lost against length ÷ feedrate; a dwell counts whole'), ...cells(all))
     const titles = ['', 'Lines', 'Why', 'Lost', 'Of all'].map((title) => make('th', { scope: 'col' }, title))
     titles[0].append(make('span', { className: 'away' }, 'Place'))
-    const caption = make('caption', {}, places.length > 0 ? `The ${count(places.length)} costliest places, ${columnLabel(column)}` : `Nothing is lost, ${columnLabel(column)}`)
+    const which = column === null ? columnLabel(column) : `at ${columnLabel(column)}`
+    const caption = make('caption', {}, places.length > 0 ? `The costliest places ${which}` : `Nothing is lost ${which}`)
     const scroll = make('div', { className: 'scroll', tabIndex: 0 }, make('table', {}, caption, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows), make('tfoot', {}, rest, total)))
     scroll.setAttribute('role', 'group')
     scroll.setAttribute('aria-label', 'The costliest places')
