@@ -12,7 +12,7 @@ const LINES = readFileSync(SAMPLE, 'utf8').split(/\r\n|\n|\r/)
 async function opened(page) {
   await page.click('#welcome .sample')
   await computed(page)
-  await page.locator('#path').scrollIntoViewIfNeeded()
+  await page.locator('#path .space').evaluate((space) => space.scrollIntoView({ block: 'center' }))
   await page.waitForSelector('#path .places tbody tr')
   await rested(page)
 }
@@ -117,7 +117,7 @@ pageTest('path, text and charts have one cursor', async ({ page }) => {
   const pixels = await drawn(page)
   const { x, y } = pixels[Math.floor(pixels.length / 3)]
   await page.mouse.move(box.x + x + 1, box.y + y + 1)
-  assert.ok(await page.isVisible('#path .here'))
+  await page.waitForSelector('#path .here')
   assert.ok(await page.isVisible('#chart .cross'))
   const here = await page.$eval('#path .here', (dot) => [parseFloat(dot.style.left), parseFloat(dot.style.top)])
   assert.ok(Math.hypot(here[0] - x, here[1] - y) < 10, `${here} for ${x} ${y}`)

@@ -21,7 +21,7 @@ const CLICK_PX = 4
 const AXIS_PX = 26
 /** While the picture moves it is drawn on the page's pixels, and finer when it rests for so long. */
 const REST_MS = 160
-const MOST_PIXELS = 6e6
+const MOST_PIXELS = 3e6
 
 const COLORS = /** @type {const} */ ([
   ['feedrate', 'by feedrate', 'Feedrate'],
@@ -114,7 +114,7 @@ export function mount(root, actions) {
       if (!outcome || !isInSight || width === 0) return
       const finest = Math.min(Math.max(window.devicePixelRatio, 2), Math.sqrt(MOST_PIXELS / (width * height)))
       view.draw(canvas, width, height, isMoving ? Math.min(1, finest) : finest)
-      overlay()
+      overlay(height)
     })
   }
 
@@ -129,12 +129,12 @@ export function mount(root, actions) {
     redraw()
   }
 
-  /** Places what lies over the picture. */
-  function overlay() {
+  /** Places what lies over the picture. @param {number} height */
+  function overlay(height) {
     for (const mark of /** @type {Iterable<HTMLElement>} */ (marks.children)) put(mark, Number(mark.dataset.at))
     if (!here.hidden) put(here, readAt)
     const directions = view.axes()
-    const [left, bottom] = [AXIS_PX + 14, space.clientHeight - AXIS_PX - 14]
+    const [left, bottom] = [AXIS_PX + 14, height - AXIS_PX - 14]
     axes.replaceChildren(
       ...['X', 'Y', 'Z'].flatMap((name, index) => {
         const [x, y] = directions.subarray(2 * index, 2 * index + 2)

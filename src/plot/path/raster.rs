@@ -97,7 +97,20 @@ impl Raster {
         pen: usize,
         phase: Option<(&mut f32, f32)>,
     ) {
-        let length = (to.0 - from.0).hypot(to.1 - from.1);
+        let reach = pen as f32;
+        let (width, height) = (self.width as f32 + reach, self.height as f32 + reach);
+        let is_beyond = |a: f32, b: f32, high: f32| (a < -reach && b < -reach) || (high < a && high < b);
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        if phase.is_none() {
+            if is_beyond(from.0, to.0, width) || is_beyond(from.1, to.1, height) {
+                return;
+            }
+            // Most blocks of a long program are no longer than a pixel.
+            if dx.abs().max(dy.abs()) <= 1.0 {
+                return self.column(to.0, to.1 - 0.5 * (reach - 1.0), pen, value);
+            }
+        }
+        let length = dx.hypot(dy);
         let (begun, dash) = match phase {
             Some((phase, dash)) => {
                 let begun = *phase;
@@ -106,18 +119,17 @@ impl Raster {
             }
             None => (0.0, f32::INFINITY),
         };
-        let reach = pen as f32;
-        let (width, height) = (self.width as f32 + reach, self.height as f32 + reach);
         let Some((t0, t1)) = clipped(from, to, (-reach, width), (-reach, height)) else { return };
         let at = |t: f32| (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
         let ((xa, ya), (xb, yb)) = (at(t0), at(t1));
         let (dx, dy) = (xb - xa, yb - ya);
+        let pace = (t1 - t0) * length;
         let steps = dx.abs().max(dy.abs()).ceil().max(1.0);
         let is_flat = dy.abs() <= dx.abs();
         let half = 0.5 * (pen as f32 - 1.0);
         for step in 0..=steps as usize {
             let part = step as f32 / steps;
-            if dash.is_finite() && dash < (begun + (t0 + part * (t1 - t0)) * length) % (2.0 * dash) {
+            if dash.is_finite() && dash < (begun + t0 * length + part * pace) % (2.0 * dash) {
                 continue;
             }
             let (x, y) = (xa + part * dx, ya + part * dy);
@@ -126,22 +138,22 @@ impl Raster {
     }
 
     fn column(&mut self, x: f32, y: f32, pen: usize, value: u32) {
-        let (x, y) = (x.floor() as i64, y.round() as i64);
-        if x < 0 || self.width as i64 <= x {
+        let (x, y) = (x.floor() as i32, (y + 0.5).floor() as i32);
+        if x < 0 || self.width as i32 <= x {
             return;
         }
-        for y in y.max(0)..(y + pen as i64).min(self.height as i64) {
+        for y in y.max(0)..y.saturating_add(pen as i32).min(self.height as i32) {
             let pixel = &mut self.pixels[y as usize * self.width + x as usize];
             *pixel = value.max(*pixel);
         }
     }
 
     fn row(&mut self, x: f32, y: f32, pen: usize, value: u32) {
-        let (x, y) = (x.round() as i64, y.floor() as i64);
-        if y < 0 || self.height as i64 <= y {
+        let (x, y) = ((x + 0.5).floor() as i32, y.floor() as i32);
+        if y < 0 || self.height as i32 <= y {
             return;
         }
-        for x in x.max(0)..(x + pen as i64).min(self.width as i64) {
+        for x in x.max(0)..x.saturating_add(pen as i32).min(self.width as i32) {
             let pixel = &mut self.pixels[y as usize * self.width + x as usize];
             *pixel = value.max(*pixel);
         }
