@@ -1,3 +1,7 @@
+use std::f64::consts::FRAC_PI_2;
+
+use plotters::style::RGBColor;
+
 use super::*;
 use crate::machine::Machine;
 use crate::simulation::feed::{Rule, plan};
@@ -77,7 +81,7 @@ fn a_scene_divides_the_trail_where_the_shade_changes() {
 #[test]
 fn all_of_a_fitted_path_is_in_sight() {
     let scene = scene(Coloring::Loss);
-    for (yaw, pitch) in [(0.0, 1.5707), (0.0, 0.0), (1.5707, 0.0), (-0.6, 0.5), (2.0, -1.0)] {
+    for (yaw, pitch) in [(0.0, FRAC_PI_2), (0.0, 0.0), (FRAC_PI_2, 0.0), (-0.6, 0.5), (2.0, -1.0)] {
         let camera = seen(&scene, yaw, pitch);
         for point in &scene.points {
             let (x, y) = camera.project(point.map(f64::from));
@@ -103,7 +107,7 @@ fn a_zoom_keeps_the_pixel_it_is_about() {
 #[test]
 fn a_pixel_leads_back_to_its_place_on_the_path() {
     let scene = scene(Coloring::Loss);
-    for (yaw, pitch) in [(0.0, 1.5707), (-0.6, 0.5)] {
+    for (yaw, pitch) in [(0.0, FRAC_PI_2), (-0.6, 0.5)] {
         let camera = seen(&scene, yaw, pitch);
         let raster = drawn(&scene, camera);
         for k in 0..100 {
@@ -126,7 +130,7 @@ fn of_two_passes_the_worse_is_shown() {
     let points = vec![[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
     for ranks in [[FIRST_SHADE, FIRST_SHADE + 9, 0], [FIRST_SHADE + 9, FIRST_SHADE, 0]] {
         let scene = Scene { points: points.clone(), distance: vec![0.0, 10.0, 20.0], rank: ranks.to_vec() };
-        let camera = seen(&scene, 0.0, 1.5707);
+        let camera = seen(&scene, 0.0, FRAC_PI_2);
         let mut colors = Vec::new();
         let inks = ink(&palette(Coloring::Loss, false), false);
         drawn(&scene, camera).colors(&inks, &mut colors);
@@ -168,5 +172,3 @@ fn lines_far_outside_cost_nothing_and_break_nothing() {
     let raster = drawn(&scene, camera);
     assert_eq!(raster.size(), (100, 100));
 }
-
-use plotters::style::RGBColor;
