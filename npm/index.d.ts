@@ -102,6 +102,12 @@ export interface Run {
   operations: Operation[]
   /** In the order of first use; they add up to the breakdown. */
   tools: Tool[]
+  /** Time lost against length over feedrate: all of it, the places that cost most, and the rest. */
+  lost: {
+    seconds: number
+    elsewhere_s: number
+    places: { reason: string; text: string; lines: [number, number]; distance_mm: [number, number]; seconds: number }[]
+  }
   max_contour_error_mm: number
   /** Where the contour error is above the tolerance. */
   beyond_tolerance: { lines: [number, number]; distance_mm: [number, number]; max_contour_error_mm: number }[]

@@ -13,6 +13,7 @@ mod chart;
 mod cutting;
 mod diagnosed;
 mod job;
+mod path;
 mod quoted;
 mod recorded;
 

@@ -1,7 +1,7 @@
 // Runs simulations, comparisons, calibrations and diagnoses in a worker, one at a time. Cancelling ends the worker; the next run
 // starts a fresh one.
 
-/** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run } from "./types.js" */
+/** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run, Trail } from "./types.js" */
 
 /**
  * @typedef {object} SimulateRequest
@@ -22,7 +22,7 @@
 /**
  * @typedef {object} Listener
  * @property {Stage} stage
- * @property {(summary: ProgramSummary, steps: Steps, held: Held[]) => void} program
+ * @property {(summary: ProgramSummary, steps: Steps, held: Held[], trail: Trail) => void} program
  * @property {(column: Column, run: Run) => void} run
  */
 
@@ -51,7 +51,7 @@ export class Engine {
   async simulate(request, listener) {
     await this.#run('simulate', request, (data) => {
       if (data.type === 'stage') listener.stage(data.text, data.part)
-      else if (data.type === 'program') listener.program(data.summary, data.steps, data.held)
+      else if (data.type === 'program') listener.program(data.summary, data.steps, data.held, data.trail)
       else listener.run(data.column, { summary: data.summary, columns: data.columns })
     })
   }

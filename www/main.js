@@ -18,6 +18,7 @@ import * as chartPanel from './panels/chart.js'
 import * as cuttingPanel from './panels/cutting.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
 import * as machinePanel from './panels/machine.js'
+import * as pathPanel from './panels/path.js'
 import * as programPanel from './panels/program.js'
 import * as calibrationPanel from './panels/calibration.js'
 import * as diagnosisPanel from './panels/diagnosis.js'
@@ -233,7 +234,12 @@ export const actions = {
   },
   /** @param {Pick<Place, 'distance_mm'>} place */
   show(place) {
+    path.keep(place.distance_mm)
     chart.show(place)
+  },
+  /** Shows a stretch of the path (mm) in the charts, where they are. @param {[number, number]} stretch */
+  reveal(stretch) {
+    chart.reveal(stretch)
   },
   /** @param {number[]} tolerances  mm */
   setTolerances(tolerances) {
@@ -356,8 +362,8 @@ async function simulate(program, motion) {
       state.progress = { program: program.id, stage: text, part }
       progress.update(state)
     },
-    program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held) {
-      outcome = { motion, summary, steps, held, runs: new Map(isForOther ? [] : program.outcome?.runs) }
+    program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held, /** @type {any} */ trail) {
+      outcome = { motion, summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
       // What was computed for another machine stays in sight until all is there.
       if (!isForOther) program.outcome = outcome
     },
@@ -474,6 +480,7 @@ function take(calibration) {
 
 const progress = progressPanel.mount(element('progress'), actions)
 const chart = chartPanel.mount(element('chart'))
+const path = pathPanel.mount(element('path'), actions)
 const recordings = recordingPanel.mount(element('recording'), actions)
 const panels = [
   progress,
@@ -482,6 +489,7 @@ const panels = [
   tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
   resultsPanel.mount(element('results'), form, actions),
   chart,
+  path,
   recordings,
   calibrationPanel.mount(element('calibration'), actions),
   diagnosisPanel.mount(element('diagnosis'), new Engine(module), actions),

@@ -19,6 +19,7 @@ const LEAST_RATIO = 2
  * @property {() => void} redraw
  * @property {() => void} hide  takes the cursor away
  * @property {(place: Pick<Place, 'distance_mm'>) => void} show  shows a place and takes the keys
+ * @property {(stretch: [number, number]) => void} reveal  shows a stretch, mm
  * @property {(anew: boolean) => void} fit  shows the whole of a new path, or what the other charts show
  * @property {(from: number, to: number) => void} follow
  * @property {(distance: number) => void} point
@@ -27,6 +28,34 @@ const LEAST_RATIO = 2
 
 /** @type {Set<Plot>} */
 const plots = new Set()
+
+/**
+ * What has the cursor of the charts but no distance axis: the path, the program text.
+ * @typedef {object} Linked
+ * @property {(distance: number) => void} point  shows the cursor
+ * @property {() => void} hide  takes it away
+ * @property {(distance: number) => void} choose  keeps a place that was clicked on
+ */
+
+/** @type {Set<Linked>} */
+const linked = new Set()
+
+/** Moves something with the charts; what is returned moves them and all else. @param {Linked} own @returns {Linked} */
+export function link(own) {
+  linked.add(own)
+  const others = () => [...linked].filter((other) => other !== own)
+  return {
+    point(distance) {
+      for (const other of [...plots, ...others()]) other.point(distance)
+    },
+    hide() {
+      for (const other of [...plots, ...others()]) other.hide()
+    },
+    choose(distance) {
+      for (const other of others()) other.choose(distance)
+    },
+  }
+}
 
 /**
  * @param {HTMLElement} root
@@ -202,7 +231,9 @@ export function mountPlot(root, chart, { isShown, words, chosen }) {
     const [left, right] = chart.area()
     if (x < left || right < x) return leave()
     show(chart.at(x), false)
-    if (Number.isFinite(readAt)) for (const other of plots) if (other !== own) other.point(readAt)
+    if (!Number.isFinite(readAt)) return
+    for (const other of plots) if (other !== own) other.point(readAt)
+    for (const other of linked) other.point(readAt)
   }
 
   /** Reads along the path by keys. @param {number} direction */
@@ -214,12 +245,14 @@ export function mountPlot(root, chart, { isShown, words, chosen }) {
 
   /** Takes the cursor out of all charts. */
   function leave() {
-    for (const other of plots) other.hide()
+    for (const other of [...plots, ...linked]) other.hide()
   }
 
   /** @param {Pointer | undefined} pointer */
   function choose(pointer) {
-    if (pointer) chosen?.(pointer)
+    if (!pointer) return
+    chosen?.(pointer)
+    for (const other of linked) other.choose(pointer.distance)
   }
 
   function hide() {
@@ -259,10 +292,13 @@ export function mountPlot(root, chart, { isShown, words, chosen }) {
     redraw,
     hide,
     show({ distance_mm: [from, to] }) {
-      chart.show(from, to)
-      moved()
+      own.reveal([from, to])
       root.scrollIntoView({ block: 'nearest' })
       plot.focus({ preventScroll: true })
+    },
+    reveal([from, to]) {
+      chart.show(from, to)
+      moved()
     },
     fit(anew) {
       chart.fit(anew)

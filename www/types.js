@@ -21,6 +21,7 @@
  * @property {Breakdown} breakdown
  * @property {Operation[]} operations  in the order they are run
  * @property {Tool[]} tools  in the order of first use
+ * @property {Lost} lost
  * @property {number} max_contour_error_mm
  * @property {Place[]} beyond_tolerance
  * @property {number} price  0 where there is no hourly rate
@@ -70,10 +71,14 @@
  * @property {number} max_contour_error_mm
  */
 
+/** Where time is lost against length over feedrate, and why. @typedef {{reason: string, text: string, lines: [number, number], distance_mm: [number, number], seconds: number}} LostAt */
+/** @typedef {{seconds: number, elsewhere_s: number, places: LostAt[]}} Lost */
+
+/** The path in space, mm. @typedef {{points: Float32Array, distance: Float64Array}} Trail */
 /** @typedef {{end: Float64Array, feedrate: Float64Array, rapid: Uint8Array, line: Uint32Array}} Steps */
 /**
  * A profile over distance (mm, mm/s, s), and the contour errors of its segments (mm).
- * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arc: Float64Array}} Columns
+ * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arc: Float64Array, paceEnd: Float64Array, paceFeedrate: Float64Array}} Columns
  */
 /** @typedef {{summary: RunSummary, columns: Columns}} Run */
 /** A contour tolerance in mm; null for the program's own. @typedef {number | null} Column */
@@ -94,6 +99,7 @@
  * @property {string} motion  what the simulation read of the machine
  * @property {ProgramSummary} summary
  * @property {Steps} steps
+ * @property {Trail} trail
  * @property {Held[]} held  empty where the program sets no tolerance
  * @property {Map<Column, Run>} runs
  */

@@ -64,13 +64,15 @@ function simulate({ program, machine, dialect, columns, labels }) {
   const job = new Job(program, machine, dialect ?? undefined)
   const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
   const held = job.tolerances()
-  post({ type: 'program', summary: job.summary(), steps, held }, Object.values(steps))
+  const trail = plain(job.trail(), ['points', 'distance'])
+  const columnsOfProgram = [...Object.values(steps), ...Object.values(trail)]
+  post({ type: 'program', summary: job.summary(), steps, trail, held }, columnsOfProgram)
   for (const [index, column] of columns.entries()) {
     if (column === null && held.length === 0) continue
     const progress = (/** @type {number} */ part) => stage(`Simulating ${labels[index]}`, index + 1 + part, of)
     progress(0)
     const run = job.simulate(column ?? undefined, progress)
-    const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc'])
+    const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc', 'paceEnd', 'paceFeedrate'])
     post({ type: 'run', column, summary: run.summary.runs[0], columns: curve }, Object.values(curve))
     run.free()
   }

@@ -23,6 +23,7 @@ mod feed_panel;
 mod loads;
 mod lost_panel;
 mod panel;
+pub mod path;
 mod svg;
 mod theme;
 mod view;

@@ -13,6 +13,7 @@ mod diagnosis;
 mod form;
 mod machine_file;
 mod request;
+mod places;
 mod results;
 
 pub use calibrated_view::CalibrationReport;

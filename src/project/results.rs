@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::cutting::{CuttingError, Engagement, Loads};
 use crate::project::cutting_results::{Cutting, OfOperation, cutting_refusal, cutting_remarks};
+use crate::project::places::Lost;
 use crate::quote::{self, OperationShare, Quote, Share, ToolShare};
 use crate::simulation::contour::Region;
 use crate::simulation::feed::Held;
@@ -40,6 +41,8 @@ struct Run {
     operations: Vec<Operation>,
     /// In the order of first use; they add up to the breakdown.
     tools: Vec<Tool>,
+    /// Against length over feedrate.
+    lost: Lost,
     max_contour_error_mm: f64,
     /// Where the contour error is above the tolerance.
     beyond_tolerance: Vec<Place>,
@@ -248,6 +251,7 @@ impl Prediction {
             breakdown: Breakdown::from(&quote.breakdown),
             operations: quote.operations.iter().map(Operation::from).collect(),
             tools: quote.tools.iter().map(Tool::from).collect(),
+            lost: Lost::from(&quote.lost),
             max_contour_error_mm: quote.max_contour_error,
             beyond_tolerance: quote.beyond_tolerance.iter().map(Place::from).collect(),
             price: quote.price,

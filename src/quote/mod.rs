@@ -3,9 +3,11 @@
 //! The breakdown is of the whole program, of each operation and of each tool; see [`Breakdown`].
 
 mod breakdown;
+mod places;
 mod shares;
 
 pub use breakdown::{Breakdown, Functions, breakdown};
+pub use places::{Lost, LostAt, MOST_PLACES, Reason, Standing, lost};
 pub use shares::{OperationShare, Share, ToolShare, programmed_time};
 
 use crate::machine::Machine;
@@ -29,6 +31,8 @@ pub struct Quote {
     pub operations: Vec<OperationShare>,
     /// Where it goes by tool, in the order of first use; together the whole.
     pub tools: Vec<ToolShare>,
+    /// What is lost against length over feedrate, with the places that cost most.
+    pub lost: Lost,
     /// Largest distance of the filtered path from the programmed one, mm.
     pub max_contour_error: f64,
     /// Where the contour error is above the tolerance by more than a hundredth of it.
@@ -60,6 +64,7 @@ pub fn quote(
         breakdown: breakdown(toolpath, machine, plan),
         tools: shares::of_tools(&operations),
         operations,
+        lost: lost(toolpath, machine, plan, tolerances),
         max_contour_error: errors.largest(),
         beyond_tolerance: regions_beyond(toolpath, errors, bounds, ABOVE_TOLERANCE),
         price: price(cycle_time, machine),

@@ -87,13 +87,18 @@ fn programmed_time_of(segments: &[Segment], stops: &[Stop], machine: &Machine) -
         Motion::Rapid => segment.length / machine.rapid.feedrate,
         Motion::Feed { feedrate } => segment.length / feedrate,
     });
-    let dwells = stops.iter().map(|stop| match stop.cause {
+    let dwells = stops.iter().map(|stop| programmed_wait(&stop.cause, machine));
+    running_sum(moves.chain(dwells)).last().unwrap_or(0.0)
+}
+
+/// What CAM would say of a stop, s.
+pub(super) fn programmed_wait(cause: &StopCause, machine: &Machine) -> f64 {
+    match *cause {
         StopCause::Dwell { seconds } => seconds,
         StopCause::Rotary { rotation, rate: Some(rate) } => rotation.norm() / rate,
         StopCause::Rotary { rotation, rate: None } => rotation.amax() / machine.rapid.rotary_rate,
         _ => 0.0,
-    });
-    running_sum(moves.chain(dwells)).last().unwrap_or(0.0)
+    }
 }
 
 /// What each operation of a toolpath takes; a toolpath without operations is a single one.

@@ -7,6 +7,7 @@ use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
 use crate::plot::Programmed;
+use crate::plot::path::{Pace, Trail};
 use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
@@ -14,6 +15,7 @@ use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::{Dialect, Options, read_with};
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::{Toolpath, trace};
+use crate::web::path::TrailColumns;
 
 /// A program traced on a machine, ready to be simulated.
 #[wasm_bindgen]
@@ -46,6 +48,11 @@ impl Job {
         Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
     }
 
+    /// The path in space.
+    pub fn trail(&self) -> TrailColumns {
+        Trail::of(&self.toolpath).into()
+    }
+
     /// Where each of the program's own tolerances holds; an empty list where it sets none.
     pub fn tolerances(&self) -> Result<JsValue, JsError> {
         let held = Tolerances::Programmed.held(&self.toolpath, &self.machine);
@@ -61,6 +68,7 @@ impl Job {
         let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerances, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
         let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
+        let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&samples);
         Ok(Run {
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
             columns: Columns {
@@ -69,6 +77,8 @@ impl Job {
                 time: samples.time,
                 corner: errors.corner,
                 arc: errors.arc,
+                pace_end,
+                pace_feedrate,
             },
         })
     }
@@ -108,6 +118,12 @@ pub struct Columns {
     pub corner: Vec<f64>,
     /// Largest contour error along the rest of each segment that is an arc, mm.
     pub arc: Vec<f64>,
+    /// Where the steps of feedrate that colour the path end, mm.
+    #[wasm_bindgen(js_name = paceEnd)]
+    pub pace_end: Vec<f64>,
+    /// Their feedrate, mm/s.
+    #[wasm_bindgen(js_name = paceFeedrate)]
+    pub pace_feedrate: Vec<f64>,
 }
 
 /// The programmed feedrate, one row a segment.

@@ -54,6 +54,10 @@ export function mount(root) {
     show(place) {
       plot.show(place)
     },
+    /** Shows a stretch (mm) and leaves page and keys where they are. @param {[number, number]} stretch */
+    reveal(stretch) {
+      plot.reveal(stretch)
+    },
     /** @param {State} state */
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)

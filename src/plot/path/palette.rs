@@ -1,0 +1,57 @@
+//! The colours of shades. The worse the shade, the more it stands out from the ground.
+//!
+//! Feedrate and loss run along viridis, whose lightness tells its colours apart for any kind of colour vision, on
+//! light ground from its middle to the dark end and on dark ground to the light one, so that each has a contrast of
+//! three to one. Time lost runs from blue over grey to vermilion, of Okabe and Ito.
+
+use plotters::style::RGBColor;
+
+use crate::plot::path::{Coloring, FIRST_SHADE, MARKED, RAPID, SHADES};
+
+/// Viridis at equal steps.
+const VIRIDIS: [[f64; 3]; 9] = [
+    [68.0, 1.0, 84.0],
+    [71.0, 44.0, 122.0],
+    [59.0, 81.0, 139.0],
+    [44.0, 113.0, 142.0],
+    [33.0, 144.0, 141.0],
+    [39.0, 173.0, 129.0],
+    [92.0, 200.0, 99.0],
+    [170.0, 220.0, 50.0],
+    [253.0, 231.0, 37.0],
+];
+const DIVERGING_LIGHT: [[f64; 3]; 3] = [[0.0, 90.0, 160.0], [140.0, 140.0, 140.0], [190.0, 70.0, 0.0]];
+const DIVERGING_DARK: [[f64; 3]; 3] = [[86.0, 180.0, 233.0], [120.0, 120.0, 120.0], [255.0, 150.0, 40.0]];
+
+/// The colours of all shades, from the best to the worst.
+pub fn palette(coloring: Coloring, dark: bool) -> [RGBColor; SHADES] {
+    std::array::from_fn(|shade| {
+        let part = shade as f64 / (SHADES - 1) as f64;
+        match (coloring, dark) {
+            (Coloring::Lost(_), false) => between(&DIVERGING_LIGHT, part),
+            (Coloring::Lost(_), true) => between(&DIVERGING_DARK, part),
+            (_, false) => between(&VIRIDIS, 0.55 * (1.0 - part)),
+            (_, true) => between(&VIRIDIS, 0.4 + 0.6 * part),
+        }
+    })
+}
+
+/// The colour of a rank; none of what is empty.
+pub fn ink(shades: &[RGBColor; SHADES], dark: bool) -> [Option<RGBColor>; 32] {
+    let mut inks = [None; 32];
+    inks[RAPID as usize] = Some(if dark { RGBColor(92, 102, 113) } else { RGBColor(176, 183, 191) });
+    for (shade, color) in shades.iter().enumerate() {
+        inks[FIRST_SHADE as usize + shade] = Some(*color);
+    }
+    inks[MARKED as usize] = Some(if dark { RGBColor(255, 105, 160) } else { RGBColor(214, 0, 96) });
+    inks
+}
+
+fn between<const N: usize>(anchors: &[[f64; 3]; N], part: f64) -> RGBColor {
+    let place = part * (N - 1) as f64;
+    let before = (place as usize).min(N - 2);
+    let part = place - before as f64;
+    let [r, g, b] =
+        [0, 1, 2].map(|k| (anchors[before][k] * (1.0 - part) + anchors[before + 1][k] * part).round() as u8);
+    RGBColor(r, g, b)
+}

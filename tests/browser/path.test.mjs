@@ -1,0 +1,251 @@
+// The path in space, the text beside it and the costliest places: drawn, linked with the charts, and fluid.
+
+import assert from 'node:assert/strict'
+import { readFileSync } from 'node:fs'
+import { join } from 'node:path'
+import { computed, frame, pageTest, predicted, ROOT, shot, span } from './steps.mjs'
+
+const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
+const LINES = readFileSync(SAMPLE, 'utf8').split(/\r\n|\n|\r/)
+
+/** Opens the sample with the path in sight. */
+async function opened(page) {
+  await page.click('#welcome .sample')
+  await computed(page)
+  await page.locator('#path .space').evaluate((space) => space.scrollIntoView({ block: 'center' }))
+  await page.waitForSelector('#path .places tbody tr')
+  await rested(page)
+}
+
+/** Waits until the picture is drawn finely. */
+async function rested(page) {
+  await page.waitForTimeout(300)
+  await frame(page)
+}
+
+/** Positions (CSS pixels from the corner of the canvas) and colours of what is drawn. */
+const drawn = (page) =>
+  page.$eval('#path canvas', (canvas) => {
+    const { width, height } = canvas
+    const { data } = canvas.getContext('2d').getImageData(0, 0, width, height)
+    const ratio = width / canvas.clientWidth
+    const found = []
+    for (let i = 0; i < width * height; i += 1)
+      if (data[4 * i + 3] > 0)
+        found.push({ x: (i % width) / ratio, y: Math.floor(i / width) / ratio, color: `${data[4 * i]} ${data[4 * i + 1]} ${data[4 * i + 2]}` })
+    return found
+  })
+
+const colors = async (page) => new Set((await drawn(page)).map(({ color }) => color))
+const legend = (page) =>
+  page.$$eval('#path .ramp span', (all) => all.map((swatch) => swatch.style.backgroundColor.match(/\d+/g).join(' ')))
+const selectedLine = (page) => page.$eval('#path [aria-selected="true"]', (line) => Number(line.dataset.line))
+
+for (const [width, height] of [
+  [360, 780],
+  [1280, 900],
+  [2560, 1300],
+]) {
+  pageTest(
+    `the path is drawn in the colours of its legend at ${width} px`,
+    async ({ page }) => {
+      await opened(page)
+      const shades = await legend(page)
+      assert.equal(new Set(shades).size, shades.length, 'every shade has its own colour')
+      const found = await colors(page)
+      const used = shades.filter((shade) => found.has(shade))
+      assert.ok(3 <= used.length, `${used.length} shades`)
+      assert.ok(found.size <= used.length + 1, `only shades and rapids: ${[...found]}`)
+      assert.match(await page.textContent('#path .legend'), /mm\/min/)
+      const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
+      assert.ok(!wider, 'the page scrolls sideways')
+      for (const scheme of ['light', 'dark']) {
+        await page.emulateMedia({ colorScheme: scheme })
+        await rested(page)
+        await page.locator('#path').screenshot({ path: join(ROOT, `tests/browser/output/path-${width}-${scheme}.png`) })
+      }
+      await page.click('#path [data-look="turned"]')
+      await page.selectOption('#path .by', 'loss')
+      await rested(page)
+      assert.match(await page.textContent('#path .legend'), /0\.00 %.*100\.0 %/)
+      await page.locator('#path').screenshot({ path: join(ROOT, `tests/browser/output/path-${width}-turned.png`) })
+    },
+    { viewport: { width, height } },
+  )
+}
+
+pageTest('the costliest places are those of the command line, and add up', async ({ page }) => {
+  await opened(page)
+  const { runs } = await predicted(page, SAMPLE)
+  for (const [index, { lost }] of runs.entries()) {
+    await page.selectOption('#path .at', { index })
+    const shown = await page.$$eval('#path .places tbody tr', (rows) => rows.map((row) => [row.cells[1].textContent, row.cells[2].textContent]))
+    assert.deepEqual(
+      shown,
+      lost.places.map(({ lines: [from, to], text }) => [from === to ? `${from}` : `${from}–${to}`, text]),
+    )
+    assert.equal(shown.length, 10)
+    const sum = lost.places.reduce((total, { seconds }) => total + seconds, lost.elsewhere_s)
+    assert.ok(Math.abs(sum - lost.seconds) < 1e-9)
+    assert.ok(0 < lost.seconds && lost.seconds < runs[index].cycle_time_s)
+    assert.equal(await page.locator('#path .marks span').count(), 10)
+  }
+})
+
+pageTest('a place leads to its spot, its line and its stretch of the charts', async ({ page }) => {
+  await opened(page)
+  const { runs } = await predicted(page, SAMPLE)
+  const place = runs[0].lost.places[2]
+  await page.click('#path .places tbody tr:nth-child(3) button')
+  await rested(page)
+  assert.equal(await selectedLine(page), place.lines[0])
+  const [from, to] = await span(page)
+  assert.ok(from <= place.distance_mm[0] && place.distance_mm[1] <= to, `${from} to ${to} mm`)
+  assert.ok(await page.isVisible('#path .here'))
+  assert.ok(await page.isVisible('#chart .cross'))
+  const mark = await page.$eval('#path .marks .chosen', (chosen) => [chosen.textContent, parseFloat(chosen.style.left), parseFloat(chosen.style.top)])
+  assert.equal(mark[0], '3')
+  const here = await page.$eval('#path .here', (dot) => [parseFloat(dot.style.left), parseFloat(dot.style.top)])
+  assert.ok(Math.hypot(here[0] - mark[1], here[1] - mark[2]) < 1)
+  await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-place.png') })
+})
+
+pageTest('path, text and charts have one cursor', async ({ page }) => {
+  await opened(page)
+  const box = await page.locator('#path .space').boundingBox()
+  // On the path, by pointer.
+  const pixels = await drawn(page)
+  const { x, y } = pixels[Math.floor(pixels.length / 3)]
+  await page.mouse.move(box.x + x + 1, box.y + y + 1)
+  await page.waitForSelector('#path .here')
+  assert.ok(await page.isVisible('#chart .cross'))
+  const here = await page.$eval('#path .here', (dot) => [parseFloat(dot.style.left), parseFloat(dot.style.top)])
+  assert.ok(Math.hypot(here[0] - x, here[1] - y) < 10, `${here} for ${x} ${y}`)
+  const [, number, text] = (await page.textContent('#path .reading .code')).match(/line (\d+) (.*)/)
+  assert.equal(text, LINES[number - 1])
+  await page.mouse.down()
+  await page.mouse.up()
+  await rested(page)
+  assert.equal(await selectedLine(page), Number(number), 'a click selects the line')
+
+  // On the text.
+  await page.locator('#path .listing').evaluate((listing) => (listing.scrollTop = 0))
+  await frame(page)
+  const line = LINES.findIndex((code, index) => 12 < index && /X/.test(code)) + 1
+  await page.click(`#path [data-line="${line}"]`)
+  assert.equal(await selectedLine(page), line)
+  assert.ok(await page.isVisible('#path .here'))
+  const cross = await page.$eval('#chart .cross', (element) => element.style.left)
+
+  // On the chart, by keys.
+  await page.focus('#chart .plot')
+  await page.keyboard.press('Shift+ArrowRight')
+  assert.notEqual(await page.$eval('#chart .cross', (element) => element.style.left), cross)
+  await page.locator('#path').scrollIntoViewIfNeeded()
+  await page.keyboard.press('Shift+ArrowRight')
+  await page.keyboard.press('Shift+ArrowRight')
+  const said = Number((await page.textContent('#chart .reading .code')).match(/line (\d+)/)[1])
+  assert.ok(await page.isVisible('#path .here'), 'the chart moves the spot on the path')
+  await page.keyboard.press('Enter')
+  await rested(page)
+  assert.equal(await selectedLine(page), said, 'Enter in the chart selects the line')
+})
+
+pageTest('the view turns, moves and zooms by pointer and keys, and comes back', async ({ page }) => {
+  await opened(page)
+  const center = (pixels) => [pixels.reduce((sum, { x }) => sum + x, 0) / pixels.length, pixels.reduce((sum, { y }) => sum + y, 0) / pixels.length]
+  const whole = center(await drawn(page))
+  const box = await page.locator('#path .space').boundingBox()
+  await page.mouse.move(box.x + 200, box.y + 200)
+  await page.mouse.down()
+  await page.mouse.move(box.x + 240, box.y + 230, { steps: 4 })
+  await page.mouse.up()
+  await rested(page)
+  const moved = center(await drawn(page))
+  assert.ok(Math.abs(moved[0] - whole[0] - 40) < 3 && Math.abs(moved[1] - whole[1] - 30) < 3, `${whole} to ${moved}`)
+  const scale = () => page.$eval('#path .scale', (bar) => parseFloat(bar.textContent) / bar.clientWidth)
+  const before = await scale()
+  await page.mouse.wheel(0, -600)
+  await rested(page)
+  assert.ok((await scale()) < 0.7 * before, 'the wheel zooms in')
+  await page.focus('#path .space')
+  await page.keyboard.press('Home')
+  await rested(page)
+  const back = center(await drawn(page))
+  assert.ok(Math.hypot(back[0] - whole[0], back[1] - whole[1]) < 0.5, 'Home shows the whole again')
+  const axes = () => page.$$eval('#path .axes span', (all) => all.map(({ textContent }) => textContent).join(''))
+  assert.equal(await axes(), 'XY')
+  await page.click('#path [data-look="front"]')
+  await rested(page)
+  assert.equal(await axes(), 'XZ')
+  await page.click('#path [data-look="turned"]')
+  await rested(page)
+  assert.equal(await axes(), 'XYZ')
+  const first = center(await drawn(page))
+  await page.focus('#path .space')
+  for (let i = 0; i < 4; i += 1) await page.keyboard.press('ArrowRight')
+  await rested(page)
+  assert.notDeepEqual(center(await drawn(page)), first)
+})
+
+pageTest('with a recording the path shows where time was lost', async ({ page }) => {
+  assert.equal(await page.locator('#path .by option').count(), 2)
+  await page.click('#welcome .concealed')
+  await page.waitForSelector('#recording .sentence:not(.refused)', { timeout: 120_000 })
+  await computed(page)
+  await page.locator('#path .space').evaluate((space) => space.scrollIntoView({ block: 'center' }))
+  await page.selectOption('#path .by', 'lost')
+  await rested(page)
+  const ends = (await page.textContent('#path .legend')).match(/:-([\d.]+) s\/m([\d.]+) s\/m/)
+  assert.ok(ends && 0 < Number(ends[1]) && ends[1] === ends[2], 'the scale has as much to lose as to gain')
+  const shades = await legend(page)
+  const found = await colors(page)
+  assert.ok(shades.slice(8).some((shade) => found.has(shade)), 'time was lost somewhere')
+  await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-lost.png') })
+})
+
+pageTest('hundreds of thousands of blocks stay fluid', async ({ page }) => {
+  const blocks = 300_000
+  const lines = ['G21 G90 G94', 'G0 X0 Y0 Z5', 'F3000']
+  for (let i = 0; i < blocks; i += 1) {
+    const [row, column] = [Math.floor(i / 1000), i % 1000]
+    const x = 0.2 * (row % 2 ? 999 - column : column)
+    lines.push(`G1 X${x.toFixed(2)} Y${(row * 0.5).toFixed(2)} Z${(8 * Math.sin(x / 20) * Math.cos(row / 25)).toFixed(3)}`)
+  }
+  await page.setInputFiles('#files', { name: 'surface.nc', mimeType: 'text/plain', buffer: Buffer.from(lines.join('\n')) })
+  await page.waitForSelector('#path .places tbody tr', { timeout: 170_000, state: 'attached' }).catch(() => {})
+  await page.locator('#path').scrollIntoViewIfNeeded()
+  await page.waitForSelector('#path .places tbody tr', { timeout: 100_000 })
+  await page.waitForSelector('#progress', { state: 'hidden', timeout: 150_000 })
+  await page.click('#path [data-look="turned"]')
+  await rested(page)
+  const rows = await page.locator('#path [role="option"]').count()
+  assert.ok(rows < 100, `${rows} lines of ${blocks} are in the page`)
+  await page.focus('#path .listing')
+  await page.keyboard.press('End')
+  await frame(page)
+  assert.equal(await selectedLine(page), blocks + 3)
+
+  await page.evaluate(() => {
+    window.long = []
+    new PerformanceObserver((list) => window.long.push(...list.getEntries().map(({ duration }) => duration))).observe({ type: 'longtask' })
+  })
+  const box = await page.locator('#path .space').boundingBox()
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2)
+  await page.mouse.down()
+  for (let i = 1; i <= 30; i += 1) {
+    await page.mouse.move(box.x + box.width / 2 + 4 * i, box.y + box.height / 2 + 2 * i)
+    await frame(page)
+  }
+  await page.mouse.up()
+  for (let i = 0; i < 20; i += 1) {
+    await page.mouse.wheel(0, -60)
+    await frame(page)
+  }
+  await rested(page)
+  const long = await page.evaluate(() => window.long)
+  console.log(`tasks above 50 ms while turning and zooming: ${long.map(Math.round)}`)
+  await shot(page, 'path-surface')
+  // Of 50 frames; a machine that is shared has some of its own.
+  assert.ok(long.length <= 25, `${long.length} tasks above 50 ms: ${long.map(Math.round)}`)
+})

@@ -1,0 +1,129 @@
+// The text of a program, line by line, of which only what is in sight is in the page.
+
+import { make } from './dom.js'
+
+const ROW = 18
+/** Browsers cut off elements that are much higher; longer programs scroll faster than they are read. */
+const HIGHEST = 8_000_000
+const MARGIN = 6
+
+/**
+ * @param {HTMLElement} root
+ * @param {object} hear
+ * @param {(line: number) => void} hear.chosen  a line was clicked on
+ * @param {(line: number | null) => void} hear.pointed  the pointer is on a line, or on none
+ */
+export function mountListing(root, { chosen, pointed }) {
+  const whole = make('div', { className: 'whole' })
+  whole.setAttribute('role', 'presentation')
+  root.append(whole)
+  /** @type {string[]} */
+  let lines = []
+  let selected = 0
+  let hovered = 0
+  let frame = 0
+
+  const height = () => Math.min(lines.length * ROW, HIGHEST)
+  /** How many pixels of all lines a pixel of the scroll bar stands for. */
+  const stretch = () => {
+    const room = height() - root.clientHeight
+    return room > 0 ? (lines.length * ROW - root.clientHeight) / room : 1
+  }
+
+  function redraw() {
+    frame ||= requestAnimationFrame(() => {
+      frame = 0
+      const top = root.scrollTop * stretch()
+      const first = Math.max(Math.floor(top / ROW) - MARGIN, 0)
+      const last = Math.min(Math.ceil((top + root.clientHeight) / ROW) + MARGIN, lines.length)
+      const rows = []
+      for (let index = first; index < last; index += 1) rows.push(row(index + 1, root.scrollTop + index * ROW - top))
+      whole.replaceChildren(...rows)
+      if (first < selected && selected <= last) root.setAttribute('aria-activedescendant', `program-line-${selected}`)
+      else root.removeAttribute('aria-activedescendant')
+    })
+  }
+
+  /** @param {number} line @param {number} top */
+  function row(line, top) {
+    const number = make('span', { className: 'number' }, String(line))
+    const element = make('div', { id: `program-line-${line}`, className: line === hovered ? 'pointed' : '' }, number, lines[line - 1])
+    element.setAttribute('role', 'option')
+    element.setAttribute('aria-selected', String(line === selected))
+    element.setAttribute('aria-setsize', String(lines.length))
+    element.setAttribute('aria-posinset', String(line))
+    element.dataset.line = String(line)
+    element.style.top = `${top}px`
+    return element
+  }
+
+  /** @param {Event} event */
+  const lineAt = ({ target }) => Number(/** @type {HTMLElement} */ (target).closest('[data-line]')?.getAttribute('data-line')) || null
+
+  root.addEventListener('scroll', redraw, { passive: true })
+  root.addEventListener('click', (event) => {
+    const line = lineAt(event)
+    if (line) select(line)
+  })
+  root.addEventListener('pointermove', (event) => {
+    const line = lineAt(event)
+    if (line === hovered) return
+    point(line ?? 0)
+    pointed(line)
+  })
+  root.addEventListener('pointerleave', () => {
+    point(0)
+    pointed(null)
+  })
+  root.addEventListener('keydown', (event) => {
+    const page = Math.max(Math.floor(root.clientHeight / ROW) - 1, 1)
+    /** @type {Record<string, number>} */
+    const to = { ArrowUp: selected - 1, ArrowDown: selected + 1, PageUp: selected - page, PageDown: selected + page, Home: 1, End: lines.length }
+    if (!(event.key in to) || lines.length === 0 || event.ctrlKey || event.metaKey || event.altKey) return
+    event.preventDefault()
+    select(Math.min(Math.max(to[event.key], 1), lines.length))
+    show(selected)
+  })
+  new ResizeObserver(redraw).observe(root)
+
+  /** @param {number} line */
+  function select(line) {
+    selected = line
+    redraw()
+    chosen(line)
+  }
+
+  /** Scrolls to a line, if it is not in sight. @param {number} line */
+  function show(line) {
+    const top = root.scrollTop * stretch()
+    const at = (line - 1) * ROW
+    if (at < top || top + root.clientHeight < at + ROW) root.scrollTop = Math.max(at - root.clientHeight / 2, 0) / stretch()
+    redraw()
+  }
+
+  /** @param {number} line */
+  function point(line) {
+    if (line === hovered) return
+    whole.querySelector('.pointed')?.classList.remove('pointed')
+    hovered = line
+    if (line > 0) whole.querySelector(`[data-line="${line}"]`)?.classList.add('pointed')
+  }
+
+  return {
+    /** Shows the lines of a program. @param {string[]} now */
+    fill(now) {
+      lines = now
+      selected = 0
+      hovered = 0
+      root.scrollTop = 0
+      whole.style.height = `${height()}px`
+      redraw()
+    },
+    /** Selects a line and brings it in sight. @param {number} line */
+    choose(line) {
+      selected = line
+      show(line)
+    },
+    point,
+  }
+}
