@@ -3,10 +3,14 @@
 //! The breakdown is of the whole program, of each operation and of each tool; see [`Breakdown`].
 
 mod breakdown;
+mod offer;
 mod shares;
+mod terms;
 
 pub use breakdown::{Breakdown, Functions, breakdown};
+pub use offer::{Addend, Item, Offer, Uncertainty, offer};
 pub use shares::{OperationShare, Share, ToolShare, programmed_time};
+pub use terms::{LARGEST_MARGIN_OF_PRICE, MarginOf, QUANTITY, Rounding, TERMS, Term, TermAccess, Terms};
 
 use crate::machine::Machine;
 use crate::simulation::contour::{ContourErrors, Region, regions_beyond};
