@@ -13,6 +13,7 @@ mod chart;
 mod cutting;
 mod diagnosed;
 mod job;
+mod offered;
 mod quoted;
 mod recorded;
 
@@ -46,6 +47,12 @@ pub fn dialects() -> String {
 #[wasm_bindgen]
 pub fn faults(machine: &str) -> String {
     faults_to_json(&machine_from_form(machine).err().unwrap_or_default())
+}
+
+/// A filled machine form after an edit of one field, all as JSON; none where that is no JSON.
+#[wasm_bindgen]
+pub fn edited(machine: &str, key: &str, value: &str) -> Option<String> {
+    project::edited(machine, key, value)
 }
 
 /// The machine of a filled form as a machine file; none where the form has faults.

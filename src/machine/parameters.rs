@@ -184,12 +184,7 @@ const GENERAL: [Parameter; 29] = [
         key: "calibration.cycle_time_error_percent",
         label: "Error of the cycle time",
         doc: "How far off the cycle time was where these numbers were calibrated; a quote takes it for its uncertainty. Empty: nobody knows. An edit of anything that moves the machine empties it.",
-        access: number(
-            Unit::Percent,
-            (0.0, 100.0),
-            |m| m.cycle_time_error,
-            |m, v| m.cycle_time_error = v,
-        ),
+        access: number(Unit::Percent, (0.0, 100.0), |m| m.cycle_time_error, |m, v| m.cycle_time_error = v),
     },
     Parameter {
         key: "interpolator.filters",

@@ -29,12 +29,12 @@ pub fn presets() -> Vec<Preset> {
         machine.times.tool_change = tool_change;
         machine
     };
-    let mut measured =
-        with("5-axis machining centre (DMG Mori eVo 40, TNC 640)", 0.0255, 0.010, 500.0, 4.0);
+    let mut measured = with("5-axis machining centre (DMG Mori eVo 40, TNC 640)", 0.0255, 0.010, 500.0, 4.0);
     measured.cycle_time_error = Some(LARGEST_MISS_OF_PAPER);
-    measured.provenance = "the eight pockets that Ward et al. 2021 measured (docs/paper.md, Table 1), whose paths had \
+    measured.provenance =
+        "the eight pockets that Ward et al. 2021 measured (docs/paper.md, Table 1), whose paths had \
                            to be reconstructed: the largest miss"
-        .to_string();
+            .to_string();
     let typical = "Typical values, not of a particular machine.";
     vec![
         Preset {

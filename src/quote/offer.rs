@@ -162,10 +162,10 @@ pub fn offer(cycle: &Breakdown, of_cycle: f64, machine: &Machine, terms: &Terms)
     let times = kinds.map(|(_, time)| time);
     let whole: f64 = times.iter().sum();
     let by_kind = apportioned(steps(whole * machine_rate), &times);
-    let run = kinds.into_iter().zip(&by_kind).map(|((item, time), &steps)| Addend {
-        steps,
-        ..timed(item, false, time, machine_rate)
-    });
+    let run = kinds
+        .into_iter()
+        .zip(&by_kind)
+        .map(|((item, time), &steps)| Addend { steps, ..timed(item, false, time, machine_rate) });
     let attendance = timed(Item::Attendance, false, whole * terms.attendance, terms.operator);
 
     let mut addends = vec![
@@ -219,7 +219,8 @@ fn apportioned(whole: i128, weights: &[f64]) -> Vec<i128> {
     let last = weights.iter().rposition(|weight| 0.0 < *weight);
     let part = |(index, weight): (usize, &f64)| {
         running += weight;
-        let up_to = if last == Some(index) { whole } else { (whole as f64 * (running / all)).round() as i128 };
+        let up_to =
+            if last == Some(index) { whole } else { (whole as f64 * (running / all)).round() as i128 };
         let up_to = if 0.0 < *weight { up_to.min(whole) } else { given };
         let part = up_to - given;
         given = up_to;

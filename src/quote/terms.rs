@@ -197,7 +197,11 @@ pub static TERMS: [Term; 15] = [
         key: "reference",
         label: "Reference",
         doc: "What the quote is about, as it stands on it: part, customer, number.",
-        access: TermAccess::Text { most: 200, get: |t| &t.reference, set: |t, v| t.reference = v.to_string() },
+        access: TermAccess::Text {
+            most: 200,
+            get: |t| &t.reference,
+            set: |t, v| t.reference = v.to_string(),
+        },
     },
     Term {
         key: "quantity",
@@ -228,7 +232,12 @@ pub static TERMS: [Term; 15] = [
         key: "loading_s",
         label: "Load and unload",
         doc: "Machine and operator, for each part; the machine stands meanwhile.",
-        access: number(Unit::Second, (0.0, 36_000.0), |t| Some(t.loading), |t, v| t.loading = v.unwrap_or(0.0)),
+        access: number(
+            Unit::Second,
+            (0.0, 36_000.0),
+            |t| Some(t.loading),
+            |t, v| t.loading = v.unwrap_or(0.0),
+        ),
     },
     Term {
         key: "operator_hourly",
@@ -240,7 +249,12 @@ pub static TERMS: [Term; 15] = [
         key: "attendance_percent",
         label: "Operator attends",
         doc: "Part of the cycle for which the operator is paid; set-up and loading are attended in full.",
-        access: number(Unit::Percent, (0.0, 100.0), |t| Some(t.attendance), |t, v| t.attendance = v.unwrap_or(1.0)),
+        access: number(
+            Unit::Percent,
+            (0.0, 100.0),
+            |t| Some(t.attendance),
+            |t, v| t.attendance = v.unwrap_or(1.0),
+        ),
     },
     Term {
         key: "material",
