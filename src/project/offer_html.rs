@@ -120,9 +120,11 @@ fn table(title: &str, head: &[&str], rows: &[Vec<String>], sum: Option<&[String]
     if rows.is_empty() {
         return String::new();
     }
+    // A second column without a head says what the first is made of.
+    let is_basis = head.get(1) == Some(&"");
     let cells = |row: &[String]| -> String {
         let cell = |(index, cell): (usize, &String)| {
-            let class = if index == 1 { " class=\"basis\"" } else { "" };
+            let class = if index == 1 && is_basis { " class=\"basis\"" } else { "" };
             format!("<td{class}>{}</td>", escaped(cell))
         };
         row.iter().enumerate().map(cell).collect()
