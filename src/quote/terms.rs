@@ -241,8 +241,8 @@ pub static TERMS: [Term; 15] = [
     },
     Term {
         key: "operator_hourly",
-        label: "Operator's rate",
-        doc: "Price of an hour of the operator; 0 where the machine's rate has him in it.",
+        label: "Operator’s rate",
+        doc: "Price of an hour of the operator; 0 where the machine’s rate includes it.",
         access: number(Unit::PerHour, (0.0, 1e6), |t| Some(t.operator), |t, v| t.operator = v.unwrap_or(0.0)),
     },
     Term {
@@ -293,7 +293,7 @@ pub static TERMS: [Term; 15] = [
     Term {
         key: "currency",
         label: "Currency",
-        doc: "What all amounts are in, the machine's hourly rate too; nothing is converted.",
+        doc: "What all amounts are in, the machine’s hourly rate too; nothing is converted.",
         access: TermAccess::Text { most: 12, get: |t| &t.currency, set: |t, v| t.currency = v.to_string() },
     },
     Term {

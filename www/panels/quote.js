@@ -173,16 +173,16 @@ function priced(offer) {
   const ends = uncertainty.cycle_time_s
   const time = `${clock(offer.cycle_time_s)} (${seconds(offer.cycle_time_s)}) a part${ends ? `, ${range(ends, seconds)}` : ''}. `
   const rows = offer.addends.map(({ item, basis, once, amount: value, of_batch: whole }) =>
-    row(item, [basis, once ? money(value) : '', once ? '' : money(value), money(whole)]),
+    row(item, [once ? money(value) : '', once ? '' : money(value), money(whole)], basis),
   )
-  rows.push(sum('Total', ['', money(offer.once), money(offer.part), money(batch.total)]))
+  rows.push(sum('Total', [money(offer.once), money(offer.part), money(batch.total)]))
   const breaks = offer.breaks.map((other) =>
     row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range, money)]),
   )
-  const cost = ['', seconds(offer.cycle_time_s), money(offer.cycle_cost)]
+  const cost = [seconds(offer.cycle_time_s), money(offer.cycle_cost)]
   const shares = (/** @type {OfferShare[]} */ all) => [
     ...all.map(({ name, line, time_s: own, amount: value }) =>
-      row(name || 'Before the first tool', [line === null ? '' : `line ${line}`, seconds(own), money(value)]),
+      row(name || 'Before the first tool', [seconds(own), money(value)], line === null ? '' : `line ${line}`),
     ),
     sum('Together', cost),
   ]
@@ -190,24 +190,25 @@ function priced(offer) {
     'details',
     {},
     make('summary', {}, 'By operation and by tool'),
-    table('Cycle by operation, before the margin', ['', '', 'Time', 'Cost'], shares(offer.operations)),
-    table('Cycle by tool, before the margin', ['', '', 'Time', 'Cost'], shares(offer.tools)),
+    table('Cycle by operation, before the margin', ['', 'Time', 'Cost'], shares(offer.operations)),
+    table('Cycle by tool, before the margin', ['', 'Time', 'Cost'], shares(offer.tools)),
   )
   const title = offer.reference || offer.program
   return [
     make('p', { className: 'on-paper' }, make('b', {}, title), ` Program ${offer.program} on ${offer.machine}, contour tolerance ${offer.tolerance}.`),
     headline,
     make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, `Cycle time ${time}`), uncertainty.sentence),
-    table('What the price is made of', ['', '', 'Once', 'A part', `${parts}${currency ? `, ${currency}` : ''}`], rows),
+    table('What the price is made of', ['', 'Once', 'A part', `${parts}${currency ? `, ${currency}` : ''}`], rows),
     table('Price by quantity', ['Quantity', 'A part', 'Total', 'If the cycle time is off'], breaks),
     byPart,
     ...offer.notes.map((note) => make('p', { className: 'help' }, note)),
   ]
 }
 
-/** @param {string} title @param {string[]} cells */
-function row(title, cells) {
-  return make('tr', {}, make('th', { scope: 'row' }, title), ...cells.map((cell) => make('td', {}, cell)))
+/** @param {string} title @param {string[]} cells @param {string} [basis]  what the title is made of */
+function row(title, cells, basis = '') {
+  const below = basis ? [' ', make('span', { className: 'basis' }, basis)] : []
+  return make('tr', {}, make('th', { scope: 'row' }, title, ...below), ...cells.map((cell) => make('td', {}, cell)))
 }
 
 /** @param {string} title @param {string[]} cells */
