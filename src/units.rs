@@ -27,6 +27,12 @@ pub const SECONDS_PER_MINUTE: f64 = 60.0;
 /// Minutes in an hour.
 pub const MINUTES_PER_HOUR: f64 = 60.0;
 
+/// Seconds in an hour.
+pub const SECONDS_PER_HOUR: f64 = MINUTES_PER_HOUR * SECONDS_PER_MINUTE;
+
+/// Hundredths in a whole.
+pub const PERCENT: f64 = 100.0;
+
 /// Micrometres in a millimetre.
 const MICROMETRES_PER_MM: f64 = 1000.0;
 
@@ -93,6 +99,12 @@ pub enum Unit {
     Hertz,
     /// Second for each 1000 revolutions per minute.
     SecondPerThousandRpm,
+    /// Minute.
+    Minute,
+    /// Hundredth.
+    Percent,
+    /// Per hour, as rates of money.
+    PerHour,
 }
 
 impl Unit {
@@ -103,6 +115,9 @@ impl Unit {
             Unit::Degree => value.to_radians(),
             Unit::DegreePerMinute => value.to_radians() / SECONDS_PER_MINUTE,
             Unit::SecondPerThousandRpm => value / 1000.0,
+            Unit::Minute => value * SECONDS_PER_MINUTE,
+            Unit::Percent => value / PERCENT,
+            Unit::PerHour => value / SECONDS_PER_HOUR,
             _ => value,
         }
     }
@@ -114,6 +129,9 @@ impl Unit {
             Unit::Degree => value.to_degrees(),
             Unit::DegreePerMinute => (value * SECONDS_PER_MINUTE).to_degrees(),
             Unit::SecondPerThousandRpm => value * 1000.0,
+            Unit::Minute => value / SECONDS_PER_MINUTE,
+            Unit::Percent => value * PERCENT,
+            Unit::PerHour => value * SECONDS_PER_HOUR,
             _ => value,
         }
     }
@@ -131,6 +149,9 @@ impl Unit {
             Unit::DegreePerMinute => "°/min",
             Unit::Hertz => "Hz",
             Unit::SecondPerThousandRpm => "s per 1000 rpm",
+            Unit::Minute => "min",
+            Unit::Percent => "%",
+            Unit::PerHour => "per h",
         }
     }
 }

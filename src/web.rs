@@ -14,6 +14,7 @@ mod cutting;
 mod diagnosed;
 mod job;
 mod path;
+mod offered;
 mod quoted;
 mod recorded;
 
@@ -47,6 +48,12 @@ pub fn dialects() -> String {
 #[wasm_bindgen]
 pub fn faults(machine: &str) -> String {
     faults_to_json(&machine_from_form(machine).err().unwrap_or_default())
+}
+
+/// A filled machine form after an edit of one field, all as JSON; none where that is no JSON.
+#[wasm_bindgen]
+pub fn edited(machine: &str, key: &str, value: &str) -> Option<String> {
+    project::edited(machine, key, value)
 }
 
 /// The machine of a filled form as a machine file; none where the form has faults.

@@ -40,6 +40,9 @@ export function percent(ratio) {
 /** An amount of money, in whatever currency the rate is. @param {number} value */
 export const money = (value) => two.format(value)
 
+/** An amount with so many decimals. @param {number} value @param {number} count */
+export const amount = (value, count) => decimals(count).format(value)
+
 /** A feedrate in mm/min. @param {number} value */
 export const feedrate = (value) => `${none.format(value)} mm/min`
 

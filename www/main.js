@@ -2,10 +2,15 @@
 
 import init, {
   dialects,
+  edited,
   faults,
   form as formOfModule,
   mostCurves,
   motionOf,
+  settingsFromText,
+  settingsText,
+  termFaults,
+  termsForm,
   toleranceLabel,
   usualTolerances,
   valuesOfFile,
@@ -13,6 +18,7 @@ import init, {
 import { columnLabel, columnsOf } from './columns.js'
 import { confinedWorker } from './confined.js'
 import { Ended, Engine } from './engine.js'
+import { freeName, keptMachine, loadMachines, saveMachines } from './machines.js'
 import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
 import * as cuttingPanel from './panels/cutting.js'
@@ -23,11 +29,13 @@ import * as programPanel from './panels/program.js'
 import * as calibrationPanel from './panels/calibration.js'
 import * as diagnosisPanel from './panels/diagnosis.js'
 import * as progressPanel from './panels/progress.js'
+import * as quotePanel from './panels/quote.js'
 import * as recordingPanel from './panels/recording.js'
 import * as resultsPanel from './panels/results.js'
+import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { pairs, recordingOf, usable } from './recordings.js'
-import { loadSettings, saveSettings } from './settings.js'
+import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
 
 /** @import { Column, Form, MachineForm, Outcome, Place, Program, Recording, State, Value, Values } from "./types.js" */
 
@@ -52,12 +60,12 @@ const engine = new Engine(module, confinedWorker)
 
 /** @type {Form} */
 const form = JSON.parse(formOfModule())
+form.presets.push(...loadMachines())
+/** @type {import("./types.js").Parameter[]} */
+const termFields = JSON.parse(termsForm())
 const settings = loadSettings()
 
-const knownPreset = Math.max(
-  form.presets.findIndex(({ name }) => name === settings.preset),
-  0,
-)
+const knownPreset = startNamed(settings.preset)
 
 /** @type {State} */
 const state = {
@@ -66,6 +74,8 @@ const state = {
   programmed: settings.programmed ?? true,
   tolerances: settings.tolerances ?? [...usualTolerances()],
   machine: filled(knownPreset, { ...(settings.values ?? form.presets[knownPreset].values) }),
+  terms: filledTerms(settings.terms ?? {}),
+  beforeSettings: loadBefore(),
   recordings: [],
   recording: null,
   calibration: null,
@@ -230,7 +240,66 @@ export const actions = {
   },
   /** @param {string} key @param {Value} value */
   setParameter(key, value) {
-    actions.setMachine(state.machine.preset, { ...state.machine.values, [key]: value })
+    const values = edited(JSON.stringify(state.machine.values), key, JSON.stringify(value))
+    if (values) actions.setMachine(state.machine.preset, JSON.parse(values))
+  },
+  /** Terms change no motion. @param {string} key @param {Value} value */
+  setTerm(key, value) {
+    state.terms = filledTerms({ ...state.terms.values, [key]: value })
+    remember()
+    update()
+  },
+  /** Keeps the machine of the form; the function returned takes that back. */
+  keepMachine() {
+    const { preset, values } = state.machine
+    const start = form.presets[preset]
+    if (!start.kept) return adopt({ ...values, name: freeName(String(values.name), form.presets) })
+    const others = form.presets.filter((other) => other !== start)
+    return replaceKept(preset, keptMachine({ ...values, name: freeName(String(values.name), others) }))
+  },
+  /** Keeps a copy of the machine of the form under another name. */
+  duplicateMachine() {
+    const { values } = state.machine
+    return adopt({ ...values, name: freeName(String(values.name), form.presets) })
+  },
+  /** Keeps the machine of a file; throws what is wrong with it. @param {string} text */
+  importMachine(text) {
+    const values = /** @type {Values} */ (JSON.parse(valuesOfFile(text)))
+    return adopt({ ...values, name: freeName(String(values.name), form.presets) })
+  },
+  /** Takes a kept machine out; the function returned puts it back. */
+  removeMachine() {
+    const { preset } = state.machine
+    const undo = replaceKept(preset, { ...form.presets[preset], removed: true })
+    actions.choosePreset(0)
+    return undo
+  },
+  /** The settings as text. */
+  settings() {
+    const { machine, tolerances, programmed, terms } = state
+    const preset = form.presets[machine.preset].name
+    const full = { truefeed: 1, preset, machine: machine.values, tolerances_mm: tolerances, programmed, terms: terms.values }
+    return settingsText(JSON.stringify(full))
+  },
+  /** Takes the settings of a text; throws why they are none. @param {string} text */
+  takeSettings(text) {
+    const { preset, machine, tolerances_mm: tolerances, programmed, terms } = JSON.parse(settingsFromText(text))
+    // Of several in a row, the user's own are those from before the first.
+    state.beforeSettings ??= { ...now(), programmed: state.programmed, terms: state.terms.values, start: form.presets[state.machine.preset].name }
+    saveBefore(state.beforeSettings)
+    putBack({ preset: startNamed(preset), values: machine, tolerances, programmed, terms })
+  },
+  /** Takes the settings back that were there before. */
+  undoSettings() {
+    const before = state.beforeSettings
+    actions.forgetSettings()
+    if (before) putBack({ ...before, preset: startNamed(before.start) })
+  },
+  /** Stays with the settings from elsewhere. */
+  forgetSettings() {
+    state.beforeSettings = null
+    saveBefore(null)
+    update()
   },
   /** @param {Pick<Place, 'distance_mm'>} place */
   show(place) {
@@ -273,8 +342,10 @@ export const actions = {
 const now = () => ({ preset: state.machine.preset, values: state.machine.values, tolerances: state.tolerances })
 
 /** Puts back what was in the form. @param {import("./types.js").Before} before */
-function putBack({ preset, values, tolerances }) {
+function putBack({ preset, values, tolerances, programmed, terms }) {
   state.tolerances = tolerances
+  state.programmed = programmed ?? state.programmed
+  if (terms) state.terms = filledTerms(terms)
   actions.setMachine(preset, values)
 }
 
@@ -297,19 +368,64 @@ function filled(preset, values) {
   return { preset, values, faults: JSON.parse(faults(json)), motion: motionOf(json) }
 }
 
+/** Which machine to begin with has this name, or else the first. @param {string | undefined} name */
+function startNamed(name) {
+  return Math.max(form.presets.findIndex((preset) => preset.name === name && !preset.removed), 0)
+}
+
+/** The terms of the quote with what Rust says about them. @param {Values} given @returns {State["terms"]} */
+function filledTerms(given) {
+  const values = Object.fromEntries(termFields.map(({ key, neutral }) => [key, key in given ? given[key] : neutral]))
+  return { values, faults: JSON.parse(termFaults(JSON.stringify(values))) }
+}
+
+/** Keeps a machine and chooses it; the function returned takes that back. @param {Values} values */
+function adopt(values) {
+  const before = now()
+  const index = form.presets.push(keptMachine(values)) - 1
+  saveMachines(form.presets)
+  actions.choosePreset(index)
+  return () => {
+    form.presets[index].removed = true
+    saveMachines(form.presets)
+    putBack(before)
+  }
+}
+
+/** Puts another machine in the place of a kept one; the function returned takes that back. @param {number} index @param {import("./types.js").Preset} preset */
+function replaceKept(index, preset) {
+  const [before, former] = [now(), form.presets[index]]
+  const put = (/** @type {import("./types.js").Preset} */ one) => {
+    form.presets[index] = one
+    saveMachines(form.presets)
+  }
+  put(preset)
+  if (!preset.removed) actions.choosePreset(index)
+  return () => {
+    put(former)
+    putBack(before)
+  }
+}
+
 /** Something that results depend on has changed: shows it at once, and computes when it has settled. */
 function changed() {
   state.paused = false
   failure.hidden = true
+  remember()
+  update()
+  clearTimeout(timer)
+  timer = window.setTimeout(work, DEBOUNCE_MS)
+}
+
+/** Keeps the settings for the next visit. */
+function remember() {
   saveSettings({
     programmed: state.programmed,
     tolerances: state.tolerances,
     preset: form.presets[state.machine.preset].name,
     values: state.machine.values,
+    terms: state.terms.values,
   })
-  update()
-  clearTimeout(timer)
-  timer = window.setTimeout(work, DEBOUNCE_MS)
 }
 
 /** The columns a program still lacks on the machine as it is now. @param {Program} program @returns {Column[]} */
@@ -481,6 +597,7 @@ function take(calibration) {
 const progress = progressPanel.mount(element('progress'), actions)
 const chart = chartPanel.mount(element('chart'))
 const path = pathPanel.mount(element('path'), actions)
+const exchange = settingsPanel.mount(element('settings'), element('notice'), actions)
 const recordings = recordingPanel.mount(element('recording'), actions)
 const panels = [
   progress,
@@ -494,6 +611,8 @@ const panels = [
   calibrationPanel.mount(element('calibration'), actions),
   diagnosisPanel.mount(element('diagnosis'), new Engine(module), actions),
   breakdownPanel.mount(element('breakdown'), actions),
+  quotePanel.mount(element('quote'), form, actions),
+  exchange,
   cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker)),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
@@ -505,4 +624,5 @@ function update() {
 }
 
 update()
+exchange.fromAddress()
 document.documentElement.dataset.ready = 'true'

@@ -2,6 +2,7 @@
 // the page have one cursor and one stretch of the path in sight.
 
 import { find, make } from './dom.js'
+import { offerPictures } from './pictures.js'
 
 /** @import { Place } from "./types.js" */
 /** @import { Chart, Pointer } from "./pkg/truefeed.js" */
@@ -75,6 +76,9 @@ export function mountPlot(root, chart, { isShown, words, chosen }) {
   const rapids = find(root, '.rapids')
   const rapidsBox = /** @type {HTMLInputElement} */ (find(rapids, 'input'))
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
+
+  const title = plot.getAttribute('aria-label') ?? 'the chart'
+  offerPictures(find(root, '.tools'), root.id || 'chart', title, () => chart.svgInSight(canvas.clientWidth, canvas.clientHeight))
 
   let frame = 0
   let readAt = NaN

@@ -12,7 +12,12 @@ export function saveMachine(values) {
 
 /** @param {string} text @param {string} type @param {string} name */
 export function saveFile(text, type, name) {
-  const link = make('a', { href: URL.createObjectURL(new Blob([text], { type })), download: name })
+  saveBlob(new Blob([text], { type }), name)
+}
+
+/** @param {Blob} blob @param {string} name */
+export function saveBlob(blob, name) {
+  const link = make('a', { href: URL.createObjectURL(blob), download: name })
   link.click()
   URL.revokeObjectURL(link.href)
 }

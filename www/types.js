@@ -130,9 +130,11 @@
  * @property {number | null} max
  * @property {boolean} whole
  * @property {string[]} words
+ * @property {string} group
+ * @property {Value} neutral
  */
 
-/** @typedef {{name: string, source: string, values: Values}} Preset */
+/** A machine to begin with; `kept` in this browser, `removed` from it. @typedef {{name: string, source: string, caveat: string, values: Values, kept?: boolean, removed?: boolean}} Preset */
 /** @typedef {{fields: Parameter[], presets: Preset[]}} Form */
 
 /**
@@ -240,7 +242,32 @@
  * @property {string | null} failure  why the last comparison of it ended
  */
 
-/** What was in the form before a calibration. @typedef {{preset: number, values: Values, tolerances: number[]}} Before */
+/** What was in the form before a calibration, or with `programmed` and `terms` before settings from elsewhere. @typedef {{preset: number, values: Values, tolerances: number[], programmed?: boolean, terms?: Values, start?: string}} Before */
+
+/** @typedef {{quantity: number, unit_price: number, total: number, unit_price_range: [number, number] | null, total_range: [number, number] | null}} OfferBatch */
+/** @typedef {{line: number | null, tool: number | null, name: string, time_s: number, amount: number}} OfferShare */
+
+/**
+ * The price of a batch and all it is made of; texts come from Rust.
+ * @typedef {object} Offer
+ * @property {string} reference
+ * @property {string} program
+ * @property {string} machine
+ * @property {string} tolerance
+ * @property {string} currency
+ * @property {number} decimals
+ * @property {number} cycle_time_s
+ * @property {{kind: string, ratio: number | null, cycle_time_s: [number, number] | null, sentence: string}} uncertainty
+ * @property {{item: string, basis: string, once: boolean, amount: number, of_batch: number}[]} addends
+ * @property {number} once
+ * @property {number} part
+ * @property {OfferBatch} batch
+ * @property {OfferBatch[]} breaks
+ * @property {OfferShare[]} operations
+ * @property {OfferShare[]} tools
+ * @property {number} cycle_cost
+ * @property {string[]} notes
+ */
 /** @typedef {{report: CalibrationReport, before: Before}} Calibration */
 
 /** @typedef {{program: number | null, stage: string, part: number}} Progress */
@@ -252,6 +279,8 @@
  * @property {boolean} programmed  the program's own tolerances are shown, where it sets any
  * @property {number[]} tolerances  mm, ascending
  * @property {MachineForm} machine
+ * @property {{values: Values, faults: Fault[]}} terms  of the quote
+ * @property {Before | null} beforeSettings  what settings from a link or file took the place of
  * @property {Recording[]} recordings
  * @property {number | null} recording  the one in sight
  * @property {Calibration | null} calibration

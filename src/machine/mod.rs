@@ -36,6 +36,8 @@ pub struct Machine {
     pub name: String,
     /// Where the numbers come from; may be empty.
     pub provenance: String,
+    /// How far off the cycle time was where these numbers were calibrated, as a part of it; none where nobody knows.
+    pub cycle_time_error: Option<f64>,
     /// How feed pulses become motion.
     pub interpolator: Interpolator,
     /// What is particular to rapid moves.
@@ -293,6 +295,7 @@ impl Default for Machine {
         Machine {
             name: "Machining centre".to_string(),
             provenance: String::new(),
+            cycle_time_error: None,
             interpolator: Interpolator {
                 filters: 3,
                 time_constants: TimeConstants::Equal(0.0255),

@@ -167,7 +167,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 28] = [
+const GENERAL: [Parameter; 29] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -179,6 +179,12 @@ const GENERAL: [Parameter; 28] = [
         label: "Provenance",
         doc: "Where the numbers come from: which runs, and how far off they are.",
         access: Access::Text { get: |m| &m.provenance, set: |m, v| m.provenance = v.to_string() },
+    },
+    Parameter {
+        key: "calibration.cycle_time_error_percent",
+        label: "Error of the cycle time",
+        doc: "How far off the cycle time was where these numbers were calibrated; a quote takes it for its uncertainty. Empty: nobody knows. An edit of anything that moves the machine empties it.",
+        access: number(Unit::Percent, (0.0, 100.0), |m| m.cycle_time_error, |m, v| m.cycle_time_error = v),
     },
     Parameter {
         key: "interpolator.filters",

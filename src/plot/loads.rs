@@ -66,6 +66,12 @@ impl LoadChart {
         chart
     }
 
+    /// The distances it is drawn over, mm.
+    pub fn span(&self) -> (f64, f64) {
+        let ends = self.distance.first().zip(self.distance.last());
+        ends.map_or((0.0, 1.0), |(&from, &to)| (from, to.max(from + 1e-3)))
+    }
+
     fn push(&mut self, distance: f64, [programmed, predicted]: [&Load; 2]) {
         self.distance.push(distance);
         for (curves, of) in [

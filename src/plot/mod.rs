@@ -30,7 +30,7 @@ mod view;
 
 pub use draw::draw;
 pub use loads::{LoadChart, LoadCurves, draw_loads};
-pub use svg::svg;
+pub use svg::{svg, svg_of_loads, svg_of_view};
 pub use theme::{PALETTE, Theme};
 pub use view::{Frame, View};
 

@@ -5,13 +5,27 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
-use crate::plot::{FeedChart, Theme, draw};
+use crate::plot::{FeedChart, LoadChart, Theme, View, draw, draw_loads};
 
 /// The whole chart as SVG of this width and height (pixels of the page); none where it cannot be drawn.
 pub fn svg(chart: &FeedChart, size: (u32, u32)) -> Option<String> {
+    svg_of_view(chart, chart.full_view(false), size)
+}
+
+/// What is in sight of a chart, as [`svg`].
+pub fn svg_of_view(chart: &FeedChart, view: View, size: (u32, u32)) -> Option<String> {
+    picture(size, |backend| draw(chart, view, &Theme::LIGHT, 1.0, backend).is_ok())
+}
+
+/// A chart of cutting loads over all of the path, as [`svg`].
+pub fn svg_of_loads(chart: &LoadChart, size: (u32, u32)) -> Option<String> {
+    let span = chart.span();
+    picture(size, |backend| draw_loads(chart, span, &Theme::LIGHT, 1.0, backend).is_ok())
+}
+
+fn picture(size: (u32, u32), draw: impl FnOnce(Letters) -> bool) -> Option<String> {
     let mut text = String::new();
-    let backend = Letters(SVGBackend::with_string(&mut text, size));
-    let drawn = draw(chart, chart.full_view(false), &Theme::LIGHT, 1.0, backend).is_ok();
+    let drawn = draw(Letters(SVGBackend::with_string(&mut text, size)));
     drawn.then_some(text)
 }
 

@@ -10,7 +10,7 @@ use crate::machine::{Access, Machine, parameter};
 use crate::project::Fault;
 use crate::project::comparison::{feedrate, percent};
 use crate::project::form::{machine_from_form, values};
-use crate::units::{Unit, mm_per_min};
+use crate::units::{PERCENT, Unit, mm_per_min};
 
 /// Fitted numbers in the form have so many digits.
 const DIGITS: usize = 5;
@@ -71,6 +71,7 @@ impl CalibrationReport {
     pub fn new(before: &Machine, calibration: &Calibration, names: &[String]) -> CalibrationReport {
         let mut machine = calibration.machine.clone();
         machine.provenance = provenance(calibration, names);
+        machine.cycle_time_error = Some(worst(calibration, |side| side.whole));
         if !before.name.ends_with(CALIBRATED) {
             machine.name = format!("{}{CALIBRATED}", before.name);
         }
@@ -220,15 +221,19 @@ fn run_row(run: &RunResult, name: &str) -> RunRow {
 
 /// What the machine file says of where its numbers come from.
 fn provenance(calibration: &Calibration, names: &[String]) -> String {
-    let worst = |of: fn(&Comparison) -> Durations| {
-        100.0 * calibration.runs.iter().map(|run| error(of(&run.after)).abs()).fold(0.0, f64::max)
-    };
+    let percent = |of: fn(&Comparison) -> Durations| PERCENT * worst(calibration, of);
     format!(
         "calibrated from {}; there the cycle time is off by {:.1} % at most, motion alone by {:.1} %",
         names.join(", "),
-        worst(|side| side.whole),
-        worst(|side| side.motion)
+        percent(|side| side.whole),
+        percent(|side| side.motion)
     )
+}
+
+/// The largest error of a duration among the runs after the calibration, as a part of it.
+fn worst(calibration: &Calibration, of: fn(&Comparison) -> Durations) -> f64 {
+    let errors = calibration.runs.iter().map(|run| error(of(&run.after)).abs());
+    errors.filter(|error| error.is_finite()).fold(0.0, f64::max).min(1.0)
 }
 
 fn sentence(calibration: &Calibration) -> String {

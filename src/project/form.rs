@@ -7,7 +7,10 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::machine::{Access, Machine, PARAMETERS, parameter, presets};
-use crate::project::{Fault, TIME_CONSTANTS, Written, contradiction, position, rivals, set, written};
+use crate::project::{
+    CYCLE_TIME_ERROR, Fault, TIME_CONSTANTS, Written, contradiction, motion_of_machine, position, rivals,
+    set, written,
+};
 use crate::simulation::gcode::Dialect;
 
 #[derive(Serialize)]
@@ -18,23 +21,78 @@ struct Form {
 
 /// One parameter as a form field.
 #[derive(Serialize)]
-struct Field {
-    key: &'static str,
-    label: &'static str,
-    doc: &'static str,
+pub(super) struct Field {
+    pub(super) key: &'static str,
+    pub(super) label: &'static str,
+    pub(super) doc: &'static str,
+    /// What it belongs to, as people call it.
+    pub(super) group: &'static str,
+    /// What it is when nothing is said.
+    pub(super) neutral: Value,
     /// `number`, `list`, `choice`, `flag`, `text`, `codes` or `tools`.
-    kind: &'static str,
-    unit: Option<&'static str>,
-    min: Option<f64>,
-    max: Option<f64>,
-    whole: bool,
-    words: &'static [&'static str],
+    pub(super) kind: &'static str,
+    pub(super) unit: Option<&'static str>,
+    pub(super) min: Option<f64>,
+    pub(super) max: Option<f64>,
+    pub(super) whole: bool,
+    pub(super) words: &'static [&'static str],
+}
+
+impl Field {
+    /// A field without a kind.
+    pub(super) fn empty(
+        key: &'static str,
+        label: &'static str,
+        doc: &'static str,
+        group: &'static str,
+        neutral: Value,
+    ) -> Field {
+        Field {
+            key,
+            label,
+            doc,
+            group,
+            neutral,
+            kind: "",
+            unit: None,
+            min: None,
+            max: None,
+            whole: false,
+            words: &[],
+        }
+    }
+}
+
+/// The groups of parameters, by the first part of their keys.
+const GROUPS: [(&str, &str); 15] = [
+    ("interpolator", "Filters and corners"),
+    ("path", "Limits along the path"),
+    ("axis", "Axes"),
+    ("rapid", "Rapids"),
+    ("path_modes", "Tolerances that programs set"),
+    ("times", "Times"),
+    ("halts", "Waits and holds"),
+    ("override", "Overrides"),
+    ("cycles", "Cycles"),
+    ("program", "Reading of programs"),
+    ("tools", "Tools"),
+    ("work_offsets", "Work offsets"),
+    ("recorder", "Recorder"),
+    ("rates", "Rates"),
+    ("", "Name and origin"),
+];
+
+/// What a key belongs to.
+fn group(key: &str) -> &'static str {
+    let first = key.split('.').next().unwrap_or(key);
+    GROUPS.iter().find(|(prefix, _)| *prefix == first).unwrap_or(&GROUPS[GROUPS.len() - 1]).1
 }
 
 #[derive(Serialize)]
 struct Preset {
     name: String,
     source: &'static str,
+    caveat: &'static str,
     values: Map<String, Value>,
 }
 
@@ -46,18 +104,10 @@ pub fn dialects() -> String {
 
 /// The parameter table and the presets as JSON text.
 pub fn form() -> String {
+    let neutral = values(&Machine::default());
     let fields = PARAMETERS.iter().map(|row| {
-        let empty = Field {
-            key: row.key,
-            label: row.label,
-            doc: row.doc,
-            kind: "",
-            unit: None,
-            min: None,
-            max: None,
-            whole: false,
-            words: &[],
-        };
+        let neutral = neutral[row.key].clone();
+        let empty = Field::empty(row.key, row.label, row.doc, group(row.key), neutral);
         match &row.access {
             Access::Number { unit, min, max, whole, .. } => Field {
                 kind: "number",
@@ -85,6 +135,7 @@ pub fn form() -> String {
     let presets = presets().into_iter().map(|preset| Preset {
         name: preset.machine.name.clone(),
         source: preset.source,
+        caveat: preset.caveat,
         values: values(&preset.machine),
     });
     let form = Form { fields: fields.collect(), presets: presets.collect() };
@@ -143,6 +194,22 @@ pub fn machine_from_form(json: &str) -> Result<Machine, Vec<Fault>> {
     if faults.is_empty() { Ok(machine) } else { Err(faults) }
 }
 
+/// A filled form after an edit of one field, all as JSON. What moves the machine otherwise than when it was calibrated
+/// takes the error of its calibration away.
+pub fn edited(form: &str, key: &str, value: &str) -> Option<String> {
+    let mut values: Map<String, Value> = serde_json::from_str(form).ok()?;
+    let motion = |values: &Map<String, Value>| {
+        machine_from_form(&Value::Object(values.clone()).to_string())
+            .map(|machine| motion_of_machine(&machine))
+    };
+    let before = motion(&values);
+    values.insert(key.to_string(), serde_json::from_str(value).ok()?);
+    if before != motion(&values) {
+        values.insert(CYCLE_TIME_ERROR.to_string(), Value::Null);
+    }
+    Some(Value::Object(values).to_string())
+}
+
 /// Faults as JSON text, a list of key and message.
 pub fn faults_to_json(faults: &[Fault]) -> String {
     #[derive(Serialize)]
@@ -179,6 +246,29 @@ mod tests {
         for preset in presets() {
             let json = serde_json::to_string(&values(&preset.machine)).expect("finite");
             assert_eq!(machine_from_form(&json), Ok(preset.machine));
+        }
+    }
+
+    #[test]
+    fn an_edit_of_the_motion_takes_the_error_of_the_calibration_away() {
+        let form = Value::Object(values(&presets()[0].machine)).to_string();
+        let error = |key: &str, value: &str| {
+            let form: Value = serde_json::from_str(&edited(&form, key, value).expect("JSON")).expect("JSON");
+            form[CYCLE_TIME_ERROR].as_f64()
+        };
+        assert_eq!(error("name", "\"mine\""), Some(7.9));
+        assert_eq!(error("rates.hourly", "80"), Some(7.9));
+        assert_eq!(error(CYCLE_TIME_ERROR, "3"), Some(3.0));
+        assert_eq!(error("times.tool_change_s", "9"), None);
+        assert_eq!(error("interpolator.filters", "99"), None);
+        assert_eq!(edited("[", "name", "1"), None);
+    }
+
+    #[test]
+    fn every_parameter_has_a_group_of_its_own_name_or_is_of_the_machine_itself() {
+        for row in PARAMETERS.iter() {
+            let known = ["name", "provenance", CYCLE_TIME_ERROR].contains(&row.key);
+            assert_eq!(group(row.key) == group(""), known, "{}", row.key);
         }
     }
 

@@ -94,6 +94,7 @@ pub fn motion_of_machine(machine: &Machine) -> String {
     toml_from_machine(&Machine {
         name: neutral.name,
         provenance: neutral.provenance,
+        cycle_time_error: neutral.cycle_time_error,
         rates: neutral.rates,
         ..machine.clone()
     })

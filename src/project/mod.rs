@@ -12,22 +12,32 @@ mod cutting_results;
 mod diagnosis;
 mod form;
 mod machine_file;
+mod offer;
+mod offer_html;
 mod request;
 mod places;
 mod results;
+mod settings;
+mod terms;
 
 pub use calibrated_view::CalibrationReport;
 pub use comparison::{ComparisonReport, Refusal, lost_label};
 pub use cutting_file::{EXAMPLE_CUTTING, cutting_from_toml};
 pub use cutting_results::{cutting_refusal, cutting_remarks, cutting_table, loads_csv};
 pub use diagnosis::{DiagnosisReport, diagnosis_chart, extended};
-pub use form::{dialects, faults_to_json, form, machine_from_form, machine_values};
+pub use form::{dialects, edited, faults_to_json, form, machine_from_form, machine_values};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
+pub use offer::OfferReport;
 pub use request::{QuoteRequest, RequestError};
 pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};
+pub use settings::{SettingsError, settings_from_text, settings_text};
+pub use terms::{terms_form, terms_from_form};
 
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, Tool, parameter};
 use crate::units::Unit;
+
+/// How far off a machine was when it was calibrated.
+const CYCLE_TIME_ERROR: &str = "calibration.cycle_time_error_percent";
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
 const REQUIRED: [&str; 4] =

@@ -4,11 +4,15 @@
 
 mod breakdown;
 mod places;
+mod offer;
 mod shares;
+mod terms;
 
 pub use breakdown::{Breakdown, Functions, breakdown};
 pub use places::{Lost, LostAt, MOST_PLACES, Reason, Standing, lost};
+pub use offer::{Addend, Item, Offer, Uncertainty, offer};
 pub use shares::{OperationShare, Share, ToolShare, programmed_time};
+pub use terms::{LARGEST_MARGIN_OF_PRICE, MarginOf, QUANTITY, Rounding, TERMS, Term, TermAccess, Terms};
 
 use crate::machine::Machine;
 use crate::simulation::contour::{ContourErrors, Region, regions_beyond};

@@ -9,6 +9,7 @@ use web_sys::HtmlCanvasElement;
 use crate::machine::tolerance_label;
 use crate::plot::{
     Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Stretch, Theme, View, draw, svg,
+    svg_of_view,
 };
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
@@ -177,6 +178,12 @@ impl Chart {
     /// The whole as SVG for a document, dark on white; none where it cannot be drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
         svg(&self.chart, (width, height))
+    }
+
+    /// What is in sight as SVG for a document, dark on white; none where it cannot be drawn.
+    #[wasm_bindgen(js_name = svgInSight)]
+    pub fn svg_in_sight(&self, width: u32, height: u32) -> Option<String> {
+        svg_of_view(&self.chart, self.view, (width, height))
     }
 
     /// Shows everything.

@@ -4,7 +4,7 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::cutting::{engagement, programmed_and_predicted};
-use crate::plot::{LoadChart, LoadCurves, Theme, draw_loads};
+use crate::plot::{LoadChart, LoadCurves, Theme, draw_loads, svg_of_loads};
 use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
@@ -143,9 +143,11 @@ impl LoadPicture {
     ) -> Result<(), String> {
         let backend = Canvas::sized(canvas, width, height, ratio)?;
         let theme = if dark { Theme::DARK } else { Theme::LIGHT };
-        let ends = self.chart.distance.first().zip(self.chart.distance.last());
-        let (from, to) = ends.map_or((0.0, 1.0), |(from, to)| (*from, *to));
-        draw_loads(&self.chart, (from, to.max(from + 1e-3)), &theme, ratio, backend)
-            .map_err(|error| error.to_string())
+        draw_loads(&self.chart, self.chart.span(), &theme, ratio, backend).map_err(|error| error.to_string())
+    }
+
+    /// The same as SVG for a document, dark on white; none where it cannot be drawn.
+    pub fn svg(&self, width: u32, height: u32) -> Option<String> {
+        svg_of_loads(&self.chart, (width, height))
     }
 }

@@ -6,6 +6,7 @@ import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { Ended } from '../engine.js'
 import { number } from '../format.js'
+import { offerPictures } from '../pictures.js'
 
 /** @import { Engine } from "../engine.js" */
 /** @import { Column, CutPeaks, CutResult, Program, State } from "../types.js" */
@@ -39,6 +40,7 @@ export function mount(root, engine) {
   /** @type {LoadPicture | null} */
   let picture = null
 
+  offerPictures(find(root, '.tools'), 'cutting', 'the cutting loads', () => picture?.svg(plot.clientWidth, plot.clientHeight))
   job.value = exampleCutting()
   job.addEventListener('input', clear)
   chosen.addEventListener('change', clear)
@@ -52,6 +54,7 @@ export function mount(root, engine) {
     fault.textContent = ''
     result.replaceChildren()
     plot.hidden = true
+    find(root, '.tools').hidden = true
     picture?.free()
     picture = null
   }
@@ -116,6 +119,7 @@ export function mount(root, engine) {
       predictedRate,
     )
     plot.hidden = false
+    find(root, '.tools').hidden = false
     draw()
   }
 

@@ -1,13 +1,16 @@
-// The machine form, built from the parameter table of the module. It keeps texts and passes values on; what they
-// mean and whether they are allowed is for Rust to say.
+// The machine: presets and those kept in the browser, and the editor of every parameter, built from the table of the module.
 
+import { field, same } from '../field.js'
 import { find, make } from '../dom.js'
 import { saveMachine } from '../save.js'
+import { mountUndo } from '../undo.js'
 
-/** @import { Form, Parameter, State, Value, Values } from "../types.js" */
+/** @import { Entry } from "../field.js" */
+/** @import { Form, Preset, State, Value, Values } from "../types.js" */
 
 /** The parameters an estimator meets first; all others are under “More parameters”. */
 const BASIC = [
+  'name',
   'interpolator.filters',
   'interpolator.time_constant_s',
   'interpolator.corner_mode',
@@ -15,143 +18,142 @@ const BASIC = [
   'times.tool_change_s',
   'rates.hourly',
 ]
-/** The tolerance is chosen by its chips. */
-const ELSEWHERE = ['interpolator.contour_tolerance_mm']
 
 /**
- * @param {HTMLElement} root
- * @param {Form} form
- * @param {{choosePreset(index: number): void, setParameter(key: string, value: Value): void}} actions
+ * @typedef {object} Actions
+ * @property {(index: number) => void} choosePreset
+ * @property {(key: string, value: Value) => void} setParameter
+ * @property {() => () => void} keepMachine
+ * @property {() => () => void} duplicateMachine
+ * @property {() => () => void} removeMachine
+ * @property {(text: string) => () => void} importMachine
  */
+
+/** @param {HTMLElement} root @param {Form} form @param {Actions} actions */
 export function mount(root, form, actions) {
   const preset = /** @type {HTMLSelectElement} */ (find(root, '#preset'))
-  const reset = /** @type {HTMLButtonElement} */ (find(root, '.reset'))
-  const save = /** @type {HTMLButtonElement} */ (find(root, '.save'))
+  const button = (/** @type {string} */ name) => /** @type {HTMLButtonElement} */ (find(root, name))
+  const [reset, save, keep, duplicate, remove] = ['.reset', '.save', '.keep', '.duplicate', '.remove'].map(button)
+  const file = /** @type {HTMLInputElement} */ (find(root, '#machine-file'))
   const more = /** @type {HTMLDetailsElement} */ (find(root, 'details'))
-  const parameters = form.fields.filter(({ key }) => !ELSEWHERE.includes(key))
-  const fields = parameters.map((parameter) => field(parameter, actions.setParameter))
+  const search = /** @type {HTMLInputElement} */ (find(root, '.search input[type="search"]'))
+  const onlySet = /** @type {HTMLInputElement} */ (find(root, '.search input[type="checkbox"]'))
+  const found = find(root, '.found')
+  const fault = find(root, '.import-fault')
+  const fields = form.fields.map((parameter) => field('field', parameter, actions.setParameter))
+  const undo = mountUndo(find(root, '.undo'))
   /** @type {Values} */
   let values = {}
+  /** The starts that are offered now. @type {string} */
+  let offered = ''
 
-  preset.append(...form.presets.map(({ name }, index) => make('option', { value: String(index) }, name)))
   preset.addEventListener('change', () => actions.choosePreset(Number(preset.value)))
   reset.addEventListener('click', () => actions.choosePreset(Number(preset.value)))
   save.addEventListener('click', () => saveMachine(values))
+  keep.addEventListener('click', () => undo.offer('Kept in this browser.', actions.keepMachine()))
+  duplicate.addEventListener('click', () => undo.offer('Duplicated.', actions.duplicateMachine()))
+  remove.addEventListener('click', () => undo.offer(`${values.name} removed.`, actions.removeMachine()))
+  file.addEventListener('change', async () => {
+    const [chosen] = file.files ?? []
+    if (!chosen) return
+    const text = await chosen.text()
+    file.value = ''
+    try {
+      const putBack = actions.importMachine(text)
+      fault.textContent = ''
+      undo.offer(`${chosen.name} loaded and kept in this browser.`, putBack)
+    } catch (reason) {
+      fault.textContent = `${chosen.name} is not a machine file: ${reason}.`
+    }
+  })
   find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
-  const byKey = new Map(fields.map((entry) => [entry.parameter.key, entry.element]))
-  const present = (/** @type {string} */ key) => byKey.get(key) ?? []
-  find(root, '.basic').append(...BASIC.flatMap(present))
-  find(root, '.more').append(...parameters.filter(({ key }) => !BASIC.includes(key)).flatMap(({ key }) => present(key)))
+
+  const ofKey = new Map(fields.map((entry) => [entry.parameter.key, entry]))
+  find(root, '.basic').append(...BASIC.flatMap((key) => ofKey.get(key)?.element ?? []))
+  const rest = fields.filter(({ parameter }) => !BASIC.includes(parameter.key))
+  const groups = groupsOf(rest)
+  find(root, '.more').append(...groups.map(({ element }) => element))
+  search.addEventListener('input', filter)
+  onlySet.addEventListener('change', filter)
+
+  /** Shows the fields that are looked for. */
+  function filter() {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean)
+    let count = 0
+    for (const { element, title, entries } of groups) {
+      let shown = 0
+      for (const { parameter, element: own } of entries) {
+        const { key, label, doc, unit } = parameter
+        const text = `${key} ${label} ${doc} ${unit ?? ''} ${title}`.toLowerCase()
+        const isMeant = words.every((word) => text.includes(word)) && (!onlySet.checked || own.classList.contains('set'))
+        own.hidden = !isMeant
+        if (isMeant) shown += 1
+      }
+      element.hidden = shown === 0
+      count += shown
+    }
+    const isAll = words.length === 0 && !onlySet.checked
+    found.textContent = isAll ? '' : count === 0 ? 'None.' : `${count} of ${rest.length}.`
+  }
+
+  /** The starts as options: presets, then those kept. @param {string} names */
+  function offer(names) {
+    if (names === offered) return
+    offered = names
+    const option = (/** @type {Preset} */ { name }, /** @type {number} */ index) => make('option', { value: String(index) }, name)
+    const options = form.presets.map((entry, index) => ({ entry, option: option(entry, index) }))
+    const group = (/** @type {string} */ label, /** @type {boolean} */ kept) => {
+      const own = options.filter(({ entry }) => Boolean(entry.kept) === kept && !entry.removed)
+      return own.length > 0 ? [make('optgroup', { label }, ...own.map(({ option }) => option))] : []
+    }
+    preset.replaceChildren(...group('Presets', false), ...group('Kept in this browser', true))
+  }
 
   return {
     /** @param {State} state */
     update({ machine }) {
       values = machine.values
+      const start = form.presets[machine.preset]
+      offer(JSON.stringify(form.presets.map(({ name, removed }) => [name, removed])))
       preset.value = String(machine.preset)
-      preset.title = form.presets[machine.preset].name
-      find(root, '.source').textContent = form.presets[machine.preset].source
-      const original = form.presets[machine.preset].values
+      preset.title = start.name
+      find(root, '.source').textContent = `${start.source} ${start.caveat}`.trim()
+      const error = values['calibration.cycle_time_error_percent']
+      const known = typeof error === 'number' ? ` Cycle time off by ${error} % there.` : ''
+      find(root, '.origin').textContent = values.provenance ? `Origin of the numbers: ${values.provenance}.${known}` : ''
+      const isChanged = !same(values, start.values)
       save.disabled = machine.faults.length > 0
-      reset.disabled = same(values, original)
+      keep.disabled = machine.faults.length > 0 || (Boolean(start.kept) && !isChanged)
+      keep.textContent = start.kept ? 'Keep changes' : 'Keep in this browser'
+      duplicate.disabled = machine.faults.length > 0
+      remove.hidden = !start.kept
+      reset.disabled = !isChanged
+      reset.textContent = start.kept ? 'Reset to kept' : 'Reset to preset'
       for (const { parameter, element, show } of fields) {
-        const fault = machine.faults.find(({ key }) => key === parameter.key)?.message ?? ''
-        show(values[parameter.key] ?? null, fault)
-        element.classList.toggle('changed', !same(values[parameter.key], original[parameter.key]))
-        if (fault && more.contains(element)) more.open = true
+        const message = machine.faults.find(({ key }) => key === parameter.key)?.message ?? ''
+        show(values[parameter.key] ?? null, message)
+        element.classList.toggle('changed', !same(values[parameter.key], start.values[parameter.key]))
+        if (message && more.contains(element)) {
+          more.open = true
+          element.hidden = false
+        }
       }
+      const count = rest.filter(({ element }) => element.classList.contains('set')).length
+      find(root, '.count').textContent = count > 0 ? ` (${count} in use)` : ''
       const elsewhere = machine.faults
-        .filter(({ key }) => key === null || !byKey.has(key))
+        .filter(({ key }) => key === null || !ofKey.has(key))
         .map(({ message }) => message)
       find(root, '.faults').textContent = elsewhere.join(' ')
     },
   }
 }
 
-/** One field of the form. @param {Parameter} parameter @param {(key: string, value: Value) => void} changed */
-function field(parameter, changed) {
-  const { key, label, doc, kind, unit, min, max, words } = parameter
-  const id = `field-${key.replaceAll('.', '-')}`
-  const control =
-    kind === 'choice'
-      ? make('select', { id }, ...words.map((word) => make('option', { value: word }, word)))
-      : make('input', { id })
-  if (control instanceof HTMLInputElement) {
-    control.type = kind === 'flag' ? 'checkbox' : 'text'
-    if (kind === 'number') control.inputMode = 'decimal'
-  }
-  const bounds = min !== null && max !== null ? `${shown(min)} to ${shown(max)}${unit ? ` ${unit}` : ''}` : ''
-  control.title = bounds
-  control.setAttribute('aria-describedby', `${id}-doc ${id}-fault`)
-  const fault = make('p', { className: 'fault', id: `${id}-fault` })
-  const element = make(
-    'div',
-    { className: `field ${kind}` },
-    make('label', { htmlFor: id, title: doc }, label),
-    make('span', { className: 'value' }, control, make('span', { className: 'unit' }, unit ?? '')),
-    make('p', { className: 'doc', id: `${id}-doc` }, doc),
-    fault,
-  )
-  const event = kind === 'choice' || kind === 'flag' ? 'change' : 'input'
-  control.addEventListener(event, () => changed(key, typed(kind, control)))
-
-  return {
-    parameter,
-    element,
-    /** Shows a value, unless it is what the user is typing. @param {Value} value @param {string} message */
-    show(value, message) {
-      fault.textContent = message
-      control.toggleAttribute('aria-invalid', message !== '')
-      if (same(typed(kind, control), value)) return
-      if (kind === 'flag') /** @type {HTMLInputElement} */ (control).checked = value === true
-      else control.value = text(value)
-    },
-  }
-}
-
-/** The value in a control; null where it is empty. @param {Parameter["kind"]} kind @param {HTMLInputElement | HTMLSelectElement} control @returns {Value} */
-function typed(kind, control) {
-  const written = control.value.trim()
-  if (kind === 'flag') return /** @type {HTMLInputElement} */ (control).checked
-  if (kind === 'text' || kind === 'choice') return written
-  if (written === '') return null
-  if (kind === 'number') return numberOr(written)
-  if (kind === 'list') return /** @type {number[]} */ (written.split(/[;\s]+|,\s+/).map(numberOr))
-  if (kind === 'codes' || kind === 'tools') {
-    const pairs = written.split(/[;,]/).map((pair) => pair.split('=').map((part) => part.trim()))
-    return /** @type {Record<string, number>} */ (
-      Object.fromEntries(pairs.filter(([code]) => code).map(([code, time]) => [code, numberOr(time ?? '')]))
-    )
-  }
-  return written
-}
-
-/** A number where the text is one; Rust complains about any other text. @param {string} written */
-function numberOr(written) {
-  const number = Number(written.replace(',', '.'))
-  return written !== '' && Number.isFinite(number) ? number : written
-}
-
-/** @param {Value} value */
-function text(value) {
-  if (value === null) return ''
-  if (Array.isArray(value)) return value.join('; ')
-  if (typeof value === 'object')
-    return Object.entries(value)
-      .map(([code, time]) => `${code} = ${time}`)
-      .join('; ')
-  return typeof value === 'number' ? shown(value) : String(value)
-}
-
-/** @param {number} value */
-function shown(value) {
-  return String(Number(value.toPrecision(12)))
-}
-
-/** @param {unknown} a @param {unknown} b */
-function same(a, b) {
-  const settled = (/** @type {unknown} */ value) =>
-    value && typeof value === 'object' && !Array.isArray(value)
-      ? Object.entries(value).sort(([x], [y]) => (x < y ? -1 : 1))
-      : value
-  return JSON.stringify(settled(a)) === JSON.stringify(settled(b))
+/** Fields by their group, in the order of the first of each. @param {Entry[]} entries */
+function groupsOf(entries) {
+  const titles = [...new Set(entries.map(({ parameter }) => parameter.group))]
+  return titles.map((title) => {
+    const own = entries.filter(({ parameter }) => parameter.group === title)
+    const legend = make('legend', {}, title)
+    return { title, entries: own, element: make('fieldset', {}, legend, ...own.map(({ element }) => element)) }
+  })
 }

@@ -81,7 +81,7 @@ pub fn told(parameters: &Map<String, Value>, uncertainty: &Map<String, Value>) -
 
 /// The fields of a filled form that another has otherwise.
 pub fn changes(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<Change> {
-    let is_physics = |key: &str| key != "name" && key != "provenance";
+    let is_physics = |key: &str| !["name", "provenance", crate::project::CYCLE_TIME_ERROR].contains(&key);
     let changed = after.iter().filter(|(key, value)| is_physics(key) && before.get(*key) != Some(value));
     changed
         .map(|(key, value)| {

@@ -1,0 +1,168 @@
+//! An offer as one HTML document that stands alone and prints on paper: no scripts, no other files, the charts
+//! inline as SVG, and a policy that lets it load nothing. It is well-formed XML but for its first line.
+
+use crate::project::offer::{Batch, OfferReport, ShareRow};
+
+const STYLE: &str = "body{font:14px/1.5 system-ui,sans-serif;color:#1d242c;background:#fff;max-width:860px;\
+    margin:24px auto;padding:0 16px}h1{font-size:24px;line-height:1.3;margin:0}h2{font-size:16px;margin:26px 0 6px}\
+    table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}th,td{text-align:right;\
+    padding:3px 0 3px 14px;border-bottom:1px solid #dde1e6;vertical-align:top}th{font-weight:600}\
+    th:first-child,td:first-child,.basis{text-align:left}th:first-child,td:first-child{padding-left:0}\
+    .sum td{font-weight:650;border-top:2px solid #1d242c}figure{margin:12px 0;break-inside:avoid}\
+    svg{max-width:100%;height:auto}.small{color:#5b6672;font-size:12.5px}tr{break-inside:avoid}\
+    h2{break-after:avoid}@page{margin:16mm}@media print{body{margin:0;max-width:none;padding:0}}";
+
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+
+impl OfferReport {
+    /// As an HTML document, with each chart as SVG and what it shows.
+    pub fn to_html(&self, charts: &[(String, String)]) -> String {
+        let title = match self.reference.as_str() {
+            "" => format!("Quote for {}", self.program),
+            reference => reference.to_string(),
+        };
+        let currency = &self.currency;
+        let mut body = format!("<h1>{}</h1>\n", escaped(&title));
+        body += &paragraph(&format!(
+            "Program {} on {}, contour tolerance {}. Computed by Truefeed {}.",
+            self.program,
+            self.machine,
+            self.tolerance,
+            env!("CARGO_PKG_VERSION")
+        ));
+        body += &table("", &["", ""], &self.facts(), None);
+        let addends: Vec<Vec<String>> = self
+            .addends
+            .iter()
+            .map(|addend| {
+                let [once, part] =
+                    if addend.once { [Some(addend.amount), None] } else { [None, Some(addend.amount)] };
+                let amount =
+                    |amount: Option<f64>| amount.map(|amount| self.money(amount)).unwrap_or_default();
+                vec![
+                    addend.item.to_string(),
+                    addend.basis.clone(),
+                    amount(once),
+                    amount(part),
+                    self.money(addend.of_batch),
+                ]
+            })
+            .collect();
+        let sum =
+            ["Total", "", &self.money(self.once), &self.money(self.part), &self.money(self.batch.total)]
+                .map(str::to_string);
+        let head = format!("{} parts, {currency}", self.batch.quantity);
+        body += &table("What the price is made of", &["", "", "Once", "A part", &head], &addends, Some(&sum));
+        let breaks: Vec<Vec<String>> = self.breaks.iter().map(|batch| self.of_batch(batch)).collect();
+        body += &table(
+            "Price by quantity",
+            &["Quantity", "A part", "Total", "If the cycle time is off"],
+            &breaks,
+            None,
+        );
+        let shares = |rows: &[ShareRow]| -> Vec<Vec<String>> {
+            let row = |row: &ShareRow| {
+                let line = row.line.map(|line| format!("line {line}")).unwrap_or_default();
+                vec![row.name.clone(), line, format!("{:.1} s", row.time_s), self.money(row.amount)]
+            };
+            rows.iter().map(row).collect()
+        };
+        let cost = ["Together", "", &format!("{:.1} s", self.cycle_time_s), &self.money(self.cycle_cost)]
+            .map(str::to_string);
+        let head = ["", "", "Time", "Cost"];
+        body +=
+            &table("Cycle by operation, before the margin", &head, &shares(&self.operations), Some(&cost));
+        body += &table("Cycle by tool, before the margin", &head, &shares(&self.tools), Some(&cost));
+        if !charts.is_empty() {
+            body += "<h2>Charts</h2>\n";
+        }
+        for (picture, caption) in charts {
+            body += &format!(
+                "<figure>{picture}<figcaption class=\"small\">{}</figcaption></figure>\n",
+                escaped(caption)
+            );
+        }
+        body += &self.notes.iter().map(|note| paragraph(note)).collect::<String>();
+        format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><meta http-equiv=\"Content-Security-Policy\" \
+             content=\"{POLICY}\"/><meta name=\"viewport\" content=\"width=device-width\"/><title>{}</title>\
+             <style>{STYLE}</style></head>\n<body>\n{body}</body></html>\n",
+            escaped(&title)
+        )
+    }
+
+    fn facts(&self) -> Vec<Vec<String>> {
+        let ends = self.uncertainty.cycle_time_s;
+        let range = ends.map(|[low, high]| format!(", {low:.1} to {high:.1} s")).unwrap_or_default();
+        let row = |name: &str, value: String| vec![name.to_string(), value];
+        vec![
+            row("Cycle time of a part", format!("{:.1} s{range}", self.cycle_time_s)),
+            row("How sure", self.uncertainty.sentence.clone()),
+            row("CAM would say", format!("{:.1} s", self.programmed_time_s)),
+        ]
+    }
+
+    fn of_batch(&self, batch: &Batch) -> Vec<String> {
+        let range = match batch.total_range {
+            Some([low, high]) => format!("{} to {}", self.money(low), self.money(high)),
+            None => "unknown".to_string(),
+        };
+        vec![batch.quantity.to_string(), self.unit_price(batch.unit_price), self.money(batch.total), range]
+    }
+}
+
+fn paragraph(text: &str) -> String {
+    format!("<p class=\"small\">{}</p>\n", escaped(text))
+}
+
+/// A table below its title, its sum last; nothing where there are no rows.
+fn table(title: &str, head: &[&str], rows: &[Vec<String>], sum: Option<&[String]>) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    // A second column without a head says what the first is made of.
+    let is_basis = head.get(1) == Some(&"");
+    let cells = |row: &[String]| -> String {
+        let cell = |(index, cell): (usize, &String)| {
+            let class = if index == 1 && is_basis { " class=\"basis\"" } else { "" };
+            format!("<td{class}>{}</td>", escaped(cell))
+        };
+        row.iter().enumerate().map(cell).collect()
+    };
+    let head: String = head.iter().map(|cell| format!("<th>{}</th>", escaped(cell))).collect();
+    let rows: String = rows.iter().map(|row| format!("<tr>{}</tr>", cells(row))).collect();
+    let sum = sum.map(|row| format!("<tr class=\"sum\">{}</tr>", cells(row))).unwrap_or_default();
+    let title = if title.is_empty() { String::new() } else { format!("<h2>{}</h2>\n", escaped(title)) };
+    format!("{title}<table><thead><tr>{head}</tr></thead><tbody>{rows}{sum}</tbody></table>\n")
+}
+
+/// Text that is no markup.
+fn escaped(text: &str) -> String {
+    let is_xml = |letter: &char| !letter.is_control() || matches!(letter, '\t' | '\n' | '\r');
+    let text: String = text.chars().filter(is_xml).collect();
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::project::offer::OfferReport;
+    use crate::project::offer::tests::asked;
+
+    #[test]
+    fn the_document_is_well_formed_and_says_every_amount() {
+        let terms =
+            serde_json::json!({"reference": "<b>&\u{1}\"", "quantity": 3, "set_up_min": 20, "material": 2.5});
+        let request = asked(0, terms, "<script>alert(1)</script>").to_string();
+        let report = OfferReport::from_json(&request).expect("right");
+        let html = report
+            .to_html(&[("<svg xmlns=\"http://www.w3.org/2000/svg\"/>".to_string(), "a <chart>".to_string())]);
+        let (first, rest) = html.split_once('\n').expect("it has lines");
+        assert_eq!(first, "<!doctype html>");
+        roxmltree::Document::parse(rest).expect("it is well-formed");
+        assert!(!html.contains("<script"));
+        for addend in &report.addends {
+            assert!(html.contains(&format!("<td>{}</td>", report.money(addend.of_batch))), "{}", addend.item);
+        }
+        assert!(html.contains(&report.money(report.batch.total)));
+    }
+}

@@ -1,0 +1,177 @@
+//! All settings of the page in one text: machine, tolerances and terms, never a program. It is the file of “Save
+//! settings” and what a link has after its `#`.
+//!
+//! ```text
+//! {"truefeed": 1, "preset": "name", "machine": {key: value, …}, "tolerances_mm": [0.01], "programmed": true,
+//!  "terms": {key: value, …}}
+//! ```
+//!
+//! Machine and terms say what is not neutral. Reading refuses whatever it does not know, with the reason, so that a broken
+//! or hostile link changes nothing.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::machine::{Machine, ToleranceError, checked_tolerance, presets};
+use crate::plot::PALETTE;
+use crate::project::form::values;
+use crate::project::terms::{terms_from_values, terms_values};
+use crate::project::{Fault, machine_from_form};
+use crate::quote::Terms;
+
+/// Longer texts are no settings.
+const MOST_BYTES: usize = 200_000;
+
+/// The version of the text.
+const VERSION: u32 = 1;
+
+/// Why a text gives no settings.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// It is longer than settings are.
+    #[error("it is too long for settings")]
+    TooLong,
+    /// It is not the object above.
+    #[error("it is not understood ({0})")]
+    Malformed(String),
+    /// It is of another version.
+    #[error("it is of version {0}, and this page reads version {VERSION}")]
+    Version(u32),
+    /// The machine has faults.
+    #[error("its machine has a fault: {}", told(.0))]
+    Machine(Vec<Fault>),
+    /// The terms have faults.
+    #[error("its quote has a fault: {}", told(.0))]
+    Terms(Vec<Fault>),
+    /// A tolerance is none.
+    #[error("a tolerance has a fault: {0}")]
+    Tolerance(#[from] ToleranceError),
+    /// There are none, or more than a chart shows.
+    #[error("it has {0} tolerances, and 1 to {PALETTE} can be shown")]
+    Tolerances(usize),
+}
+
+fn told(faults: &[Fault]) -> String {
+    faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("; ")
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    truefeed: u32,
+    #[serde(default)]
+    preset: String,
+    machine: Map<String, Value>,
+    tolerances_mm: Vec<f64>,
+    programmed: bool,
+    #[serde(default)]
+    terms: Map<String, Value>,
+}
+
+/// The text of settings, from a text whose machine and terms are filled forms.
+pub fn settings_text(full: &str) -> Result<String, SettingsError> {
+    let mut settings = checked(full)?;
+    let differing = |filled: Map<String, Value>, neutral: &Map<String, Value>| -> Map<String, Value> {
+        filled.into_iter().filter(|(key, value)| neutral.get(key) != Some(value)).collect()
+    };
+    settings.machine = differing(settings.machine, &values(&Machine::default()));
+    settings.terms = differing(settings.terms, &terms_values(&Terms::default()));
+    Ok(serde_json::to_string(&settings).expect("what was read can be written"))
+}
+
+/// Settings from a text, with machine and terms as filled forms, as JSON.
+pub fn settings_from_text(text: &str) -> Result<String, SettingsError> {
+    let settings = checked(text)?;
+    Ok(serde_json::to_string(&settings).expect("what was read can be written"))
+}
+
+/// Settings whose every value is allowed; forms are filled up with neutral values.
+fn checked(text: &str) -> Result<Settings, SettingsError> {
+    if MOST_BYTES < text.len() {
+        return Err(SettingsError::TooLong);
+    }
+    let malformed = |error: serde_json::Error| SettingsError::Malformed(error.to_string());
+    let value: Value = serde_json::from_str(text).map_err(malformed)?;
+    if let Some(other) =
+        value.get("truefeed").and_then(Value::as_u64).filter(|&version| version != u64::from(VERSION))
+    {
+        return Err(SettingsError::Version(other.try_into().unwrap_or(u32::MAX)));
+    }
+    let settings: Settings = serde_json::from_value(value).map_err(malformed)?;
+    if settings.tolerances_mm.is_empty() || PALETTE < settings.tolerances_mm.len() {
+        return Err(SettingsError::Tolerances(settings.tolerances_mm.len()));
+    }
+    for &tolerance in &settings.tolerances_mm {
+        checked_tolerance(tolerance)?;
+    }
+    let mut form = values(&Machine::default());
+    form.extend(settings.machine);
+    machine_from_form(&Value::Object(form.clone()).to_string()).map_err(SettingsError::Machine)?;
+    let terms = terms_from_values(&settings.terms).map_err(SettingsError::Terms)?;
+    let known = presets().into_iter().any(|preset| preset.machine.name == settings.preset);
+    let preset = if known { settings.preset } else { String::new() };
+    Ok(Settings { preset, machine: form, terms: terms_values(&terms), ..settings })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn full(machine: &Machine, terms: Value) -> Value {
+        serde_json::json!({"truefeed": 1, "preset": presets()[1].machine.name, "machine": values(machine),
+            "tolerances_mm": [0.01, 0.03], "programmed": false, "terms": terms})
+    }
+
+    #[test]
+    fn settings_come_back_whole_and_are_short() {
+        let mut machine = presets()[1].machine.clone();
+        machine.interpolator.time_constants = crate::machine::TimeConstants::FromJerk(4e4);
+        machine.times.m_codes = [(8, 3.0)].into();
+        machine.rates.hourly = 80.0;
+        let filled = full(&machine, Value::Object(terms_values(&Terms { quantity: 12, ..Terms::default() })));
+        let text = settings_text(&filled.to_string()).expect("right");
+        assert!(text.len() < 600, "{text}");
+        let back: Value = serde_json::from_str(&settings_from_text(&text).expect("right")).expect("JSON");
+        assert_eq!(back, filled);
+        // A link is read as well when it is the whole.
+        assert!(settings_from_text(&filled.to_string()).is_ok());
+    }
+
+    #[test]
+    fn what_is_not_settings_is_refused_with_the_reason() {
+        let good = full(&Machine::default(), serde_json::json!({}));
+        let with = |key: &str, value: Value| {
+            let mut other = good.clone();
+            other[key] = value;
+            settings_from_text(&other.to_string()).expect_err(key)
+        };
+        assert!(matches!(settings_from_text("%%%"), Err(SettingsError::Malformed(_))));
+        assert!(matches!(settings_from_text(""), Err(SettingsError::Malformed(_))));
+        assert!(matches!(settings_from_text("[1]"), Err(SettingsError::Malformed(_))));
+        assert_eq!(settings_from_text(&" ".repeat(MOST_BYTES + 1)), Err(SettingsError::TooLong));
+        assert_eq!(with("truefeed", Value::from(2)), SettingsError::Version(2));
+        assert!(matches!(with("program", Value::from("G1")), SettingsError::Malformed(_)));
+        assert!(matches!(with("machine", serde_json::json!({"__proto__": 1})), SettingsError::Machine(_)));
+        assert!(matches!(
+            with("machine", serde_json::json!({"interpolator.filters": 99})),
+            SettingsError::Machine(_)
+        ));
+        assert!(matches!(with("terms", serde_json::json!({"quantity": 0})), SettingsError::Terms(_)));
+        assert!(matches!(with("tolerances_mm", serde_json::json!([1e9])), SettingsError::Tolerance(_)));
+        assert_eq!(with("tolerances_mm", serde_json::json!([])), SettingsError::Tolerances(0));
+        assert!(
+            with("terms", serde_json::json!({"quantity": 0}))
+                .to_string()
+                .contains("quantity: expected a whole number")
+        );
+    }
+
+    #[test]
+    fn a_machine_from_elsewhere_has_no_preset_here() {
+        let mut other = full(&Machine::default(), serde_json::json!({}));
+        other["preset"] = Value::from("<img src=x>");
+        let back: Value =
+            serde_json::from_str(&settings_from_text(&other.to_string()).expect("right")).expect("JSON");
+        assert_eq!(back["preset"], "");
+    }
+}

@@ -1,0 +1,325 @@
+//! The terms of an offer: what an estimator enters beside machine and program, with units and bounds.
+//!
+//! | symbol | term                          | inside       |
+//! |--------|-------------------------------|--------------|
+//! | n      | quantity                      | parts        |
+//! | t_s    | set-up time, once a batch     | s            |
+//! | t_l    | load and unload, each part    | s            |
+//! | r_o    | operator's rate               | currency / s |
+//! | a      | part of the cycle he attends  | 0 to 1       |
+//! | m      | margin, of the price or on cost | ratio      |
+//!
+//! The machine's own rate is a parameter of the machine. Amounts of money are in the user's currency.
+
+use crate::units::Unit;
+
+/// What of a price is not machine and program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Terms {
+    /// What the offer is about; may be empty.
+    pub reference: String,
+    /// How many parts.
+    pub quantity: u32,
+    /// Other quantities to quote.
+    pub breaks: Vec<u32>,
+    /// Set-up time of the batch, s.
+    pub set_up: f64,
+    /// Time to load and unload a part, s.
+    pub loading: f64,
+    /// Price of an operator's time, currency per s.
+    pub operator: f64,
+    /// Part of the cycle that the operator attends.
+    pub attendance: f64,
+    /// Material of a part.
+    pub material: f64,
+    /// Other cost of a part.
+    pub other: f64,
+    /// Fixed cost of the batch.
+    pub fixed: f64,
+    /// Margin, as `margin_of` says.
+    pub margin: f64,
+    /// What the margin is a part of.
+    pub margin_of: MarginOf,
+    /// What the currency is called; may be empty.
+    pub currency: String,
+    /// What amounts are rounded to.
+    pub rounding: Rounding,
+    /// Uncertainty of the cycle time as a part of it; none: that of the machine.
+    pub uncertainty: Option<f64>,
+}
+
+/// What a margin is a part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarginOf {
+    /// The price p of a cost c: p = c / (1 − m).
+    Price,
+    /// The cost: p = c (1 + m).
+    Cost,
+}
+
+impl MarginOf {
+    /// Words of the form.
+    pub const WORDS: [&'static str; 2] = ["price", "cost"];
+}
+
+/// Steps of the currency's unit that amounts are rounded to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// Whole units.
+    Units,
+    /// Hundredths.
+    Hundredths,
+    /// Ten-thousandths, for cheap parts.
+    TenThousandths,
+}
+
+impl Rounding {
+    /// Words of the form.
+    pub const WORDS: [&'static str; 3] = ["0.01", "0.0001", "1"];
+
+    /// How many steps make a unit of the currency.
+    pub fn steps(self) -> f64 {
+        match self {
+            Rounding::Units => 1.0,
+            Rounding::Hundredths => 100.0,
+            Rounding::TenThousandths => 10_000.0,
+        }
+    }
+
+    /// Decimals of an amount.
+    pub fn decimals(self) -> u32 {
+        match self {
+            Rounding::Units => 0,
+            Rounding::Hundredths => 2,
+            Rounding::TenThousandths => 4,
+        }
+    }
+}
+
+/// Neutral: the machine's time of one part, and nothing else.
+impl Default for Terms {
+    fn default() -> Terms {
+        Terms {
+            reference: String::new(),
+            quantity: 1,
+            breaks: vec![1, 10, 100, 1000],
+            set_up: 0.0,
+            loading: 0.0,
+            operator: 0.0,
+            attendance: 1.0,
+            material: 0.0,
+            other: 0.0,
+            fixed: 0.0,
+            margin: 0.0,
+            margin_of: MarginOf::Price,
+            currency: "EUR".to_string(),
+            rounding: Rounding::Hundredths,
+            uncertainty: None,
+        }
+    }
+}
+
+/// One term as people write it.
+pub struct Term {
+    /// Its key, with the unit in it.
+    pub key: &'static str,
+    /// Short name for forms.
+    pub label: &'static str,
+    /// What it does, one sentence.
+    pub doc: &'static str,
+    /// Its kind, and how to reach it.
+    pub access: TermAccess,
+}
+
+/// How a term is read and written. Numbers are in core units.
+pub enum TermAccess {
+    /// A number within bounds, given in its unit.
+    Number {
+        /// Unit at the borders.
+        unit: Unit,
+        /// Least value allowed, in that unit.
+        min: f64,
+        /// Largest value allowed, in that unit.
+        max: f64,
+        /// Only whole numbers.
+        whole: bool,
+        /// Its value; none where there is none.
+        get: fn(&Terms) -> Option<f64>,
+        /// Gives it a value; none takes it back to neutral.
+        set: fn(&mut Terms, Option<f64>),
+    },
+    /// A list of quantities.
+    Quantities {
+        /// How many there can be.
+        most: usize,
+    },
+    /// One word of several.
+    Choice {
+        /// The words.
+        words: &'static [&'static str],
+        /// The word it has.
+        get: fn(&Terms) -> &'static str,
+        /// Gives it one of the words.
+        set: fn(&mut Terms, &str),
+    },
+    /// A text of so many characters at most.
+    Text {
+        /// How many.
+        most: usize,
+        /// The text.
+        get: fn(&Terms) -> &str,
+        /// Gives it a text.
+        set: fn(&mut Terms, &str),
+    },
+}
+
+/// Quantities that can be quoted.
+pub const QUANTITY: (f64, f64) = (1.0, 1e6);
+
+const fn number(
+    unit: Unit,
+    (min, max): (f64, f64),
+    get: fn(&Terms) -> Option<f64>,
+    set: fn(&mut Terms, Option<f64>),
+) -> TermAccess {
+    TermAccess::Number { unit, min, max, whole: false, get, set }
+}
+
+/// Amounts of money.
+const AMOUNT: (f64, f64) = (0.0, 1e7);
+
+/// A margin of the price must leave some of it for the cost.
+pub const LARGEST_MARGIN_OF_PRICE: f64 = 0.95;
+
+/// All terms in the order of the form.
+pub static TERMS: [Term; 15] = [
+    Term {
+        key: "reference",
+        label: "Reference",
+        doc: "What the quote is about, as it stands on it: part, customer, number.",
+        access: TermAccess::Text {
+            most: 200,
+            get: |t| &t.reference,
+            set: |t, v| t.reference = v.to_string(),
+        },
+    },
+    Term {
+        key: "quantity",
+        label: "Quantity",
+        doc: "Parts of the batch, made with one set-up.",
+        access: TermAccess::Number {
+            unit: Unit::Number,
+            min: QUANTITY.0,
+            max: QUANTITY.1,
+            whole: true,
+            get: |t| Some(f64::from(t.quantity)),
+            set: |t, v| t.quantity = v.unwrap_or(1.0) as u32,
+        },
+    },
+    Term {
+        key: "breaks",
+        label: "Price breaks",
+        doc: "Other quantities to quote beside it, for example 1; 10; 100.",
+        access: TermAccess::Quantities { most: 12 },
+    },
+    Term {
+        key: "set_up_min",
+        label: "Set-up time",
+        doc: "Machine and operator, once for the batch.",
+        access: number(Unit::Minute, (0.0, 10_000.0), |t| Some(t.set_up), |t, v| t.set_up = v.unwrap_or(0.0)),
+    },
+    Term {
+        key: "loading_s",
+        label: "Load and unload",
+        doc: "Machine and operator, for each part; the machine stands meanwhile.",
+        access: number(
+            Unit::Second,
+            (0.0, 36_000.0),
+            |t| Some(t.loading),
+            |t, v| t.loading = v.unwrap_or(0.0),
+        ),
+    },
+    Term {
+        key: "operator_hourly",
+        label: "Operator’s rate",
+        doc: "Price of an hour of the operator; 0 where the machine’s rate includes it.",
+        access: number(Unit::PerHour, (0.0, 1e6), |t| Some(t.operator), |t, v| t.operator = v.unwrap_or(0.0)),
+    },
+    Term {
+        key: "attendance_percent",
+        label: "Operator attends",
+        doc: "Part of the cycle for which the operator is paid; set-up and loading are attended in full.",
+        access: number(
+            Unit::Percent,
+            (0.0, 100.0),
+            |t| Some(t.attendance),
+            |t, v| t.attendance = v.unwrap_or(1.0),
+        ),
+    },
+    Term {
+        key: "material",
+        label: "Material a part",
+        doc: "Stock of one part.",
+        access: number(Unit::Number, AMOUNT, |t| Some(t.material), |t, v| t.material = v.unwrap_or(0.0)),
+    },
+    Term {
+        key: "other",
+        label: "Other cost a part",
+        doc: "Tools, treatment, packing of one part.",
+        access: number(Unit::Number, AMOUNT, |t| Some(t.other), |t, v| t.other = v.unwrap_or(0.0)),
+    },
+    Term {
+        key: "fixed",
+        label: "Fixed cost of the batch",
+        doc: "Programming, fixtures, first inspection; once.",
+        access: number(Unit::Number, AMOUNT, |t| Some(t.fixed), |t, v| t.fixed = v.unwrap_or(0.0)),
+    },
+    Term {
+        key: "margin_percent",
+        label: "Margin",
+        doc: "Added to every cost, the fixed ones too.",
+        access: number(Unit::Percent, (0.0, 1000.0), |t| Some(t.margin), |t, v| t.margin = v.unwrap_or(0.0)),
+    },
+    Term {
+        key: "margin_of",
+        label: "Margin is a part of",
+        doc: "price: price = cost ÷ (1 − margin), 95 % at most; cost: price = cost × (1 + margin).",
+        access: TermAccess::Choice {
+            words: &MarginOf::WORDS,
+            get: |t| MarginOf::WORDS[t.margin_of as usize],
+            set: |t, v| t.margin_of = if v == "cost" { MarginOf::Cost } else { MarginOf::Price },
+        },
+    },
+    Term {
+        key: "currency",
+        label: "Currency",
+        doc: "What all amounts are in, the machine’s hourly rate too; nothing is converted.",
+        access: TermAccess::Text { most: 12, get: |t| &t.currency, set: |t, v| t.currency = v.to_string() },
+    },
+    Term {
+        key: "rounding",
+        label: "Amounts rounded to",
+        doc: "Each amount is rounded, and the total is the sum of the rounded ones.",
+        access: TermAccess::Choice {
+            words: &Rounding::WORDS,
+            get: |t| match t.rounding {
+                Rounding::Hundredths => Rounding::WORDS[0],
+                Rounding::TenThousandths => Rounding::WORDS[1],
+                Rounding::Units => Rounding::WORDS[2],
+            },
+            set: |t, v| {
+                t.rounding = match v {
+                    "0.0001" => Rounding::TenThousandths,
+                    "1" => Rounding::Units,
+                    _ => Rounding::Hundredths,
+                }
+            },
+        },
+    },
+    Term {
+        key: "uncertainty_percent",
+        label: "Uncertainty of the cycle time",
+        doc: "Your own; empty: how far off the machine was when it was calibrated, where that is known.",
+        access: number(Unit::Percent, (0.0, 95.0), |t| t.uncertainty, |t, v| t.uncertainty = v),
+    },
+];

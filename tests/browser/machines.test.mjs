@@ -1,0 +1,134 @@
+// Machines: presets with their source, kept ones under names, removal with undo, files, and the editor of every parameter.
+
+import assert from 'node:assert/strict'
+import { readFileSync } from 'node:fs'
+import { computed, machineOf, pageTest } from './steps.mjs'
+
+const options = (page, group) =>
+  page.$$eval(`#preset optgroup[label="${group}"] option`, (all) => all.map(({ textContent }) => textContent))
+const KEPT = 'Kept in this browser'
+const chosen = (page) => page.$eval('#preset', (select) => select.selectedOptions[0].textContent)
+const openMore = (page) => page.$eval('#machine details', (details) => (details.open = true))
+
+async function reloaded(page) {
+  await page.reload()
+  await page.waitForSelector('html[data-ready]')
+}
+
+pageTest('presets say where their numbers come from and what they are not', async ({ page }) => {
+  const names = await options(page, 'Presets')
+  assert.ok(names.length >= 4)
+  for (const name of names) {
+    await page.selectOption('#preset', { label: name })
+    assert.match(await page.textContent('#machine .source'), /measured|[Tt]ypical/)
+    assert.match(await page.textContent('#machine .source'), /Calibrate|not measured/)
+  }
+  await page.selectOption('#preset', { label: names[0] })
+  assert.match(await page.textContent('#machine .origin'), /Ward et al\. 2021.*7\.9 %/)
+})
+
+pageTest('a machine is kept under its name, changed, duplicated, removed and brought back', async ({ page }) => {
+  await page.fill('#field-name', 'Mill 3')
+  await page.fill('#field-times-tool_change_s', '7')
+  await page.click('#machine .keep')
+  assert.deepEqual(await options(page, KEPT), ['Mill 3'])
+  assert.equal(await chosen(page), 'Mill 3')
+  assert.ok(await page.isDisabled('#machine .keep'))
+  await reloaded(page)
+  assert.equal(await chosen(page), 'Mill 3')
+  assert.equal(await page.inputValue('#field-times-tool_change_s'), '7')
+
+  await page.fill('#field-times-tool_change_s', '8')
+  assert.ok(await page.isVisible('.field.changed #field-times-tool_change_s'))
+  await page.click('#machine .keep')
+  await page.click('#machine .duplicate')
+  assert.deepEqual(await options(page, KEPT), ['Mill 3', 'Mill 3 (2)'])
+  assert.equal(await page.inputValue('#field-name'), 'Mill 3 (2)')
+
+  await page.click('#machine .remove')
+  assert.deepEqual(await options(page, KEPT), ['Mill 3'])
+  await page.click('#machine .undo button')
+  assert.deepEqual(await options(page, KEPT), ['Mill 3', 'Mill 3 (2)'])
+  assert.equal(await chosen(page), 'Mill 3 (2)')
+
+  // What was changed is undone as well.
+  await page.selectOption('#preset', { label: 'Mill 3' })
+  assert.equal(await page.inputValue('#field-times-tool_change_s'), '8')
+  await page.fill('#field-times-tool_change_s', '9')
+  await page.click('#machine .keep')
+  await page.click('#machine .undo button')
+  await page.click('#machine .reset')
+  assert.equal(await page.inputValue('#field-times-tool_change_s'), '8')
+
+  await page.click('#machine .remove')
+  await reloaded(page)
+  assert.deepEqual(await options(page, KEPT), ['Mill 3 (2)'])
+})
+
+pageTest('a machine file comes back as it went, and a broken one is refused with its place', async ({ page }) => {
+  await page.fill('#field-name', 'Lathe of <i>Bob</i>')
+  await page.fill('#field-rapid-feed_mm_min', '23456')
+  const saved = readFileSync(await machineOf(page), 'utf8')
+  await page.click('#machine .reset')
+  const load = (name, text) =>
+    page.setInputFiles('#machine-file', { name, mimeType: 'text/plain', buffer: Buffer.from(text) })
+  await load('bob.toml', saved)
+  await page.waitForFunction(() => document.querySelector('#field-rapid-feed_mm_min').value === '23456')
+  assert.deepEqual(await options(page, KEPT), ['Lathe of <i>Bob</i>'])
+  assert.equal(readFileSync(await machineOf(page), 'utf8'), saved)
+  await load('bad.toml', saved.replace('filters = 3', 'filtres = 3'))
+  await page.waitForFunction(() => document.querySelector('.import-fault').textContent !== '')
+  assert.match(await page.textContent('.import-fault'), /bad\.toml.*line \d+, column 1.*interpolator\.filters/)
+  assert.equal(await page.inputValue('#field-rapid-feed_mm_min'), '23456')
+  assert.equal((await options(page, KEPT)).length, 1)
+})
+
+pageTest('the editor has every parameter with meaning, bounds and neutral value; finds, marks and resets', async ({ page }) => {
+  await openMore(page)
+  const fields = await page.$$eval('#machine .field', (all) =>
+    all.map((field) => ({
+      label: field.querySelector('label').textContent,
+      doc: field.querySelector('.doc').textContent,
+      hint: field.querySelector('.hint').textContent,
+      isNumber: field.classList.contains('number'),
+    })),
+  )
+  assert.ok(fields.length > 90, `${fields.length} parameters`)
+  for (const { label, doc, hint, isNumber } of fields) {
+    assert.ok(doc.length > 8, label)
+    assert.match(hint, isNumber ? /^Neutral: .* · .* to / : /^Neutral: /, label)
+  }
+  assert.ok((await page.locator('#machine .more legend').count()) > 8)
+
+  const visible = () => page.$$eval('#machine .more .field', (all) => all.filter((field) => field.checkVisibility()).length)
+  const all = await visible()
+  await page.fill('#machine .search input[type="search"]', 'backlash')
+  assert.equal(await visible(), 3)
+  assert.match(await page.textContent('#machine .found'), /^3 of/)
+  await page.fill('#field-axis-y-backlash_mm', '0.02')
+  await page.fill('#machine .search input[type="search"]', '')
+  assert.equal(await visible(), all)
+  await page.check('#machine .search input[type="checkbox"]')
+  assert.ok(await page.isVisible('#field-axis-y-backlash_mm'))
+  assert.ok(await page.isHidden('#field-axis-x-backlash_mm'))
+  await page.uncheck('#machine .search input[type="checkbox"]')
+  await page.getByRole('button', { name: 'Reset Backlash Y to 0' }).click()
+  assert.equal(await page.inputValue('#field-axis-y-backlash_mm'), '0')
+  assert.equal(await page.evaluate(() => document.activeElement?.id), 'field-axis-y-backlash_mm')
+})
+
+pageTest('what the browser keeps may be anything', async ({ page }) => {
+  for (const text of ['{', 'null', '{"a":1}', '[1, null, {"name": 3}, {"name": "odd", "nothing": [1]}]']) {
+    await page.evaluate((kept) => localStorage.setItem('truefeed.machines.1', kept), text)
+    await reloaded(page)
+    assert.ok((await options(page, 'Presets')).length >= 4)
+  }
+  assert.deepEqual(await options(page, KEPT), ['odd'])
+  await page.selectOption('#preset', { label: 'odd' })
+  assert.notEqual(await page.textContent('#machine .faults'), '')
+  await page.click('#machine .remove')
+  assert.deepEqual(await options(page, KEPT), [])
+  await page.selectOption('#preset', { index: 0 })
+  await page.click('#welcome .sample')
+  await computed(page)
+})

@@ -1,0 +1,122 @@
+// One field of a form that Rust describes. It keeps texts and passes values on; what they mean and whether they are
+// allowed is for Rust to say.
+
+import { make } from './dom.js'
+
+/** @import { Parameter, Value } from "./types.js" */
+
+/**
+ * @typedef {object} Entry
+ * @property {Parameter} parameter
+ * @property {HTMLElement} element
+ * @property {(value: Value, message: string) => void} show  shows a value, unless it is what the user is typing
+ */
+
+/**
+ * @param {string} prefix  of its id
+ * @param {Parameter} parameter
+ * @param {(key: string, value: Value) => void} changed
+ * @returns {Entry}
+ */
+export function field(prefix, parameter, changed) {
+  const { key, label, doc, kind, unit, min, max, words, neutral } = parameter
+  const id = `${prefix}-${key.replaceAll('.', '-')}`
+  const control =
+    kind === 'choice'
+      ? make('select', { id }, ...words.map((word) => make('option', { value: word }, word)))
+      : make('input', { id })
+  if (control instanceof HTMLInputElement) {
+    control.type = kind === 'flag' ? 'checkbox' : 'text'
+    if (kind === 'number') control.inputMode = 'decimal'
+  }
+  const ofUnit = unit ? ` ${unit}` : ''
+  const bounds = min !== null && max !== null ? `${shown(min)} to ${shown(max)}${ofUnit}` : ''
+  control.title = bounds
+  control.setAttribute('aria-describedby', `${id}-doc ${id}-fault`)
+  const fault = make('p', { className: 'fault', id: `${id}-fault` })
+  const written = kind === 'flag' ? (neutral ? 'on' : 'off') : text(neutral) || 'empty'
+  const toNeutral = make('button', { type: 'button', className: 'neutral', title: `Back to ${written}` }, 'Reset')
+  toNeutral.setAttribute('aria-label', `Reset ${label} to ${written}`)
+  const hint = make(
+    'p',
+    { className: 'hint' },
+    `Neutral: ${written}${typeof neutral === 'number' ? ofUnit : ''}${bounds ? ` · ${bounds}` : ''} `,
+    toNeutral,
+  )
+  const element = make(
+    'div',
+    { className: `field ${kind}` },
+    make('label', { htmlFor: id, title: doc }, label),
+    make('span', { className: 'value' }, control, make('span', { className: 'unit' }, unit ?? '')),
+    make('p', { className: 'doc', id: `${id}-doc` }, doc),
+    hint,
+    fault,
+  )
+  const event = kind === 'choice' || kind === 'flag' ? 'change' : 'input'
+  control.addEventListener(event, () => changed(key, typed(kind, control)))
+  toNeutral.addEventListener('click', () => {
+    changed(key, neutral)
+    control.focus()
+  })
+
+  return {
+    parameter,
+    element,
+    show(value, message) {
+      fault.textContent = message
+      control.toggleAttribute('aria-invalid', message !== '')
+      element.classList.toggle('set', !same(value, neutral))
+      if (same(typed(kind, control), value)) return
+      if (kind === 'flag') /** @type {HTMLInputElement} */ (control).checked = value === true
+      else control.value = text(value)
+    },
+  }
+}
+
+/** The value in a control; null where it is empty. @param {Parameter["kind"]} kind @param {HTMLInputElement | HTMLSelectElement} control @returns {Value} */
+function typed(kind, control) {
+  const written = control.value.trim()
+  if (kind === 'flag') return /** @type {HTMLInputElement} */ (control).checked
+  if (kind === 'text' || kind === 'choice') return written
+  if (written === '') return null
+  if (kind === 'number') return numberOr(written)
+  if (kind === 'list') return /** @type {number[]} */ (written.split(/[;\s]+|,\s+/).filter(Boolean).map(numberOr))
+  if (kind === 'codes' || kind === 'tools') {
+    const pairs = written.split(/[;,]/).map((pair) => pair.split('=').map((part) => part.trim()))
+    return /** @type {Record<string, number>} */ (
+      Object.fromEntries(pairs.filter(([code]) => code).map(([code, time]) => [code, numberOr(time ?? '')]))
+    )
+  }
+  return written
+}
+
+/** A number where the text is one; Rust complains about any other text. @param {string} written */
+function numberOr(written) {
+  const number = Number(written.replace(',', '.'))
+  return written !== '' && Number.isFinite(number) ? number : written
+}
+
+/** @param {Value} value */
+function text(value) {
+  if (value === null) return ''
+  if (Array.isArray(value)) return value.join('; ')
+  if (typeof value === 'object')
+    return Object.entries(value)
+      .map(([code, time]) => `${code} = ${time}`)
+      .join('; ')
+  return typeof value === 'number' ? shown(value) : String(value)
+}
+
+/** @param {number} value */
+function shown(value) {
+  return String(Number(value.toPrecision(12)))
+}
+
+/** Whether two values are the same, an empty field and none among them. @param {unknown} a @param {unknown} b */
+export function same(a, b) {
+  const settled = (/** @type {unknown} */ value) =>
+    value && typeof value === 'object' && !Array.isArray(value)
+      ? Object.entries(value).sort(([x], [y]) => (x < y ? -1 : 1))
+      : (value ?? null)
+  return JSON.stringify(settled(a)) === JSON.stringify(settled(b))
+}

@@ -1,0 +1,45 @@
+// Machines that are kept in the browser, as filled forms; what is in them is checked by the form when one is chosen.
+
+/** @import { Preset, Values } from "./types.js" */
+
+const KEY = 'truefeed.machines.1'
+
+/** Those kept, as machines to begin with. @returns {Preset[]} */
+export function loadMachines() {
+  try {
+    const all = /** @type {unknown} */ (JSON.parse(localStorage.getItem(KEY) ?? '[]'))
+    if (!Array.isArray(all)) return []
+    const isOne = (/** @type {any} */ values) => values !== null && typeof values === 'object' && typeof values.name === 'string'
+    return all.filter(isOne).map(keptMachine)
+  } catch {
+    return []
+  }
+}
+
+/** A machine to begin with that is kept. @param {Values} values @returns {Preset} */
+export const keptMachine = (values) => ({
+  name: String(values.name),
+  source: 'Kept in this browser.',
+  caveat: '',
+  values,
+  kept: true,
+})
+
+/** Keeps those that are kept. @param {Preset[]} presets */
+export function saveMachines(presets) {
+  const all = presets.filter(({ kept, removed }) => kept && !removed).map(({ values }) => values)
+  try {
+    localStorage.setItem(KEY, JSON.stringify(all))
+  } catch {
+    // A browser that keeps nothing still computes.
+  }
+}
+
+/** A name that no machine has yet. @param {string} name @param {Preset[]} presets */
+export function freeName(name, presets) {
+  const isFree = (/** @type {string} */ other) => !presets.some((preset) => !preset.removed && preset.name === other)
+  const stem = name.replace(/ \(\d+\)$/, '')
+  let free = name
+  for (let number = 2; !isFree(free); number += 1) free = `${stem} (${number})`
+  return free
+}

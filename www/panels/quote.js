@@ -1,0 +1,234 @@
+// The quote: terms on one side, the price with all it is made of on the other, and its documents. All arithmetic is Rust's.
+
+import { Chart, Offered, termsForm } from '../pkg/truefeed.js'
+import { columnLabel, columnsOf } from '../columns.js'
+import { find, make } from '../dom.js'
+import { field, same } from '../field.js'
+import { amount, clock, count, seconds } from '../format.js'
+import { addressOf } from '../pictures.js'
+import { saveFile } from '../save.js'
+
+/** @import { Column, Form, Offer, OfferShare, Outcome, Parameter, State, Value } from "../types.js" */
+
+const CHART_PX = /** @type {const} */ ([1040, 560])
+/** The machine's own rate is part of the machine, and entered here as well. */
+const MACHINE_RATE = 'rates.hourly'
+
+/**
+ * @param {HTMLElement} root
+ * @param {Form} form
+ * @param {{setParameter(key: string, value: Value): void, setTerm(key: string, value: Value): void}} actions
+ */
+export function mount(root, form, actions) {
+  const chosen = /** @type {HTMLSelectElement} */ (find(root, '.at select'))
+  const answer = find(root, '.answer')
+  const pictures = find(root, '.pictures')
+  /** @type {Parameter[]} */
+  const terms = JSON.parse(termsForm())
+  const fields = terms.map((parameter) => field('term', parameter, actions.setTerm))
+  const rate = form.fields
+    .filter(({ key }) => key === MACHINE_RATE)
+    .map((parameter) => field('term', { ...parameter, label: 'Machine’s hourly rate' }, actions.setParameter))
+  // Beside the operator's.
+  const before = fields.findIndex(({ parameter }) => parameter.key === 'operator_hourly')
+  find(root, '.fields').append(...[...fields.slice(0, before), ...rate, ...fields.slice(before)].map(({ element }) => element))
+  find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
+
+  /** @type {State | undefined} */
+  let state
+  /** @type {Column[]} */
+  let columns = []
+  /** @type {Offered | null} */
+  let offered = null
+  /** What is in sight is of. @type {unknown[]} */
+  let shown = []
+
+  chosen.addEventListener('change', () => state && update(state))
+
+  /** @param {string} selector @param {(offered: Offered, name: string) => void} act */
+  function on(selector, act) {
+    find(root, selector).addEventListener('click', () => {
+      const name = program()?.name.replace(/\.[^.]*$/, '').replace(/[^\w.-]+/g, '-') ?? 'part'
+      if (offered) act(offered, `quote-${name}`)
+    })
+  }
+  on('.csv', (offer, name) => saveFile(offer.csv(), 'text/csv', `${name}.csv`))
+  on('.json', (offer, name) => saveFile(offer.json(), 'application/json', `${name}.json`))
+  on('.html', (offer, name) => {
+    const charts = drawn()
+    const html = offer.html(charts, charts.map(() => CAPTION))
+    saveFile(html, 'text/html', `${name}.html`)
+  })
+  on('.print', async () => {
+    await Promise.all(placePictures().map((picture) => picture.decode()))
+    window.print()
+  })
+  window.addEventListener('beforeprint', () => offered && pictures.childElementCount === 0 && placePictures())
+
+  /** The charts on paper. */
+  function placePictures() {
+    const images = drawn().map((svg) => make('img', { src: addressOf(svg), alt: CAPTION }))
+    pictures.replaceChildren(...images)
+    return images
+  }
+
+  const program = () => state?.programs.find(({ id }) => id === state?.selected)
+
+  /** The chart of the tolerance in sight as SVG. */
+  function drawn() {
+    const outcome = program()?.outcome
+    const column = columns[chosen.selectedIndex]
+    const run = outcome?.runs.get(column)
+    if (!outcome || !run) return []
+    const chart = new Chart()
+    const { end, feedrate, rapid, line } = outcome.steps
+    chart.program(end, feedrate, rapid, line)
+    if (column === null) chart.addProgrammed(columnLabel(null), new Float64Array(), new Float64Array(), new Float64Array())
+    else chart.add(column)
+    const { distance, feedrate: feed, time, corner, arc } = run.columns
+    chart.fill(distance, feed, time, corner, arc)
+    const svg = chart.svg(...CHART_PX)
+    chart.free()
+    return svg ? [svg] : []
+  }
+
+  /** @param {State} now */
+  function update(now) {
+    state = now
+    const outcome = program()?.outcome
+    const { machine, terms } = now
+    for (const { parameter, show } of [...fields, ...rate]) {
+      const source = parameter.key === MACHINE_RATE ? machine : terms
+      const message = source.faults.find(({ key }) => key === parameter.key)?.message ?? ''
+      show(source.values[parameter.key] ?? null, message)
+    }
+    choices(now, outcome)
+    const column = columns[chosen.selectedIndex]
+    const run = outcome?.runs.get(column)?.summary
+    root.hidden = columns.length === 0
+    document.body.classList.toggle('has-quote', !root.hidden)
+    root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machine.motion)
+    const of = [run, machine.values, terms.values, program()?.name]
+    if (same([...of.slice(1)], shown.slice(1)) && run === shown[0]) return
+    shown = of
+    offered?.free()
+    offered = null
+    pictures.replaceChildren()
+    if (!run || !outcome) return answer.replaceChildren()
+    const asked = {
+      machine: machine.values,
+      terms: terms.values,
+      program: program()?.name ?? '',
+      tolerance: columnLabel(column),
+      programmed_time_s: outcome.summary.programmed_time_s,
+      run,
+    }
+    try {
+      offered = new Offered(JSON.stringify(asked))
+      answer.replaceChildren(...priced(JSON.parse(offered.json())))
+    } catch (faults) {
+      if (typeof faults !== 'string') throw faults
+      answer.replaceChildren(make('p', { className: 'fault' }, 'There is no price while an entry has a fault: ', list(faults)))
+    }
+    for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (root.querySelectorAll('.exports button')))
+      button.disabled = !offered
+  }
+
+  /** The tolerances that can be quoted. @param {State} now @param {Outcome | null | undefined} outcome */
+  function choices(now, outcome) {
+    const computed = columnsOf(now, outcome).filter((column) => outcome?.runs.has(column))
+    if (same(computed, columns)) return
+    const before = chosen.value
+    columns = [...computed]
+    chosen.replaceChildren(...columns.map((column) => make('option', {}, columnLabel(column))))
+    if (columns.some((column) => columnLabel(column) === before)) chosen.value = before
+  }
+
+  return { update }
+}
+
+const CAPTION = 'Feedrate over the distance, and contour error below'
+
+/** What is wrong, in one line. @param {string} faults  JSON */
+function list(faults) {
+  const all = /** @type {{key: string | null, message: string}[]} */ (JSON.parse(faults))
+  return all.map(({ key, message }) => (key ? `${key}: ${message}` : message)).join('; ')
+}
+
+/** The price and what it is made of. @param {Offer} offer */
+function priced(offer) {
+  const money = (/** @type {number} */ value) => amount(value, offer.decimals)
+  const each = (/** @type {number} */ value) => amount(value, Math.max(2, offer.decimals))
+  const { batch, uncertainty, currency } = offer
+  const range = (/** @type {[number, number] | null} */ ends, /** @type {(value: number) => string} */ write) =>
+    ends ? `${write(ends[0])} – ${write(ends[1])}` : 'unknown'
+  const parts = `${count(batch.quantity)} ${batch.quantity === 1 ? 'part' : 'parts'}`
+  const headline = make(
+    'p',
+    { className: 'headline' },
+    make('b', {}, `${each(batch.unit_price)} ${currency}`.trim()),
+    ' a part',
+    batch.quantity > 1 ? `, ${money(batch.total)} ${currency} for ${parts}` : '',
+  )
+  const ends = uncertainty.cycle_time_s
+  const time = `${clock(offer.cycle_time_s)} (${seconds(offer.cycle_time_s)}) a part${ends ? `, ${range(ends, seconds)}` : ''}. `
+  const rows = offer.addends.map(({ item, basis, once, amount: value, of_batch: whole }) =>
+    row(item, [once ? money(value) : '', once ? '' : money(value), money(whole)], basis),
+  )
+  rows.push(sum('Total', [money(offer.once), money(offer.part), money(batch.total)]))
+  const breaks = offer.breaks.map((other) =>
+    row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range, money)]),
+  )
+  const cost = [seconds(offer.cycle_time_s), money(offer.cycle_cost)]
+  const shares = (/** @type {OfferShare[]} */ all) => [
+    ...all.map(({ name, line, time_s: own, amount: value }) =>
+      row(name || 'Before the first tool', [seconds(own), money(value)], line === null ? '' : `line ${line}`),
+    ),
+    sum('Together', cost),
+  ]
+  const byPart = make(
+    'details',
+    {},
+    make('summary', {}, 'By operation and by tool'),
+    table('Cycle by operation, before the margin', ['', 'Time', 'Cost'], shares(offer.operations)),
+    table('Cycle by tool, before the margin', ['', 'Time', 'Cost'], shares(offer.tools)),
+  )
+  const title = offer.reference || offer.program
+  return [
+    make('p', { className: 'on-paper' }, make('b', {}, title), ` Program ${offer.program} on ${offer.machine}, contour tolerance ${offer.tolerance}.`),
+    headline,
+    make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, `Cycle time ${time}`), uncertainty.sentence),
+    table('What the price is made of', ['', 'Once', 'A part', `${parts}${currency ? `, ${currency}` : ''}`], rows),
+    table('Price by quantity', ['Quantity', 'A part', 'Total', 'If the cycle time is off'], breaks),
+    byPart,
+    ...offer.notes.map((note) => make('p', { className: 'help' }, note)),
+  ]
+}
+
+/** @param {string} title @param {string[]} cells @param {string} [basis]  what the title is made of */
+function row(title, cells, basis = '') {
+  const below = basis ? [' ', make('span', { className: 'basis' }, basis)] : []
+  return make('tr', {}, make('th', { scope: 'row' }, title, ...below), ...cells.map((cell) => make('td', {}, cell)))
+}
+
+/** @param {string} title @param {string[]} cells */
+function sum(title, cells) {
+  return Object.assign(row(title, cells), { className: 'sum' })
+}
+
+/** @param {string} caption @param {string[]} titles @param {HTMLElement[]} rows */
+function table(caption, titles, rows) {
+  const head = titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {})))
+  const body = make(
+    'table',
+    {},
+    make('caption', {}, caption),
+    make('thead', {}, make('tr', {}, ...head)),
+    make('tbody', {}, ...rows),
+  )
+  const place = make('div', { className: 'scroll', tabIndex: 0 }, body)
+  // Focus lets the keys scroll what is wider than the page.
+  place.setAttribute('role', 'group')
+  place.setAttribute('aria-label', caption)
+  return place
+}

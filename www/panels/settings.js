@@ -1,0 +1,100 @@
+// Settings as a link or a file: giving them away and taking them in. What they may say is Rust's affair.
+
+import { find } from '../dom.js'
+import { linkTo, takeFromAddress } from '../link.js'
+import { saveFile } from '../save.js'
+
+/** @import { State } from "../types.js" */
+
+/**
+ * @typedef {object} Actions
+ * @property {() => string} settings  their text; throws why there is none
+ * @property {(text: string) => void} takeSettings  throws why they are none
+ * @property {() => void} undoSettings
+ * @property {() => void} forgetSettings  those from before
+ */
+
+/** @param {HTMLElement} root @param {HTMLElement} notice @param {Actions} actions */
+export function mount(root, notice, actions) {
+  const said = find(root, '.said')
+  const shown = /** @type {HTMLInputElement} */ (find(root, '.link'))
+  const file = /** @type {HTMLInputElement} */ (find(root, '#settings-file'))
+  const refused = find(notice, '.refused')
+  const taken = find(notice, '.taken')
+
+  find(root, '.copy').addEventListener('click', async () => {
+    const text = written()
+    if (text === undefined) return
+    shown.value = linkTo(text)
+    shown.hidden = false
+    try {
+      await navigator.clipboard.writeText(shown.value)
+      said.textContent = 'Link copied. It holds machine, tolerances and quote; no program.'
+    } catch {
+      shown.select()
+      said.textContent = 'Copy the link from the field. It holds machine, tolerances and quote; no program.'
+    }
+  })
+  find(root, '.save-settings').addEventListener('click', () => {
+    const text = written()
+    if (text === undefined) return
+    saveFile(text, 'application/json', 'truefeed-settings.json')
+    said.textContent = 'Saved.'
+  })
+  file.addEventListener('change', async () => {
+    const [chosen] = file.files ?? []
+    if (!chosen) return
+    const text = await chosen.text()
+    file.value = ''
+    take(text, `The settings of ${chosen.name}`)
+  })
+  find(notice, '.back').addEventListener('click', () => {
+    actions.undoSettings()
+    find(root, '.copy').focus()
+  })
+  find(notice, '.stay').addEventListener('click', () => {
+    actions.forgetSettings()
+    find(root, '.copy').focus()
+  })
+  find(notice, '.dismiss').addEventListener('click', () => refuse(''))
+  window.addEventListener('hashchange', fromAddress)
+
+  function fromAddress() {
+    const text = takeFromAddress()
+    if (text !== undefined) take(text, 'The settings of the link')
+  }
+
+  /** The text of the settings; says why there is none. */
+  function written() {
+    try {
+      return actions.settings()
+    } catch (reason) {
+      said.textContent = `The settings cannot be given away: ${reason}.`
+      return undefined
+    }
+  }
+
+  /** @param {string} text @param {string} what */
+  function take(text, what) {
+    try {
+      actions.takeSettings(text)
+      refuse('')
+    } catch (reason) {
+      refuse(`${what} cannot be used: ${reason}. Nothing was changed.`)
+    }
+  }
+
+  /** @param {string} message */
+  function refuse(message) {
+    find(refused, 'span').textContent = message
+    refused.hidden = message === ''
+  }
+
+  return {
+    fromAddress,
+    /** @param {State} state */
+    update({ beforeSettings }) {
+      taken.hidden = beforeSettings === null
+    },
+  }
+}
