@@ -163,7 +163,8 @@ pub fn programmed_and_predicted(
     let (programmed, predicted) =
         (programmed_feedrates(engagement, toolpath), samples.feedrates_at(engagement));
     let mut rooms = Vec::with_capacity(engagement.places.len());
-    let both = loads_with(engagement, toolpath, setup, &[&programmed, &predicted], Some(&mut rooms), progress)?;
+    let both =
+        loads_with(engagement, toolpath, setup, &[&programmed, &predicted], Some(&mut rooms), progress)?;
     let mut both: [Loads; 2] = both.try_into().expect("two lists of feedrates give two loads");
     both[0].headroom = headroom(engagement, &rooms, &programmed, &predicted);
     Ok(both)
@@ -240,10 +241,11 @@ fn loads_with(
                 watched.into_iter().find(|(_, value, allowed)| allowed < value).map(|(limit, ..)| limit)
             };
             let ladder = of_given.iter().take(1).chain(of_raised);
-            let (fits, limit) = match ladder.clone().map(met).enumerate().find_map(|(at, met)| Some((at, met?))) {
-                Some((at, limit)) => (at, Some(limit)),
-                None => (ladder.count(), None),
-            };
+            let (fits, limit) =
+                match ladder.clone().map(met).enumerate().find_map(|(at, met)| Some((at, met?))) {
+                    Some((at, limit)) => (at, Some(limit)),
+                    None => (ladder.count(), None),
+                };
             rooms.push(Room { operation, steps: fits.saturating_sub(1), limit });
         }
         for ((loads, watch), load) in all.iter_mut().zip(&mut watches).zip(of_given) {

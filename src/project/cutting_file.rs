@@ -177,9 +177,8 @@ fn mill(table: MillTable, diameter: Option<f64>, key: &str) -> Result<Mill, Faul
         teeth: table.teeth,
         helix: checked("helix_deg", table.helix_deg, -75.0..=75.0, "°")?.unwrap_or(0.0).to_radians(),
         runout: checked("runout_mm", table.runout_mm, 0.0..=1.0, "mm")?.unwrap_or(0.0),
-        compliance: bends.map_or(0.0, |(diameter, overhang)| {
-            compliance(diameter, overhang, n_per_mm2_of_gpa(modulus))
-        }),
+        compliance: bends
+            .map_or(0.0, |(diameter, overhang)| compliance(diameter, overhang, n_per_mm2_of_gpa(modulus))),
         limits: Limits {
             chip: chip.unwrap_or(f64::INFINITY),
             deflection: deflection.unwrap_or(f64::INFINITY),

@@ -24,9 +24,10 @@ fn predicted(setup: Option<&Setup>) -> Value {
         Some(setup) => {
             let cut = engagement(&toolpath, setup);
             let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
-            let loads = cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, setup, &samples));
+            let loads =
+                cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, setup, &samples, &mut |_| {}));
             let loads: Vec<_> = loads.collect();
-            prediction.with_cutting(&cut, &loads)
+            prediction.with_cutting(setup, &cut, &loads)
         }
     };
     serde_json::from_str(&prediction.to_json()).expect("it is JSON")
