@@ -4,6 +4,7 @@ import init, {
   dialects,
   faults,
   form as formOfModule,
+  materials,
   mostCurves,
   motionOf,
   toleranceLabel,
@@ -71,6 +72,7 @@ const state = {
   calibrating: false,
   diagnosis: null,
   diagnosing: false,
+  cut: null,
   sample: null,
   progress: null,
   paused: false,
@@ -234,6 +236,12 @@ export const actions = {
   /** @param {Pick<Place, 'distance_mm'>} place */
   show(place) {
     chart.show(place)
+  },
+  /** What a cut asks of tool and spindle, for the breakdown. @param {import("./types.js").Cut | null} cut */
+  setCut(cut) {
+    if (cut === state.cut) return
+    state.cut = cut
+    update()
   },
   /** @param {number[]} tolerances  mm */
   setTolerances(tolerances) {
@@ -486,7 +494,7 @@ const panels = [
   calibrationPanel.mount(element('calibration'), actions),
   diagnosisPanel.mount(element('diagnosis'), new Engine(module), actions),
   breakdownPanel.mount(element('breakdown'), actions),
-  cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker)),
+  cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker), JSON.parse(materials()), actions),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 
