@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use crate::cutting::engagement::{Engagement, TOLD};
 use crate::cutting::force::{Force, Rotor};
-use crate::cutting::headroom::{FACTORS, Headroom, Room, headroom};
+use crate::cutting::headroom::{FACTORS, Headroom, Room, STEEP, headroom};
 use crate::cutting::setup::{CuttingError, Limits, Setup};
 use crate::simulation::profile::Samples;
 use crate::simulation::toolpath::{Motion, Operation, Toolpath};
@@ -240,13 +240,13 @@ fn loads_with(
                 let watched = watched(load, &mill.limits, &setup.spindle);
                 watched.into_iter().find(|(_, value, allowed)| allowed < value).map(|(limit, ..)| limit)
             };
-            let ladder = of_given.iter().take(1).chain(of_raised);
-            let (fits, limit) =
-                match ladder.clone().map(met).enumerate().find_map(|(at, met)| Some((at, met?))) {
-                    Some((at, limit)) => (at, Some(limit)),
-                    None => (ladder.count(), None),
-                };
-            rooms.push(Room { operation, steps: fits.saturating_sub(1), limit });
+            let ladder = of_given.iter().take(1).chain(of_raised).map(met);
+            let (steps, limit) = match ladder.enumerate().find_map(|(step, met)| Some((step, met?))) {
+                _ if !is_limited || place.level < STEEP => (0, None),
+                Some((step, limit)) => (step.saturating_sub(1), Some(limit)),
+                None => (FACTORS.len(), None),
+            };
+            rooms.push(Room { operation, steps, limit });
         }
         for ((loads, watch), load) in all.iter_mut().zip(&mut watches).zip(of_given) {
             let peak = |value: f64| Peak { value, line: place.line, distance: place.distance };

@@ -84,7 +84,7 @@ pub fn compute_cutting(
     let toolpath = trace(&read_with(program, &Options { dialect, ..Options::default() }), &machine);
     let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
     // What a listener throws is its own affair.
-    let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
+    let tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
     let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATION * part));
     let quote = quote(&toolpath, &machine, &plan, tolerances, &errors);
     let cut = engagement_told(&toolpath, &setup, &mut |part| tell(SIMULATION + (HALF - SIMULATION) * part));

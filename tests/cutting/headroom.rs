@@ -59,22 +59,18 @@ fn the_shallow_slot_could_be_faster_up_to_the_limit() {
     let free = programmed(PROGRAM, &with(Limits::default()));
     // Nothing limits: nothing is said.
     assert!(free.headroom.is_empty());
-    let force = 1.01 * free.force.value;
+    let force = 0.55 * free.force.value;
     for (limits, limit) in [
         (Limits { force, ..Limits::default() }, Limit::ToolForce),
-        (Limits { torque: 1.01 * free.torque.value, ..Limits::default() }, Limit::ToolTorque),
-        (Limits { power: 1.01 * free.power.value, ..Limits::default() }, Limit::ToolPower),
+        (Limits { torque: 0.55 * free.torque.value, ..Limits::default() }, Limit::ToolTorque),
+        (Limits { power: 0.55 * free.power.value, ..Limits::default() }, Limit::ToolPower),
     ] {
         let setup = with(limits);
         let loads = programmed(PROGRAM, &setup);
         let [headroom] = loads.headroom[..] else { panic!("{:?}", loads.headroom) };
         assert_eq!((headroom.lines, headroom.operation), ((6, 6), 0));
-        if let Some(met) = headroom.limit {
-            assert_eq!(met, limit);
-            holds(&headroom, &setup, 6);
-        } else {
-            assert_eq!(headroom.factor, 3.0);
-        }
+        assert_eq!(headroom.limit, Some(limit));
+        holds(&headroom, &setup, 6);
         assert!((headroom.feedrate - 10.0).abs() < 1e-9 && (headroom.length - 44.0).abs() < 5.0);
         assert!(headroom.predicted <= headroom.feedrate);
     }
@@ -87,7 +83,9 @@ fn chips_limit_both_slots_alike() {
     let setup = with(Limits { chip: 1.6 * chip, ..Limits::default() });
     let loads = programmed(PROGRAM, &setup);
     assert_eq!(loads.headroom.len(), 2);
-    for (headroom, line) in loads.headroom.iter().zip([6, 11]) {
+    for line in [6, 11] {
+        let headroom =
+            loads.headroom.iter().find(|headroom| headroom.lines == (line, line)).expect("it is told");
         assert_eq!((headroom.factor, headroom.limit), (1.5, Some(Limit::ToolChip)));
         holds(headroom, &setup, line);
     }
@@ -95,7 +93,7 @@ fn chips_limit_both_slots_alike() {
 
 #[test]
 fn run_out_leaves_less_room() {
-    let even = with(Limits { force: 600.0, ..Limits::default() });
+    let even = with(Limits { force: 200.0, ..Limits::default() });
     let uneven = Mill { runout: 0.02, ..even.tool.expect("given") };
     let uneven = Setup { tool: Some(uneven), ..even.clone() };
     let factors = [even, uneven].map(|setup| {
@@ -115,7 +113,7 @@ fn a_tool_bends_by_the_cube_of_its_length() {
     let rod = 3.0 * 6e5 * std::f64::consts::PI * 8.0_f64.powi(4) / 64.0;
     assert!((compliance(10.0, 40.0, 6e5) / (64000.0 / rod) - 1.0).abs() < 1e-12);
     let bent = |overhang: f64| {
-        let mut setup = with(Limits { deflection: 0.02, ..Limits::default() });
+        let mut setup = with(Limits { deflection: 0.05, ..Limits::default() });
         let tool = setup.tool.as_mut().expect("given");
         tool.compliance = compliance(8.0, overhang, 6e5);
         programmed(PROGRAM, &setup)

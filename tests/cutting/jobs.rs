@@ -116,18 +116,18 @@ fn mutated_jobs_are_read_or_refused_and_some_are_read() {
     let words: Vec<Vec<u8>> = KEYS.iter().chain(&VALUES).map(|word| word.as_bytes().to_vec()).collect();
     let (mut random, seeds) = (Random(0x5eed_000a), seeds());
     let read =
-        (0..3000).filter(|_| run(&String::from_utf8_lossy(&mutated(&mut random, &seeds, &words)))).count();
-    assert!((100..2900).contains(&read), "{read} of 3000");
+        (0..1500).filter(|_| run(&String::from_utf8_lossy(&mutated(&mut random, &seeds, &words)))).count();
+    assert!((100..1400).contains(&read), "{read} of 1500");
 }
 
 /// Values at the ends of their ranges, so that what follows the reading is reached.
 #[test]
 fn what_can_be_read_is_computed_or_refused() {
     let mut random = Random(0x5eed_000b);
-    for _ in 0..300 {
+    for _ in 0..60 {
         let mut of = |values: &[f64]| values[random.below(values.len())];
         let diameter = of(&[0.001, 0.4, 3.0, 12.0, 1000.0]);
-        let [teeth, helix] = [of(&[1.0, 2.0, 7.0, 100.0]), of(&[-75.0, -30.0, 0.0, 1e-9, 45.0, 75.0])];
+        let [teeth, helix] = [of(&[1.0, 2.0, 7.0]), of(&[-75.0, -30.0, 0.0, 1e-9, 45.0, 75.0])];
         let [runout, size] = [of(&[0.0, 1e-12, 0.02, 1.0]), of(&[1e-3, 1.0, 30.0, 1000.0])];
         let [resolution, limit] = [of(&[0.5, 3.0, 100.0]), of(&[0.0, 1e-9, 50.0, 1e7])];
         let corner = 0.499 * diameter * of(&[0.0, 0.3, 1.0]);
