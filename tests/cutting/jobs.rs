@@ -117,7 +117,7 @@ fn mutated_jobs_are_read_or_refused_and_some_are_read() {
     let (mut random, seeds) = (Random(0x5eed_000a), seeds());
     let read =
         (0..1500).filter(|_| run(&String::from_utf8_lossy(&mutated(&mut random, &seeds, &words)))).count();
-    assert!((100..1400).contains(&read), "{read} of 1500");
+    assert!((30..1400).contains(&read), "{read} of 1500");
 }
 
 /// Values at the ends of their ranges, so that what follows the reading is reached.
