@@ -275,8 +275,22 @@ pub fn cutting_remarks(
         );
         is_met.then_some((all[0].peak.line, false, text))
     });
-    rapids.chain(beyond).chain(spared).chain(doubted).collect()
+    let chips = programmed.at.iter().zip(&engagement.places);
+    let thickest =
+        chips.max_by(|a, b| a.0.chip.total_cmp(&b.0.chip)).filter(|(load, _)| MOST_CHIP_MM < load.chip);
+    let unlikely = thickest.map(|(load, place)| {
+        let text = format!(
+            "chips in the material would be {} mm thick at the programmed feedrate; no end mill cuts that, and the forces mean \
+             nothing: check the speed of the spindle, the feedrate and the number of teeth",
+            short(load.chip)
+        );
+        (place.line, false, text)
+    });
+    rapids.chain(beyond).chain(spared).chain(doubted).chain(unlikely).collect()
 }
+
+/// Chips thicker than this are a mistake in the job or in the program.
+const MOST_CHIP_MM: f64 = 1.0;
 
 /// A number in about three figures.
 fn short(value: f64) -> String {
