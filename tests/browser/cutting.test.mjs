@@ -42,7 +42,7 @@ pageTest('cutting forces are computed on request, as on the command line', async
   const options = ['predict', PROGRAM, '--machine', machine, '--cutting', JOB, '--tolerance', '0.01', '--json']
   const { runs, diagnostics } = JSON.parse(execFileSync(binary(), options, { encoding: 'utf8' }))
   const { programmed, predicted } = runs[0].cutting
-  const rows = await page.$$eval('#cutting tbody tr', (all) =>
+  const rows = await page.$$eval('#cutting .result tbody tr', (all) =>
     all.map((row) => [...row.cells].map((cell) => cell.textContent)),
   )
   assert.equal(rows[0][0], 'Force (N)')
@@ -90,7 +90,7 @@ pageTest('peaks lead to the chart and the program, and operations gain volume an
   await page.click('#cutting summary')
   await compute(page, TEXT.replace('max_force_n = 100', 'max_force_n = 2000'))
   const whole = await span()
-  const first = page.locator('#cutting tbody tr').first().locator('button').first()
+  const first = page.locator('#cutting .result tbody tr').first().locator('button').first()
   const line = Number(await first.textContent())
   assert.match(await first.getAttribute('title'), /X30 F1500|Y30|X-10/)
   await first.click()

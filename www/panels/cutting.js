@@ -267,7 +267,7 @@ export function mount(root, engine, materials, actions) {
             make('p', { className: 'help' }, 'Where the predicted feedrate is below the programmed one, the machine does not reach it, and a higher one saves less or nothing.'),
           ]
         : []),
-      make('p', { className: 'help' }, `Stock in cells of ${figures.format(cutting.resolution_mm)} mm; ${cutting.assumptions}. Coefficients of ${cutting.material.name}: ${cutting.material.source}.`),
+      make('p', { className: 'help' }, `Pale and broad: programmed feedrate; blue: predicted. Stock in cells of ${figures.format(cutting.resolution_mm)} mm; ${cutting.assumptions}. Coefficients of ${cutting.material.name}: ${cutting.material.source}.`),
     )
     const { distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate } = loads
     picture = new LoadPicture(
