@@ -12,6 +12,7 @@
 //! | force        | N      | N                     |
 //! | torque       | N·mm   | N·m                   |
 //! | power        | N·mm/s | W                     |
+//! | modulus      | N/mm²  | GPa                   |
 //!
 //! Borders are G-code words, the machine file, the command line's output and the page.
 
@@ -64,6 +65,11 @@ pub fn n_m_of_n_mm(torque: f64) -> f64 {
 /// A torque in N·mm from one in N·m.
 pub fn n_mm_of_n_m(torque_n_m: f64) -> f64 {
     torque_n_m * MM_PER_M
+}
+
+/// A modulus in N/mm² from one in GPa.
+pub fn n_per_mm2_of_gpa(modulus_gpa: f64) -> f64 {
+    modulus_gpa * MM_PER_M
 }
 
 /// A power in W from one in N·mm/s.

@@ -91,9 +91,9 @@ export class Engine {
     return this.#result('cycleTimes', request, () => {})
   }
 
-  /** Cuts the stock of a job with a program. @param {CutRequest} request @returns {Promise<CutResult>} */
-  cut(request) {
-    return this.#result('cut', request, () => {})
+  /** Cuts the stock of a job with a program. @param {CutRequest} request @param {Stage} stage @returns {Promise<CutResult>} */
+  cut(request, stage) {
+    return this.#result('cut', request, stage)
   }
 
   /**

@@ -5,6 +5,7 @@ import init, {
   edited,
   faults,
   form as formOfModule,
+  materials,
   mostCurves,
   motionOf,
   settingsFromText,
@@ -82,6 +83,7 @@ const state = {
   calibrating: false,
   diagnosis: null,
   diagnosing: false,
+  cut: null,
   sample: null,
   progress: null,
   paused: false,
@@ -309,6 +311,12 @@ export const actions = {
   /** Shows a stretch of the path (mm) in the charts, where they are. @param {[number, number]} stretch */
   reveal(stretch) {
     chart.reveal(stretch)
+  },
+  /** What a cut asks of tool and spindle, for the breakdown. @param {import("./types.js").Cut | null} cut */
+  setCut(cut) {
+    if (cut === state.cut) return
+    state.cut = cut
+    update()
   },
   /** @param {number[]} tolerances  mm */
   setTolerances(tolerances) {
@@ -613,7 +621,7 @@ const panels = [
   breakdownPanel.mount(element('breakdown'), actions),
   quotePanel.mount(element('quote'), form, actions),
   exchange,
-  cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker)),
+  cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker), JSON.parse(materials()), actions),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

@@ -59,6 +59,21 @@ export function link(own) {
 }
 
 /**
+ * Gives a picture that draws itself the cursor and the stretch of the path that all charts have.
+ * @param {Plot} plot
+ * @returns {{point(distance: number): void, leave(): void, span(): [number, number] | undefined}}
+ */
+export function join(plot) {
+  plots.add(plot)
+  const others = () => [...plots].filter((other) => other !== plot)
+  return {
+    point: (distance) => [...others(), ...linked].forEach((other) => other.point(distance)),
+    leave: () => [...others(), ...linked].forEach((other) => other.hide()),
+    span: () => others().find((other) => other.isShown())?.span(),
+  }
+}
+
+/**
  * @param {HTMLElement} root
  * @param {Chart} chart
  * @param {object} content

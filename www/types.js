@@ -30,7 +30,11 @@
 /** @typedef {{value: number, line: number, distance_mm: number}} CutPeak */
 /** @typedef {{force_n: CutPeak, torque_nm: CutPeak, power_w: CutPeak, removal_rate_mm3_min: CutPeak}} CutPeaks */
 
-/** What the cut of one run asks of tool and spindle. @typedef {{resolution_mm: number, programmed: CutPeaks, predicted: CutPeaks, assumptions: string}} Cutting */
+/** Coefficients and where they are from. @typedef {{name: string, source: string, is_checked: boolean, cutting_n_mm2: number[], edge_n_mm: number[]}} CutMaterial */
+/** Where the feedrate could be higher. @typedef {{lines: [number, number], distance_mm: [number, number], programmed_mm_min: number, predicted_mm_min: number, factor: number, limit: string | null, saved_s: number}} CutRoom */
+/** What the cut of a program on a machine asks of tool and spindle, by operation. @typedef {{program: number, dialect: string | null, motion: string | undefined, column: Column, operations: (CutOfOperation | undefined)[]}} Cut */
+
+/** What the cut of one run asks of tool and spindle. @typedef {{resolution_mm: number, material: CutMaterial, programmed: CutPeaks, predicted: CutPeaks, headroom: CutRoom[], assumptions: string}} Cutting */
 /** @typedef {{removed_mm3: number, peak_power_w: CutPeak, peak_force_n: CutPeak}} CutOfOperation */
 
 /**
@@ -287,6 +291,7 @@
  * @property {boolean} calibrating  a calibration was asked for and is not there yet
  * @property {Diagnosis | null} diagnosis
  * @property {boolean} diagnosing  a diagnosis was asked for and is not there yet
+ * @property {Cut | null} cut  the last one that was computed
  * @property {Before | null} sample  what was in the form before the sample's machine
  * @property {Progress | null} progress
  * @property {boolean} paused  the user cancelled; nothing runs until something changes

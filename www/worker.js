@@ -89,7 +89,9 @@ function compare({ program, machine, dialect, recording }) {
 
 /** @param {CutRequest} request */
 function cut({ program, machine, dialect, tolerance, job }) {
-  const { summary, columns } = computeCutting(program, machine, dialect ?? undefined, tolerance ?? undefined, job)
+  const progress = (/** @type {number} */ part) => stage('Computing forces', part, 1)
+  progress(0)
+  const { summary, columns } = computeCutting(program, machine, dialect ?? undefined, tolerance ?? undefined, job, progress)
   const loads = plain(columns, [...LOADS])
   post({ type: 'cut', summary, columns: loads }, Object.values(loads))
 }

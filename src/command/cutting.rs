@@ -37,7 +37,7 @@ impl Cut {
     /// Adds the loads of a tolerance by its profile.
     pub fn load(&mut self, toolpath: &Toolpath, samples: &Samples) -> Result<(), Refusal> {
         let Ok(engagement) = &self.engagement else { return Ok(()) };
-        let both = programmed_and_predicted(engagement, toolpath, &self.setup, samples);
+        let both = programmed_and_predicted(engagement, toolpath, &self.setup, samples, &mut |_| {});
         if let (true, Some(path), Ok(both)) = (self.loads.is_empty(), &self.forces, &both) {
             write_whole(path, &loads_csv(engagement, both))?;
         }
@@ -47,11 +47,11 @@ impl Cut {
 
     /// A prediction with all that was computed.
     pub fn added_to(&self, prediction: Prediction) -> Prediction {
-        prediction.with_cutting(&self.engagement, &self.loads)
+        prediction.with_cutting(&self.setup, &self.engagement, &self.loads)
     }
 
     /// Peaks of the first tolerance and remarks, for people.
-    pub fn text(&self) -> String {
+    pub fn text(&self, toolpath: &Toolpath) -> String {
         let line = |(line, is_error, text): (u32, bool, String)| {
             let severity = if is_error { "error" } else { "warning" };
             let place = if line == 0 { String::new() } else { format!("line {line}: ") };
@@ -60,8 +60,9 @@ impl Cut {
         match (&self.engagement, self.loads.first()) {
             (Err(error), _) | (_, Some(Err(error))) => line(cutting_refusal(error)),
             (Ok(engagement), Some(Ok(both))) => {
-                let remarks: String = cutting_remarks(engagement, both).into_iter().map(line).collect();
-                format!("\n{}{remarks}", cutting_table(both))
+                let remarks: String =
+                    cutting_remarks(engagement, &self.setup, both).into_iter().map(line).collect();
+                format!("\n{}{remarks}", cutting_table(&self.setup, toolpath, both))
             }
             (Ok(_), None) => String::new(),
         }

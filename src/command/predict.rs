@@ -67,7 +67,7 @@ pub fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
         };
         print(&prediction.to_json())
     } else {
-        let cutting = cut.map_or(String::new(), |cut| cut.text());
+        let cutting = cut.map_or(String::new(), |cut| cut.text(&toolpath));
         print(&(table(&name, programmed, &quotes, &toolpath) + &cutting))
     }
 }

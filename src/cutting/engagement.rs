@@ -103,6 +103,9 @@ impl Engagement {
     }
 }
 
+/// Part of the way after which progress is told.
+pub(crate) const TOLD: f64 = 0.01;
+
 /// How far the map lags behind the tool, cells.
 const LAG: f64 = 4.0;
 
@@ -142,6 +145,15 @@ struct Run<'a> {
 
 /// What is cut along a toolpath.
 pub fn engagement(toolpath: &Toolpath, setup: &Setup) -> Result<Engagement, CuttingError> {
+    engagement_told(toolpath, setup, &mut |_| {})
+}
+
+/// The same; `progress` is called with the part done, from 0 to 1.
+pub fn engagement_told(
+    toolpath: &Toolpath,
+    setup: &Setup,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Engagement, CuttingError> {
     let stock = setup.stock.as_ref().ok_or(CuttingError::NoStock)?;
     let map = HeightMap::new(stock, setup.resolution(stock))?;
     let turn = toolpath.segments.iter().find(|segment| segment.rotation != Vector::zeros());
@@ -170,7 +182,13 @@ pub fn engagement(toolpath: &Toolpath, setup: &Setup) -> Result<Engagement, Cutt
     let mut spins = toolpath.spins.iter().peekable();
     let (mut tool, mut mirrored, mut is_new) = (None, false, true);
     let mut distance = 0.0;
+    let whole: f64 = toolpath.segments.iter().map(|segment| segment.length).sum();
+    let mut told = 0.0;
     for (index, segment) in toolpath.segments.iter().enumerate() {
+        if told + TOLD * whole < distance {
+            progress(distance / whole);
+            told = distance;
+        }
         while let Some(operation) = operations.next_if(|operation| operation.first_segment <= index) {
             (tool, is_new) = (operation.tool, is_new || operation.tool != tool);
         }

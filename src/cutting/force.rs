@@ -78,6 +78,17 @@ pub struct Revolution {
     steepest: f64,
 }
 
+/// A slice of an edge in a sector, where there is run-out.
+struct Slice {
+    entry: f64,
+    exit: f64,
+    height: f64,
+    /// How far the edge lies behind its tip, rad.
+    back: f64,
+    /// The leads of each tooth, mm.
+    leads: Vec<Vec<f64>>,
+}
+
 /// Rotation between two looks, rad.
 const STEP: f64 = PI / 60.0;
 
@@ -96,7 +107,7 @@ impl Rotor {
     /// Its forces in these sectors at each feed per tooth, mm.
     pub fn forces(&self, sectors: &[Sector], feeds: &[f64]) -> Vec<Force> {
         if self.runout != 0.0 {
-            return feeds.iter().map(|feed| self.with_runout(sectors, *feed)).collect();
+            return self.with_runout(sectors, feeds);
         }
         let revolution = self.revolution(sectors);
         feeds.iter().map(|feed| revolution.at(*feed)).collect()
@@ -105,13 +116,10 @@ impl Rotor {
     /// One revolution in these sectors, without run-out.
     pub fn revolution(&self, sectors: &[Sector]) -> Revolution {
         let mut mean = Share::default();
-        let mut steepest: f64 = 0.0;
         for sector in sectors {
             let half = 0.5 * (sector.exit - sector.entry);
             let turns = f64::from(self.teeth) * sector.depth * 2.0 * half / TAU;
             mean.add(self, turns, 0.5 * (sector.entry + sector.exit), half);
-            let top = (0.5 * PI).clamp(sector.entry, sector.exit);
-            steepest = steepest.max(top.sin());
         }
         let mut shares = Vec::new();
         if !sectors.is_empty() {
@@ -124,7 +132,7 @@ impl Rotor {
             });
             shares.extend(regular.chain(ends).map(|rotation| self.share(sectors, rotation)));
         }
-        Revolution { mean, shares, steepest }
+        Revolution { mean, shares, steepest: self.steepest(sectors) }
     }
 
     /// All teeth at a rotation, rad.
@@ -159,54 +167,82 @@ impl Rotor {
         (from < to).then_some((from, to))
     }
 
-    fn with_runout(&self, sectors: &[Sector], feed: f64) -> Force {
-        let mut force = Force::default();
+    /// One revolution with run-out at each feed per tooth, mm: sums over slices of the edges.
+    fn with_runout(&self, sectors: &[Sector], feeds: &[f64]) -> Vec<Force> {
+        let mut forces = vec![Force::default(); feeds.len()];
+        let mut actions = vec![Action::default(); feeds.len()];
         let steps = (TAU / STEP).ceil() as usize;
+        let pitch = TAU / f64::from(self.teeth);
+        let slices: Vec<Slice> = sectors
+            .iter()
+            .flat_map(|sector| {
+                let height = sector.depth / SLICES as f64;
+                (0..SLICES).map(move |index| (sector, height, height * (index as f64 + 0.5)))
+            })
+            .map(|(sector, height, z)| {
+                let back = self.lag * z;
+                let leads = (0..self.teeth).map(|tooth| self.leads(tooth, back)).collect();
+                Slice { entry: sector.entry, exit: sector.exit, height, back, leads }
+            })
+            .collect();
         for step in 0..steps {
             let rotation = TAU * step as f64 / steps as f64;
-            let mut action = Action::default();
-            for tooth in 0..self.teeth {
-                for sector in sectors {
-                    let slice = sector.depth / SLICES as f64;
-                    for index in 0..SLICES {
-                        let back = self.lag * slice * (index as f64 + 0.5);
-                        let pitch = TAU / f64::from(self.teeth);
-                        let angle = (rotation + pitch * f64::from(tooth) - back).rem_euclid(TAU);
-                        if angle < sector.entry || sector.exit <= angle {
-                            continue;
-                        }
-                        let chip = self.chip(tooth, back, feed * angle.sin());
+            actions.fill(Action::default());
+            for slice in &slices {
+                for (tooth, leads) in slice.leads.iter().enumerate() {
+                    let angle = (rotation + pitch * tooth as f64 - slice.back).rem_euclid(TAU);
+                    if angle < slice.entry || slice.exit <= angle {
+                        continue;
+                    }
+                    let (sin, cos) = angle.sin_cos();
+                    for (action, feed) in actions.iter_mut().zip(feeds) {
+                        let chip = thickness(leads, feed * sin);
                         if 0.0 < chip {
-                            self.element(&mut action, chip, slice, angle);
+                            self.element(action, chip, slice.height, (sin, cos));
                         }
                     }
                 }
             }
-            for (mean, action) in force.mean.iter_mut().zip(action) {
-                *mean += action / steps as f64;
+            for (force, action) in forces.iter_mut().zip(&actions) {
+                for (mean, action) in force.mean.iter_mut().zip(action) {
+                    *mean += action / steps as f64;
+                }
+                force.mean_torque += action[3] / steps as f64;
+                force.peak = force.peak.max(resultant(action));
+                force.peak_torque = force.peak_torque.max(action[3]);
             }
-            force.mean_torque += action[3] / steps as f64;
-            force.peak = force.peak.max(resultant(&action));
-            force.peak_torque = force.peak_torque.max(action[3]);
         }
-        force.chip = feed * self.revolution(sectors).steepest;
-        force
+        let steepest = self.steepest(sectors);
+        for (force, feed) in forces.iter_mut().zip(feeds) {
+            force.chip = feed * steepest;
+        }
+        forces
+    }
+
+    /// Largest sin φ in sectors.
+    fn steepest(&self, sectors: &[Sector]) -> f64 {
+        let top = |sector: &Sector| (0.5 * PI).clamp(sector.entry, sector.exit).sin();
+        sectors.iter().map(top).fold(0.0, f64::max)
+    }
+
+    /// How much further out a tooth lies than each of those before it, the nearest first, mm, at a
+    /// height where the edge lies `back` (rad) behind its tip.
+    fn leads(&self, tooth: u32, back: f64) -> Vec<f64> {
+        let pitch = TAU / f64::from(self.teeth);
+        let radius = |tooth: u32| self.runout * (pitch * f64::from(tooth) - back).cos();
+        (1..=self.teeth).map(|passes| radius(tooth) - radius(tooth + passes)).collect()
     }
 
     /// Chip of a tooth with run-out, mm, at a height where the edge lies `back` (rad) behind its tip
     /// and an even tooth would cut `even` (mm); not above 0: it cuts nothing.
     pub fn chip(&self, tooth: u32, back: f64, even: f64) -> f64 {
-        let pitch = TAU / f64::from(self.teeth);
-        let radius = |tooth: u32| self.runout * (pitch * f64::from(tooth) - back).cos();
-        let left = |passes: u32| f64::from(passes) * even + radius(tooth) - radius(tooth + passes);
-        (1..=self.teeth).map(left).fold(f64::INFINITY, f64::min).max(0.0)
+        thickness(&self.leads(tooth, back), even)
     }
 
-    /// Adds an element of an edge, `height` (mm) long.
-    fn element(&self, action: &mut Action, chip: f64, height: f64, angle: f64) {
+    /// Adds an element of an edge at the sine and cosine of its angle, `height` (mm) long.
+    fn element(&self, action: &mut Action, chip: f64, height: f64, (sin, cos): (f64, f64)) {
         let Coefficients { cutting, edge } = &self.coefficients;
         let [t, r, a] = [0, 1, 2].map(|k: usize| (cutting[k] * chip + edge[k]) * height);
-        let (sin, cos) = angle.sin_cos();
         let more = [-t * cos - r * sin, t * sin - r * cos, a, t * self.radius];
         action.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
     }
@@ -260,6 +296,12 @@ impl Revolution {
         }
         force
     }
+}
+
+/// What a tooth with these leads (mm) cuts where an even one would cut `even` (mm).
+fn thickness(leads: &[f64], even: f64) -> f64 {
+    let left = |(passes, lead): (usize, &f64)| (passes + 1) as f64 * even + lead;
+    leads.iter().enumerate().map(left).fold(f64::INFINITY, f64::min).max(0.0)
 }
 
 fn resultant(action: &Action) -> f64 {

@@ -11,8 +11,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::cutting::engagement::Engagement;
-use crate::cutting::force::Rotor;
+use crate::cutting::engagement::{Engagement, TOLD};
+use crate::cutting::force::{Force, Rotor};
+use crate::cutting::headroom::{FACTORS, Headroom, Room, STEEP, headroom};
 use crate::cutting::setup::{CuttingError, Limits, Setup};
 use crate::simulation::profile::Samples;
 use crate::simulation::toolpath::{Motion, Operation, Toolpath};
@@ -33,6 +34,8 @@ pub struct Load {
     pub removal_rate: f64,
     /// Thickest chip, mm.
     pub chip: f64,
+    /// How far the tip is bent aside at most, mm; the axial force counts as if it were lateral.
+    pub deflection: f64,
 }
 
 /// The largest value of something, and where.
@@ -66,6 +69,10 @@ pub enum Limit {
     ToolTorque,
     /// Power through the tool, N·mm/s.
     ToolPower,
+    /// Thickness of a chip, mm.
+    ToolChip,
+    /// Bend of the tool at its tip, mm.
+    ToolDeflection,
     /// Force on the spindle, N.
     SpindleForce,
     /// Torque of the spindle, N·mm.
@@ -104,6 +111,8 @@ pub struct Loads {
     pub operations: Vec<OperationLoad>,
     /// Where limits are exceeded, by limit and distance.
     pub exceeded: Vec<Exceeded>,
+    /// Where the programmed feedrate could be higher; empty but for the loads of that.
+    pub headroom: Vec<Headroom>,
 }
 
 impl Peak {
@@ -142,17 +151,23 @@ impl Samples {
     }
 }
 
-/// The loads by the programmed feedrate and by that of a profile.
+/// The loads by the programmed feedrate, with its headroom, and by that of a profile; `progress` is
+/// called with the part done, from 0 to 1.
 pub fn programmed_and_predicted(
     engagement: &Engagement,
     toolpath: &Toolpath,
     setup: &Setup,
     samples: &Samples,
+    progress: &mut dyn FnMut(f64),
 ) -> Result<[Loads; 2], CuttingError> {
     let (programmed, predicted) =
         (programmed_feedrates(engagement, toolpath), samples.feedrates_at(engagement));
-    let both = loads(engagement, toolpath, setup, &[&programmed, &predicted])?;
-    Ok(both.try_into().expect("two lists of feedrates give two loads"))
+    let mut rooms = Vec::with_capacity(engagement.places.len());
+    let both =
+        loads_with(engagement, toolpath, setup, &[&programmed, &predicted], Some(&mut rooms), progress)?;
+    let mut both: [Loads; 2] = both.try_into().expect("two lists of feedrates give two loads");
+    both[0].headroom = headroom(engagement, &rooms, &programmed, &predicted);
+    Ok(both)
 }
 
 /// The loads at each list of feedrates (mm/s, one a place).
@@ -161,6 +176,18 @@ pub fn loads(
     toolpath: &Toolpath,
     setup: &Setup,
     feedrates: &[&[f64]],
+) -> Result<Vec<Loads>, CuttingError> {
+    loads_with(engagement, toolpath, setup, feedrates, None, &mut |_| {})
+}
+
+/// The same; where `rooms` are asked for they are those above the first list.
+fn loads_with(
+    engagement: &Engagement,
+    toolpath: &Toolpath,
+    setup: &Setup,
+    feedrates: &[&[f64]],
+    mut rooms: Option<&mut Vec<Room>>,
+    progress: &mut dyn FnMut(f64),
 ) -> Result<Vec<Loads>, CuttingError> {
     let coefficients = setup.coefficients.ok_or(CuttingError::NoMaterial)?;
     let whole = [Operation::default()];
@@ -171,7 +198,11 @@ pub fn loads(
         operations.partition_point(|operation| operation.first_segment <= segment).max(1) - 1
     };
     let mut watches = vec![Watch::default(); feedrates.len()];
+    let tell = (engagement.places.len() as f64 * TOLD).ceil() as usize;
     for (index, place) in engagement.places.iter().enumerate() {
+        if index % tell == 0 {
+            progress(index as f64 / engagement.places.len() as f64);
+        }
         let operation = operation_of(place.segment);
         let mill = setup.mill(operations[operation].tool, place.line)?;
         let speed = spindle_speed(toolpath, setup, place.segment)
@@ -182,20 +213,42 @@ pub fn loads(
         };
         let turns = speed / SECONDS_PER_MINUTE;
         let per_tooth = place.level / (turns * f64::from(rotor.teeth));
-        let feeds: Vec<f64> = feedrates.iter().map(|feedrates| feedrates[index] * per_tooth).collect();
-        let forces = rotor.forces(engagement.sectors(place), &feeds);
-        for (((loads, watch), force), feedrates) in
-            all.iter_mut().zip(&mut watches).zip(forces).zip(feedrates)
-        {
+        let sectors = engagement.sectors(place);
+        let is_limited = mill.limits.is_any() || setup.spindle.is_any();
+        let higher = if rooms.is_some() && is_limited && !sectors.is_empty() { &FACTORS[..] } else { &[] };
+        let given = feedrates.iter().map(|feedrates| feedrates[index]);
+        let raised = higher.iter().map(|factor| factor * feedrates[0][index]);
+        let speeds: Vec<f64> = given.chain(raised).collect();
+        let feeds: Vec<f64> = speeds.iter().map(|speed| speed * per_tooth).collect();
+        let forces = rotor.forces(sectors, &feeds);
+        let load = |force: &Force, speed: f64| {
             let [x, y, z] = force.mean;
-            let load = Load {
+            Load {
                 force: force.peak,
                 mean_force: x.hypot(y).hypot(z),
                 torque: force.peak_torque,
                 power: TAU * turns * force.mean_torque,
-                removal_rate: place.removed * feedrates[index] / place.length,
+                removal_rate: place.removed * speed / place.length,
                 chip: force.chip,
+                deflection: mill.compliance * force.peak,
+            }
+        };
+        let of_all: Vec<Load> = forces.iter().zip(speeds).map(|(force, speed)| load(force, speed)).collect();
+        let (of_given, of_raised) = of_all.split_at(feedrates.len());
+        if let Some(rooms) = &mut rooms {
+            let met = |load: &Load| {
+                let watched = watched(load, &mill.limits, &setup.spindle);
+                watched.into_iter().find(|(_, value, allowed)| allowed < value).map(|(limit, ..)| limit)
             };
+            let ladder = of_given.iter().take(1).chain(of_raised).map(met);
+            let (steps, limit) = match ladder.enumerate().find_map(|(step, met)| Some((step, met?))) {
+                _ if !is_limited || place.level < STEEP => (0, None),
+                Some((step, limit)) => (step.saturating_sub(1), Some(limit)),
+                None => (FACTORS.len(), None),
+            };
+            rooms.push(Room { operation, steps, limit });
+        }
+        for ((loads, watch), load) in all.iter_mut().zip(&mut watches).zip(of_given) {
             let peak = |value: f64| Peak { value, line: place.line, distance: place.distance };
             loads.force.rise(peak(load.force));
             loads.torque.rise(peak(load.torque));
@@ -205,8 +258,8 @@ pub fn loads(
             own.removed += place.removed;
             own.force.rise(peak(load.force));
             own.power.rise(peak(load.power));
-            watch.pass(&load, &mill.limits, &setup.spindle, peak, &mut loads.exceeded);
-            loads.at.push(load);
+            watch.pass(load, &mill.limits, &setup.spindle, peak, &mut loads.exceeded);
+            loads.at.push(*load);
         }
     }
     for loads in &mut all {
@@ -227,10 +280,24 @@ fn spindle_speed(toolpath: &Toolpath, setup: &Setup, segment: usize) -> Option<f
     programmed.filter(|speed| 0.0 < *speed).or(setup.spindle_speed).filter(|speed| 0.0 < *speed)
 }
 
+/// Each limit with what it is of and its value.
+fn watched(load: &Load, tool: &Limits, spindle: &Limits) -> [(Limit, f64, f64); 8] {
+    [
+        (Limit::ToolForce, load.force, tool.force),
+        (Limit::ToolTorque, load.torque, tool.torque),
+        (Limit::ToolPower, load.power, tool.power),
+        (Limit::ToolChip, load.chip, tool.chip),
+        (Limit::ToolDeflection, load.deflection, tool.deflection),
+        (Limit::SpindleForce, load.force, spindle.force),
+        (Limit::SpindleTorque, load.torque, spindle.torque),
+        (Limit::SpindlePower, load.power, spindle.power),
+    ]
+}
+
 /// Which stretch beyond each limit is open: the distance of the last place beyond it (mm) and its entry.
 #[derive(Clone, Copy, Debug, Default)]
 struct Watch {
-    open: [Option<(f64, usize)>; 6],
+    open: [Option<(f64, usize)>; 8],
 }
 
 impl Watch {
@@ -243,15 +310,7 @@ impl Watch {
         peak: impl Fn(f64) -> Peak,
         exceeded: &mut Vec<Exceeded>,
     ) {
-        let watched = [
-            (Limit::ToolForce, load.force, tool.force),
-            (Limit::ToolTorque, load.torque, tool.torque),
-            (Limit::ToolPower, load.power, tool.power),
-            (Limit::SpindleForce, load.force, spindle.force),
-            (Limit::SpindleTorque, load.torque, spindle.torque),
-            (Limit::SpindlePower, load.power, spindle.power),
-        ];
-        for (open, (limit, value, allowed)) in self.open.iter_mut().zip(watched) {
+        for (open, (limit, value, allowed)) in self.open.iter_mut().zip(watched(load, tool, spindle)) {
             if value <= allowed {
                 continue;
             }
@@ -274,4 +333,4 @@ impl Watch {
 }
 
 /// Way between two exceedings that count as one, mm.
-const CLOSE: f64 = 10.0;
+pub(crate) const CLOSE: f64 = 10.0;

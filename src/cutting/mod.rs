@@ -10,16 +10,18 @@
 
 mod engagement;
 mod force;
+mod headroom;
 mod load;
 mod materials;
 mod setup;
 mod stock;
 
-pub use engagement::{Collision, Engagement, Place, Sector, engagement};
+pub use engagement::{Collision, Engagement, Place, Sector, engagement, engagement_told};
 pub use force::{Force, Revolution, Rotor};
+pub use headroom::Headroom;
 pub use load::{
     Exceeded, Limit, Load, Loads, OperationLoad, Peak, loads, programmed_and_predicted, programmed_feedrates,
 };
 pub use materials::{Coefficients, MATERIALS, Material, material};
-pub use setup::{CuttingError, Limits, Mill, Setup, StockBox};
+pub use setup::{CuttingError, Limits, Mill, Setup, StockBox, compliance};
 pub use stock::HeightMap;

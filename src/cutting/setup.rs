@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::cutting::materials::Coefficients;
+use crate::cutting::materials::{Coefficients, Material};
 
 /// All that the cut needs beside the toolpath.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +16,8 @@ pub struct Setup {
     pub resolution: Option<f64>,
     /// Coefficients of the material; none: not given.
     pub coefficients: Option<Coefficients>,
+    /// The material whose coefficients these are; none where they are the user's own, in whole or in part.
+    pub material: Option<&'static Material>,
     /// The tool where no other is given by number.
     pub tool: Option<Mill>,
     /// Tools by number.
@@ -48,6 +50,8 @@ pub struct Mill {
     pub helix: f64,
     /// Distance of the axis of the teeth from that of the spindle, mm, towards the first tooth.
     pub runout: f64,
+    /// How far its tip is bent aside by a force, mm/N; 0: stiff.
+    pub compliance: f64,
     /// What it can bear.
     pub limits: Limits,
 }
@@ -56,7 +60,15 @@ pub struct Mill {
 impl Default for Mill {
     fn default() -> Mill {
         let limits = Limits::default();
-        Mill { diameter: None, corner_radius: 0.0, teeth: None, helix: 0.0, runout: 0.0, limits }
+        Mill {
+            diameter: None,
+            corner_radius: 0.0,
+            teeth: None,
+            helix: 0.0,
+            runout: 0.0,
+            compliance: 0.0,
+            limits,
+        }
     }
 }
 
@@ -69,11 +81,23 @@ pub struct Limits {
     pub torque: f64,
     /// Largest power, averaged over a revolution, N·mm/s.
     pub power: f64,
+    /// Thickest chip, mm; of tools alone.
+    pub chip: f64,
+    /// Largest bend at the tip, mm; of tools alone.
+    pub deflection: f64,
 }
 
 impl Default for Limits {
     fn default() -> Limits {
-        Limits { force: f64::INFINITY, torque: f64::INFINITY, power: f64::INFINITY }
+        let none = f64::INFINITY;
+        Limits { force: none, torque: none, power: none, chip: none, deflection: none }
+    }
+}
+
+impl Limits {
+    /// Anything is limited.
+    pub fn is_any(&self) -> bool {
+        *self != Limits::default()
     }
 }
 
@@ -167,6 +191,16 @@ impl CuttingError {
             _ => 0,
         }
     }
+}
+
+/// Diameter of a plain rod that bends like a fluted mill, as a part of the mill's (Kops and Vo 1990).
+const ROD: f64 = 0.8;
+
+/// How far a mill of this diameter (mm) is bent by a force at its tip, mm/N: a rod held `overhang` (mm)
+/// above it, with Young's `modulus` (N/mm²), L³ / (3 E I) with I = π (0.8 D)⁴ / 64.
+pub fn compliance(diameter: f64, overhang: f64, modulus: f64) -> f64 {
+    let inertia = std::f64::consts::PI / 64.0 * (ROD * diameter).powi(4);
+    overhang.powi(3) / (3.0 * modulus * inertia)
 }
 
 /// Cells along a radius where nobody chose a resolution.

@@ -72,6 +72,20 @@ impl LoadChart {
         ends.map_or((0.0, 1.0), |(&from, &to)| (from, to.max(from + 1e-3)))
     }
 
+    /// Force, power and removal rate at a distance (mm), each by the programmed and the predicted
+    /// feedrate; straight lines between the rows, 0 beyond them.
+    pub fn reading(&self, distance: f64) -> [[f64; 2]; 3] {
+        let after = self.distance.partition_point(|at| *at < distance);
+        let rows = after.checked_sub(1).filter(|_| after < self.distance.len());
+        [&self.force, &self.power, &self.removal_rate].map(|curves| {
+            let Some(before) = rows else { return [0.0; 2] };
+            let [from, to] = [before, after].map(|row| self.distance[row]);
+            let share = (distance - from) / (to - from);
+            [&curves.programmed, &curves.predicted]
+                .map(|values| values[before] + share * (values[after] - values[before]))
+        })
+    }
+
     fn push(&mut self, distance: f64, [programmed, predicted]: [&Load; 2]) {
         self.distance.push(distance);
         for (curves, of) in [
@@ -85,14 +99,16 @@ impl LoadChart {
     }
 }
 
-/// Draws the chart between two distances (mm) over the whole of a backend.
+/// Draws the chart between two distances (mm) over the whole of a backend; the left and right border of
+/// its panels in pixels.
 pub fn draw_loads<B: DrawingBackend>(
     chart: &LoadChart,
     distance: (f64, f64),
     theme: &Theme,
     scale: f64,
     backend: B,
-) -> Result<(), Failure<B>> {
+) -> Result<(f64, f64), Failure<B>> {
+    let mut sides = (0.0, 1.0);
     let root = backend.into_drawing_area();
     root.fill(&theme.background)?;
     let panels = [
@@ -109,6 +125,7 @@ pub fn draw_loads<B: DrawingBackend>(
         let axes = Axes { distance, distance_title, value: (0.0, top), value_title: title };
         let mut context = look.panel(area, &axes)?;
         let borders = borders(&context);
+        sides = borders.x;
         let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
         look.mesh(&mut context, &axes)?;
         let lines = [
@@ -122,7 +139,7 @@ pub fn draw_loads<B: DrawingBackend>(
         }
     }
     root.present()?;
-    Ok(())
+    Ok(sides)
 }
 
 /// The top of an ordinate that fits what is in sight.
@@ -171,6 +188,10 @@ mod tests {
         for (programmed, predicted) in chart.force.programmed.iter().zip(&chart.force.predicted) {
             assert!(*predicted <= *programmed);
         }
+        let at = chart.distance.len() / 4;
+        let [[force, _], ..] = chart.reading(chart.distance[at]);
+        assert!((force - chart.force.programmed[at]).abs() < 1e-9 * force);
+        assert_eq!((chart.reading(-1.0), chart.reading(1e9)), ([[0.0; 2]; 3], [[0.0; 2]; 3]));
         // 6 mm × 2 mm × 1200 mm/min.
         let middle = chart.distance.len() / 4;
         assert!((chart.removal_rate.programmed[middle] / 14.4 - 1.0).abs() < 0.1);

@@ -11,7 +11,9 @@
 //! diameter_mm = 12
 //! teeth = 2
 //! helix_deg = 30
-//! max_force_n = 800
+//! max_force_n = 800                    # also max_torque_nm, max_power_w, max_chip_mm, and
+//! overhang_mm = 40                     # with these, how far it is bent
+//! max_deflection_mm = 0.05             # modulus_gpa = 600 where left out: carbide
 //! [spindle]
 //! max_power_w = 15000
 //! ```
@@ -23,11 +25,13 @@ use std::ops::RangeInclusive;
 
 use serde::Deserialize;
 
-use crate::cutting::{Coefficients, Limits, MATERIALS, Mill, Setup, StockBox, material};
+use crate::cutting::{
+    Coefficients, Limits, MATERIALS, Material, Mill, Setup, StockBox, compliance, material,
+};
 use crate::machine::Machine;
 use crate::project::Fault;
 use crate::project::machine_file::place;
-use crate::units::{n_mm_of_n_m, n_mm_per_s_of_watts};
+use crate::units::{n_mm_of_n_m, n_mm_per_s_of_watts, n_per_mm2_of_gpa};
 
 /// A cutting job to begin with.
 pub const EXAMPLE_CUTTING: &str = "\
@@ -41,10 +45,12 @@ max_mm = [50, 50, 0]
 diameter_mm = 10
 teeth = 2
 helix_deg = 30
-max_force_n = 800
+max_force_n = 800          # also max_torque_nm, max_power_w, max_chip_mm; corner_radius_mm, runout_mm
+overhang_mm = 35           # out of the holder; bends, as carbide unless modulus_gpa says otherwise
+max_deflection_mm = 0.05
 
 [spindle]
-max_power_w = 10000
+max_power_w = 10000        # also max_torque_nm
 ";
 
 #[derive(Deserialize)]
@@ -79,6 +85,10 @@ struct MillTable {
     max_force_n: Option<f64>,
     max_torque_nm: Option<f64>,
     max_power_w: Option<f64>,
+    max_chip_mm: Option<f64>,
+    overhang_mm: Option<f64>,
+    modulus_gpa: Option<f64>,
+    max_deflection_mm: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -114,16 +124,17 @@ pub fn cutting_from_toml(text: &str, machine: &Machine) -> Result<Setup, Fault> 
         let number: u32 = name
             .parse()
             .map_err(|_| Fault::at_key(&key, format!("{name} is not a tool number such as 5")))?;
-        let mut mill = mill(table, &key)?;
-        mill.diameter = mill.diameter.or_else(|| Some(machine.tools.get(&number)?.diameter));
-        tools.insert(number, mill);
+        let of_machine = machine.tools.get(&number).map(|tool| tool.diameter);
+        tools.insert(number, mill(table, of_machine, &key)?);
     }
     let spindle = file.spindle.unwrap_or(SpindleTable { max_torque_nm: None, max_power_w: None });
+    let (coefficients, material) = coefficients(file.material.as_deref(), file.coefficients)?;
     Ok(Setup {
         stock,
         resolution: within("resolution_mm", file.resolution_mm, 1e-3..=100.0, "mm")?,
-        coefficients: coefficients(file.material.as_deref(), file.coefficients)?,
-        tool: file.tool.map(|table| mill(table, "tool")).transpose()?,
+        coefficients,
+        material,
+        tool: file.tool.map(|table| mill(table, None, "tool")).transpose()?,
         tools,
         spindle_speed: within("spindle_rpm", file.spindle_rpm, 1.0..=1e6, "rpm")?,
         spindle: limits("spindle", None, spindle.max_torque_nm, spindle.max_power_w)?,
@@ -139,12 +150,25 @@ fn stock(table: StockTable) -> Result<StockBox, Fault> {
     Ok(StockBox { min: table.min_mm, max: table.max_mm })
 }
 
-fn mill(table: MillTable, key: &str) -> Result<Mill, Fault> {
+/// Young's modulus of carbide, GPa.
+const CARBIDE_GPA: f64 = 600.0;
+
+/// A tool; its diameter may be known from elsewhere.
+fn mill(table: MillTable, diameter: Option<f64>, key: &str) -> Result<Mill, Fault> {
     let checked = |name: &str, value: Option<f64>, range: RangeInclusive<f64>, unit: &str| {
         within(&format!("{key}.{name}"), value, range, unit)
     };
-    let diameter = checked("diameter_mm", table.diameter_mm, 1e-3..=1000.0, "mm")?;
+    let diameter = checked("diameter_mm", table.diameter_mm, 1e-3..=1000.0, "mm")?.or(diameter);
     let radius = 0.5 * diameter.unwrap_or(1000.0);
+    let overhang = checked("overhang_mm", table.overhang_mm, 0.0..=1000.0, "mm")?;
+    let modulus = checked("modulus_gpa", table.modulus_gpa, 1.0..=2000.0, "GPa")?.unwrap_or(CARBIDE_GPA);
+    let deflection = checked("max_deflection_mm", table.max_deflection_mm, 0.0..=10.0, "mm")?;
+    if deflection.is_some() && overhang.is_none() {
+        let key = format!("{key}.overhang_mm");
+        return Err(Fault::at_key(&key, "this key is missing, and max_deflection_mm needs it".to_string()));
+    }
+    let chip = checked("max_chip_mm", table.max_chip_mm, 0.0..=10.0, "mm")?;
+    let bends = diameter.zip(overhang);
     checked("teeth", table.teeth.map(f64::from), 1.0..=100.0, "")?;
     Ok(Mill {
         diameter,
@@ -153,7 +177,13 @@ fn mill(table: MillTable, key: &str) -> Result<Mill, Fault> {
         teeth: table.teeth,
         helix: checked("helix_deg", table.helix_deg, -75.0..=75.0, "°")?.unwrap_or(0.0).to_radians(),
         runout: checked("runout_mm", table.runout_mm, 0.0..=1.0, "mm")?.unwrap_or(0.0),
-        limits: limits(key, table.max_force_n, table.max_torque_nm, table.max_power_w)?,
+        compliance: bends
+            .map_or(0.0, |(diameter, overhang)| compliance(diameter, overhang, n_per_mm2_of_gpa(modulus))),
+        limits: Limits {
+            chip: chip.unwrap_or(f64::INFINITY),
+            deflection: deflection.unwrap_or(f64::INFINITY),
+            ..limits(key, table.max_force_n, table.max_torque_nm, table.max_power_w)?
+        },
     })
 }
 
@@ -170,30 +200,35 @@ fn limits(
         force: or_none(checked("max_force_n", force, "N")?),
         torque: or_none(checked("max_torque_nm", torque_nm, "N·m")?.map(n_mm_of_n_m)),
         power: or_none(checked("max_power_w", power_w, "W")?.map(n_mm_per_s_of_watts)),
+        ..Limits::default()
     })
 }
 
-/// The coefficients of a material, single ones replaced; without a material all or none are given.
-fn coefficients(word: Option<&str>, table: Option<CoefficientTable>) -> Result<Option<Coefficients>, Fault> {
+/// The coefficients of a material, single ones replaced, and the material where none is; without a
+/// material all or none are given.
+fn coefficients(
+    word: Option<&str>,
+    table: Option<CoefficientTable>,
+) -> Result<(Option<Coefficients>, Option<&'static Material>), Fault> {
     let named = match word {
         Some(word) => {
             let known = material(word).ok_or_else(|| {
                 let words = MATERIALS.map(|material| material.word).join(", ");
                 Fault::at_key("material", format!("{word} is not known; expected one of: {words}"))
             })?;
-            Some(known.coefficients)
+            Some(known)
         }
         None => None,
     };
-    let Some(table) = table else { return Ok(named) };
+    let Some(table) = table else { return Ok((named.map(|named| named.coefficients), named)) };
     let value = |name: &str, given: Option<f64>, known: Option<f64>| {
         let key = format!("coefficients.{name}");
         within(&key, given, 0.0..=1e5, "")?
             .or(known)
             .ok_or_else(|| Fault::at_key(&key, "this key is missing, and no material is given".to_string()))
     };
-    let known = |of: fn(&Coefficients) -> f64| named.as_ref().map(of);
-    Ok(Some(Coefficients {
+    let known = |of: fn(&Coefficients) -> f64| named.map(|named| of(&named.coefficients));
+    let own = Coefficients {
         cutting: [
             value("ktc_n_mm2", table.ktc_n_mm2, known(|named| named.cutting[0]))?,
             value("krc_n_mm2", table.krc_n_mm2, known(|named| named.cutting[1]))?,
@@ -204,7 +239,8 @@ fn coefficients(word: Option<&str>, table: Option<CoefficientTable>) -> Result<O
             value("kre_n_mm", table.kre_n_mm, known(|named| named.edge[1]))?,
             value("kae_n_mm", table.kae_n_mm, known(|named| named.edge[2]))?,
         ],
-    }))
+    };
+    Ok((Some(own), named.filter(|named| named.coefficients == own)))
 }
 
 fn within(

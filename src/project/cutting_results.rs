@@ -4,7 +4,11 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::cutting::{Collision, CuttingError, Engagement, Exceeded, Limit, Loads, OperationLoad, Peak};
+use crate::cutting::{
+    Collision, CuttingError, Engagement, Exceeded, Headroom, Limit, Loads, MATERIALS, OperationLoad, Peak,
+    Setup,
+};
+use crate::simulation::toolpath::Toolpath;
 use crate::units::{mm_per_min, n_m_of_n_mm, watts_of_n_mm_per_s};
 
 /// What the cut asks of tool and spindle at one tolerance.
@@ -12,12 +16,16 @@ use crate::units::{mm_per_min, n_m_of_n_mm, watts_of_n_mm_per_s};
 pub(super) struct Cutting {
     /// Side of a cell of the stock.
     resolution_mm: f64,
+    /// What the forces are computed with.
+    material: OfMaterial,
     /// By the programmed feedrate.
     programmed: Peaks,
     /// By the predicted one.
     predicted: Peaks,
     /// Where the predicted feedrate exceeds limits.
     exceeded: Vec<Beyond>,
+    /// Where the programmed feedrate could be higher, what saves most first.
+    headroom: Vec<Room>,
     /// Rapid moves through material.
     rapids_through_stock: Vec<Rapid>,
     /// What the numbers rest on.
@@ -26,6 +34,82 @@ pub(super) struct Cutting {
 
 const ASSUMPTIONS: &str = "force is the largest resultant within a revolution, power its mean; engagement on the \
      programmed path in a height map; linear edge force model with a stiff tool; cutting by the bottom is left out";
+
+/// Coefficients, in N/mm² and N/mm, and where they are from.
+#[derive(Clone, Debug, Serialize)]
+struct OfMaterial {
+    name: &'static str,
+    source: &'static str,
+    /// The numbers were compared with the source named.
+    is_checked: bool,
+    /// K_tc, K_rc, K_ac.
+    cutting_n_mm2: [f64; 3],
+    /// K_te, K_re, K_ae.
+    edge_n_mm: [f64; 3],
+}
+
+/// A material that can be chosen.
+#[derive(Serialize)]
+struct Choice {
+    word: &'static str,
+    #[serde(flatten)]
+    about: OfMaterial,
+}
+
+/// All materials with their coefficients and sources, as JSON.
+pub fn materials_json() -> String {
+    let all = MATERIALS.map(|material| {
+        let of = Setup {
+            coefficients: Some(material.coefficients),
+            material: crate::cutting::material(material.word),
+            ..Setup::default()
+        };
+        Choice { word: material.word, about: OfMaterial::from(&of) }
+    });
+    serde_json::to_string(&all).expect("plain structures can be serialized")
+}
+
+impl From<&Setup> for OfMaterial {
+    fn from(setup: &Setup) -> OfMaterial {
+        let coefficients = setup.coefficients.unwrap_or_default();
+        let (name, source, is_checked) = match setup.material {
+            Some(material) => (material.name, material.source, material.is_checked),
+            None => ("of your own", "the cutting job", true),
+        };
+        let (cutting_n_mm2, edge_n_mm) = (coefficients.cutting, coefficients.edge);
+        OfMaterial { name, source, is_checked, cutting_n_mm2, edge_n_mm }
+    }
+}
+
+/// Where the feedrate could be higher.
+#[derive(Clone, Debug, Serialize)]
+struct Room {
+    lines: [u32; 2],
+    distance_mm: [f64; 2],
+    cut_mm: f64,
+    programmed_mm_min: f64,
+    predicted_mm_min: f64,
+    factor: f64,
+    /// The limit met first beyond that; null where none is.
+    limit: Option<&'static str>,
+    /// What it would save where the machine reached both feedrates.
+    saved_s: f64,
+}
+
+impl From<&Headroom> for Room {
+    fn from(room: &Headroom) -> Room {
+        Room {
+            lines: [room.lines.0, room.lines.1],
+            distance_mm: [room.distance.0, room.distance.1],
+            cut_mm: room.length,
+            programmed_mm_min: mm_per_min(room.feedrate),
+            predicted_mm_min: mm_per_min(room.predicted),
+            factor: room.factor,
+            limit: room.limit.map(|limit| limit_row(limit).0),
+            saved_s: room.saved(),
+        }
+    }
+}
 
 /// Largest values.
 #[derive(Clone, Debug, Serialize)]
@@ -46,7 +130,7 @@ struct At {
 
 #[derive(Clone, Debug, Serialize)]
 struct Beyond {
-    /// tool_force, tool_torque, tool_power, spindle_force, spindle_torque or spindle_power.
+    /// tool_force, tool_torque, tool_power, tool_chip, tool_deflection, spindle_force, spindle_torque or spindle_power.
     limit: &'static str,
     unit: &'static str,
     allowed: f64,
@@ -104,6 +188,8 @@ fn limit_row(limit: Limit) -> (&'static str, &'static str, &'static str, fn(f64)
         Limit::ToolForce => ("tool_force", "N", "force on the tool", same),
         Limit::ToolTorque => ("tool_torque", "N·m", "torque on the tool", n_m_of_n_mm),
         Limit::ToolPower => ("tool_power", "W", "power through the tool", watts_of_n_mm_per_s),
+        Limit::ToolChip => ("tool_chip", "mm", "thickness of a chip", same),
+        Limit::ToolDeflection => ("tool_deflection", "mm", "bend of the tool", same),
         Limit::SpindleForce => ("spindle_force", "N", "force on the spindle", same),
         Limit::SpindleTorque => ("spindle_torque", "N·m", "torque of the spindle", n_m_of_n_mm),
         Limit::SpindlePower => ("spindle_power", "W", "power of the spindle", watts_of_n_mm_per_s),
@@ -132,12 +218,18 @@ impl From<&Collision> for Rapid {
 
 impl Cutting {
     /// Programmed and predicted loads of an engagement.
-    pub(super) fn new(engagement: &Engagement, [programmed, predicted]: &[Loads; 2]) -> Cutting {
+    pub(super) fn new(
+        engagement: &Engagement,
+        setup: &Setup,
+        [programmed, predicted]: &[Loads; 2],
+    ) -> Cutting {
         Cutting {
             resolution_mm: engagement.resolution,
+            material: OfMaterial::from(setup),
             programmed: Peaks::from(programmed),
             predicted: Peaks::from(predicted),
             exceeded: predicted.exceeded.iter().map(Beyond::from).collect(),
+            headroom: programmed.headroom.iter().map(Room::from).collect(),
             rapids_through_stock: engagement.collisions.iter().map(Rapid::from).collect(),
             assumptions: ASSUMPTIONS,
         }
@@ -147,8 +239,16 @@ impl Cutting {
 /// What there is to say about a cut: line, whether it is an error, sentence.
 pub fn cutting_remarks(
     engagement: &Engagement,
+    setup: &Setup,
     [programmed, predicted]: &[Loads; 2],
 ) -> Vec<(u32, bool, String)> {
+    let doubted = setup.material.filter(|material| !material.is_checked).map(|material| {
+        let text = format!(
+            "the coefficients of {} could not be checked against a publication; replace them by measured ones",
+            material.name
+        );
+        (0, false, text)
+    });
     let rapids = engagement.collisions.iter().map(|collision| {
         let text = format!("the rapid move goes through {:.1} mm³ of material", collision.removed);
         (collision.line, true, text)
@@ -175,12 +275,32 @@ pub fn cutting_remarks(
         );
         is_met.then_some((all[0].peak.line, false, text))
     });
-    rapids.chain(beyond).chain(spared).collect()
+    let chips = programmed.at.iter().zip(&engagement.places);
+    let thickest =
+        chips.max_by(|a, b| a.0.chip.total_cmp(&b.0.chip)).filter(|(load, _)| MOST_CHIP_MM < load.chip);
+    let unlikely = thickest.map(|(load, place)| {
+        let text = format!(
+            "chips in the material would be {} mm thick at the programmed feedrate; no end mill cuts that, and the forces mean \
+             nothing: check the speed of the spindle, the feedrate and the number of teeth",
+            short(load.chip)
+        );
+        (place.line, false, text)
+    });
+    rapids.chain(beyond).chain(spared).chain(doubted).chain(unlikely).collect()
 }
+
+/// Chips thicker than this are a mistake in the job or in the program.
+const MOST_CHIP_MM: f64 = 1.0;
 
 /// A number in about three figures.
 fn short(value: f64) -> String {
-    if value.abs() < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") }
+    if value.abs() < 1.0 {
+        format!("{value:.4}")
+    } else if value.abs() < 100.0 {
+        format!("{value:.2}")
+    } else {
+        format!("{value:.0}")
+    }
 }
 
 /// Why there are no forces, as a remark.
@@ -188,8 +308,8 @@ pub fn cutting_refusal(error: &CuttingError) -> (u32, bool, String) {
     (error.line(), false, error.to_string())
 }
 
-/// Peaks of both feedrates for people.
-pub fn cutting_table([programmed, predicted]: &[Loads; 2]) -> String {
+/// Peaks of both feedrates, those of each operation, and where there is headroom, for people.
+pub fn cutting_table(setup: &Setup, toolpath: &Toolpath, [programmed, predicted]: &[Loads; 2]) -> String {
     let mut text =
         "cutting, largest   force N    line   torque N·m    power W    line   removal cm³/min".to_string();
     for (name, loads) in [("programmed feed", programmed), ("predicted feed", predicted)] {
@@ -205,8 +325,46 @@ pub fn cutting_table([programmed, predicted]: &[Loads; 2]) -> String {
         )
         .expect("writing to a string cannot fail");
     }
+    text += "\nby operation      removed cm³    force N    line    power W    line   (predicted feed)";
+    for (index, load) in predicted.operations.iter().enumerate() {
+        let operation = toolpath.operations.get(index);
+        write!(
+            text,
+            "\n{:16} {:12.3} {:10.1} {:7} {:10.1} {:7}  {}",
+            operation.map_or("all".to_string(), |operation| format!("line {}", operation.line.0)),
+            1e-3 * load.removed,
+            load.force.value,
+            load.force.line,
+            watts_of_n_mm_per_s(load.power.value),
+            load.power.line,
+            operation.and_then(|operation| operation.name.as_deref()).unwrap_or(""),
+        )
+        .expect("writing to a string cannot fail");
+        text.truncate(text.trim_end().len());
+    }
+    for room in programmed.headroom.iter().take(HEADROOM_ROWS) {
+        let next = room.limit.map_or(String::new(), |limit| format!(", then {} is met", limit_row(limit).2));
+        write!(
+            text,
+            "\nlines {} to {}: the feedrate of {:.0} mm/min could be {:.2} times as high{next}; saves {:.1} s at most \
+             (predicted {:.0} mm/min)",
+            room.lines.0,
+            room.lines.1,
+            mm_per_min(room.feedrate),
+            room.factor,
+            room.saved(),
+            mm_per_min(room.predicted),
+        )
+        .expect("writing to a string cannot fail");
+    }
+    let OfMaterial { name, source, .. } = OfMaterial::from(setup);
+    write!(text, "\ncoefficients of {name}: {source}\n{ASSUMPTIONS}")
+        .expect("writing to a string cannot fail");
     text
 }
+
+/// Stretches with headroom that are told people.
+const HEADROOM_ROWS: usize = 10;
 
 /// Loads along the path as CSV, one row a place where material is cut.
 pub fn loads_csv(engagement: &Engagement, both: &[Loads; 2]) -> String {

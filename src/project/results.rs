@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::cutting::{CuttingError, Engagement, Loads};
+use crate::cutting::{CuttingError, Engagement, Loads, Setup};
 use crate::project::cutting_results::{Cutting, OfOperation, cutting_refusal, cutting_remarks};
 use crate::project::places::Lost;
 use crate::quote::{self, OperationShare, Quote, Share, ToolShare};
@@ -275,6 +275,7 @@ impl Prediction {
     /// there are none.
     pub fn with_cutting(
         mut self,
+        setup: &Setup,
         engagement: &Result<Engagement, CuttingError>,
         runs: &[Result<[Loads; 2], CuttingError>],
     ) -> Prediction {
@@ -286,8 +287,8 @@ impl Prediction {
                     match loads {
                         Err(error) => remarks.push(cutting_refusal(error)),
                         Ok(loads) => {
-                            remarks.extend(cutting_remarks(engagement, loads));
-                            run.cutting = Some(Cutting::new(engagement, loads));
+                            remarks.extend(cutting_remarks(engagement, setup, loads));
+                            run.cutting = Some(Cutting::new(engagement, setup, loads));
                             for (operation, load) in run.operations.iter_mut().zip(&loads[1].operations) {
                                 operation.cutting = Some(OfOperation::from(load));
                             }

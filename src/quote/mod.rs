@@ -9,8 +9,8 @@ mod shares;
 mod terms;
 
 pub use breakdown::{Breakdown, Functions, breakdown};
-pub use places::{Lost, LostAt, MOST_PLACES, Reason, Standing, lost};
 pub use offer::{Addend, Item, Offer, Uncertainty, offer};
+pub use places::{Lost, LostAt, MOST_PLACES, Reason, Standing, lost};
 pub use shares::{OperationShare, Share, ToolShare, programmed_time};
 pub use terms::{LARGEST_MARGIN_OF_PRICE, MarginOf, QUANTITY, Rounding, TERMS, Term, TermAccess, Terms};
 

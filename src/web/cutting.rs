@@ -1,9 +1,10 @@
 //! Cutting forces for the page: computed in the worker, drawn on a canvas of their own.
 
+use js_sys::Function;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
-use crate::cutting::{engagement, programmed_and_predicted};
+use crate::cutting::{engagement_told, programmed_and_predicted};
 use crate::plot::{LoadChart, LoadCurves, Theme, draw_loads, svg_of_loads};
 use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
@@ -19,6 +20,12 @@ use crate::web::job::object;
 #[wasm_bindgen(js_name = exampleCutting)]
 pub fn example_cutting() -> String {
     crate::project::EXAMPLE_CUTTING.to_string()
+}
+
+/// The materials that a job can name, with coefficients and sources, as JSON.
+#[wasm_bindgen]
+pub fn materials() -> String {
+    crate::project::materials_json()
 }
 
 /// What a cut asks of tool and spindle.
@@ -56,8 +63,12 @@ pub struct LoadColumns {
     pub predicted_rate: Vec<f64>,
 }
 
+/// Parts of the work: the simulation is done, the stock is cut.
+const SIMULATION: f64 = 0.1;
+const HALF: f64 = 0.5;
+
 /// Cuts the stock of a job (text of a cutting job) with a program on the machine of a filled form;
-/// throws what is wrong with the job.
+/// throws what is wrong with the job. `progress` is called with the part done.
 #[wasm_bindgen(js_name = computeCutting)]
 pub fn compute_cutting(
     program: &[u8],
@@ -65,18 +76,26 @@ pub fn compute_cutting(
     dialect: Option<String>,
     tolerance: Option<f64>,
     job: &str,
+    progress: &Function,
 ) -> Result<Cut, String> {
     let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
     let setup = cutting_from_toml(job, &machine).map_err(|fault| fault.to_string())?;
     let dialect = dialect.as_deref().and_then(Dialect::from_word);
     let toolpath = trace(&read_with(program, &Options { dialect, ..Options::default() }), &machine);
     let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
-    let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |_| {});
+    // What a listener throws is its own affair.
+    let tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
+    let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATION * part));
     let quote = quote(&toolpath, &machine, &plan, tolerances, &errors);
-    let cut = engagement(&toolpath, &setup);
+    let cut = engagement_told(&toolpath, &setup, &mut |part| tell(SIMULATION + (HALF - SIMULATION) * part));
     let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
-    let loads: Vec<_> =
-        cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, &setup, &samples)).collect();
+    let loads: Vec<_> = cut
+        .iter()
+        .map(|cut| {
+            let mut tell = |part: f64| tell(HALF + (1.0 - HALF) * part);
+            programmed_and_predicted(cut, &toolpath, &setup, &samples, &mut tell)
+        })
+        .collect();
     let columns = match (&cut, loads.first()) {
         (Ok(cut), Some(Ok(both))) => LoadColumns::from(LoadChart::of(cut, both)),
         _ => LoadColumns::default(),
@@ -84,7 +103,7 @@ pub fn compute_cutting(
     let time = programmed_time(&toolpath, &machine);
     // What there is to say about the program itself is said where it is simulated.
     let bare = crate::simulation::toolpath::Toolpath::default();
-    let prediction = Prediction::new("", &bare, time, &[quote]).with_cutting(&cut, &loads);
+    let prediction = Prediction::new("", &bare, time, &[quote]).with_cutting(&setup, &cut, &loads);
     let summary = object(&prediction).map_err(|_| "the result has no form in JavaScript".to_string())?;
     Ok(Cut { summary, columns })
 }
@@ -132,7 +151,9 @@ impl LoadPicture {
         LoadPicture { chart }
     }
 
-    /// Draws all of the path on a canvas of this size in CSS pixels.
+    /// Draws the path between two distances (mm) on a canvas of this size in CSS pixels; the left and
+    /// right border of the plotting area in such pixels.
+    #[allow(clippy::too_many_arguments)] // JavaScript has no tuples
     pub fn draw(
         &self,
         canvas: HtmlCanvasElement,
@@ -140,14 +161,23 @@ impl LoadPicture {
         height: f64,
         ratio: f64,
         dark: bool,
-    ) -> Result<(), String> {
+        from: f64,
+        to: f64,
+    ) -> Result<Vec<f64>, String> {
         let backend = Canvas::sized(canvas, width, height, ratio)?;
         let theme = if dark { Theme::DARK } else { Theme::LIGHT };
-        draw_loads(&self.chart, self.chart.span(), &theme, ratio, backend).map_err(|error| error.to_string())
+        let (left, right) = draw_loads(&self.chart, (from, to.max(from + 1e-3)), &theme, ratio, backend)
+            .map_err(|error| error.to_string())?;
+        Ok(vec![left / ratio, right / ratio])
     }
 
     /// The same as SVG for a document, dark on white; none where it cannot be drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
         svg_of_loads(&self.chart, (width, height))
+    }
+
+    /// The loads at a distance (mm), as rows of programmed and predicted: force, power, removal rate.
+    pub fn reading(&self, distance: f64) -> Vec<f64> {
+        self.chart.reading(distance).into_iter().flatten().collect()
     }
 }

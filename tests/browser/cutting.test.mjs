@@ -42,7 +42,7 @@ pageTest('cutting forces are computed on request, as on the command line', async
   const options = ['predict', PROGRAM, '--machine', machine, '--cutting', JOB, '--tolerance', '0.01', '--json']
   const { runs, diagnostics } = JSON.parse(execFileSync(binary(), options, { encoding: 'utf8' }))
   const { programmed, predicted } = runs[0].cutting
-  const rows = await page.$$eval('#cutting tbody tr', (all) =>
+  const rows = await page.$$eval('#cutting .result tbody tr', (all) =>
     all.map((row) => [...row.cells].map((cell) => cell.textContent)),
   )
   assert.equal(rows[0][0], 'Force (N)')
@@ -64,4 +64,104 @@ pageTest('cutting forces are computed on request, as on the command line', async
   assert.match(await page.textContent('#cutting .result'), /the stock is not given/)
   await compute(page, TEXT.replace('teeth', 'teth'))
   assert.match(await page.textContent('#cutting .fault'), /line 8, column 1: unknown field `teth`/)
+})
+
+/** Draws a surface of `count` short lines. */
+function raster(count) {
+  const rows = 100
+  const each = Math.floor(count / rows)
+  const lines = ['G21 G90', 'T1 M6', 'S12000 M3', '(RASTER)', 'G0 X0 Y0 Z5', 'G1 Z-1 F1000']
+  for (let row = 0; row < rows; row += 1)
+    for (let step = 0; step < each; step += 1) {
+      const way = (100 * step) / (each - 1)
+      const x = row % 2 ? 100 - way : way
+      const z = -2 + Math.sin(x / 8) * Math.cos(row / 9)
+      lines.push(`X${x.toFixed(4)} Y${row} Z${z.toFixed(4)} F2500`)
+    }
+  return `${lines.join('\n')}\nG0 Z5\nM30\n`
+}
+
+pageTest('peaks lead to the chart and the program, and operations gain volume and power', async ({ page }) => {
+  await page.setInputFiles('#files', PROGRAM)
+  await computed(page)
+  const span = () => page.$eval('#chart .plot', (plot) => plot.dataset.span.split(' ').map(Number))
+  const titles = () => page.$$eval('#breakdown .parts thead th', (all) => all.map((title) => title.textContent))
+  assert.ok(!(await titles()).some((title) => title.includes('Peak')), 'nothing before it is asked for')
+  await page.click('#cutting summary')
+  await compute(page, TEXT.replace('max_force_n = 100', 'max_force_n = 2000'))
+  const whole = await span()
+  const first = page.locator('#cutting .result tbody tr').first().locator('button').first()
+  const line = Number(await first.textContent())
+  assert.match(await first.getAttribute('title'), /X30 F1500|Y30|X-10/)
+  await first.click()
+  await page.waitForFunction((before) => document.querySelector('#chart .plot').dataset.span !== before, whole.join(' '))
+  const [from, to] = await span()
+  assert.ok(to - from < 0.5 * (whole[1] - whole[0]), `${from} to ${to}`)
+  const { runs } = JSON.parse(execFileSync(binary(), ['predict', PROGRAM, '--machine', await machineOf(page), '--cutting', JOB, '--tolerance', '0.01', '--json'], { encoding: 'utf8' }))
+  const peak = runs[0].cutting.programmed.force_n
+  assert.equal(line, peak.line)
+  assert.ok(from <= peak.distance_mm && peak.distance_mm <= to)
+
+  // The same numbers stand in the breakdown at the tolerance of the cut, and only there.
+  const cells = () => page.$$eval('#breakdown .parts tbody tr:first-child td', (all) => all.map((cell) => cell.textContent))
+  const [removed, power] = [runs[0].operations[0].cutting.removed_mm3, runs[0].operations[0].cutting.peak_power_w.value]
+  assert.deepEqual((await titles()).slice(-3), ['Removed (mm³)', 'Peak power (W)', 'Peak force (N)'])
+  const [volume, watts] = (await cells()).slice(-3).map((text) => Number(text.replace(/,/g, '')))
+  assert.ok(Math.abs(volume - removed) <= 0.51 && Math.abs(watts - power) <= 0.51, `${volume} ${watts}`)
+  await page.selectOption('#breakdown select', { index: 1 })
+  assert.ok(!(await titles()).some((title) => title.includes('Peak')))
+
+  // A job in which nothing comes near its limits could be faster.
+  const caption = page.locator('#cutting caption', { hasText: 'Where the feedrate could be higher' })
+  assert.equal(await caption.count(), 1)
+  assert.match(await page.textContent('#cutting .result'), /could be.*× [123]/is)
+  await page.hover('#cutting .loads', { position: { x: 400, y: 200 } })
+  assert.match(await page.textContent('#cutting .reading'), /Force.* N.*Power.* W.*line \d+/)
+  await page.locator('#cutting .result').scrollIntoViewIfNeeded()
+  await shot(page, 'cutting-peaks')
+  await page.locator('#breakdown').scrollIntoViewIfNeeded()
+  await shot(page, 'cutting-breakdown')
+
+  // The sources of all coefficients are there, and which could not be checked.
+  await page.click('#cutting .materials summary')
+  assert.match(await page.textContent('#cutting .materials'), /al7075.*Duan.*ti6al4v.*not checked/s)
+  await compute(page, TEXT.replace('al7075', 'c45'))
+  assert.match(await page.textContent('#cutting .result li:last-child, #cutting .result'), /could not be checked/)
+})
+
+pageTest('a program of 20 000 lines does not block the page, tells its progress and can be stopped', async ({ page }) => {
+  const text = raster(20_000)
+  assert.ok(text.split('\n').length > 20_000)
+  await page.setInputFiles('#files', { name: 'raster.nc', mimeType: 'text/plain', buffer: Buffer.from(text) })
+  await computed(page)
+  await page.click('#cutting summary')
+  const job = TEXT.replace('resolution_mm = 0.2', '').replace('max_mm = [40, 40, 0]', 'max_mm = [100, 100, 0]')
+  await page.fill('#cutting textarea', job)
+  // The longest time that the page does not answer.
+  await page.evaluate(() => {
+    window.longest = 0
+    let last = performance.now()
+    const tick = () => {
+      window.longest = Math.max(window.longest, performance.now() - last)
+      last = performance.now()
+      setTimeout(tick, 5)
+    }
+    tick()
+  })
+  await page.click('#cutting .compute')
+  await page.waitForFunction(() => document.querySelector('#cutting progress').value > 0.15)
+  await shot(page, 'cutting-progress')
+  await page.click('#cutting .cancel')
+  await page.waitForSelector('#cutting .working', { state: 'hidden' })
+  assert.equal(await page.$('#cutting .result table'), null)
+  assert.equal(await page.textContent('#cutting .fault'), '')
+
+  const start = Date.now()
+  await page.click('#cutting .compute')
+  await page.waitForSelector('#cutting .result table', { timeout: 120_000 })
+  const longest = await page.evaluate(() => window.longest)
+  console.log(`20 000 lines: ${Date.now() - start} ms, the page was busy for at most ${longest.toFixed(0)} ms`)
+  assert.ok(longest < 1000, `${longest} ms`)
+  await page.locator('#cutting .loads').scrollIntoViewIfNeeded()
+  await shot(page, 'cutting-raster')
 })

@@ -2,6 +2,11 @@
 
 mod engagements;
 mod forces;
+mod headroom;
+mod jobs;
+#[allow(dead_code)]
+#[path = "../fuzz/mutate.rs"]
+mod mutate;
 mod neutral;
 mod refusals;
 mod volumes;

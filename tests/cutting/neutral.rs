@@ -1,7 +1,7 @@
 //! Switched off, cutting changes nothing; switched on, it only adds.
 
 use serde_json::Value;
-use truefeed::cutting::{Setup, engagement, programmed_and_predicted};
+use truefeed::cutting::{Mill, Setup, engagement, material, programmed_and_predicted};
 use truefeed::machine::Machine;
 use truefeed::project::Prediction;
 use truefeed::quote::{programmed_time, quote};
@@ -15,7 +15,12 @@ const PROGRAM: &str = "G21 G90 T1 M6\nM3 S8000\n(SLOT)\nG0 X-10 Y5 Z5\nZ-3\nG1 X
 
 /// The prediction as JSON, without cutting or with the outcome of a set-up.
 fn predicted(setup: Option<&Setup>) -> Value {
-    let (machine, toolpath) = (Machine::default(), toolpath(PROGRAM));
+    predicted_of(PROGRAM, setup)
+}
+
+/// The same of a program.
+fn predicted_of(program: &str, setup: Option<&Setup>) -> Value {
+    let (machine, toolpath) = (Machine::default(), toolpath(program));
     let (plan, errors) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
     let quotes = [quote(&toolpath, &machine, &plan, Tolerances::Programmed, &errors)];
     let prediction = Prediction::new("part.nc", &toolpath, programmed_time(&toolpath, &machine), &quotes);
@@ -24,9 +29,10 @@ fn predicted(setup: Option<&Setup>) -> Value {
         Some(setup) => {
             let cut = engagement(&toolpath, setup);
             let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
-            let loads = cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, setup, &samples));
+            let loads =
+                cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, setup, &samples, &mut |_| {}));
             let loads: Vec<_> = loads.collect();
-            prediction.with_cutting(&cut, &loads)
+            prediction.with_cutting(setup, &cut, &loads)
         }
     };
     serde_json::from_str(&prediction.to_json()).expect("it is JSON")
@@ -66,6 +72,19 @@ fn what_is_missing_is_a_diagnostic_and_the_quote_goes_on() {
     assert_eq!(last["severity"], "warning");
     assert_eq!(on["runs"][0].get("cutting"), None);
     assert_eq!(bare(on), predicted(None));
+}
+
+#[test]
+fn chips_that_no_mill_cuts_and_coefficients_that_nobody_checked_are_remarked() {
+    let said = |setup: &Setup| predicted(Some(setup))["diagnostics"].to_string();
+    assert!(!said(&base()).contains("check the speed") && !said(&base()).contains("could not be checked"));
+    let one = Setup { tool: Some(Mill { teeth: Some(1), ..mill(6.0) }), ..base() };
+    assert!(!said(&one).contains("check the speed"));
+    let slow = predicted_of(&PROGRAM.replace("S8000", "S800"), Some(&one))["diagnostics"].to_string();
+    assert!(slow.contains("chips in the material would be 1.50 mm thick"), "{slow}");
+    let titanium = material("ti6al4v").expect("known");
+    let doubted = Setup { coefficients: Some(titanium.coefficients), material: Some(titanium), ..base() };
+    assert!(said(&doubted).contains("the coefficients of titanium Ti-6Al-4V could not be checked"));
 }
 
 #[test]

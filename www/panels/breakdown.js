@@ -2,9 +2,9 @@
 
 import { toleranceLabel } from '../pkg/truefeed.js'
 import { find, make } from '../dom.js'
-import { count, difference, millimetres, seconds } from '../format.js'
+import { count, difference, millimetres, number, seconds } from '../format.js'
 
-/** @import { Breakdown, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
+/** @import { Breakdown, Cut, CutOfOperation, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
 
 /** @type {[keyof import("../types.js").Functions, string][]} */
 const FUNCTIONS = [
@@ -45,6 +45,13 @@ const COLUMNS = [
   ['Blocks', ({ blocks }) => count(blocks)],
 ]
 
+/** What a cut adds for an operation. @type {[string, (part: CutOfOperation) => string][]} */
+const CUT_COLUMNS = [
+  ['Removed (mm³)', ({ removed_mm3: removed }) => number(removed)],
+  ['Peak power (W)', ({ peak_power_w: peak }) => number(peak.value)],
+  ['Peak force (N)', ({ peak_force_n: peak }) => number(peak.value)],
+]
+
 /**
  * @param {HTMLElement} root
  * @param {{show(place: Pick<Place, "distance_mm">): void}} actions
@@ -55,6 +62,8 @@ export function mount(root, actions) {
   const chosen = /** @type {HTMLSelectElement} */ (find(root, 'select'))
   /** The runs in sight, which are told apart by being other objects. @type {RunSummary[]} */
   let runs = []
+  /** The cut of the program in sight, if there is one. @type {Cut | null} */
+  let cut = null
 
   chosen.addEventListener('change', fill)
 
@@ -62,10 +71,16 @@ export function mount(root, actions) {
   function fill() {
     const run = runs[chosen.selectedIndex]
     if (!run) return parts.replaceChildren()
-    const operations = run.operations.map((operation) => row(begin(operation), name(operation), operation))
+    const cuts = cut?.column === run.tolerance_mm ? cut.operations : null
+    const operations = run.operations.map((operation, index) => {
+      const cells = row(begin(operation), name(operation), operation)
+      const own = cuts?.[index]
+      if (cuts) cells.append(...CUT_COLUMNS.map(([, text]) => make('td', {}, own ? text(own) : '–')))
+      return cells
+    })
     const tools = run.tools.map((tool) => row(toolTitle(tool), toolName(tool), tool))
     parts.replaceChildren(
-      table('Operations', ['Line', 'Operation'], operations),
+      table('Operations', ['Line', 'Operation'], operations, cuts ? CUT_COLUMNS.map(([title]) => title) : []),
       ...(run.tools.length > 1 ? [table('Tools', ['Tool', 'Name'], tools)] : []),
     )
   }
@@ -87,7 +102,9 @@ export function mount(root, actions) {
       const now = state.tolerances.flatMap((tolerance) => outcome?.runs.get(tolerance)?.summary ?? [])
       root.hidden = now.length === 0
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
-      if (now.length === runs.length && now.every((run, index) => run === runs[index])) return
+      const cutNow = cutOf(state)
+      if (now.length === runs.length && now.every((run, index) => run === runs[index]) && cut === cutNow) return
+      cut = cutNow
       const before = chosen.value
       runs = now
       kinds.replaceChildren(kindsTable(runs, state.tolerances))
@@ -96,6 +113,13 @@ export function mount(root, actions) {
       fill()
     },
   }
+}
+
+/** The cut of the program in sight on the machine as it is. @param {State} state */
+function cutOf({ cut, selected, programs, machine }) {
+  const program = programs.find(({ id }) => id === selected)
+  const isOf = cut?.program === program?.id && cut?.dialect === program?.dialect && cut?.motion === machine.motion
+  return isOf ? cut : null
 }
 
 /** Seconds by kind, a column a tolerance; kinds that take no time at any are left out. @param {RunSummary[]} runs @param {number[]} tolerances */
@@ -117,9 +141,9 @@ function kindsTable(runs, tolerances) {
   return scrolling(make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows)))
 }
 
-/** @param {string} caption @param {[string, string]} first @param {HTMLElement[]} rows */
-function table(caption, [first, second], rows) {
-  const titles = [first, second, ...COLUMNS.map(([title]) => title)].map((title) => make('th', { scope: 'col' }, title))
+/** @param {string} caption @param {[string, string]} first @param {HTMLElement[]} rows @param {string[]} more  titles */
+function table(caption, [first, second], rows, more = []) {
+  const titles = [first, second, ...COLUMNS.map(([title]) => title), ...more].map((title) => make('th', { scope: 'col' }, title))
   const head = make('thead', {}, make('tr', {}, ...titles))
   return scrolling(make('table', {}, make('caption', {}, caption), head, make('tbody', {}, ...rows)))
 }

@@ -1,15 +1,34 @@
-// Cutting forces, on request: a cutting job as text, peaks by the programmed and by the predicted feedrate, remarks and
-// the loads over the distance.
+// Cutting forces, on request: a cutting job as text, peaks by the programmed and by the predicted feedrate, remarks, where
+// the feedrate could be higher, and the loads over the distance, with the cursor and the view of the other charts.
 
 import { LoadPicture, exampleCutting } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { Ended } from '../engine.js'
-import { number } from '../format.js'
+import { feedrate, number, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
+import { join } from '../plot.js'
+import { headOf, lineOf } from './chart.js'
 
 /** @import { Engine } from "../engine.js" */
-/** @import { Column, CutPeaks, CutResult, Program, State } from "../types.js" */
+/** @import { Column, Cut, CutMaterial, CutPeak, CutPeaks, CutResult, Place, Program, State } from "../types.js" */
+
+/** What is around a peak that is shown, mm. */
+const AROUND_MM = 5
+/** Rows of where the feedrate could be higher. */
+const ROOMS = 12
+const figures = new Intl.NumberFormat('en', { maximumSignificantDigits: 4 })
+/** @type {Record<string, string>} */
+const LIMITS = {
+  tool_force: 'force on the tool',
+  tool_torque: 'torque on the tool',
+  tool_power: 'power through the tool',
+  tool_chip: 'chip',
+  tool_deflection: 'bend of the tool',
+  spindle_force: 'force on the spindle',
+  spindle_torque: 'torque of the spindle',
+  spindle_power: 'power of the spindle',
+}
 
 /** @type {[keyof CutPeaks, string, string][]} */
 const PEAKS = [
@@ -19,8 +38,13 @@ const PEAKS = [
   ['removal_rate_mm3_min', 'Removal rate', 'mm³/min'],
 ]
 
-/** @param {HTMLElement} root @param {Engine} engine  of its own, so that it does not end a simulation */
-export function mount(root, engine) {
+/**
+ * @param {HTMLElement} root
+ * @param {Engine} engine  of its own, so that it does not end a simulation
+ * @param {(CutMaterial & {word: string})[]} materials
+ * @param {{show(place: Pick<Place, "distance_mm">): void, setCut(cut: Cut | null): void}} actions
+ */
+export function mount(root, engine, materials, actions) {
   const job = /** @type {HTMLTextAreaElement} */ (find(root, 'textarea'))
   const compute = /** @type {HTMLButtonElement} */ (find(root, '.compute'))
   const chosen = /** @type {HTMLSelectElement} */ (find(root, 'select'))
@@ -28,25 +52,134 @@ export function mount(root, engine) {
   const result = find(root, '.result')
   const plot = find(root, '.loads')
   const canvas = /** @type {HTMLCanvasElement} */ (find(root, 'canvas'))
+  const cross = find(plot, '.cross')
+  const reading = find(plot, '.reading')
+  const working = find(root, '.working')
+  const bar = /** @type {HTMLProgressElement} */ (find(working, 'progress'))
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
   /** @type {Program | undefined} */
   let program
   /** @type {string} */
   let machine = ''
+  /** @type {{motion: string | undefined}} */
+  let current = { motion: undefined }
   /** @type {Column[]} */
   let columns = []
   /** What the result in sight belongs to. @type {string | undefined} */
   let shown
   /** @type {LoadPicture | null} */
   let picture = null
+  /** Distances in sight, mm. @type {[number, number]} */
+  let span = [0, 1]
+  /** The path on the canvas, pixels. @type {[number, number]} */
+  let sides = [0, 1]
 
   offerPictures(find(root, '.tools'), 'cutting', 'the cutting loads', () => picture?.svg(plot.clientWidth, plot.clientHeight))
   job.value = exampleCutting()
-  job.addEventListener('input', clear)
-  chosen.addEventListener('change', clear)
+  find(root, '.materials').append(materialsTable(materials))
+  job.addEventListener('input', forget)
+  chosen.addEventListener('change', forget)
   compute.addEventListener('click', run)
+  find(working, '.cancel').addEventListener('click', forget)
   dark.addEventListener('change', draw)
   new ResizeObserver(draw).observe(plot)
+
+  const others = join({
+    isShown: () => picture !== null && !plot.hidden,
+    redraw: draw,
+    hide,
+    show: () => {},
+    fit: () => {},
+    follow(from, to) {
+      span = [from, to]
+      draw()
+    },
+    point: (distance) => read(distance, true),
+    span: () => span,
+  })
+  plot.addEventListener('pointermove', (event) => {
+    const distance = distanceAt(event)
+    if (distance === undefined) return others.leave(), hide()
+    read(distance, false)
+    others.point(distance)
+  })
+  plot.addEventListener('pointerleave', () => {
+    hide()
+    others.leave()
+  })
+  plot.addEventListener('click', (event) => {
+    const distance = distanceAt(event)
+    if (distance !== undefined) actions.show(around(distance))
+  })
+
+  /** @param {MouseEvent} event */
+  function distanceAt(event) {
+    const x = event.clientX - plot.getBoundingClientRect().left
+    if (x < sides[0] || sides[1] < x) return undefined
+    return span[0] + ((x - sides[0]) / (sides[1] - sides[0])) * (span[1] - span[0])
+  }
+
+  function hide() {
+    cross.hidden = true
+    reading.hidden = true
+  }
+
+  /** Shows the cursor, and what the loads are there. @param {number} distance @param {boolean} passive  another chart has the pointer */
+  function read(distance, passive) {
+    if (!picture || distance < span[0] || span[1] < distance) return hide()
+    const x = sides[0] + ((distance - span[0]) / (span[1] - span[0])) * (sides[1] - sides[0])
+    cross.hidden = false
+    Object.assign(cross.style, { left: `${x}px`, top: '0', height: `${plot.clientHeight}px` })
+    reading.hidden = passive
+    if (passive) return
+    const loads = picture.reading(distance)
+    const rows = [['Force', 'N'], ['Power', 'W'], ['Removal', 'cm³/min']].map(([title, unit], index) =>
+      row(title, [0, 1].map((which) => `${figures.format(loads[2 * index + which])} ${unit}`)),
+    )
+    const body = make('table', {}, row('', ['programmed', 'predicted']), ...rows)
+    const line = lineAt(distance)
+    reading.replaceChildren(headOf(distance, undefined, false), body, ...lineOf(line, program))
+    const toTheLeft = x > (sides[0] + sides[1]) / 2
+    reading.style.left = toTheLeft ? 'auto' : `${x + 12}px`
+    reading.style.right = toTheLeft ? `${plot.clientWidth - x + 12}px` : 'auto'
+    reading.style.top = '8px'
+  }
+
+  /** The line that is run at a distance. @param {number} distance */
+  function lineAt(distance) {
+    const steps = program?.outcome?.steps
+    if (!steps) return undefined
+    let [low, high] = [0, steps.end.length - 1]
+    while (low < high) {
+      const middle = (low + high) >> 1
+      if (steps.end[middle] < distance) low = middle + 1
+      else high = middle
+    }
+    return steps.line[low]
+  }
+
+  /** Where a line is run first; nowhere where it does not move. @param {number} line @returns {[number, number] | undefined} */
+  function placeOf(line) {
+    const steps = program?.outcome?.steps
+    const index = steps?.line.indexOf(line) ?? -1
+    return steps && index >= 0 ? [steps.end[index - 1] ?? 0, steps.end[index]] : undefined
+  }
+
+  /** A line of the program, and the way to it in the chart. @param {number} line @param {[number, number] | undefined} place @param {string} [text] */
+  function way(line, place, text = String(line)) {
+    if (!place) return text
+    const title = program?.lines()[line - 1] ?? ''
+    const go = make('button', { type: 'button', title: `Show it in the charts: ${title}` }, text)
+    go.setAttribute('aria-label', `Line ${text}: show it in the charts`)
+    go.addEventListener('click', () => actions.show({ distance_mm: place }))
+    return go
+  }
+
+  /** Forgets what was computed, or ends what is being computed. */
+  function forget() {
+    clear()
+    actions.setCut(null)
+  }
 
   function clear() {
     engine.cancel()
@@ -63,15 +196,21 @@ export function mount(root, engine) {
     if (!program) return
     clear()
     compute.disabled = true
-    result.replaceChildren(make('p', {}, 'Computing …'))
-    const { bytes, dialect } = program
+    bar.value = 0
+    working.hidden = false
+    const stage = (/** @type {string} */ _, /** @type {number} */ part) => (bar.value = part)
+    const { id, bytes, dialect } = program
+    const { motion } = current
     const tolerance = columns[chosen.selectedIndex] ?? null
     const of = subject()
     try {
-      const cut = await engine.cut({ program: bytes, machine, dialect, tolerance, job: job.value })
+      const cut = await engine.cut({ program: bytes, machine, dialect, tolerance, job: job.value }, stage)
       if (of !== subject()) return clear()
       show(cut)
       shown = of
+      const operations = cut.summary.runs[0].operations.map(({ cutting }) => cutting)
+      const isComputed = cut.summary.runs[0].cutting !== undefined
+      actions.setCut(isComputed ? { program: id, dialect, motion, column: tolerance, operations } : null)
     } catch (error) {
       if (!(error instanceof Ended && error.kind === 'cancelled')) {
         result.replaceChildren()
@@ -79,6 +218,7 @@ export function mount(root, engine) {
       }
     } finally {
       compute.disabled = false
+      working.hidden = true
     }
   }
 
@@ -91,22 +231,46 @@ export function mount(root, engine) {
   function show({ summary, columns: loads }) {
     const { cutting, operations } = summary.runs[0]
     const remarks = summary.diagnostics.map(({ line, severity, message }) =>
-      make('li', { className: severity }, line ? `Line ${line}: ${message}` : message),
+      make('li', { className: severity }, ...(line ? ['Line ', way(line, placeOf(line)), `: ${message}`] : [message])),
     )
     result.replaceChildren(...(remarks.length ? [make('ul', {}, ...remarks)] : []))
     if (!cutting) return
     const peaks = PEAKS.map(([key, title, unit]) => {
       const { programmed, predicted } = cutting
-      const cells = [programmed[key], predicted[key]].map(({ value, line }) => [number(value), String(line)])
+      const cells = [programmed[key], predicted[key]].map(({ value, line, distance_mm: at }) => [
+        figures.format(value),
+        value > 0 ? way(line, around(at).distance_mm) : '–',
+      ])
       return row(`${title} (${unit})`, cells.flat())
     })
+    const peak = (/** @type {CutPeak} */ { value, line, distance_mm: at }) => [
+      figures.format(value),
+      value > 0 ? way(line, around(at).distance_mm) : '–',
+    ]
     const parts = operations.flatMap(({ line, name, cutting: own }) =>
-      own ? [row(`${line} ${name ?? ''}`, [own.removed_mm3, own.peak_force_n.value, own.peak_power_w.value].map(number))] : [],
+      own
+        ? [row(`${line} ${name ?? ''}`, [number(own.removed_mm3), ...peak(own.peak_force_n), ...peak(own.peak_power_w)])]
+        : [],
+    )
+    const rooms = cutting.headroom.slice(0, ROOMS).map(({ lines: [from, to], distance_mm: place, ...room }) =>
+      row(way(from, place, from === to ? `${from}` : `${from}–${to}`), [
+        feedrate(room.programmed_mm_min),
+        `× ${room.factor}`,
+        room.limit === null ? 'none' : LIMITS[room.limit],
+        feedrate(room.predicted_mm_min),
+        seconds(room.saved_s),
+      ]),
     )
     result.append(
       table(['Largest', 'Programmed feed', 'Line', 'Predicted feed', 'Line'], peaks),
-      table(['Operation', 'Removed (mm³)', 'Force (N)', 'Power (W)'], parts),
-      make('p', { className: 'help' }, `Stock in cells of ${number(cutting.resolution_mm)} mm; ${cutting.assumptions}.`),
+      table(['Operation', 'Removed (mm³)', 'Peak force (N)', 'Line', 'Peak power (W)', 'Line'], parts),
+      ...(rooms.length > 0
+        ? [
+            table(['Lines', 'Programmed', 'Could be', 'Then meets', 'Predicted', 'Saves at most'], rooms, 'Where the feedrate could be higher'),
+            make('p', { className: 'help' }, 'Where the predicted feedrate is below the programmed one, the machine does not reach it, and a higher one saves less or nothing.'),
+          ]
+        : []),
+      make('p', { className: 'help' }, `Pale and broad: programmed feedrate; blue: predicted. Stock in cells of ${figures.format(cutting.resolution_mm)} mm; ${cutting.assumptions}. Coefficients of ${cutting.material.name}: ${cutting.material.source}.`),
     )
     const { distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate } = loads
     picture = new LoadPicture(
@@ -120,12 +284,15 @@ export function mount(root, engine) {
     )
     plot.hidden = false
     find(root, '.tools').hidden = false
+    span = others.span() ?? [distance[0] ?? 0, distance.at(-1) ?? 1]
     draw()
   }
 
   function draw() {
     const { clientWidth: width, clientHeight: height } = plot
-    if (picture && width && height) picture.draw(canvas, width, height, window.devicePixelRatio, dark.matches)
+    if (!picture || !width || !height) return
+    const [left, right] = picture.draw(canvas, width, height, window.devicePixelRatio, dark.matches, ...span)
+    sides = [left, right]
   }
 
   return {
@@ -133,6 +300,7 @@ export function mount(root, engine) {
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
       machine = JSON.stringify(state.machine.values)
+      current = { motion: state.machine.motion }
       root.hidden = !program
       compute.disabled = !program || state.machine.motion === undefined
       const now = columnsOf(state, program?.outcome)
@@ -147,14 +315,30 @@ export function mount(root, engine) {
   }
 }
 
-/** @param {string} title @param {string[]} cells */
+/** What is around a peak. @param {number} distance @returns {Pick<Place, "distance_mm">} */
+const around = (distance) => ({ distance_mm: [Math.max(distance - AROUND_MM, 0), distance + AROUND_MM] })
+
+/** @param {Node | string} title @param {(Node | string)[]} cells */
 function row(title, cells) {
   return make('tr', {}, make('th', { scope: 'row' }, title), ...cells.map((cell) => make('td', {}, cell)))
 }
 
-/** @param {string[]} titles @param {HTMLElement[]} rows */
-function table(titles, rows) {
+/** @param {(CutMaterial & {word: string})[]} materials */
+function materialsTable(materials) {
+  const rows = materials.map(({ word, name, source, is_checked: isChecked, cutting_n_mm2: cutting, edge_n_mm: edge }) => {
+    const from = make('td', { className: isChecked ? 'source' : 'source unchecked' }, source)
+    const cells = row(word, [name, ...[...cutting, ...edge].map((value) => figures.format(value))])
+    cells.append(from)
+    return cells
+  })
+  const titles = ['Word', 'Material', 'K_tc', 'K_rc', 'K_ac', 'K_te', 'K_re', 'K_ae', 'Source']
+  return table(titles, rows, 'K_c in N/mm², K_e in N/mm; a [coefficients] table in the job replaces any: ktc_n_mm2 = 700')
+}
+
+/** @param {string[]} titles @param {HTMLElement[]} rows @param {string} [caption] */
+function table(titles, rows, caption) {
   const head = titles.map((title) => make('th', { scope: 'col' }, title))
-  const body = make('table', {}, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
+  const title = caption ? [make('caption', {}, caption)] : []
+  const body = make('table', {}, ...title, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
   return make('div', { className: 'scroll' }, body)
 }
