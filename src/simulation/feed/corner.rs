@@ -67,15 +67,14 @@ impl<'a> CornerLaw<'a> {
         let mut alpha = deviation / self.full;
         for _ in 0..60 {
             let delayed = alpha * self.half_delay;
-            let displacement = self.filter.displacement(delayed);
+            let (step, displacement) = self.filter.step_and_displacement(delayed);
             let excess = alpha * self.full + (1.0 - alpha) * displacement - deviation;
             if excess <= 0.0 {
                 low = alpha;
             } else {
                 high = alpha;
             }
-            let slope =
-                self.full - displacement + (1.0 - alpha) * self.half_delay * self.filter.step(delayed);
+            let slope = self.full - displacement + (1.0 - alpha) * self.half_delay * step;
             let newton = alpha - excess / slope;
             let next = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
             if (next - alpha).abs() <= 1e-15 * alpha {

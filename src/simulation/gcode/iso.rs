@@ -3,6 +3,7 @@
 mod o_word;
 mod okuma;
 mod macro_word;
+mod plain;
 
 use crate::simulation::gcode::expression::{Expressions, Notation, Place as Parameter};
 use crate::simulation::gcode::iso::macro_word::Keyword;
@@ -26,7 +27,7 @@ const OUTPUT: &[&[u8]] = &[b"POPEN", b"PCLOS", b"DPRNT", b"BPRNT", b"SETVN"];
 impl Reader<'_> {
     /// Reads one line of an ISO program.
     pub(super) fn iso_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
-        if self.is_command_of_sender(text) {
+        if self.plain_line(text) || self.is_command_of_sender(text) {
             return Ok(());
         }
         let mut at = 0;

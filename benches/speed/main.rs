@@ -1,0 +1,221 @@
+//! How fast programs are quoted and what memory that takes, as multiples of yardsticks of the same run.
+//!
+//! ```text
+//! cargo bench --bench speed                 a million lines and less, prints the table
+//! cargo bench --bench speed -- --write      ten million lines as well, writes docs/speed.md
+//! ```
+//!
+//! The yardsticks are reading the bytes once and the crate `async-gcode`, which splits the same bytes into
+//! words and keeps none of them. Each measurement runs in a process of its own, whose greatest size (VmHWM, of Linux) is its
+//! peak memory, the file included. Rounds go over all measurements in turn, so that what else the
+//! machine does meets them alike; each number is the best of its rounds.
+
+mod programs;
+
+use std::hint::black_box;
+use std::pin::{Pin, pin};
+use std::process::Command;
+use std::task::{Context, Poll, Waker};
+use std::time::Instant;
+
+use futures::Stream;
+use programs::Made;
+use truefeed::machine::Machine;
+use truefeed::quote::quote;
+use truefeed::simulation::contour::plan_within;
+use truefeed::simulation::feed::{Rule, Tolerances, plan};
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::toolpath::trace;
+
+/// Contour tolerances, mm.
+const TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
+
+/// What is done with a program.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Work {
+    /// Every byte is looked at.
+    Bytes,
+    /// `async-gcode` parses it.
+    Yardstick,
+    /// It is read.
+    Read,
+    /// It is read and traced.
+    Trace,
+    /// It is read, traced and planned for one tolerance.
+    Plan,
+    /// The same for four tolerances.
+    PlanFour,
+    /// It is planned, its contour errors are measured, and it is quoted.
+    Quote,
+    /// The same for four tolerances.
+    QuoteFour,
+    /// It is planned and its profile is sampled for a chart.
+    Chart,
+}
+
+impl Work {
+    const ALL: [Work; 9] = [
+        Work::Bytes,
+        Work::Yardstick,
+        Work::Read,
+        Work::Trace,
+        Work::Plan,
+        Work::PlanFour,
+        Work::Quote,
+        Work::QuoteFour,
+        Work::Chart,
+    ];
+
+    fn word(self) -> &'static str {
+        match self {
+            Work::Bytes => "bytes",
+            Work::Yardstick => "async-gcode",
+            Work::Read => "read",
+            Work::Trace => "trace",
+            Work::Plan => "plan",
+            Work::PlanFour => "plan four",
+            Work::Quote => "quote",
+            Work::QuoteFour => "quote four",
+            Work::Chart => "chart",
+        }
+    }
+
+    /// Does it once; the number keeps the work from being left out.
+    fn run(self, text: &[u8]) -> f64 {
+        let machine = Machine::default();
+        let toolpath = || trace(&read(text), &machine);
+        match self {
+            Work::Bytes => text.iter().map(|byte| u64::from(*byte)).sum::<u64>() as f64,
+            Work::Yardstick => parsed_elsewhere(text) as f64,
+            Work::Read => read(text).blocks.len() as f64,
+            Work::Trace => toolpath().segments.len() as f64,
+            Work::Plan => plan(&toolpath(), &machine, Rule::Isolated(TOLERANCES[1])).cycle_time(),
+            Work::PlanFour => {
+                let toolpath = toolpath();
+                let time = |tolerance| plan(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time();
+                TOLERANCES.map(time).iter().sum()
+            }
+            Work::Quote | Work::QuoteFour => {
+                let toolpath = toolpath();
+                let one = |tolerance: f64| {
+                    let tolerances = Tolerances::One(tolerance);
+                    let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |_| {});
+                    quote(&toolpath, &machine, &plan, tolerances, &errors).cycle_time
+                };
+                if self == Work::Quote { one(TOLERANCES[1]) } else { TOLERANCES.map(one).iter().sum() }
+            }
+            Work::Chart => {
+                let toolpath = toolpath();
+                let plan = plan(&toolpath, &machine, Rule::Isolated(TOLERANCES[1]));
+                Profile::new(&toolpath, &plan).samples(Resolution::CHART).time.len() as f64
+            }
+        }
+    }
+}
+
+/// Bytes as the stream that `async-gcode` reads from.
+struct Bytes<'a>(std::slice::Iter<'a, u8>);
+
+impl Stream for Bytes<'_> {
+    type Item = Result<u8, async_gcode::Error>;
+
+    fn poll_next(mut self: Pin<&mut Self>, _: &mut Context) -> Poll<Option<Self::Item>> {
+        Poll::Ready(self.0.next().map(|byte| Ok(*byte)))
+    }
+}
+
+/// How many words `async-gcode` finds. Its bytes are there already, so it never waits.
+fn parsed_elsewhere(text: &[u8]) -> usize {
+    let words = async {
+        let mut parser = async_gcode::Parser::new(Bytes(text.iter()));
+        let mut words = 0;
+        while let Some(parsed) = parser.next().await {
+            words += usize::from(black_box(parsed).is_ok());
+        }
+        words
+    };
+    match pin!(words).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(words) => words,
+        Poll::Pending => unreachable!("all bytes are there"),
+    }
+}
+
+/// One measurement: time (s), peak memory and file size (bytes).
+#[derive(Clone, Copy)]
+struct Measured {
+    time: f64,
+    peak: f64,
+    size: f64,
+}
+
+/// Measures in this process, and prints it for the one that asked.
+fn measure(work: Work, made: Made, lines: usize) {
+    let text = made.text(lines);
+    let begin = Instant::now();
+    black_box(work.run(black_box(&text)));
+    println!("{} {} {}", begin.elapsed().as_secs_f64(), peak_memory(), text.len());
+}
+
+/// The greatest size of this process so far, bytes; not a number where the system does not tell.
+fn peak_memory() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok());
+    kilobytes.map_or(f64::NAN, |kilobytes| 1024.0 * kilobytes)
+}
+
+/// Measures in a process of its own.
+fn measured(work: Work, made: Made, lines: usize) -> Measured {
+    let own = std::env::current_exe().expect("this program has a path");
+    let output = Command::new(own)
+        .args(["measure", work.word(), made.word(), &lines.to_string()])
+        .output()
+        .expect("this program can be started");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let numbers: Vec<f64> = text.split_whitespace().filter_map(|number| number.parse().ok()).collect();
+    let &[time, peak, size] = &numbers[..] else {
+        panic!("{} of {lines} lines did not end: {}", work.word(), String::from_utf8_lossy(&output.stderr))
+    };
+    Measured { time, peak, size }
+}
+
+/// The best of all rounds, for each work.
+fn best(works: &[Work], made: Made, lines: usize, rounds: usize) -> Vec<Measured> {
+    let round = || works.iter().map(|work| measured(*work, made, lines)).collect::<Vec<_>>();
+    (1..rounds).fold(round(), |best, _| {
+        let better = |(a, b): (Measured, Measured)| if b.time < a.time { b } else { a };
+        best.into_iter().zip(round()).map(better).collect()
+    })
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments[..] {
+        ["measure", work, made, lines] => {
+            let work = Work::ALL.into_iter().find(|known| known.word() == work).expect("a work");
+            measure(work, Made::from_word(made).expect("a program"), lines.parse().expect("a number"));
+        }
+        ["write", made, lines] => {
+            let made = Made::from_word(made).expect("a program");
+            let text = made.text(lines.parse().expect("a number"));
+            std::io::Write::write_all(&mut std::io::stdout(), &text).expect("text can be written");
+        }
+        _ => {
+            let works = Work::ALL;
+            for (made, lines) in
+                [(Made::Finishing, 1_000_000), (Made::Arcs, 1_000_000), (Made::Roughing, 200_000), (Made::Cycles, 50_000)]
+            {
+                let found = best(&works, made, lines, 2);
+                let yardstick = found[1].time;
+                for (work, one) in works.iter().zip(&found) {
+                    println!(
+                        "{:>10} {:>12} {:8.1} ns/line {:7.2} x yardstick {:6.2} x file",
+                        made.word(), work.word(), 1e9 * one.time / lines as f64, one.time / yardstick, one.peak / one.size
+                    );
+                }
+            }
+        }
+    }
+}
