@@ -63,8 +63,7 @@ impl FilterChain {
         let mut largest_first = time_constants.to_vec();
         largest_first.sort_by(|a, b| b.total_cmp(a));
         let delay: f64 = largest_first.iter().sum();
-        let mut bell =
-            vec![Piece::new(0.0, [1.0 / largest_first[0], 0.0, 0.0, 0.0])];
+        let mut bell = vec![Piece::new(0.0, [1.0 / largest_first[0], 0.0, 0.0, 0.0])];
         let mut support = largest_first[0];
         for &constant in &largest_first[1..] {
             bell = averaged(&bell, support, constant, SAME_KNOT * delay);

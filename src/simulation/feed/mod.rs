@@ -426,10 +426,10 @@ fn add_stretch(
         return;
     }
     corners.push(FULL_STOP);
-    let ramps: Vec<Option<Ramp>> = (segments.iter().zip(&accelerations))
-        .map(|(segment, &limit)| Ramp::of(machine, limit).filter(|_| !positioning::applies(segment, machine)))
-        .collect();
-    limit_by_acceleration(&mut corners, segments, &accelerations, &ramps);
+    let ramp = |i: usize| {
+        Ramp::of(machine, accelerations[i]).filter(|_| !positioning::applies(&segments[i], machine))
+    };
+    limit_by_acceleration(&mut corners, segments, &accelerations, ramp);
 
     plan.corner_feedrates.extend(corners[1..].iter().map(|corner| corner.feedrate));
     let first_pulse = plan.pulses.len();
@@ -452,7 +452,7 @@ fn add_stretch(
                 offset += duration * 0.5 * (first + last);
             }
         };
-        match ramps[i] {
+        match ramp(i) {
             Some(ramp) => {
                 let parts = ramp.parts(segment.length, feedrates[i], ends[0], ends[1]);
                 parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
@@ -540,9 +540,9 @@ fn limit_by_acceleration(
     corners: &mut [Corner],
     segments: &[Segment],
     accelerations: &[f64],
-    ramps: &[Option<Ramp>],
+    ramp: impl Fn(usize) -> Option<Ramp>,
 ) {
-    let reach = |from: f64, to: f64, i: usize| match ramps[i] {
+    let reach = |from: f64, to: f64, i: usize| match ramp(i) {
         Some(ramp) => ramp.reach(from, segments[i].length, to),
         None => (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt(),
     };

@@ -124,7 +124,13 @@ impl Reader<'_> {
                 line.has_call_words |= matches!(letter, b'G' | b'M') && calls.contains(&found.value);
                 let columns = line.columns(at, found.end);
                 let (value, has_point, reference) = (found.value, found.has_point, Reference::Modal);
-                self.program.words.push(Word { value, columns, letter, has_point, reference });
+                self.program.words.push(Word {
+                    value,
+                    columns: columns.into(),
+                    letter,
+                    has_point,
+                    reference,
+                });
             }
         }
         line.begun = true;
@@ -202,7 +208,7 @@ impl Reader<'_> {
         let letter = text[at].to_ascii_uppercase();
         self.program.words.push(Word {
             value: f64::NAN,
-            columns,
+            columns: columns.into(),
             letter,
             has_point: false,
             reference: Reference::Modal,

@@ -219,7 +219,7 @@ impl<'a> Reader<'a> {
     /// Adds a plain word.
     pub(super) fn push_word(&mut self, letter: u8, value: f64, columns: (u32, u32)) {
         let reference = Reference::Modal;
-        self.program.words.push(Word { value, columns, letter, has_point: true, reference });
+        self.program.words.push(Word { value, columns: columns.into(), letter, has_point: true, reference });
     }
 
     /// Lets jumps and calls find the block being read, or the next one if it is empty.

@@ -37,7 +37,7 @@ impl Reader<'_> {
             if letter != b'N' {
                 let columns = (at as u32 + 1, number.end as u32 + 1);
                 let (value, has_point, reference) = (number.value, number.has_point, Reference::Modal);
-                words.push(Word { value, columns, letter, has_point, reference });
+                words.push(Word { value, columns: columns.into(), letter, has_point, reference });
             }
             at = number.end;
         }
