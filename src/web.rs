@@ -15,6 +15,7 @@ mod diagnosed;
 mod job;
 mod quoted;
 mod recorded;
+mod text;
 
 use wasm_bindgen::prelude::*;
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo bench --bench speed                 a million lines and less, prints the table
-//! cargo bench --bench speed -- --write      ten million lines as well, writes docs/speed.md
+//! cargo bench --bench speed -- write        ten million lines as well, writes docs/speed.md
 //! ```
 //!
 //! The yardsticks are reading the bytes once and the crate `async-gcode`, which splits the same bytes into
@@ -25,11 +25,13 @@ use truefeed::quote::quote;
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::{Rule, Tolerances, plan};
 use truefeed::simulation::gcode::read;
-use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::trace;
 
 /// Contour tolerances, mm.
 const TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
+
+/// Each is measured so often, and the best counts.
+const ROUNDS: usize = 2;
 
 /// What is done with a program.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -50,12 +52,10 @@ enum Work {
     Quote,
     /// The same for four tolerances.
     QuoteFour,
-    /// It is planned and its profile is sampled for a chart.
-    Chart,
 }
 
 impl Work {
-    const ALL: [Work; 9] = [
+    const ALL: [Work; 8] = [
         Work::Bytes,
         Work::Yardstick,
         Work::Read,
@@ -64,7 +64,6 @@ impl Work {
         Work::PlanFour,
         Work::Quote,
         Work::QuoteFour,
-        Work::Chart,
     ];
 
     fn word(self) -> &'static str {
@@ -77,7 +76,6 @@ impl Work {
             Work::PlanFour => "plan four",
             Work::Quote => "quote",
             Work::QuoteFour => "quote four",
-            Work::Chart => "chart",
         }
     }
 
@@ -106,11 +104,6 @@ impl Work {
                     quote(&toolpath, &machine, &plan, tolerances, &errors).cycle_time
                 };
                 if self == Work::Quote { one(TOLERANCES[1]) } else { TOLERANCES.map(one).iter().sum() }
-            }
-            Work::Chart => {
-                let toolpath = toolpath(text);
-                let plan = plan(&toolpath, &machine, Rule::Isolated(TOLERANCES[1]));
-                Profile::new(&toolpath, &plan).samples(Resolution::CHART).time.len() as f64
             }
         }
     }
@@ -214,27 +207,83 @@ fn main() {
             let text = made.text(lines.parse().expect("a number"));
             std::io::Write::write_all(&mut std::io::stdout(), &text).expect("text can be written");
         }
-        _ => {
-            let works = Work::ALL;
-            for (made, lines) in [
-                (Made::Finishing, 1_000_000),
-                (Made::Arcs, 1_000_000),
-                (Made::Roughing, 200_000),
-                (Made::Cycles, 50_000),
-            ] {
-                let found = best(&works, made, lines, 2);
-                let yardstick = found[1].time;
-                for (work, one) in works.iter().zip(&found) {
-                    println!(
-                        "{:>10} {:>12} {:8.1} ns/line {:7.2} x yardstick {:6.2} x file",
-                        made.word(),
-                        work.word(),
-                        1e9 * one.time / lines as f64,
-                        one.time / yardstick,
-                        one.peak / one.size
-                    );
-                }
-            }
+        ["write"] => {
+            let page = page(true);
+            print!("{page}");
+            std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/speed.md"), page)
+                .expect("the page can be written");
         }
+        _ => print!("{}", page(false)),
     }
 }
+
+/// All tables as Markdown; with ten million lines where `is_whole`.
+fn page(is_whole: bool) -> String {
+    const MILLION: usize = 1_000_000;
+    let mut text = HEAD.to_string();
+    let mut finishing = Vec::new();
+    for (made, lines) in
+        [(Made::Finishing, MILLION), (Made::Arcs, 300_000), (Made::Roughing, 200_000), (Made::Cycles, 30_000)]
+    {
+        let found = best(&Work::ALL, made, lines, ROUNDS);
+        let yardstick = found[Work::Yardstick as usize].time;
+        text += &format!(
+            "\n## {} lines of {} ({:.0} MB)\n\n| work | ns a line | × async-gcode | × reading the bytes | peak × file |\n|---|---:|---:|---:|---:|\n",
+            lines,
+            made.word(),
+            1e-6 * found[0].size
+        );
+        for (work, one) in Work::ALL.iter().zip(&found) {
+            text += &format!(
+                "| {} | {:.0} | {:.2} | {:.0} | {:.1} |\n",
+                work.word(),
+                1e9 * one.time / lines as f64,
+                one.time / yardstick,
+                one.time / found[0].time,
+                one.peak / one.size
+            );
+        }
+        if made == Made::Finishing {
+            finishing = found;
+        }
+    }
+    let of = |work: Work| finishing[work as usize];
+    let mut targets = vec![
+        (
+            "read, trace and plan a million lines, × async-gcode parsing them",
+            of(Work::Plan).time / of(Work::Yardstick).time,
+            1.0,
+        ),
+        (
+            "four tolerances, planned one after the other, × one",
+            of(Work::PlanFour).time / of(Work::Plan).time,
+            1.6,
+        ),
+        (
+            "the same with contour errors and quote, × one",
+            of(Work::QuoteFour).time / of(Work::Quote).time,
+            1.6,
+        ),
+        ("peak memory of a plan, × file", of(Work::Plan).peak / of(Work::Plan).size, 3.0),
+        ("peak memory of a quote, × file", of(Work::Quote).peak / of(Work::Quote).size, 3.0),
+    ];
+    if is_whole {
+        let long = best(&[Work::Plan], Made::Finishing, 10 * MILLION, 1)[0];
+        targets.push(("ten million lines planned, × one million", long.time / of(Work::Plan).time, 10.5));
+        targets.push(("peak memory of that plan, × file", long.peak / long.size, 3.0));
+    }
+    text += "\n## Against the targets\n\n| what | found | target | |\n|---|---:|---:|---|\n";
+    for (what, found, target) in targets {
+        let is_met = if found <= target { "met" } else { "missed" };
+        text += &format!("| {what} | {found:.2} | {target} | {is_met} |\n");
+    }
+    text + &std::fs::read_to_string(NOTES).expect("the notes are beside this program")
+}
+
+const HEAD: &str = "# Speed and size\n
+What it costs to quote programs, as multiples of yardsticks of the same run: reading each byte once, and the crate
+`async-gcode` parsing the same file. Written by `cargo bench --bench speed -- write` on one core; times are what the
+processor worked, so that other work on the machine does not count. The peak is that of the process, with the file in it.\n";
+
+/// What is to be said of the figures, beneath them.
+const NOTES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/speed/notes.md");

@@ -61,11 +61,11 @@ export function mount(root, engine) {
     clear()
     compute.disabled = true
     result.replaceChildren(make('p', {}, 'Computing …'))
-    const { bytes, dialect } = program
+    const { file, dialect } = program
     const tolerance = columns[chosen.selectedIndex] ?? null
     const of = subject()
     try {
-      const cut = await engine.cut({ program: bytes, machine, dialect, tolerance, job: job.value })
+      const cut = await engine.cut({ program: file, machine, dialect, tolerance, job: job.value })
       if (of !== subject()) return clear()
       show(cut)
       shown = of
