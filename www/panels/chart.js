@@ -109,7 +109,7 @@ export function headOf(distance, programmed, rapid) {
 /** The line of the program, with its number. @param {number | undefined} line @param {Program | undefined} program */
 export function lineOf(line, program) {
   if (line === undefined) return []
-  const code = make('code')
+  const code = make('code', {})
   program?.line(line).then((text) => (code.textContent = text))
   return [make('p', { className: 'code' }, `line ${line} `, code)]
 }

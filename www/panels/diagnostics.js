@@ -21,7 +21,7 @@ export function mount(root) {
     const rows = diagnostics
       .slice(0, most)
       .map(({ line, severity, message }) => {
-        const code = make('code')
+        const code = make('code', {})
         program.line(line).then((text) => (code.textContent = text))
         return make(
           'tr',
