@@ -17,6 +17,7 @@ mod path;
 mod offered;
 mod quoted;
 mod recorded;
+mod text;
 
 use wasm_bindgen::prelude::*;
 

@@ -5,18 +5,18 @@
 
 /**
  * @typedef {object} SimulateRequest
- * @property {Uint8Array} program
+ * @property {Blob | Uint8Array} program  a file is read piece by piece
  * @property {string} machine  JSON
  * @property {string | null} dialect  null: the one the program shows
  * @property {Column[]} columns
  * @property {string[]} labels  of the columns
  */
 
-/** @typedef {{program: Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
-/** @typedef {{machine: string, runs: {name: string, program: Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
-/** @typedef {{program: Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
-/** @typedef {{program: Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
-/** @typedef {{program: Uint8Array, request: string}} QuoteRequest  the request as JSON */
+/** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
+/** @typedef {{machine: string, runs: {name: string, program: Blob | Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
+/** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
+/** @typedef {{program: Blob | Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
+/** @typedef {{program: Blob | Uint8Array, request: string}} QuoteRequest  the request as JSON */
 /** @typedef {(text: string, part: number) => void} Stage */
 
 /**

@@ -2,6 +2,8 @@
 
 import { make } from './dom.js'
 
+/** @import { Lines } from "./lines.js" */
+
 const ROW = 18
 /** Browsers cut off elements that are much higher; longer programs scroll faster than they are read. */
 const HIGHEST = 8_000_000
@@ -17,17 +19,18 @@ export function mountListing(root, { chosen, pointed }) {
   const whole = make('div', { className: 'whole' })
   whole.setAttribute('role', 'presentation')
   root.append(whole)
-  /** @type {string[]} */
-  let lines = []
+  /** @type {Lines | undefined} */
+  let lines
+  let count = 0
   let selected = 0
   let hovered = 0
   let frame = 0
 
-  const height = () => Math.min(lines.length * ROW, HIGHEST)
+  const height = () => Math.min(count * ROW, HIGHEST)
   /** How many pixels of all lines a pixel of the scroll bar stands for. */
   const stretch = () => {
     const room = height() - root.clientHeight
-    return room > 0 ? (lines.length * ROW - root.clientHeight) / room : 1
+    return room > 0 ? (count * ROW - root.clientHeight) / room : 1
   }
 
   function redraw() {
@@ -35,7 +38,7 @@ export function mountListing(root, { chosen, pointed }) {
       frame = 0
       const top = root.scrollTop * stretch()
       const first = Math.max(Math.floor(top / ROW) - MARGIN, 0)
-      const last = Math.min(Math.ceil((top + root.clientHeight) / ROW) + MARGIN, lines.length)
+      const last = Math.min(Math.ceil((top + root.clientHeight) / ROW) + MARGIN, count)
       const rows = []
       for (let index = first; index < last; index += 1) rows.push(row(index + 1, root.scrollTop + index * ROW - top))
       whole.replaceChildren(...rows)
@@ -44,13 +47,21 @@ export function mountListing(root, { chosen, pointed }) {
     })
   }
 
+  /** The text of a line; nothing until it is read, which draws it. @param {number} line */
+  function textOf(line) {
+    const own = lines
+    const text = own?.known(line)
+    if (text === undefined) own?.at(line).then(() => own === lines && own.known(line) !== undefined && redraw())
+    return text ?? ''
+  }
+
   /** @param {number} line @param {number} top */
   function row(line, top) {
     const number = make('span', { className: 'number' }, String(line))
-    const element = make('div', { id: `program-line-${line}`, className: line === hovered ? 'pointed' : '' }, number, lines[line - 1])
+    const element = make('div', { id: `program-line-${line}`, className: line === hovered ? 'pointed' : '' }, number, textOf(line))
     element.setAttribute('role', 'option')
     element.setAttribute('aria-selected', String(line === selected))
-    element.setAttribute('aria-setsize', String(lines.length))
+    element.setAttribute('aria-setsize', String(count))
     element.setAttribute('aria-posinset', String(line))
     element.dataset.line = String(line)
     element.style.top = `${top}px`
@@ -78,10 +89,10 @@ export function mountListing(root, { chosen, pointed }) {
   root.addEventListener('keydown', (event) => {
     const page = Math.max(Math.floor(root.clientHeight / ROW) - 1, 1)
     /** @type {Record<string, number>} */
-    const to = { ArrowUp: selected - 1, ArrowDown: selected + 1, PageUp: selected - page, PageDown: selected + page, Home: 1, End: lines.length }
-    if (!(event.key in to) || lines.length === 0 || event.ctrlKey || event.metaKey || event.altKey) return
+    const to = { ArrowUp: selected - 1, ArrowDown: selected + 1, PageUp: selected - page, PageDown: selected + page, Home: 1, End: count }
+    if (!(event.key in to) || count === 0 || event.ctrlKey || event.metaKey || event.altKey) return
     event.preventDefault()
-    select(Math.min(Math.max(to[event.key], 1), lines.length))
+    select(Math.min(Math.max(to[event.key], 1), count))
     show(selected)
   })
   new ResizeObserver(redraw).observe(root)
@@ -110,13 +121,16 @@ export function mountListing(root, { chosen, pointed }) {
   }
 
   return {
-    /** Shows the lines of a program. @param {string[]} now */
-    fill(now) {
+    /** Shows the lines of a program. @param {Lines} now */
+    async fill(now) {
       lines = now
-      selected = 0
-      hovered = 0
+      selected = hovered = count = 0
       root.scrollTop = 0
+      const all = await now.count()
+      if (lines !== now) return
+      count = all
       whole.style.height = `${height()}px`
+      if (selected > 0) show(selected)
       redraw()
     },
     /** Selects a line and brings it in sight. @param {number} line */

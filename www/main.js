@@ -19,6 +19,7 @@ import init, {
 import { columnLabel, columnsOf } from './columns.js'
 import { confinedWorker } from './confined.js'
 import { Ended, Engine } from './engine.js'
+import { linesOf } from './lines.js'
 import { freeName, keptMachine, loadMachines, saveMachines } from './machines.js'
 import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
@@ -94,10 +95,10 @@ let timer = 0
 
 /** What panels may ask for. */
 export const actions = {
-  /** @param {{name: string, bytes: Uint8Array}[]} files */
+  /** @param {{name: string, file: Blob}[]} files */
   addPrograms(files) {
-    for (const { name, bytes } of files) {
-      state.programs.push({ id: nextId++, name, bytes, lines: linesOf(bytes), dialect: null, outcome: null, failure: null })
+    for (const { name, file } of files) {
+      state.programs.push({ id: nextId++, name, file, lines: linesOf(file), dialect: null, outcome: null, failure: null })
     }
     const added = state.programs[state.programs.length - files.length]
     state.selected = added?.id ?? state.selected
@@ -184,7 +185,7 @@ export const actions = {
     if (!state.diagnosis.used) state.diagnosis = { ...state.diagnosis, used: true, before: now() }
     actions.setMachine(state.machine.preset, values)
   },
-  /** A program, its machine and a recording in which something is concealed. @param {{machine: string, program: {name: string, bytes: Uint8Array}, recording: {name: string, bytes: Uint8Array}}} sample */
+  /** A program, its machine and a recording in which something is concealed. @param {{machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}} sample */
   addSample({ machine, program, recording }) {
     state.sample ??= now()
     actions.setMachine(state.machine.preset, JSON.parse(valuesOfFile(machine)))
@@ -363,13 +364,6 @@ function change(id, what) {
   if (recording) Object.assign(recording, what)
 }
 
-/** The lines of a program, told apart when they are first asked for. @param {Uint8Array} bytes */
-function linesOf(bytes) {
-  /** @type {string[] | undefined} */
-  let lines
-  return () => (lines ??= new TextDecoder().decode(bytes).split(/\r\n|\n|\r/))
-}
-
 /** The form with what Rust says about it. @param {number} preset @param {Values} values @returns {MachineForm} */
 function filled(preset, values) {
   const json = JSON.stringify(values)
@@ -499,7 +493,7 @@ async function simulate(program, motion) {
   try {
     update()
     const labels = columns.map(columnLabel)
-    await engine.simulate({ program: program.bytes, machine, dialect: program.dialect, columns, labels }, listener)
+    await engine.simulate({ program: program.file, machine, dialect: program.dialect, columns, labels }, listener)
     program.outcome = outcome
     program.failure = null
   } catch (error) {
@@ -528,7 +522,7 @@ async function compare(recording, motion) {
   try {
     update()
     const machine = JSON.stringify(state.machine.values)
-    const request = { program: program.bytes, machine, dialect, recording: recording.bytes }
+    const request = { program: program.file, machine, dialect, recording: recording.bytes }
     const { report, refusal, columns } = await engine.compare(request, stage)
     // It may have been given another program meanwhile.
     if (recording.program === program.id && program.dialect === dialect) {
@@ -548,7 +542,7 @@ function collected() {
   return usable(state).flatMap(({ name, program: id, bytes: recording }) => {
     const program = state.programs.find((candidate) => candidate.id === id)
     if (!program) return []
-    return [{ name, program, request: { name, program: program.bytes, dialect: program.dialect, recording } }]
+    return [{ name, program, request: { name, program: program.file, dialect: program.dialect, recording } }]
   })
 }
 

@@ -112,8 +112,8 @@
  * @typedef {object} Program
  * @property {number} id
  * @property {string} name
- * @property {Uint8Array} bytes
- * @property {() => string[]} lines
+ * @property {Blob} file
+ * @property {import('./lines.js').Lines} lines
  * @property {string | null} dialect  the word of the control that was chosen; null: found by what stands in it
  * @property {Outcome | null} outcome
  * @property {string | null} failure  why the last run of it ended

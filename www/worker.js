@@ -2,11 +2,12 @@
 
 import init, {
   Job,
+  ProgramText,
   Runs,
   compareRecording,
   computeCutting,
   cycleTime,
-  quoteProgram,
+  quoteText,
   toleranceLabel,
 } from './pkg/truefeed.js'
 
@@ -49,7 +50,7 @@ const LOADS = /** @type {const} */ ([
 self.onmessage = async ({ data: { module, verb, request } }) => {
   try {
     await init({ module_or_path: module })
-    VERBS[/** @type {keyof typeof VERBS} */ (verb)](request)
+    await VERBS[/** @type {keyof typeof VERBS} */ (verb)](request)
     post({ type: 'done' }, [])
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error)
@@ -58,10 +59,10 @@ self.onmessage = async ({ data: { module, verb, request } }) => {
 }
 
 /** @param {SimulateRequest} request */
-function simulate({ program, machine, dialect, columns, labels }) {
+async function simulate({ program, machine, dialect, columns, labels }) {
   const of = columns.length + 1
   stage('Reading the program', 0, of)
-  const job = new Job(program, machine, dialect ?? undefined)
+  const job = new Job(await textOf(program), machine, dialect ?? undefined)
   const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
   const held = job.tolerances()
   const trail = plain(job.trail(), ['points', 'distance'])
@@ -80,26 +81,27 @@ function simulate({ program, machine, dialect, columns, labels }) {
 }
 
 /** @param {CompareRequest} request */
-function compare({ program, machine, dialect, recording }) {
+async function compare({ program, machine, dialect, recording }) {
   stage('Comparing the recording', 0, 1)
-  const { report, refusal, columns } = compareRecording(program, machine, dialect ?? undefined, recording)
+  const { report, refusal, columns } = compareRecording(await bytesOf(program), machine, dialect ?? undefined, recording)
   const curves = plain(columns, [...MATCHED])
   post({ type: 'compared', report, refusal, columns: curves }, Object.values(curves))
 }
 
 /** @param {CutRequest} request */
-function cut({ program, machine, dialect, tolerance, job }) {
+async function cut({ program, machine, dialect, tolerance, job }) {
   const progress = (/** @type {number} */ part) => stage('Computing forces', part, 1)
   progress(0)
-  const { summary, columns } = computeCutting(program, machine, dialect ?? undefined, tolerance ?? undefined, job, progress)
+  const { summary, columns } = computeCutting(await bytesOf(program), machine, dialect ?? undefined, tolerance ?? undefined, job, progress)
   const loads = plain(columns, [...LOADS])
   post({ type: 'cut', summary, columns: loads }, Object.values(loads))
 }
 
 /** @param {QuoteRequest} request */
-function quote({ program, request }) {
+async function quote({ program, request }) {
+  const text = await textOf(program)
   try {
-    const quote = quoteProgram(program, request, (/** @type {number} */ part) => stage('Simulating', part, 1))
+    const quote = quoteText(text, request, (/** @type {number} */ part) => stage('Simulating', part, 1))
     post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => toleranceLabel(run.tolerance_mm)) }, [])
   } catch (refusal) {
     // A refused request leaves the worker as it is; anything else is a fault of it.
@@ -109,9 +111,9 @@ function quote({ program, request }) {
 }
 
 /** @param {CalibrateRequest} request */
-function calibrate({ machine, runs }) {
+async function calibrate({ machine, runs }) {
   const of = runs.length + 10
-  const all = collected(machine, runs, of)
+  const all = await collected(machine, runs, of)
   const progress = (/** @type {number} */ part) => stage('Calibrating the machine', runs.length + 10 * part, of)
   progress(0)
   post({ type: 'calibrated', report: all.calibrate(progress) }, [])
@@ -119,9 +121,9 @@ function calibrate({ machine, runs }) {
 }
 
 /** @param {CalibrateRequest} request */
-function diagnose({ machine, runs }) {
+async function diagnose({ machine, runs }) {
   const of = runs.length + 10
-  const all = collected(machine, runs, of)
+  const all = await collected(machine, runs, of)
   const progress = (/** @type {number} */ part) => stage(stageAt(part), runs.length + 10 * part, of)
   progress(0)
   const found = all.diagnose(progress)
@@ -137,18 +139,33 @@ function diagnose({ machine, runs }) {
 const stageAt = (part) => (part < 1 ? 'Diagnosing: trying what could have been left out' : 'Diagnosing: testing it where nothing was fitted')
 
 /** @param {TimesRequest} request */
-function cycleTimes({ program, dialect, machines }) {
-  post({ type: 'times', times: machines.map((machine) => cycleTime(program, machine, dialect ?? undefined)) }, [])
+async function cycleTimes({ program, dialect, machines }) {
+  const bytes = await bytesOf(program)
+  post({ type: 'times', times: machines.map((machine) => cycleTime(bytes, machine, dialect ?? undefined)) }, [])
 }
 
 /** All runs of a machine, read. @param {string} machine @param {CalibrateRequest["runs"]} runs @param {number} of */
-function collected(machine, runs, of) {
+async function collected(machine, runs, of) {
   const all = new Runs(machine)
   for (const [index, { name, program, dialect, recording }] of runs.entries()) {
     stage(`Reading ${name}`, index, of)
-    all.add(name, program, dialect ?? undefined, recording)
+    all.add(name, await bytesOf(program), dialect ?? undefined, recording)
   }
   return all
+}
+
+/** The text of a program in the memory of the module, where a file goes piece by piece. @param {Blob | Uint8Array} program */
+async function textOf(program) {
+  const file = program instanceof Blob ? program : new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (program)])
+  const text = new ProgramText(file.size)
+  const reader = file.stream().getReader()
+  for (let piece = await reader.read(); piece.value; piece = await reader.read()) text.push(piece.value)
+  return text
+}
+
+/** @param {Blob | Uint8Array} program */
+async function bytesOf(program) {
+  return program instanceof Blob ? new Uint8Array(await program.arrayBuffer()) : program
 }
 
 /** @param {string} text @param {number} done @param {number} of */

@@ -52,7 +52,12 @@ pub fn machine_of(path: &Path) -> Result<Machine, Refusal> {
 /// The toolpath of a program on a machine.
 pub fn toolpath_of(program: &Path, dialect: Option<Dialect>, machine: &Machine) -> Result<Toolpath, Refusal> {
     let options = Options { dialect, ..Options::default() };
-    Ok(trace(&read_with(&bytes_of(program)?, &options), machine))
+    // The text is given back before the path takes room.
+    let program = {
+        let text = bytes_of(program)?;
+        read_with(&text, &options)
+    };
+    Ok(trace(&program, machine))
 }
 
 /// The bytes of a file, or of standard input for `-`.

@@ -1,6 +1,9 @@
 //! `truefeed predict`: the cycle time of a program for each contour tolerance.
 
+use std::num::NonZero;
+use std::panic::resume_unwind;
 use std::path::PathBuf;
+use std::thread::{available_parallelism, scope};
 
 use lexopt::prelude::*;
 use truefeed::project::{Prediction, profile_csv, severity_word};
@@ -45,16 +48,23 @@ pub fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
         none if none.is_empty() => vec![Tolerances::Programmed],
         given => given.into_iter().map(Tolerances::One).collect(),
     };
-    let mut quotes = Vec::with_capacity(tolerances.len());
-    for (index, &tolerance) in tolerances.iter().enumerate() {
+    // A plan is large: it is kept only for what is made of it below.
+    let is_kept = |index: usize| cut.is_some() || (index == 0 && request.profile.is_some());
+    let results = side_by_side(tolerances.len(), |index| {
+        let tolerance = tolerances[index];
         let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
-        quotes.push(quote(&toolpath, &machine, &plan, tolerance, &errors));
-        if let (0, Some(path)) = (index, &request.profile) {
-            let commanded = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+        let quote = quote(&toolpath, &machine, &plan, tolerance, &errors);
+        (quote, is_kept(index).then_some(plan))
+    });
+    let mut quotes = Vec::with_capacity(tolerances.len());
+    for (index, (quote, plan)) in results.into_iter().enumerate() {
+        quotes.push(quote);
+        if let (0, Some(path), Some(plan)) = (index, &request.profile, &plan) {
+            let commanded = Profile::new(&toolpath, plan).samples(Resolution::FINE);
             write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;
         }
-        if let Some(cut) = &mut cut {
-            cut.load(&toolpath, &Profile::new(&toolpath, &plan).samples(Resolution::CHART))?;
+        if let (Some(cut), Some(plan)) = (&mut cut, &plan) {
+            cut.load(&toolpath, &Profile::new(&toolpath, plan).samples(Resolution::CHART))?;
         }
     }
     let programmed = programmed_time(&toolpath, &machine);
@@ -70,6 +80,23 @@ pub fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
         let cutting = cut.map_or(String::new(), |cut| cut.text(&toolpath));
         print(&(table(&name, programmed, &quotes, &toolpath) + &cutting))
     }
+}
+
+/// What `work` makes of the numbers below `count`, in their order, on as many threads as there are processors.
+fn side_by_side<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let threads = available_parallelism().map_or(1, NonZero::get).min(count);
+    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    scope(|scope| {
+        let own = |first: usize| (first..count).step_by(threads).map(|index| (index, (&work)(index)));
+        let others: Vec<_> =
+            (1..threads).map(|first| scope.spawn(move || own(first).collect::<Vec<_>>())).collect();
+        let mut put = |(index, result): (usize, T)| results[index] = Some(result);
+        own(0).for_each(&mut put);
+        for other in others {
+            other.join().unwrap_or_else(|panic| resume_unwind(panic)).into_iter().for_each(&mut put);
+        }
+    });
+    results.into_iter().flatten().collect()
 }
 
 /// Reads the rest of the command line; none where help was asked for.

@@ -52,6 +52,9 @@ struct Piece {
     h: [f64; 4],
     /// V, S and Q at the knot.
     integrals: [f64; 3],
+    /// What the coefficients of V and S have of h: h1/2 and h2/3; h0/2, h1/6 and h2/12.
+    of_step: [f64; 2],
+    of_displacement: [f64; 3],
 }
 
 impl FilterChain {
@@ -60,8 +63,7 @@ impl FilterChain {
         let mut largest_first = time_constants.to_vec();
         largest_first.sort_by(|a, b| b.total_cmp(a));
         let delay: f64 = largest_first.iter().sum();
-        let mut bell =
-            vec![Piece { start: 0.0, h: [1.0 / largest_first[0], 0.0, 0.0, 0.0], integrals: [0.0; 3] }];
+        let mut bell = vec![Piece::new(0.0, [1.0 / largest_first[0], 0.0, 0.0, 0.0])];
         let mut support = largest_first[0];
         for &constant in &largest_first[1..] {
             bell = averaged(&bell, support, constant, SAME_KNOT * delay);
@@ -138,6 +140,15 @@ impl FilterChain {
         }
     }
 
+    /// V and S together.
+    pub fn step_and_displacement(&self, t: f64) -> (f64, f64) {
+        match self.piece(t) {
+            Place::Before => (0.0, 0.0),
+            Place::After => (1.0, t - self.half_delay()),
+            Place::In(piece, x) => (piece.step(x), piece.displacement(x)),
+        }
+    }
+
     /// Q, s².
     pub fn ramp_displacement(&self, t: f64) -> f64 {
         match self.piece(t) {
@@ -198,19 +209,27 @@ enum Place<'a> {
 }
 
 impl Piece {
+    /// The piece that begins at `start` (s), with the coefficients `h`; its integrals begin at 0.
+    fn new(start: f64, h: [f64; 4]) -> Piece {
+        let of_step = [h[1] / 2.0, h[2] / 3.0];
+        let of_displacement = [h[0] / 2.0, h[1] / 6.0, h[2] / 12.0];
+        Piece { start, h, integrals: [0.0; 3], of_step, of_displacement }
+    }
+
     fn slope(&self, x: f64) -> f64 {
         self.h[1] + x * (2.0 * self.h[2] + x * 3.0 * self.h[3])
     }
 
     fn step(&self, x: f64) -> f64 {
-        let h = &self.h;
-        self.integrals[0] + x * (h[0] + x * (h[1] / 2.0 + x * (h[2] / 3.0 + x * h[3] / 4.0)))
+        let (h, [first, second]) = (&self.h, self.of_step);
+        self.integrals[0] + x * (h[0] + x * (first + x * (second + x * h[3] / 4.0)))
     }
 
     fn displacement(&self, x: f64) -> f64 {
-        let h = &self.h;
-        let [v, s, _] = self.integrals;
-        s + x * (v + x * (h[0] / 2.0 + x * (h[1] / 6.0 + x * (h[2] / 12.0 + x * h[3] / 20.0))))
+        let ([v, s, _], [zeroth, first, second]) = (self.integrals, self.of_displacement);
+        // Up to three filters have no cubic part, and a division is dear.
+        let third = if self.h[3] == 0.0 { 0.0 } else { x * self.h[3] / 20.0 };
+        s + x * (v + x * (zeroth + x * (first + x * (second + third))))
     }
 
     fn ramp_displacement(&self, x: f64) -> f64 {
@@ -253,7 +272,7 @@ fn averaged(bell: &[Piece], support: f64, constant: f64, same_knot: f64) -> Vec<
         let slope = [0, 1, 2].map(|k| (now[k] - before[k]) / constant);
         let h = [value, slope[0], slope[1] / 2.0, slope[2] / 3.0];
         value = polynomial(&h, pair[1] - pair[0]);
-        pieces.push(Piece { start: pair[0], h, integrals: [0.0; 3] });
+        pieces.push(Piece::new(pair[0], h));
     }
     pieces
 }

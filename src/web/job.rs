@@ -12,10 +12,11 @@ use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_for
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
-use crate::simulation::gcode::{Dialect, Options, read_with};
+use crate::simulation::gcode::{Dialect, Options};
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::{Toolpath, trace};
 use crate::web::path::TrailColumns;
+use crate::web::text::ProgramText;
 
 /// A program traced on a machine, ready to be simulated.
 #[wasm_bindgen]
@@ -29,11 +30,11 @@ impl Job {
     /// Reads a program for a machine given as a filled form, in the dialect of this word or in the
     /// one the program shows; throws the form's faults as JSON.
     #[wasm_bindgen(constructor)]
-    pub fn new(program: &[u8], machine: &str, dialect: Option<String>) -> Result<Job, String> {
+    pub fn new(program: ProgramText, machine: &str, dialect: Option<String>) -> Result<Job, String> {
         let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
         let dialect = dialect.as_deref().and_then(Dialect::from_word);
         let options = Options { dialect, ..Options::default() };
-        let toolpath = trace(&read_with(program, &options), &machine);
+        let toolpath = trace(&program.read(&options), &machine);
         Ok(Job { machine, toolpath })
     }
 

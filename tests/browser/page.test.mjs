@@ -98,6 +98,8 @@ pageTest('a bad program is answered line by line, and the rest is quoted', async
   const text = 'G21 G90\nG1 X10 F600\nG1 X\nG2 X20\nG1 X30 &?!\nG1 X40\n'
   await page.setInputFiles('#files', { name: 'bad.nc', mimeType: 'text/plain', buffer: Buffer.from(text) })
   await computed(page)
+  // The lines are looked up in the file.
+  await page.waitForFunction(() => [...document.querySelectorAll('#diagnostics tbody code')].every((code) => code.textContent !== ''))
   const remarks = await page.$$eval('#diagnostics tbody tr', (rows) =>
     rows.map((row) => ({
       line: Number(row.querySelector('.line').textContent),

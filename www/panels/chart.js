@@ -113,5 +113,7 @@ export function headOf(distance, programmed, rapid) {
 /** The line of the program, with its number. @param {number | undefined} line @param {Program | undefined} program */
 export function lineOf(line, program) {
   if (line === undefined) return []
-  return [make('p', { className: 'code' }, `line ${line} `, make('code', {}, program?.lines()[line - 1] ?? ''))]
+  const code = make('code', {})
+  program?.lines.at(line).then((text) => (code.textContent = text))
+  return [make('p', { className: 'code' }, `line ${line} `, code)]
 }

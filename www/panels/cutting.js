@@ -89,6 +89,7 @@ export function mount(root, engine, materials, actions) {
     redraw: draw,
     hide,
     show: () => {},
+    reveal: () => {},
     fit: () => {},
     follow(from, to) {
       span = [from, to]
@@ -168,8 +169,8 @@ export function mount(root, engine, materials, actions) {
   /** A line of the program, and the way to it in the chart. @param {number} line @param {[number, number] | undefined} place @param {string} [text] */
   function way(line, place, text = String(line)) {
     if (!place) return text
-    const title = program?.lines()[line - 1] ?? ''
-    const go = make('button', { type: 'button', title: `Show it in the charts: ${title}` }, text)
+    const go = make('button', { type: 'button' }, text)
+    program?.lines.at(line).then((code) => (go.title = `Show it in the charts: ${code}`))
     go.setAttribute('aria-label', `Line ${text}: show it in the charts`)
     go.addEventListener('click', () => actions.show({ distance_mm: place }))
     return go
@@ -199,12 +200,12 @@ export function mount(root, engine, materials, actions) {
     bar.value = 0
     working.hidden = false
     const stage = (/** @type {string} */ _, /** @type {number} */ part) => (bar.value = part)
-    const { id, bytes, dialect } = program
+    const { id, file, dialect } = program
     const { motion } = current
     const tolerance = columns[chosen.selectedIndex] ?? null
     const of = subject()
     try {
-      const cut = await engine.cut({ program: bytes, machine, dialect, tolerance, job: job.value }, stage)
+      const cut = await engine.cut({ program: file, machine, dialect, tolerance, job: job.value }, stage)
       if (of !== subject()) return clear()
       show(cut)
       shown = of

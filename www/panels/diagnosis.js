@@ -26,7 +26,7 @@ const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'stan
  * @property {() => void} useDiagnosis
  * @property {() => void} undoDiagnosis
  * @property {(values: Values) => void} tryValues
- * @property {(sample: {machine: string, program: {name: string, bytes: Uint8Array}, recording: {name: string, bytes: Uint8Array}}) => void} addSample
+ * @property {(sample: {machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}) => void} addSample
  * @property {() => void} undoSample
  */
 
@@ -65,7 +65,7 @@ export function mount(root, engine, actions) {
       const [program, recording, machine] = await Promise.all([SAMPLE.program, SAMPLE.recording, SAMPLE.machine].map(fetched))
       actions.addSample({
         machine: new TextDecoder().decode(machine),
-        program: { name: SAMPLE.program, bytes: program },
+        program: { name: SAMPLE.program, file: new Blob([program]) },
         recording: { name: SAMPLE.recording, bytes: recording },
       })
       start.focus()
@@ -133,7 +133,7 @@ export function mount(root, engine, actions) {
       fault.textContent = ''
       const machines = [before, values, tried].map((machine) => JSON.stringify(machine))
       try {
-        const { times } = await engine.cycleTimes({ program: program.bytes, dialect: program.dialect, machines })
+        const { times } = await engine.cycleTimes({ program: program.file, dialect: program.dialect, machines })
         const what = report.changes.filter(({ key }) => tried[key] !== values[key])
         const named = what.map(({ label, unit, key }) => `${tried[key] ?? '–'} ${unit} ${label.toLowerCase()}`.replace(/ +/g, ' '))
         const saved = times[1] - times[2]

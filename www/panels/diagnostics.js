@@ -20,15 +20,17 @@ export function mount(root) {
   function fill(program, diagnostics, most) {
     const rows = diagnostics
       .slice(0, most)
-      .map(({ line, severity, message }) =>
-        make(
+      .map(({ line, severity, message }) => {
+        const code = make('code', {})
+        program.lines.at(line).then((text) => (code.textContent = text))
+        return make(
           'tr',
           { className: severity },
           make('td', { className: 'line' }, String(line)),
           make('td', { className: 'severity' }, NAMES[severity][0]),
-          make('td', {}, message, make('code', {}, program.lines()[line - 1] ?? '')),
-        ),
-      )
+          make('td', {}, message, code),
+        )
+      })
     const titles = ['Line', 'Kind', 'What'].map((title) => make('th', { scope: 'col' }, title))
     list.replaceChildren(make('table', {}, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows)))
     if (most < diagnostics.length) {

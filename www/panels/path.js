@@ -414,7 +414,7 @@ export function mount(root, actions) {
     if (run) view.pace(run.columns.paceEnd, run.columns.paceFeedrate)
     if (lost) view.lost(lost.lostDistance, lost.lostSeconds)
     view.color(by.value)
-    if (listed !== program && program) listing.fill(program.lines())
+    if (listed !== program && program) listing.fill(program.lines)
     listed = program
     const path = `${program?.id} ${outcome.steps.end.at(-1)}`
     if (fitted !== path) lookFrom(look)

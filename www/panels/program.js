@@ -12,7 +12,7 @@ const UNDO_MS = 10_000
 
 /**
  * @typedef {object} Actions
- * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addPrograms
+ * @property {(files: {name: string, file: Blob}[]) => void} addPrograms
  * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addRecordings
  * @property {(id: number) => void} select
  * @property {(id: number, dialect: string | null) => void} setDialect
@@ -42,7 +42,7 @@ export function mount(root, dialects, actions) {
   for (const button of document.querySelectorAll('.sample')) {
     button.addEventListener('click', async () => {
       const response = await fetch(new URL(`../${SAMPLE}`, import.meta.url))
-      actions.addPrograms([{ name: 'Sample: pocket.nc', bytes: new Uint8Array(await response.arrayBuffer()) }])
+      actions.addPrograms([{ name: 'Sample: pocket.nc', file: await response.blob() }])
     })
   }
   find(undo, 'button').addEventListener('click', () => {
@@ -113,7 +113,7 @@ function standing(program, state) {
   const times = columnsOf(state, program.outcome).flatMap(
     (column) => program.outcome?.runs.get(column)?.summary.cycle_time_s ?? [],
   )
-  if (times.length === 0) return `${size(program.bytes.length)}, waiting`
+  if (times.length === 0) return `${size(program.file.size)}, waiting`
   const [longest, shortest] = [clock(Math.max(...times)), clock(Math.min(...times))]
   const errors = program.outcome?.summary.diagnostics.filter(({ severity }) => severity === 'error').length ?? 0
   const time = longest === shortest ? longest : `${shortest} – ${longest}`
@@ -130,13 +130,22 @@ export async function bytesOf(files) {
   return results.flatMap((result) => (result.status === 'fulfilled' ? [result.value] : []))
 }
 
+/** Files up to this size are kept as they are now; larger ones are read again where they are. Bytes. */
+const KEPT = 16_000_000
+
 /** Takes programs and recordings, told apart by what stands in them. @param {File[]} files @param {Actions} actions */
 async function add(files, actions) {
-  const all = await bytesOf(files)
-  const isLog = all.map(({ bytes }) => isRecording(bytes.subarray(0, sniffedBytes())))
-  const part = (/** @type {boolean} */ logs) => all.filter((_, index) => isLog[index] === logs)
-  if (part(false).length > 0) actions.addPrograms(part(false))
-  if (part(true).length > 0) actions.addRecordings(part(true))
+  const headed = async (/** @type {File} */ file) => ({
+    file,
+    isLog: isRecording(new Uint8Array(await file.slice(0, sniffedBytes()).arrayBuffer())),
+    kept: file.size <= KEPT ? new Blob([await file.arrayBuffer()]) : file,
+  })
+  const results = await Promise.allSettled(files.map(headed))
+  const all = results.flatMap((result) => (result.status === 'fulfilled' ? [result.value] : []))
+  const programs = all.filter(({ isLog }) => !isLog).map(({ file, kept }) => ({ name: file.name, file: kept }))
+  const recordings = await bytesOf(all.filter(({ isLog }) => isLog).map(({ file }) => file))
+  if (programs.length > 0) actions.addPrograms(programs)
+  if (recordings.length > 0) actions.addRecordings(recordings)
 }
 
 /** Files may be dropped anywhere on the page. @param {Actions} actions */

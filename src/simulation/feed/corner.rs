@@ -35,6 +35,10 @@
 
 use crate::simulation::filter::FilterChain;
 
+/// A step of Newton's method that changes α by less than this part of it is the last: the next one would
+/// change it by a rounding error.
+const LAST_STEP: f64 = 1e-8;
+
 /// The law of an isolated corner for one filter chain.
 #[derive(Clone, Debug)]
 pub struct CornerLaw<'a> {
@@ -61,27 +65,25 @@ impl<'a> CornerLaw<'a> {
         if self.full <= deviation || deviation.is_nan() {
             return 1.0;
         }
-        // Newton's method; G is nearly straight, so a few steps do. A step that leaves the
-        // bracket is replaced by halving it.
+        // Newton's method; G is nearly straight, so a few steps do, each of which squares what is missing.
+        // A step that leaves the bracket is replaced by halving it.
         let (mut low, mut high) = (0.0, 1.0);
         let mut alpha = deviation / self.full;
         for _ in 0..60 {
             let delayed = alpha * self.half_delay;
-            let displacement = self.filter.displacement(delayed);
+            let (step, displacement) = self.filter.step_and_displacement(delayed);
             let excess = alpha * self.full + (1.0 - alpha) * displacement - deviation;
             if excess <= 0.0 {
                 low = alpha;
             } else {
                 high = alpha;
             }
-            let slope =
-                self.full - displacement + (1.0 - alpha) * self.half_delay * self.filter.step(delayed);
+            let slope = self.full - displacement + (1.0 - alpha) * self.half_delay * step;
             let newton = alpha - excess / slope;
-            let next = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - alpha).abs() <= 1e-15 * alpha {
-                return next;
+            if (newton - alpha).abs() <= LAST_STEP * alpha {
+                return newton;
             }
-            alpha = next;
+            alpha = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
         }
         alpha
     }

@@ -426,10 +426,10 @@ fn add_stretch(
         return;
     }
     corners.push(FULL_STOP);
-    let ramps: Vec<Option<Ramp>> = (segments.iter().zip(&accelerations))
-        .map(|(segment, &limit)| Ramp::of(machine, limit).filter(|_| !positioning::applies(segment, machine)))
-        .collect();
-    limit_by_acceleration(&mut corners, segments, &accelerations, &ramps);
+    let ramp = |i: usize| {
+        Ramp::of(machine, accelerations[i]).filter(|_| !positioning::applies(&segments[i], machine))
+    };
+    limit_by_acceleration(&mut corners, segments, &accelerations, ramp);
 
     plan.corner_feedrates.extend(corners[1..].iter().map(|corner| corner.feedrate));
     let first_pulse = plan.pulses.len();
@@ -444,19 +444,23 @@ fn add_stretch(
             },
         };
         let ends = [end(corners[i]), end(corners[i + 1])];
-        let parts: Vec<Part> = match ramps[i] {
+        let mut offset = 0.0;
+        let mut add = |(duration, first, last): Part| {
+            if 0.0 < duration {
+                let segment = (range.start + i) as u32;
+                plan.pulses.push(Pulse { segment, duration, offset, feedrate: [first, last] });
+                offset += duration * 0.5 * (first + last);
+            }
+        };
+        match ramp(i) {
             Some(ramp) => {
                 let parts = ramp.parts(segment.length, feedrates[i], ends[0], ends[1]);
-                parts.into_iter().flat_map(|part| ramp.pieces(part)).collect()
+                parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
             }
-            None => block::parts(segment.length, feedrates[i], accelerations[i], ends[0], ends[1]).into(),
-        };
-        let mut offset = 0.0;
-        for (duration, first, last) in parts.into_iter().filter(|part| 0.0 < part.0) {
-            let pulse =
-                Pulse { segment: (range.start + i) as u32, duration, offset, feedrate: [first, last] };
-            plan.pulses.push(pulse);
-            offset += duration * 0.5 * (first + last);
+            None => {
+                let parts = block::parts(segment.length, feedrates[i], accelerations[i], ends[0], ends[1]);
+                parts.into_iter().for_each(&mut add);
+            }
         }
     }
     plan.segment_feedrates.extend(feedrates);
@@ -536,9 +540,9 @@ fn limit_by_acceleration(
     corners: &mut [Corner],
     segments: &[Segment],
     accelerations: &[f64],
-    ramps: &[Option<Ramp>],
+    ramp: impl Fn(usize) -> Option<Ramp>,
 ) {
-    let reach = |from: f64, to: f64, i: usize| match ramps[i] {
+    let reach = |from: f64, to: f64, i: usize| match ramp(i) {
         Some(ramp) => ramp.reach(from, segments[i].length, to),
         None => (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt(),
     };

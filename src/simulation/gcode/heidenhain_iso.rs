@@ -64,7 +64,7 @@ impl Reader<'_> {
             let outcome = self.klartext_statement(statement.as_bytes(), 0, &mut own);
             // The columns of a statement are not those of its line.
             for word in self.program.words.iter_mut().skip(words) {
-                word.columns = WHOLE_LINE;
+                word.columns = WHOLE_LINE.into();
             }
             for formula in self.program.formulas.iter_mut().skip(formulas) {
                 formula.columns = WHOLE_LINE;

@@ -3,6 +3,7 @@
 mod o_word;
 mod okuma;
 mod macro_word;
+mod plain;
 
 use crate::simulation::gcode::expression::{Expressions, Notation, Place as Parameter};
 use crate::simulation::gcode::iso::macro_word::Keyword;
@@ -26,7 +27,7 @@ const OUTPUT: &[&[u8]] = &[b"POPEN", b"PCLOS", b"DPRNT", b"BPRNT", b"SETVN"];
 impl Reader<'_> {
     /// Reads one line of an ISO program.
     pub(super) fn iso_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
-        if self.is_command_of_sender(text) {
+        if self.plain_line(text) || self.is_command_of_sender(text) {
             return Ok(());
         }
         let mut at = 0;
@@ -123,7 +124,13 @@ impl Reader<'_> {
                 line.has_call_words |= matches!(letter, b'G' | b'M') && calls.contains(&found.value);
                 let columns = line.columns(at, found.end);
                 let (value, has_point, reference) = (found.value, found.has_point, Reference::Modal);
-                self.program.words.push(Word { value, columns, letter, has_point, reference });
+                self.program.words.push(Word {
+                    value,
+                    columns: columns.into(),
+                    letter,
+                    has_point,
+                    reference,
+                });
             }
         }
         line.begun = true;
@@ -201,7 +208,7 @@ impl Reader<'_> {
         let letter = text[at].to_ascii_uppercase();
         self.program.words.push(Word {
             value: f64::NAN,
-            columns,
+            columns: columns.into(),
             letter,
             has_point: false,
             reference: Reference::Modal,

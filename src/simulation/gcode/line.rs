@@ -5,7 +5,7 @@ pub(super) fn split_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
     if text.is_empty() {
         return None;
     }
-    let Some(end) = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')) else {
+    let Some(end) = memchr::memchr2(b'\n', b'\r', text) else {
         return Some((text, &[]));
     };
     let after = if text[end..].starts_with(b"\r\n") { end + 2 } else { end + 1 };

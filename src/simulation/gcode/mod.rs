@@ -130,14 +130,38 @@ pub struct Block {
 pub struct Word {
     /// Finite, in whatever unit the program uses; NaN where a formula gives it.
     pub value: f64,
-    /// Columns, 1-based, first and one past the last, counted in characters.
-    pub columns: (u32, u32),
+    /// Where it stands in its line.
+    pub columns: Columns,
     /// `A` to `Z`, or a longer address of [`address`].
     pub letter: u8,
     /// Written with a decimal point.
     pub has_point: bool,
     /// What the value counts from, where the word says so itself (`X=IC(5)`, `IX+5`).
     pub reference: Reference,
+}
+
+/// Columns of a word, 1-based, counted in characters. A long program has millions of words, so a place is
+/// kept in five bytes: no more than the first 255 columns of a word are told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Columns {
+    first: [u8; 4],
+    width: u8,
+}
+
+impl From<(u32, u32)> for Columns {
+    /// From the first and one past the last.
+    fn from((first, past): (u32, u32)) -> Columns {
+        let width = past.saturating_sub(first).min(u32::from(u8::MAX)) as u8;
+        Columns { first: first.to_ne_bytes(), width }
+    }
+}
+
+impl From<Columns> for (u32, u32) {
+    /// The first and one past the last.
+    fn from(columns: Columns) -> (u32, u32) {
+        let first = u32::from_ne_bytes(columns.first);
+        (first, first + u32::from(columns.width))
+    }
 }
 
 /// What the value of a word counts from.

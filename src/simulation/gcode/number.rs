@@ -70,9 +70,55 @@ pub(super) fn number(text: &[u8], at: usize) -> Option<Number> {
     Some(Number { value, has_point, end })
 }
 
+/// The number that begins at `at` where it is written without blanks, in 15 digits at most, and no more of a
+/// number follows; what it is [`number`] says too.
+pub(super) fn plain_number(text: &[u8], at: usize) -> Option<Number> {
+    let sign = text.get(at).copied();
+    let is_negative = sign == Some(b'-');
+    let first = at + usize::from(is_negative || sign == Some(b'+'));
+    let mut value = 0_u64;
+    let mut digits = |from: usize| {
+        let rest = text.get(from..).unwrap_or_default();
+        let mut end = from;
+        for byte in rest.iter().map(|byte| byte.wrapping_sub(b'0')).take_while(|digit| *digit < 10) {
+            value = value.wrapping_mul(10).wrapping_add(u64::from(byte));
+            end += 1;
+        }
+        end
+    };
+    let mut end = digits(first);
+    let mut count = end - first;
+    let mut decimals = 0;
+    let has_point = text.get(end) == Some(&b'.');
+    if has_point {
+        let point = end + 1;
+        end = digits(point);
+        decimals = end - point;
+        count += decimals;
+    }
+    let next = skip_blanks(text, end);
+    let goes_on = matches!(text.get(next), Some(b'0'..=b'9' | b'.' | b'+' | b'-'));
+    // 15 digits are less than 2^53, and the product cannot have wrapped.
+    if count == 0 || 15 < count || goes_on {
+        return None;
+    }
+    let magnitude = value as f64 / EXACT_POWERS[decimals];
+    Some(Number { value: if is_negative { -magnitude } else { magnitude }, has_point, end })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn plain_numbers_are_the_same_numbers() {
+        for text in ["5", "-0.125X", "+.5 Y", "5. ", "123456789012345", "0.000", "-0"] {
+            assert_eq!(plain_number(text.as_bytes(), 0), number(text.as_bytes(), 0), "{text}");
+        }
+        for text in ["", ".", "-", " 5", "1 2", "1.2.3", "1 .5", "5-", "1234567890123456"] {
+            assert_eq!(plain_number(text.as_bytes(), 0), None, "{text}");
+        }
+    }
 
     fn value(text: &str) -> Option<f64> {
         number(text.as_bytes(), 0).map(|number| number.value)

@@ -36,6 +36,9 @@ pub fn read_with(bytes: &[u8], options: &Options) -> Program {
     while let Some((line, after)) = split_line(rest) {
         reader.line.0 = reader.line.0.saturating_add(1);
         rest = after;
+        if reader.line.0 == FIRST_LINES {
+            reader.make_room(text.len(), text.len() - rest.len());
+        }
         let is_percent = reader.has_percent_lines() && line.get(skip_blanks(line, 0)) == Some(&b'%');
         if !is_percent {
             reader.block(line);
@@ -59,6 +62,9 @@ const LONGEST_COMMENT: usize = 80;
 
 /// The most texts that are kept; a text more is taken as the last one.
 const MOST_TEXTS: usize = 100_000;
+
+/// After so many lines it is known what the others need.
+const FIRST_LINES: u32 = 2_000;
 
 pub(super) struct Reader<'a> {
     pub(super) options: &'a Options,
@@ -96,6 +102,17 @@ impl<'a> Reader<'a> {
             opened: false,
             before: [0; 4],
         }
+    }
+
+    /// Makes room for the rest of a text of `size` bytes, of which so many were read: lists that grow by doubling
+    /// would for a moment take three times their size. It is a guess, and does no harm where there is no such room.
+    fn make_room(&mut self, size: usize, read: usize) {
+        let rest = 1.02 * (size as f64 / read as f64 - 1.0);
+        let more = |count: usize| (rest * count as f64) as usize;
+        let (words, blocks) = (self.program.words.len(), self.program.blocks.len());
+        let words = self.program.words.try_reserve_exact(more(words));
+        let blocks = self.program.blocks.try_reserve_exact(more(blocks));
+        drop((words, blocks));
     }
 
     fn has_percent_lines(&self) -> bool {
@@ -219,7 +236,7 @@ impl<'a> Reader<'a> {
     /// Adds a plain word.
     pub(super) fn push_word(&mut self, letter: u8, value: f64, columns: (u32, u32)) {
         let reference = Reference::Modal;
-        self.program.words.push(Word { value, columns, letter, has_point: true, reference });
+        self.program.words.push(Word { value, columns: columns.into(), letter, has_point: true, reference });
     }
 
     /// Lets jumps and calls find the block being read, or the next one if it is empty.

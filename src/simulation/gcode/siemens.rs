@@ -172,7 +172,13 @@ impl Reader<'_> {
             }
             _ => {
                 let (has_point, reference) = (found.has_point, Reference::Modal);
-                self.program.words.push(Word { value, columns, letter, has_point, reference });
+                self.program.words.push(Word {
+                    value,
+                    columns: columns.into(),
+                    letter,
+                    has_point,
+                    reference,
+                });
             }
         }
         line.begun = true;

@@ -16,7 +16,7 @@ impl Block<'_> {
     }
 
     pub(super) fn place_of(self, word: &Word) -> Place {
-        Place { line: self.line, columns: word.columns }
+        Place { line: self.line, columns: word.columns.into() }
     }
 
     /// Where the last word with `letter` stands.
@@ -112,6 +112,11 @@ impl Given {
         } else {
             difference
         }
+    }
+
+    /// Whether any word says itself what it counts from.
+    pub(super) fn refers(&self) -> bool {
+        self.absolute | self.incremental != 0
     }
 
     /// What its value counts from, where `is_incremental` is in force.

@@ -73,19 +73,15 @@ impl Tracer<'_> {
         if self.family != Family::Fanuc || self.machine.program.increment.is_some() {
             return;
         }
-        let lengths = |words: &mut dyn Iterator<Item = &Word>, is_one: &dyn Fn(&Word) -> bool| {
-            words.filter(|word| LENGTHS.contains(&word.letter)).find(|word| is_one(word)).copied()
-        };
-        if lengths(&mut program.words.iter(), &|word| word.has_point).is_none() {
+        let is_length = |word: &Word| LENGTHS.contains(&word.letter);
+        if !program.words.iter().any(|word| word.has_point && is_length(word)) {
             return;
         }
-        let is_large = |word: &Word| !word.has_point && LARGE <= word.value.abs();
+        let is_large = |word: &&Word| !word.has_point && LARGE <= word.value.abs() && is_length(word);
         for block in &program.blocks {
             let words = program.words(block);
-            let Some(word) = lengths(&mut words.iter(), &is_large).filter(|_| has_lengths(words)) else {
-                continue;
-            };
-            let place = Block { words, line: block.line }.place_of(&word);
+            let Some(word) = words.iter().find(is_large).filter(|_| has_lengths(words)) else { continue };
+            let place = Block { words, line: block.line }.place_of(word);
             let letter = char::from(word.letter);
             self.remarks.add(place, Untraced::MissingPoint { letter, value: word.value });
             return;

@@ -99,7 +99,8 @@ impl Tracer<'_> {
 
     /// The feedrate along X, Y and Z of a feed move of `length` (mm) whose rotary axes turn along.
     pub(super) fn linear_share(&mut self, block: Block, length: f64, feedrate: f64) -> f64 {
-        if self.rotary.ahead == Vector::zeros() || self.modal.feed.mode == FeedMode::InverseTime {
+        if self.rotary.ahead.iter().all(|turn| *turn == 0.0) || self.modal.feed.mode == FeedMode::InverseTime
+        {
             return feedrate;
         }
         let turn = self.rotary.ahead.map(f64::to_degrees).norm() * self.modal.unit;

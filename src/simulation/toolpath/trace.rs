@@ -31,6 +31,8 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     let mut parameters = Parameters::new(program.dialect);
     tracer.compensation.known = KnownDiameters::told_by(&program.comments);
     tracer.tell_missing_points(program);
+    // Most blocks of a long program are one move each.
+    tracer.toolpath.segments.try_reserve_exact(program.blocks.len()).ok();
     let mut run = Run::new(program);
     let mut values = Values::default();
     while let Some(index) = run.block() {

@@ -114,6 +114,10 @@ pub(super) const NO_GROUP: usize = 31;
 
 /// Ten times the number of a G word, where it is one that can exist.
 pub(super) fn tenths(word: &Word) -> Option<u16> {
+    let whole = word.value as u16;
+    if whole < 1000 && f64::from(whole) == word.value {
+        return Some(10 * whole);
+    }
     let tenths = (10.0 * word.value).round();
     let exists = (10.0 * word.value - tenths).abs() < 1e-6 && (0.0..10_000.0).contains(&tenths);
     exists.then_some(tenths as u16)

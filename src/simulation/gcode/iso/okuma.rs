@@ -129,7 +129,13 @@ impl Reader<'_> {
         if name.len() == 1 {
             let letter = name[0].to_ascii_uppercase();
             let (has_point, reference) = (false, Reference::Modal);
-            self.program.words.push(Word { value: f64::NAN, columns, letter, has_point, reference });
+            self.program.words.push(Word {
+                value: f64::NAN,
+                columns: columns.into(),
+                letter,
+                has_point,
+                reference,
+            });
         }
         Ok(end)
     }

@@ -84,7 +84,13 @@ impl Reader<'_> {
             self.program.formulas.push(formula);
             let (letter, value) = (FIRST_PARAMETER + place as u8, f64::NAN);
             let reference = Reference::Modal;
-            self.program.words.push(Word { value, columns, letter, has_point: true, reference });
+            self.program.words.push(Word {
+                value,
+                columns: columns.into(),
+                letter,
+                has_point: true,
+                reference,
+            });
         }
         Ok(end)
     }

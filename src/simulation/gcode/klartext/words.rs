@@ -120,7 +120,7 @@ impl Reader<'_> {
             if !value.is_finite() {
                 return Err((Unread::HugeValue { text: excerpt(&code[start..end]) }, columns));
             }
-            self.program.words.push(Word { value, columns, letter, has_point, reference });
+            self.program.words.push(Word { value, columns: columns.into(), letter, has_point, reference });
             return Ok(end);
         }
         let target = Target::Word(self.program.words.len() as u32);
@@ -128,7 +128,13 @@ impl Reader<'_> {
             expressions.value()?;
             Ok(target)
         })?;
-        self.program.words.push(Word { value: f64::NAN, columns, letter, has_point: false, reference });
+        self.program.words.push(Word {
+            value: f64::NAN,
+            columns: columns.into(),
+            letter,
+            has_point: false,
+            reference,
+        });
         Ok(end)
     }
 

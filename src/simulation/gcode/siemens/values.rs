@@ -61,7 +61,8 @@ impl Reader<'_> {
             expressions.expression(0)?;
             Ok(target)
         })?;
-        let word = Word { value: f64::NAN, columns, letter: address, has_point: false, reference };
+        let word =
+            Word { value: f64::NAN, columns: columns.into(), letter: address, has_point: false, reference };
         self.program.words.push(word);
         if address == b'M' {
             line.has_call_words = false;

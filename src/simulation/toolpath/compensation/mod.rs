@@ -88,6 +88,10 @@ impl Contour {
 
     /// The next programmed move, in this working plane.
     pub(super) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
+        if self.is_plain() && self.held.is_none() {
+            self.next_corner = None;
+            return self.queue.take(segment, out);
+        }
         let another_plane =
             |setting: Setting| (setting.plane != plane).then_some(Setting { plane, ..setting });
         if let Some(setting) = self.queue.setting().and_then(another_plane) {

@@ -321,7 +321,7 @@ fn treated(text: &str, setting: Option<Setting>, at: impl Fn(usize) -> Option<Co
         let (message, severity) = (trouble.to_string(), trouble.severity());
         path.diagnostics.push(crate::simulation::gcode::Diagnostic {
             line,
-            columns: (0, 0),
+            columns: Default::default(),
             severity,
             message,
         });

@@ -73,6 +73,9 @@ impl Tracer<'_> {
 
     /// Brings words that say themselves what they count from to the distance mode in force.
     fn refer_to_mode(&mut self, values: &mut [Option<f64>; 3]) {
+        if !self.given.refers() {
+            return;
+        }
         let is_incremental = self.modal.is_incremental;
         let others = AXES.map(|axis| self.given.is_incremental(axis as u8, is_incremental) != is_incremental);
         if others == [false; 3] {

@@ -1,0 +1,82 @@
+// How fast and how large the WebAssembly module is in Chromium, beside the native program on the same machine:
+//
+//   scripts/build && node benches/browser.mjs [MEGABYTES] [--native]
+//
+// Makes a wavy finishing pass (benches/speed/programs.rs) of that size in the page, 300 MB by default, as a file of
+// pieces, and has the page's worker quote it for one tolerance: it is streamed into the module's memory and is never
+// whole in JavaScript. With --native the native program quotes one of the same number of lines (cargo bench --bench
+// speed), and the ratio is printed. Times are what the processor worked, not what passed: other work on the machine does not count.
+
+import { execFileSync } from 'node:child_process'
+import { readFileSync } from 'node:fs'
+import { argv } from 'node:process'
+import { openPage } from '../tests/browser/harness.mjs'
+
+const megabytes = Number(argv.slice(2).find((argument) => /^\d+$/.test(argument)) ?? 300)
+
+const { page, close } = await openPage({ path: '/index.html' })
+try {
+  const browser = /** @type {import('playwright-core').Browser} */ (page.context().browser())
+  const session = await browser.newBrowserCDPSession()
+  /** The process of the page: seconds it worked, and its number. */
+  const renderer = async () => {
+    const { processInfo } = await session.send('SystemInfo.getProcessInfo')
+    return processInfo.filter(({ type }) => type === 'renderer').reduce((a, b) => (a.cpuTime < b.cpuTime ? b : a))
+  }
+  const { lines, bytes } = await page.evaluate(make, megabytes * 1e6)
+  const before = await renderer()
+  const { cycleTime, seconds } = await page.evaluate(quoted)
+  const { cpuTime, id } = await renderer()
+  const worked = cpuTime - before.cpuTime
+  const peak = Number(/VmHWM:\s*(\d+)/.exec(readFileSync(`/proc/${id}/status`, 'utf8'))?.[1]) * 1024
+  console.log(`${lines} lines, ${(bytes / 1e6).toFixed(0)} MB, cycle time ${cycleTime.toFixed(1)} s`)
+  console.log(`Chromium: worked ${worked.toFixed(1)} s (${seconds.toFixed(1)} s passed), peak of the page ${(peak / bytes).toFixed(1)} × the file`)
+  if (argv.includes('--native')) {
+    const command = ['bench', '--locked', '--bench', 'speed', '--', 'measure', 'quote', 'finishing', String(lines)]
+    const [time, native] = execFileSync('cargo', command, { encoding: 'utf8' }).trim().split(' ').map(Number)
+    console.log(`native: worked ${time.toFixed(1)} s, peak ${(native / bytes).toFixed(1)} × the file`)
+    console.log(`WebAssembly over native: ${(worked / time).toFixed(2)}`)
+  }
+} finally {
+  await close()
+}
+
+/** Runs in the page: makes the program. @param {number} size bytes */
+function make(size) {
+  const pieces = []
+  let [bytes, lines, x, y, forward, feedrate] = [0, 0, 0, 0, true, 3000]
+  let text = 'G90 G17 G21 G91.1\nS12000 M3\nG0 X0 Y0 Z5\n'
+  while (bytes < size) {
+    while (text.length < 1e6) {
+      const step = 0.3 + 0.18 * Math.sin(0.7 * lines)
+      x += forward ? step : -step
+      if (x < 0 || 60 < x) {
+        x = Math.min(Math.max(x, 0), 60)
+        y += 0.4
+        forward = !forward
+        feedrate = 3000 + ((feedrate - 3000 + 1700) % 5001)
+      }
+      const z = 1.5 * Math.sin(0.31 * x) * Math.cos(0.17 * y) + 0.2 * Math.sin(1.9 * x)
+      text += `G1 X${x.toFixed(3)} Y${y.toFixed(3)} Z${z.toFixed(3)} F${feedrate}\n`
+      lines += 1
+    }
+    // A Blob keeps what it is given outside the memory of JavaScript.
+    pieces.push(new Blob([text]))
+    bytes += text.length
+    text = ''
+  }
+  Object.assign(window, { made: new Blob([...pieces, 'G0 Z5\nM30\n']) })
+  return { lines, bytes }
+}
+
+/** Runs in the page: quotes it. */
+async function quoted() {
+  /** @type {any} */
+  const { Engine } = await import(/** @type {any} */ ('/engine.js'))
+  const module = await WebAssembly.compileStreaming(fetch('/pkg/truefeed_bg.wasm'))
+  const request = JSON.stringify({ machine: {}, tolerances: [0.01], name: '' })
+  const begin = performance.now()
+  const { quote, refusal } = await new Engine(module).quote({ program: /** @type {any} */ (window).made, request }, () => {})
+  if (!quote) throw new Error(JSON.stringify(refusal))
+  return { cycleTime: quote.runs[0].cycle_time_s, seconds: (performance.now() - begin) / 1000 }
+}

@@ -1,0 +1,289 @@
+//! How fast programs are quoted and what memory that takes, as multiples of yardsticks of the same run.
+//!
+//! ```text
+//! cargo bench --bench speed                 a million lines and less, prints the table
+//! cargo bench --bench speed -- write        ten million lines as well, writes docs/speed.md
+//! ```
+//!
+//! The yardsticks are reading the bytes once and the crate `async-gcode`, which splits the same bytes into
+//! words and keeps none of them. Each measurement runs in a process of its own, whose greatest size (VmHWM, of Linux) is its
+//! peak memory, the file included. Rounds go over all measurements in turn, so that what else the
+//! machine does meets them alike; each number is the best of its rounds.
+
+mod programs;
+
+use std::hint::black_box;
+use std::pin::{Pin, pin};
+use std::process::Command;
+use std::task::{Context, Poll, Waker};
+use std::time::Instant;
+
+use futures::Stream;
+use programs::Made;
+use truefeed::machine::Machine;
+use truefeed::quote::quote;
+use truefeed::simulation::contour::plan_within;
+use truefeed::simulation::feed::{Rule, Tolerances, plan};
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::toolpath::trace;
+
+/// Contour tolerances, mm.
+const TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
+
+/// Each is measured so often, and the best counts.
+const ROUNDS: usize = 2;
+
+/// What is done with a program.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Work {
+    /// Every byte is looked at.
+    Bytes,
+    /// `async-gcode` parses it.
+    Yardstick,
+    /// It is read.
+    Read,
+    /// It is read and traced.
+    Trace,
+    /// It is read, traced and planned for one tolerance.
+    Plan,
+    /// The same for four tolerances.
+    PlanFour,
+    /// It is planned, its contour errors are measured, and it is quoted.
+    Quote,
+    /// The same for four tolerances.
+    QuoteFour,
+}
+
+impl Work {
+    const ALL: [Work; 8] = [
+        Work::Bytes,
+        Work::Yardstick,
+        Work::Read,
+        Work::Trace,
+        Work::Plan,
+        Work::PlanFour,
+        Work::Quote,
+        Work::QuoteFour,
+    ];
+
+    fn word(self) -> &'static str {
+        match self {
+            Work::Bytes => "bytes",
+            Work::Yardstick => "async-gcode",
+            Work::Read => "read",
+            Work::Trace => "trace",
+            Work::Plan => "plan",
+            Work::PlanFour => "plan four",
+            Work::Quote => "quote",
+            Work::QuoteFour => "quote four",
+        }
+    }
+
+    /// Does it once; the number keeps the work from being left out.
+    fn run(self, text: Vec<u8>) -> f64 {
+        let machine = Machine::default();
+        // As the command does it: the text is given back before the path takes room.
+        let program = |text: Vec<u8>| read(&text);
+        let toolpath = |text: Vec<u8>| trace(&program(text), &machine);
+        match self {
+            Work::Bytes => text.iter().map(|byte| u64::from(*byte)).sum::<u64>() as f64,
+            Work::Yardstick => parsed_elsewhere(&text) as f64,
+            Work::Read => program(text).blocks.len() as f64,
+            Work::Trace => toolpath(text).segments.len() as f64,
+            Work::Plan => plan(&toolpath(text), &machine, Rule::Isolated(TOLERANCES[1])).cycle_time(),
+            Work::PlanFour => {
+                let toolpath = toolpath(text);
+                let time = |tolerance| plan(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time();
+                TOLERANCES.map(time).iter().sum()
+            }
+            Work::Quote | Work::QuoteFour => {
+                let toolpath = toolpath(text);
+                let one = |tolerance: f64| {
+                    let tolerances = Tolerances::One(tolerance);
+                    let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |_| {});
+                    quote(&toolpath, &machine, &plan, tolerances, &errors).cycle_time
+                };
+                if self == Work::Quote { one(TOLERANCES[1]) } else { TOLERANCES.map(one).iter().sum() }
+            }
+        }
+    }
+}
+
+/// Bytes as the stream that `async-gcode` reads from.
+struct Bytes<'a>(std::slice::Iter<'a, u8>);
+
+impl Stream for Bytes<'_> {
+    type Item = Result<u8, async_gcode::Error>;
+
+    fn poll_next(mut self: Pin<&mut Self>, _: &mut Context) -> Poll<Option<Self::Item>> {
+        Poll::Ready(self.0.next().map(|byte| Ok(*byte)))
+    }
+}
+
+/// How many words `async-gcode` finds. Its bytes are there already, so it never waits.
+fn parsed_elsewhere(text: &[u8]) -> usize {
+    let words = async {
+        let mut parser = async_gcode::Parser::new(Bytes(text.iter()));
+        let mut words = 0;
+        while let Some(parsed) = parser.next().await {
+            words += usize::from(black_box(parsed).is_ok());
+        }
+        words
+    };
+    match pin!(words).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(words) => words,
+        Poll::Pending => unreachable!("all bytes are there"),
+    }
+}
+
+/// One measurement: time (s), peak memory and file size (bytes).
+#[derive(Clone, Copy)]
+struct Measured {
+    time: f64,
+    peak: f64,
+    size: f64,
+}
+
+/// Measures in this process, and prints it for the one that asked.
+fn measure(work: Work, made: Made, lines: usize) {
+    let text = made.text(lines);
+    let size = text.len();
+    let (begin, began) = (Instant::now(), processor_time());
+    black_box(work.run(black_box(text)));
+    let elapsed = begin.elapsed().as_secs_f64();
+    let time = processor_time().zip(began).map_or(elapsed, |(end, begin)| end - begin);
+    println!("{time} {} {size}", peak_memory());
+}
+
+/// How long this thread has had a processor, s, which does not count what others take of it; none where
+/// the system does not tell.
+fn processor_time() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
+}
+
+/// The greatest size of this process so far, bytes; not a number where the system does not tell.
+fn peak_memory() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok());
+    kilobytes.map_or(f64::NAN, |kilobytes| 1024.0 * kilobytes)
+}
+
+/// Measures in a process of its own.
+fn measured(work: Work, made: Made, lines: usize) -> Measured {
+    let own = std::env::current_exe().expect("this program has a path");
+    let output = Command::new(own)
+        .args(["measure", work.word(), made.word(), &lines.to_string()])
+        .output()
+        .expect("this program can be started");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let numbers: Vec<f64> = text.split_whitespace().filter_map(|number| number.parse().ok()).collect();
+    let &[time, peak, size] = &numbers[..] else {
+        panic!("{} of {lines} lines did not end: {}", work.word(), String::from_utf8_lossy(&output.stderr))
+    };
+    Measured { time, peak, size }
+}
+
+/// The best of all rounds, for each work.
+fn best(works: &[Work], made: Made, lines: usize, rounds: usize) -> Vec<Measured> {
+    let round = || works.iter().map(|work| measured(*work, made, lines)).collect::<Vec<_>>();
+    (1..rounds).fold(round(), |best, _| {
+        let better = |(a, b): (Measured, Measured)| if b.time < a.time { b } else { a };
+        best.into_iter().zip(round()).map(better).collect()
+    })
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments[..] {
+        ["measure", work, made, lines] => {
+            let work = Work::ALL.into_iter().find(|known| known.word() == work).expect("a work");
+            measure(work, Made::from_word(made).expect("a program"), lines.parse().expect("a number"));
+        }
+        ["write", made, lines] => {
+            let made = Made::from_word(made).expect("a program");
+            let text = made.text(lines.parse().expect("a number"));
+            std::io::Write::write_all(&mut std::io::stdout(), &text).expect("text can be written");
+        }
+        ["write"] => {
+            let page = page(true);
+            print!("{page}");
+            std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/speed.md"), page)
+                .expect("the page can be written");
+        }
+        _ => print!("{}", page(false)),
+    }
+}
+
+/// All tables as Markdown; with ten million lines where `is_whole`.
+fn page(is_whole: bool) -> String {
+    const MILLION: usize = 1_000_000;
+    let mut text = HEAD.to_string();
+    let mut finishing = Vec::new();
+    for (made, lines) in
+        [(Made::Finishing, MILLION), (Made::Arcs, 300_000), (Made::Roughing, 200_000), (Made::Cycles, 30_000)]
+    {
+        let found = best(&Work::ALL, made, lines, ROUNDS);
+        let yardstick = found[Work::Yardstick as usize].time;
+        text += &format!(
+            "\n## {} lines of {} ({:.0} MB)\n\n| work | ns a line | × async-gcode | × reading the bytes | peak × file |\n|---|---:|---:|---:|---:|\n",
+            lines,
+            made.word(),
+            1e-6 * found[0].size
+        );
+        for (work, one) in Work::ALL.iter().zip(&found) {
+            text += &format!(
+                "| {} | {:.0} | {:.2} | {:.0} | {:.1} |\n",
+                work.word(),
+                1e9 * one.time / lines as f64,
+                one.time / yardstick,
+                one.time / found[0].time,
+                one.peak / one.size
+            );
+        }
+        if made == Made::Finishing {
+            finishing = found;
+        }
+    }
+    let of = |work: Work| finishing[work as usize];
+    let mut targets = vec![
+        (
+            "read, trace and plan a million lines, × async-gcode parsing them",
+            of(Work::Plan).time / of(Work::Yardstick).time,
+            1.0,
+        ),
+        (
+            "four tolerances, planned one after the other, × one",
+            of(Work::PlanFour).time / of(Work::Plan).time,
+            1.6,
+        ),
+        (
+            "the same with contour errors and quote, × one",
+            of(Work::QuoteFour).time / of(Work::Quote).time,
+            1.6,
+        ),
+        ("peak memory of a plan, × file", of(Work::Plan).peak / of(Work::Plan).size, 3.0),
+        ("peak memory of a quote, × file", of(Work::Quote).peak / of(Work::Quote).size, 3.0),
+    ];
+    if is_whole {
+        let long = best(&[Work::Plan], Made::Finishing, 10 * MILLION, 1)[0];
+        targets.push(("ten million lines planned, × one million", long.time / of(Work::Plan).time, 10.5));
+        targets.push(("peak memory of that plan, × file", long.peak / long.size, 3.0));
+    }
+    text += "\n## Against the targets\n\n| what | found | target | |\n|---|---:|---:|---|\n";
+    for (what, found, target) in targets {
+        let is_met = if found <= target { "met" } else { "missed" };
+        text += &format!("| {what} | {found:.2} | {target} | {is_met} |\n");
+    }
+    text + &std::fs::read_to_string(NOTES).expect("the notes are beside this program")
+}
+
+const HEAD: &str = "# Speed and size\n
+What it costs to quote programs, as multiples of yardsticks of the same run: reading each byte once, and the crate
+`async-gcode` parsing the same file. Written by `cargo bench --bench speed -- write` on one core; times are what the
+processor worked, so that other work on the machine does not count. The peak is that of the process, with the file in it.\n";
+
+/// What is to be said of the figures, beneath them.
+const NOTES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/speed/notes.md");

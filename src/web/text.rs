@@ -1,0 +1,34 @@
+//! The text of a program as it comes from a file, piece by piece: it is whole only in the memory of this module.
+
+use wasm_bindgen::prelude::*;
+
+use crate::simulation::gcode::{Options, Program, read_with};
+
+/// The bytes of a program that have come so far.
+#[wasm_bindgen]
+pub struct ProgramText {
+    bytes: Vec<u8>,
+}
+
+#[wasm_bindgen]
+impl ProgramText {
+    /// Room for a text of so many bytes.
+    #[wasm_bindgen(constructor)]
+    pub fn new(size: usize) -> Result<ProgramText, String> {
+        let mut bytes = Vec::new();
+        bytes.try_reserve_exact(size).map_err(|_| "the program is larger than the memory".to_string())?;
+        Ok(ProgramText { bytes })
+    }
+
+    /// Takes in the next piece.
+    pub fn push(&mut self, piece: &[u8]) {
+        self.bytes.extend_from_slice(piece);
+    }
+}
+
+impl ProgramText {
+    /// Reads the program; its text is given back before the path takes room.
+    pub(super) fn read(self, options: &Options) -> Program {
+        read_with(&self.bytes, options)
+    }
+}
