@@ -80,7 +80,7 @@ fn one(case: &Path, out: &Path) -> Result<(), Refusal> {
         Err(error) => return Err(error.into()),
         Ok(recorded) => {
             let run = recorded.unswitched();
-            let diagnosis = diagnose(&machine, &[run.clone()], &mut |_| {});
+            let diagnosis = diagnose(&machine, std::slice::from_ref(&run), &mut |_| {});
             let report = DiagnosisReport::new(&diagnosis, &["recording.csv".into()]);
             let second = case.join("transfer");
             let transfer = second.exists().then(|| -> Result<Value, Refusal> {
