@@ -14,11 +14,12 @@
 //! Rests of one visit of a line are one, where the longer one was.
 //!
 //! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
-//! be held each time; more rests than [`MOST`] are a property of the machine and not halts.
+//! be held each time; more rests than [`MOST`] are a property of the machine and not halts, but for those that
+//! are [`OUT`] times as long as usual.
 
 use std::sync::Arc;
 
-use crate::identification::alignment::{Method, Visit, visits};
+use crate::identification::alignment::{Method, Visit, median, visits};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
@@ -35,6 +36,7 @@ const STANDS: f64 = 0.8;
 const LONG: f64 = 10.0;
 /// Rests of one run at most.
 const MOST: usize = 20;
+const OUT: f64 = 4.0;
 /// Longest halt, s.
 const LONGEST: f64 = 3600.0;
 
@@ -78,7 +80,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let visits = visits(run.toolpath);
     let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
-    while from + 1 < fixes.len() && found.len() <= MOST {
+    while from + 1 < fixes.len() {
         to = to.max(from + 1);
         while to + 1 < fixes.len() && fixes[to + 1].distance - fixes[from].distance <= short {
             to += 1;
@@ -109,6 +111,11 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             _ => found.extend(rest),
         }
         (from, to) = (to, to + 1);
+    }
+    if MOST < found.len() {
+        let mut seconds: Vec<f64> = found.iter().map(|rest| rest.seconds).collect();
+        let usual = median(&mut seconds);
+        found.retain(|rest| OUT * usual < rest.seconds);
     }
     if MOST < found.len() { Vec::new() } else { found }
 }
@@ -188,7 +195,8 @@ impl Rest {
                 None => {
                     machine.halts.waits.insert(line, value);
                 }
-            });
+            })
+            .linear();
         Hypothesis {
             id: if place.is_some() { "feed_hold" } else { "unmodelled_wait" },
             variant: format!("line {line}"),
