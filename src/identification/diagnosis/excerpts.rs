@@ -51,9 +51,7 @@ impl Excerpt {
 
 /// The excerpts of each run; none where no run is long.
 pub fn excerpts(runs: &[Run]) -> Option<Vec<Vec<Excerpt>>> {
-    let is_long = |run: &Run| {
-        LONG.0 < duration(&run.alignment.marks) || LONG.1 < run.toolpath.segments.len()
-    };
+    let is_long = |run: &Run| LONG.0 < duration(&run.alignment.marks) || LONG.1 < run.toolpath.segments.len();
     runs.iter().any(is_long).then(|| runs.iter().map(|run| of_run(run, BUDGET / runs.len() as f64)).collect())
 }
 
@@ -122,8 +120,12 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let moved = |place: Place| match place {
         Place::Start => (from == 0).then_some(place),
         Place::Along(distance) => Some(Place::Along(distance - distances[from])),
-        Place::Stop(stop) => (before <= stop && stop < before + stops.len()).then(|| Place::Stop(stop - before)),
-        Place::After(stop) => (before <= stop && stop < before + stops.len()).then(|| Place::After(stop - before)),
+        Place::Stop(stop) => {
+            (before <= stop && stop < before + stops.len()).then(|| Place::Stop(stop - before))
+        }
+        Place::After(stop) => {
+            (before <= stop && stop < before + stops.len()).then(|| Place::After(stop - before))
+        }
     };
     let marks: Vec<Mark> =
         marks.iter().filter_map(|mark| moved(mark.place).map(|place| Mark { place, ..*mark })).collect();

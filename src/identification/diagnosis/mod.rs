@@ -34,6 +34,7 @@ mod rests;
 
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
+pub use plateaus::{Plateau, plateau};
 pub use regions::{Region, regions};
 
 use crate::identification::comparison::{Comparison, compare};

@@ -90,11 +90,12 @@ pub fn plateau(run: &Run) -> Option<Plateau> {
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let half: f64 = 0.5 * all.iter().map(|(_, weight)| weight).sum::<f64>();
         let mut sum = 0.0;
-        all.iter().find(|(_, weight)| {
-            sum += weight;
-            half <= sum
-        })
-        .map(|(value, _)| *value)
+        all.iter()
+            .find(|(_, weight)| {
+                sum += weight;
+                half <= sum
+            })
+            .map(|(value, _)| *value)
     };
     let ratio = middle(&|reading| reading.ratio)?;
     let scatter = middle(&|reading| (reading.ratio - ratio).abs())?;

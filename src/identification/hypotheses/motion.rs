@@ -243,7 +243,8 @@ fn arcs(machine: &Machine) -> Option<Hypothesis> {
     if machine.interpolator.junction != Junction::Tolerance || held.is_some() {
         return None;
     }
-    let freed = Freed::number("interpolator.arc_tolerance_mm", 3.0 * own, (1.02 * own, 1e5 * own), Scale::Ratio);
+    let freed =
+        Freed::number("interpolator.arc_tolerance_mm", 3.0 * own, (1.02 * own, 1e5 * own), Scale::Ratio);
     let trials = [1.5, 3.0, 10.0, 100.0].iter().map(|ratio| ratio * own).collect();
     let found = single("corner_tolerance", freed, trials, |value| {
         vec![("at", Reported::Word("arcs".to_string())), ("arc_tolerance_mm", Reported::Number(value))]
