@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Ramps and corners scatter below; the readings of plateaus pile up within the resolution of the log. The
-//! ratio is the median of the densest window of ρ, [`WIDTH`] wide, weighted with time and F, as a
+//! ratio is the upper part of the densest window of ρ, [`WIDTH`] wide, weighted with time and F, as a
 //! reading of a fast move has more digits. It counts where the pile holds a good part of the readings and
 //! comes from all of the run. What a model of the whole program is off by does not matter to it.
 //!
@@ -21,6 +21,8 @@ use crate::identification::hypotheses::Hypothesis;
 use crate::machine::Machine;
 use crate::simulation::toolpath::Motion;
 
+/// The quantile of a pile that is its ratio: what cuts off digits, or is not yet there, is below.
+const UPPER: f64 = 0.7;
 /// Width of the window, as a ratio.
 const WIDTH: f64 = 0.006;
 /// The part of the readings that a pile holds.
@@ -84,21 +86,21 @@ pub fn plateau(run: &Run) -> Option<Plateau> {
         return None;
     }
     let weight = |reading: &Reading| reading.seconds * reading.feedrate * reading.feedrate;
-    let middle = |of: &dyn Fn(&Reading) -> f64| {
+    let quantile = |part: f64, of: &dyn Fn(&Reading) -> f64| {
         let mut all: Vec<(f64, f64)> =
             readings[range.clone()].iter().map(|reading| (of(reading), weight(reading))).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let half: f64 = 0.5 * all.iter().map(|(_, weight)| weight).sum::<f64>();
+        let reached: f64 = part * all.iter().map(|(_, weight)| weight).sum::<f64>();
         let mut sum = 0.0;
         all.iter()
             .find(|(_, weight)| {
                 sum += weight;
-                half <= sum
+                reached <= sum
             })
             .map(|(value, _)| *value)
     };
-    let ratio = middle(&|reading| reading.ratio)?;
-    let scatter = middle(&|reading| (reading.ratio - ratio).abs())?;
+    let ratio = quantile(UPPER, &|reading| reading.ratio)?;
+    let scatter = quantile(0.5, &|reading| (reading.ratio - ratio).abs())?;
     Some(Plateau { ratio, deviation: (1.5 * scatter).max(5e-4) })
 }
 
