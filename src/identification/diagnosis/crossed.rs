@@ -1,10 +1,12 @@
 //! How far feedrates differ on stretches to which nothing was fitted.
 //!
 //! Each run is cut into stretches of equal time. The values of all named causes are fitted to every second
-//! one, and the feedrates are compared on the others; then the other way round.
+//! one, and the feedrates are compared on the others; then the other way round. Of a long run, of which
+//! excerpts were fitted to, it is the rest that is compared.
 
 use crate::identification::comparison::{FeedError, compare, feed_error_during};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
+use crate::identification::diagnosis::excerpts::Excerpt;
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -49,6 +51,25 @@ pub fn crossed(machine: &Machine, base: &Machine, named: &[Candidate], runs: &[R
                 let held = |time: f64| is_held(run, time);
                 sum.add(feed_error_during(run.toolpath, &plan, run.alignment, &lost, &held));
             }
+        }
+    }
+    sums[0].rms().zip(sums[1].rms()).map(|(before, after)| Crossed { before, after })
+}
+
+/// Compares outside of the excerpts, to which nothing was fitted.
+pub fn outside(
+    machine: &Machine,
+    fitted: &Machine,
+    runs: &[Run],
+    excerpts: &[Vec<Excerpt>],
+) -> Option<Crossed> {
+    let mut sums = [Sum::default(); 2];
+    for (machine, sum) in [machine, fitted].into_iter().zip(&mut sums) {
+        for (run, excerpts) in runs.iter().zip(excerpts) {
+            let plan = run.plan(machine);
+            let lost = compare(run.toolpath, &plan, run.alignment).lost;
+            let held = |time: f64| !excerpts.iter().any(|excerpt| excerpt.time().contains(&time));
+            sum.add(feed_error_during(run.toolpath, &plan, run.alignment, &lost, &held));
         }
     }
     sums[0].rms().zip(sums[1].rms()).map(|(before, after)| Crossed { before, after })

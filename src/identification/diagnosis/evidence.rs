@@ -38,6 +38,14 @@ impl<'a> Evidence<'a> {
         Evidence { runs, whitenings: runs.iter().map(whiten).collect() }
     }
 
+    /// The same where the runs are parts of one: the noise is that of all of them.
+    pub fn in_common(runs: &'a [Run<'a>], machine: &Machine) -> Evidence<'a> {
+        let residuals: Vec<Vec<f64>> = runs.iter().map(|run| run.residuals(machine)).collect();
+        let pairs: Vec<_> = runs.iter().zip(&residuals).map(|(run, own)| (run.alignment, &own[..])).collect();
+        let wander = Whitening::common(&pairs);
+        Evidence { runs, whitenings: runs.iter().map(|run| Whitening::new(run.alignment, wander)).collect() }
+    }
+
     /// The whitened residuals of a machine, run by run.
     pub fn whitened(&self, machine: &Machine) -> Vec<Vec<f64>> {
         let each = self.runs.iter().zip(&self.whitenings);

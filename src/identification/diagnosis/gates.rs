@@ -39,9 +39,14 @@ impl HeldOut {
     }
 }
 
+/// Sections of each of so many runs: many short ones, as excerpts are, are sections themselves.
+fn sections_of_each(runs: usize) -> usize {
+    if SECTIONS < runs { 1 } else { SECTIONS }
+}
+
 /// How many sections there are in all.
 pub fn sections(runs: &[Run]) -> usize {
-    SECTIONS * runs.len()
+    sections_of_each(runs.len()) * runs.len()
 }
 
 /// How the machine with a cause does against the one without, section by section; none where it acts in
@@ -49,8 +54,9 @@ pub fn sections(runs: &[Run]) -> usize {
 pub fn held_out(evidence: &Evidence, without: &Machine, with: &Machine) -> Option<HeldOut> {
     let (before, after) = (evidence.whitened(without), evidence.whitened(with));
     let mut held = HeldOut { better: 0, worse: 0, gain: 0.0 };
+    let sections = sections_of_each(before.len());
     for (before, after) in before.iter().zip(&after) {
-        let length = before.len().div_ceil(SECTIONS).max(1);
+        let length = before.len().div_ceil(sections).max(1);
         for (before, after) in before.chunks(length).zip(after.chunks(length)) {
             let cost = |values: &[f64]| values.iter().map(|value| huber(*value)).sum::<f64>();
             let gain = cost(before) - cost(after);

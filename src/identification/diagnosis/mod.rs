@@ -12,7 +12,9 @@
 //! | feedrate | feedrates differ no more with it than without it |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
-//! Feed holds are taken in before all of them, as `rests` finds them: they stand for themselves.
+//! What stands for itself is taken in before all of them: feed holds, as `rests` finds them, and an override
+//! that `plateaus` reads off. A long run is searched in `excerpts` of it, and what was found is kept if it holds
+//! on the whole.
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
 //! back. Others of which the best cannot be told from the runs are its ambiguity.
@@ -22,21 +24,26 @@
 
 mod crossed;
 mod evidence;
+mod excerpts;
 mod form;
 mod gates;
 mod places;
+mod plateaus;
 mod regions;
 mod rests;
 
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
+pub use plateaus::{Plateau, plateau};
 pub use regions::{Region, regions};
 
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
+use crate::identification::diagnosis::plateaus::Said;
 use crate::identification::fit::{Run, Scale};
-use crate::identification::hypotheses::{Trace, library};
+use crate::identification::hypotheses::{Hypothesis, Trace, library};
 use crate::machine::Machine;
 
 /// By how much the cost must fall, beside ln n a parameter.
@@ -127,28 +134,48 @@ pub struct Diagnosis {
 
 /// Diagnoses runs against the machine believed in. `progress` is told the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
-    let library = library(machine, runs);
+    let mut library = library(machine, runs);
     let before = compared(machine, runs);
     let mut messages = Vec::new();
     let form_before = form::error(machine, runs);
     // Drives come first where they explain the form of the path whole: they also blur its times.
     let drives = form::explained(machine, runs, &library, true);
-    let mut named: Vec<Candidate> = Vec::new();
-    let mut details: Vec<(Vec<String>, Option<HeldOut>, f64)> = Vec::new();
-    let base = with_all(machine, &drives);
+    let start = with_all(machine, &drives);
     progress(0.1);
     // Where the form is explained whole, at times as they are, no time is missing either.
     let rounds = if drives.is_empty() { MOST } else { 0 };
+    let excerpts = if 0 < rounds { excerpts(runs) } else { None };
+    let parts: Option<Vec<Run>> =
+        excerpts.as_ref().map(|excerpts| excerpts.iter().flatten().map(Excerpt::run).collect());
+    let looked = Looked { runs: parts.as_deref().unwrap_or(runs), whole: runs, in_parts: parts.is_some() };
+    // What is read off stays as it is; what is fitted is fitted again with everything that comes after.
+    let mut read_off: Vec<(Candidate, Details)> = Vec::new();
+    let mut named: Vec<Candidate> = Vec::new();
+    let mut details: Vec<Details> = Vec::new();
     if 0 < rounds {
+        let said = plateaus::feed_override(&start, runs, &library);
+        if !matches!(said, Said::Nothing) {
+            library.retain(|hypothesis| hypothesis.id != "feed_override");
+        }
+        if let Said::Other(candidate) = said {
+            read_off.push((candidate, (Vec::new(), None, 1.0)));
+        }
         let price = GAIN + (gates::sections(runs) as f64).ln();
-        for (candidate, gain) in rests::feed_holds(&base, runs, price) {
-            named.push(candidate);
-            details.push((Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp()));
+        let now = with_all(&start, &candidates_of(&read_off));
+        for (candidate, gain) in rests::feed_holds(&now, runs, price) {
+            let own = (Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp());
+            if looked.in_parts {
+                read_off.push((candidate, own));
+            } else {
+                named.push(candidate);
+                details.push(own);
+            }
         }
     }
+    let base = with_all(&start, &candidates_of(&read_off));
     for round in 0..rounds {
         let current = with_all(&base, &named);
-        let Some(found) = next_cause(&base, &current, runs, &library, &named, &mut |part| {
+        let Some(found) = next_cause(&base, &current, &looked, &library, &named, &mut |part| {
             progress(0.1 + 0.7 * (round as f64 + part) / MOST as f64);
         }) else {
             break;
@@ -157,7 +184,8 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         named.push(found.candidate);
         details.push((found.alike, found.held_out, found.confidence));
     }
-    let (named, details) = without_unnecessary(&base, runs, named, details);
+    let (named, details) = without_unnecessary(&base, &looked, named, details);
+    let (named, details) = if looked.in_parts { held(&base, runs, named, details) } else { (named, details) };
     let with_time = with_all(&base, &named);
     let mut drives = drives;
     if 0 < rounds {
@@ -166,14 +194,17 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let fitted = with_all(&with_time, &drives);
     let after = compared(&fitted, runs);
     progress(0.9);
-    let mut causes: Vec<Cause> = named
+    let (mut all, mut all_details): (Vec<Candidate>, Vec<Details>) = read_off.into_iter().unzip();
+    all.extend(named.iter().cloned());
+    all_details.extend(details);
+    let mut causes: Vec<Cause> = all
         .iter()
-        .zip(details)
+        .zip(all_details)
         .enumerate()
         .map(|(at, (candidate, (alike, held_out, confidence)))| {
-            let mut others = named.clone();
+            let mut others = all.clone();
             others.remove(at);
-            let without = with_all(&with_all(&base, &others), &drives);
+            let without = with_all(&with_all(&start, &others), &drives);
             let (seconds, lines) = regions::acts_on(&without, &fitted, runs);
             Cause { candidate: candidate.clone(), seconds, form: 0.0, lines, confidence, alike, held_out }
         })
@@ -206,7 +237,11 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     };
     progress(1.0);
     let not_excited = not_excited(&library);
-    let held_out = crossed::crossed(machine, &with_all(machine, &drives), &named, runs);
+    let held_out = match &excerpts {
+        Some(excerpts) if !all.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
+        Some(_) => None,
+        None => crossed::crossed(machine, &with_all(&base, &drives), &named, runs),
+    };
     Diagnosis {
         verdict,
         causes,
@@ -225,6 +260,54 @@ fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
     runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
 }
 
+fn candidates_of(read_off: &[(Candidate, Details)]) -> Vec<Candidate> {
+    read_off.iter().map(|(candidate, _)| candidate.clone()).collect()
+}
+
+/// Where causes are looked for.
+struct Looked<'a> {
+    /// The runs, or excerpts of them.
+    runs: &'a [Run<'a>],
+    /// The runs.
+    whole: &'a [Run<'a>],
+    /// Whether they are excerpts.
+    in_parts: bool,
+}
+
+impl<'a> Looked<'a> {
+    fn evidence(&self, machine: &Machine) -> Evidence<'a> {
+        match self.in_parts {
+            true => Evidence::in_common(self.runs, machine),
+            false => Evidence::of(self.runs, machine),
+        }
+    }
+}
+
+/// Those of the causes found in excerpts that also hold on the whole, each with those before it.
+fn held(
+    base: &Machine,
+    runs: &[Run],
+    named: Vec<Candidate>,
+    details: Vec<Details>,
+) -> (Vec<Candidate>, Vec<Details>) {
+    let whole = Evidence::of(runs, &with_all(base, &named));
+    let state = |machine: &Machine| (whole.cost(machine), feed_error(machine, runs));
+    let mut kept: (Vec<Candidate>, Vec<Details>) = (Vec::new(), Vec::new());
+    let mut before = state(base);
+    for (candidate, details) in named.into_iter().zip(details) {
+        let mut with = kept.0.clone();
+        with.push(candidate.clone());
+        let after = state(&with_all(base, &with));
+        let is_as_close = before.1.zip(after.1).is_none_or(|(before, after)| after <= WORSE * before);
+        if after.0 + GAIN < before.0 && is_as_close {
+            kept.0.push(candidate);
+            kept.1.push(details);
+            before = after;
+        }
+    }
+    kept
+}
+
 /// A cause that passed the gates.
 struct Found {
     candidate: Candidate,
@@ -239,11 +322,12 @@ struct Found {
 fn next_cause(
     base: &Machine,
     current: &Machine,
-    runs: &[Run],
-    library: &[crate::identification::hypotheses::Hypothesis],
+    looked: &Looked,
+    library: &[Hypothesis],
     named: &[Candidate],
     progress: &mut dyn FnMut(f64),
 ) -> Option<Found> {
+    let runs = looked.runs;
     let is_named = |id: &str, variant: &str| {
         named.iter().any(|named| named.hypothesis.id == id && named.hypothesis.variant == variant)
     };
@@ -253,8 +337,10 @@ fn next_cause(
         .filter(|hypothesis| !named.iter().any(|named| hypothesis.is_fitted_beside(&named.hypothesis)))
         .cloned()
         .collect();
-    let coarse = Evidence::of(runs, current);
-    hypotheses.extend(places::hypotheses(current, runs, &coarse));
+    let coarse = looked.evidence(current);
+    let is_open = library.iter().any(|hypothesis| hypothesis.id == "feed_override");
+    let whole = if looked.in_parts { &Evidence::of(looked.whole, current) } else { &coarse };
+    hypotheses.extend(places::hypotheses(current, looked.whole, whole, is_open));
     let count = hypotheses.len() as f64;
     let mut candidates: Vec<Candidate> = Vec::new();
     for (at, hypothesis) in hypotheses.iter().enumerate() {
@@ -265,7 +351,7 @@ fn next_cause(
     candidates.truncate(3 * REFINED);
     let best = candidates.first()?;
     // At the noise that the best leaves the good ones are told apart.
-    let fine = Evidence::of(runs, &best.hypothesis.machine(current, &best.values));
+    let fine = looked.evidence(&best.hypothesis.machine(current, &best.values));
     let mut screened: Vec<Candidate> = candidates
         .iter()
         .map(|candidate| {
@@ -297,7 +383,7 @@ fn next_cause(
     // The noise once more, that of the refined one; else its last digits are those of the first guess.
     let mut all = others.clone();
     all.push(candidate.clone());
-    let last = Evidence::of(runs, &with_all(base, &all));
+    let last = looked.evidence(&with_all(base, &all));
     let (candidate, others) = last.refined(base, &candidate, &others);
     let without = last.cost(current);
     let gain = without - candidate.cost;
@@ -374,12 +460,12 @@ type Details = (Vec<String>, Option<HeldOut>, f64);
 /// Takes back every cause that the others make unnecessary.
 fn without_unnecessary(
     base: &Machine,
-    runs: &[Run],
+    looked: &Looked,
     mut named: Vec<Candidate>,
     mut details: Vec<Details>,
 ) -> (Vec<Candidate>, Vec<Details>) {
     while 1 < named.len() {
-        let all = Evidence::of(runs, &with_all(base, &named));
+        let all = looked.evidence(&with_all(base, &named));
         let cost = all.cost(&with_all(base, &named));
         let cheapest = (0..named.len())
             .map(|at| {
@@ -409,7 +495,7 @@ fn without_unnecessary(
 }
 
 /// Ids of the contract that these runs do not excite.
-fn not_excited(library: &[crate::identification::hypotheses::Hypothesis]) -> Vec<String> {
+fn not_excited(library: &[Hypothesis]) -> Vec<String> {
     const ALL: [&str; 21] = [
         "axis_acceleration_limit",
         "path_acceleration_limit",

@@ -25,10 +25,11 @@ const WAITS: usize = 3;
 /// A range that explains less than this part more than the whole program is the whole program.
 const WORTH_A_RANGE: f64 = 1.1;
 
-/// Hypotheses placed by the residuals of the first run.
-pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence) -> Vec<Hypothesis> {
+/// Hypotheses placed by the residuals of the first run; those of an override only if that is open.
+pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open: bool) -> Vec<Hypothesis> {
     let Some(run) = runs.first() else { return Vec::new() };
-    let mut all: Vec<Hypothesis> = override_range(machine, run, evidence).into_iter().collect();
+    let range = if is_open { override_range(machine, run, evidence) } else { None };
+    let mut all: Vec<Hypothesis> = range.into_iter().collect();
     let mut waits = rests(machine, run);
     waits.retain(|rest| rest.place.is_none() && !machine.halts.waits.contains_key(&rest.line));
     waits.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));

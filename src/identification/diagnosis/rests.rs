@@ -14,11 +14,12 @@
 //! Rests of one visit of a line are one, where the longer one was.
 //!
 //! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
-//! be held each time; more rests than [`MOST`] are a property of the machine and not halts.
+//! be held each time; more rests than [`MOST`] are a property of the machine and not halts, but for those that
+//! are [`OUT`] times as long as usual.
 
 use std::sync::Arc;
 
-use crate::identification::alignment::{Method, Visit, visits};
+use crate::identification::alignment::{Method, Visit, median, visits};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
@@ -35,6 +36,9 @@ const STANDS: f64 = 0.8;
 const LONG: f64 = 10.0;
 /// Rests of one run at most.
 const MOST: usize = 20;
+const OUT: f64 = 4.0;
+/// What a machine that stands says its feedrate is, at most, mm/s.
+const STILL: f64 = 0.2;
 /// Longest halt, s.
 const LONGEST: f64 = 3600.0;
 
@@ -78,7 +82,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let visits = visits(run.toolpath);
     let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
-    while from + 1 < fixes.len() && found.len() <= MOST {
+    while from + 1 < fixes.len() {
         to = to.max(from + 1);
         while to + 1 < fixes.len() && fixes[to + 1].distance - fixes[from].distance <= short {
             to += 1;
@@ -96,6 +100,10 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         let at = 0.5 * (fixes[from].distance + fixes[to].distance);
         let rest = match run.alignment.method {
             Method::Positions => rest_at(run, &profile, at, short, lost(first, last)),
+            // Where the recorder slept the machine went on: one that stands says so.
+            Method::Lines | Method::Feed if !stands_still(run, fixes[from].time, fixes[to].time + poll) => {
+                None
+            }
             Method::Lines | Method::Feed => {
                 let middle = 0.5 * (fixes[from].time + fixes[to].time);
                 rest_during(run, &visits, &profile, at, middle, lost(first, last))
@@ -109,6 +117,11 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             _ => found.extend(rest),
         }
         (from, to) = (to, to + 1);
+    }
+    if MOST < found.len() {
+        let mut seconds: Vec<f64> = found.iter().map(|rest| rest.seconds).collect();
+        let usual = median(&mut seconds);
+        found.retain(|rest| OUT * usual < rest.seconds);
     }
     if MOST < found.len() { Vec::new() } else { found }
 }
@@ -145,6 +158,14 @@ fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Op
     let after = (low..segments.len()).take_while(|segment| segments[*segment].line == line).last()? + 1;
     let place = (at - end(first)) / (end(after) - end(first)).max(1e-9);
     Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), begin: end(first), seconds })
+}
+
+/// Whether a reading of the feed between two times (s) is none, if any feed was recorded.
+fn stands_still(run: &Run, from: f64, to: f64) -> bool {
+    let Some(feed) = &run.alignment.feed else { return true };
+    let first = feed.time.partition_point(|time| *time < from);
+    let readings = feed.time[first..].iter().zip(&feed.values[first..]);
+    readings.take_while(|(time, _)| **time <= to).any(|(_, value)| *value <= STILL)
 }
 
 /// The rest at a time of a recording that names lines but no positions: on the line that was named last, as a
@@ -188,7 +209,8 @@ impl Rest {
                 None => {
                     machine.halts.waits.insert(line, value);
                 }
-            });
+            })
+            .linear();
         Hypothesis {
             id: if place.is_some() { "feed_hold" } else { "unmodelled_wait" },
             variant: format!("line {line}"),

@@ -103,20 +103,27 @@ impl Whitening {
 
     /// The whitening by which residuals are normal.
     pub fn of(alignment: &Alignment, residuals: &[f64]) -> Whitening {
+        Whitening::new(alignment, Whitening::common(&[(alignment, residuals)]))
+    }
+
+    /// The wander (s/√s) by which the residuals of several recordings are normal, all together.
+    pub fn common(runs: &[(&Alignment, &[f64])]) -> f64 {
         let typical = |wander: f64| {
-            let whitened = Whitening::new(alignment, wander).apply(residuals);
-            let mut sizes: Vec<f64> = whitened.iter().skip(1).map(|value| value.abs()).collect();
+            let whitened = runs.iter().map(|(alignment, residuals)| {
+                Whitening::new(alignment, wander).apply(residuals).into_iter().skip(1)
+            });
+            let mut sizes: Vec<f64> = whitened.flatten().map(f64::abs).collect();
             median(&mut sizes)
         };
         let (mut low, mut high) = (1e-6f64, 1.0f64);
         if typical(low) <= NORMAL_MEDIAN {
-            return Whitening::new(alignment, low);
+            return low;
         }
         for _ in 0..30 {
             let middle = (low * high).sqrt();
             if typical(middle) <= NORMAL_MEDIAN { high = middle } else { low = middle }
         }
-        Whitening::new(alignment, high)
+        high
     }
 }
 

@@ -43,6 +43,9 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     }
     all.extend(filters(machine, &demand));
     all.push(if demand.has_tolerance { programmed_tolerance(machine) } else { tolerance(machine) });
+    if demand.has_arc {
+        all.push(arcs(machine));
+    }
     all.extend(junctions(machine));
     all.extend(planners(machine));
     all.push(smoothing(machine));
@@ -231,6 +234,22 @@ fn programmed_tolerance(machine: &Machine) -> Option<Hypothesis> {
     single("corner_tolerance", freed, ratios(5e-4, 0.5, 12), |value| {
         vec![("contour_tolerance_mm", Reported::Number(value))]
     })
+}
+
+/// Arcs that are run faster than the tolerance of the corners would let them.
+fn arcs(machine: &Machine) -> Option<Hypothesis> {
+    let own = machine.interpolator.contour_tolerance;
+    let held = machine.interpolator.arc_tolerance;
+    if machine.interpolator.junction != Junction::Tolerance || held.is_some() {
+        return None;
+    }
+    let freed =
+        Freed::number("interpolator.arc_tolerance_mm", 3.0 * own, (1.02 * own, 1e5 * own), Scale::Ratio);
+    let trials = [1.5, 3.0, 10.0, 100.0].iter().map(|ratio| ratio * own).collect();
+    let found = single("corner_tolerance", freed, trials, |value| {
+        vec![("at", Reported::Word("arcs".to_string())), ("arc_tolerance_mm", Reported::Number(value))]
+    });
+    found.map(|hypothesis| Hypothesis { variant: "arcs".to_string(), ..hypothesis })
 }
 
 /// Lines that the control runs as one; the controls that are known to have the junctions of LinuxCNC. It

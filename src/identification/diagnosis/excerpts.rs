@@ -1,0 +1,163 @@
+//! Excerpts of long runs, on which causes are looked for.
+//!
+//! A simulation costs what the program is long, and a diagnosis runs hundreds. A run that is longer than
+//! [`LONG`] is therefore looked at in windows of [`WINDOW`] s, evenly spread over [`BUDGET`] s of it, and around
+//! a few stops of each kind, from their line to the next one. Each window is a program of its own with the marks
+//! in it; the moves before and after it, [`MARGIN`] of them, are run and not compared, as nothing of the
+//! motion reaches further than a filter delay or a full stop. What was found is judged on the whole run.
+//!
+//! Limits: a look-ahead that is longer than the margin looks less far; what happens once, outside of all
+//! windows and at no stop, is found by the rests alone.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use crate::identification::alignment::{Alignment, Fix, Mark, Place};
+use crate::identification::calibration::Kind;
+use crate::identification::fit::Run;
+use crate::simulation::toolpath::{PathMode, Stop, Toolpath};
+
+/// A run is long that lasts so many seconds, or has so many segments.
+const LONG: (f64, usize) = (300.0, 8_000);
+/// What is looked at of all runs together, s.
+const BUDGET: f64 = 180.0;
+/// Length of a window, s.
+const WINDOW: f64 = 7.5;
+/// Segments before and after a window.
+const MARGIN: usize = 40;
+/// Stops of a kind that are looked at, and for how many marks around them.
+const STOPS: (usize, usize) = (4, 6);
+/// The fewest marks that are a window.
+const FEWEST: usize = 4;
+
+/// A part of a run.
+pub struct Excerpt {
+    toolpath: Toolpath,
+    alignment: Alignment,
+    overrides: (Option<f64>, Option<f64>),
+}
+
+impl Excerpt {
+    /// It as a run.
+    pub fn run(&self) -> Run<'_> {
+        Run { toolpath: &self.toolpath, alignment: &self.alignment, overrides: self.overrides }
+    }
+
+    /// When it was, s from the start of the recording.
+    pub fn time(&self) -> &Range<f64> {
+        &self.alignment.run
+    }
+}
+
+/// The excerpts of each run; none where no run is long.
+pub fn excerpts(runs: &[Run]) -> Option<Vec<Vec<Excerpt>>> {
+    let is_long = |run: &Run| LONG.0 < duration(&run.alignment.marks) || LONG.1 < run.toolpath.segments.len();
+    runs.iter().any(is_long).then(|| runs.iter().map(|run| of_run(run, BUDGET / runs.len() as f64)).collect())
+}
+
+fn duration(marks: &[Mark]) -> f64 {
+    marks.first().zip(marks.last()).map_or(0.0, |(first, last)| last.time - first.time)
+}
+
+fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
+    let marks = &run.alignment.marks;
+    let Some(first) = marks.first() else { return Vec::new() };
+    let whole = duration(marks);
+    let count = (budget / WINDOW).ceil().max(1.0);
+    let at = |time: f64| marks.partition_point(|mark| mark.time < time);
+    let mut windows: Vec<Range<usize>> = Vec::new();
+    for window in 0..count as usize {
+        let middle = first.time + whole * (window as f64 + 0.5) / count;
+        let half = 0.5 * WINDOW.min(whole / count);
+        windows.push(at(middle - half)..at(middle + half));
+    }
+    let mut kinds: BTreeMap<Option<Kind>, Vec<usize>> = BTreeMap::new();
+    for (index, mark) in marks.iter().enumerate() {
+        if let Place::Stop(stop) = mark.place {
+            kinds.entry(Kind::of(&run.toolpath.stops[stop].cause)).or_default().push(index);
+        }
+    }
+    for all in kinds.values() {
+        for index in all.iter().step_by(all.len().div_ceil(STOPS.0)) {
+            windows.push(index.saturating_sub(STOPS.1)..(index + STOPS.1).min(marks.len()));
+        }
+    }
+    windows.sort_by_key(|window| window.start);
+    let mut merged: Vec<Range<usize>> = Vec::new();
+    for window in windows {
+        match merged.last_mut() {
+            Some(last) if window.start <= last.end => last.end = last.end.max(window.end),
+            _ => merged.push(window),
+        }
+    }
+    merged.into_iter().filter(|window| FEWEST <= window.len()).filter_map(|window| cut(run, window)).collect()
+}
+
+/// A window of marks as a run of its own.
+fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
+    let Run { toolpath, alignment, overrides } = run;
+    let marks = &alignment.marks[window];
+    let mut distances = vec![0.0];
+    for segment in &toolpath.segments {
+        distances.push(distances[distances.len() - 1] + segment.length);
+    }
+    let segment_of = |place: Place| match place {
+        Place::Start => 0,
+        Place::Stop(stop) | Place::After(stop) => toolpath.stops[stop].after,
+        Place::Along(distance) => distances.partition_point(|begin| *begin <= distance).saturating_sub(1),
+    };
+    let count = toolpath.segments.len();
+    let from = segment_of(marks.first()?.place).saturating_sub(MARGIN);
+    let to = (segment_of(marks.last()?.place) + 1 + MARGIN).min(count);
+    if to <= from {
+        return None;
+    }
+    let is_in = |stop: &Stop| (from < stop.after || from == 0) && (stop.after < to || to == count);
+    let before = toolpath.stops.iter().position(is_in).unwrap_or(toolpath.stops.len());
+    let stops = toolpath.stops[before..].iter().take_while(|stop| is_in(stop));
+    let stops: Vec<Stop> =
+        stops.map(|stop| Stop { after: stop.after.saturating_sub(from), ..*stop }).collect();
+    let moved = |place: Place| match place {
+        Place::Start => (from == 0).then_some(place),
+        Place::Along(distance) => Some(Place::Along(distance - distances[from])),
+        Place::Stop(stop) => {
+            (before <= stop && stop < before + stops.len()).then(|| Place::Stop(stop - before))
+        }
+        Place::After(stop) => {
+            (before <= stop && stop < before + stops.len()).then(|| Place::After(stop - before))
+        }
+    };
+    let marks: Vec<Mark> =
+        marks.iter().filter_map(|mark| moved(mark.place).map(|place| Mark { place, ..*mark })).collect();
+    let time = marks.first()?.time..marks.last()?.time;
+    let fixes = alignment.fixes.iter().filter(|fix| time.contains(&fix.time));
+    let fixes = fixes.map(|fix| Fix { distance: fix.distance - distances[from], ..*fix });
+    let length = distances[to] - distances[from];
+    let modes = toolpath.path_modes.partition_point(|mode| mode.from <= from).saturating_sub(1);
+    let modes = toolpath.path_modes[modes..].iter().filter(|mode| mode.from < to);
+    let modes = modes.map(|mode| PathMode { from: mode.from.saturating_sub(from), ..mode.clone() });
+    let part = Toolpath {
+        segments: toolpath.segments[from..to].to_vec(),
+        dialect: toolpath.dialect,
+        path_modes: modes.collect(),
+        operations: Vec::new(),
+        spins: Vec::new(),
+        diagnostics: Vec::new(),
+        stops,
+    };
+    let alignment = Alignment {
+        method: alignment.method,
+        run: time.clone(),
+        fixes: fixes.collect(),
+        covered: 0.0..length,
+        length,
+        poll: alignment.poll,
+        fit: alignment.fit,
+        spread: alignment.spread,
+        track: alignment.track.clone(),
+        feed: alignment.feed.as_ref().map(|feed| feed.during(&time)),
+        remarks: Vec::new(),
+        marks,
+    };
+    Some(Excerpt { toolpath: part, alignment, overrides: *overrides })
+}

@@ -1,0 +1,193 @@
+//! Plateaus: readings of the feedrate while nothing but the programmed feed bounds it.
+//!
+//! On long blocks a machine runs at the programmed feed times the override, and says so. The ratio of a
+//! reading to the programmed feed is read off without a model of the motion:
+//!
+//! ```text
+//! ρ = v / F,    readings while F was the same for two polls before and until the reading ends
+//! ```
+//!
+//! Ramps and corners scatter below; the readings of plateaus pile up within the resolution of the log. The
+//! ratio is the upper part of the densest window of ρ, [`WIDTH`] wide, weighted with time and F, as a
+//! reading of a fast move has more digits. It counts where the pile holds a good part of the readings and
+//! comes from all of the run. What a model of the whole program is off by does not matter to it.
+//!
+//! Limits: logs with line numbers and feed; an override that is changed again and again has no pile.
+
+use crate::identification::alignment::{Place, visits};
+use crate::identification::diagnosis::evidence::Candidate;
+use crate::identification::fit::Run;
+use crate::identification::hypotheses::Hypothesis;
+use crate::machine::Machine;
+use crate::simulation::toolpath::Motion;
+
+/// The quantile of a pile that is its ratio: what cuts off digits, or is not yet there, is below.
+const UPPER: f64 = 0.7;
+/// Width of the window, as a ratio.
+const WIDTH: f64 = 0.006;
+/// The part of the readings that a pile holds.
+const PART: f64 = 0.12;
+/// And how much more than any other pile.
+const ALONE: f64 = 1.5;
+/// In so many of [`STRETCHES`] equal parts of the time there are readings of it.
+const SPREAD: usize = 5;
+const STRETCHES: f64 = 8.0;
+/// The fewest readings.
+const FEWEST: usize = 12;
+/// A reading counts for so long at most, s.
+const LONGEST: f64 = 2.0;
+/// An override closer to the believed one than this is that one.
+const SAME: f64 = 4e-3;
+
+/// A ratio of recorded to programmed feedrates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plateau {
+    /// It.
+    pub ratio: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+}
+
+/// A reading.
+struct Reading {
+    time: f64,
+    seconds: f64,
+    ratio: f64,
+    feedrate: f64,
+}
+
+/// The ratio at which a run goes where nothing else bounds it; none where no such is to be seen.
+pub fn plateau(run: &Run) -> Option<Plateau> {
+    let mut readings = readings(run);
+    readings.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+    let whole: f64 = readings.iter().map(|reading| reading.seconds).sum();
+    let mut sums = vec![0.0];
+    for reading in &readings {
+        sums.push(sums[sums.len() - 1] + reading.seconds);
+    }
+    let pile = |from: usize| {
+        let to = readings.partition_point(|reading| reading.ratio <= readings[from].ratio + WIDTH);
+        (sums[to] - sums[from], from..to)
+    };
+    let piles: Vec<_> = (0..readings.len()).map(pile).collect();
+    let (most, range) = piles.iter().max_by(|a, b| a.0.total_cmp(&b.0))?.clone();
+    let (low, high) = (readings[range.start].ratio - WIDTH, readings[range.end - 1].ratio);
+    let others = piles.iter().filter(|(_, other)| {
+        let ratio = readings[other.start].ratio;
+        ratio < low - 0.5 * WIDTH || high + 0.5 * WIDTH < ratio
+    });
+    let other = others.map(|(sum, _)| *sum).fold(0.0, f64::max);
+    let marks = &run.alignment.marks;
+    let (first, last) = (marks.first()?.time, marks.last()?.time);
+    let stretch = |time: f64| ((time - first) / (last - first).max(1e-9) * STRETCHES) as usize;
+    let stretches: std::collections::BTreeSet<usize> =
+        readings[range.clone()].iter().map(|reading| stretch(reading.time)).collect();
+    if range.len() < FEWEST || most < PART * whole || most < ALONE * other || stretches.len() < SPREAD {
+        return None;
+    }
+    let weight = |reading: &Reading| reading.seconds * reading.feedrate * reading.feedrate;
+    let quantile = |part: f64, of: &dyn Fn(&Reading) -> f64| {
+        let mut all: Vec<(f64, f64)> =
+            readings[range.clone()].iter().map(|reading| (of(reading), weight(reading))).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let reached: f64 = part * all.iter().map(|(_, weight)| weight).sum::<f64>();
+        let mut sum = 0.0;
+        all.iter()
+            .find(|(_, weight)| {
+                sum += weight;
+                reached <= sum
+            })
+            .map(|(value, _)| *value)
+    };
+    let ratio = quantile(UPPER, &|reading| reading.ratio)?;
+    let scatter = quantile(0.5, &|reading| (reading.ratio - ratio).abs())?;
+    Some(Plateau { ratio, deviation: (1.5 * scatter).max(5e-4) })
+}
+
+/// The readings of a run, on blocks of a known feed.
+fn readings(run: &Run) -> Vec<Reading> {
+    let alignment = run.alignment;
+    let Some((poll, feed)) = alignment.poll.zip(alignment.feed.as_ref()) else { return Vec::new() };
+    let mut readings = Vec::new();
+    for (from, to, feedrate) in programmed(run) {
+        let begin = from + 2.0 * poll;
+        let first = feed.time.partition_point(|time| *time <= begin).saturating_sub(1);
+        for at in first..feed.time.len() {
+            if to <= feed.time[at] {
+                break;
+            }
+            let end = feed.time.get(at + 1).copied().unwrap_or(to).min(to);
+            let time = feed.time[at].max(begin);
+            let seconds = (end - time).min(LONGEST);
+            if 0.0 < seconds && 0.0 < feed.values[at] {
+                readings.push(Reading { time, seconds, ratio: feed.values[at] / feedrate, feedrate });
+            }
+        }
+    }
+    readings
+}
+
+/// From when to when (s) which feedrate (mm/s) is programmed, where it is one.
+fn programmed(run: &Run) -> Vec<(f64, f64, f64)> {
+    let visits = visits(run.toolpath);
+    let feed_of = |visit: usize| {
+        let segments = &run.toolpath.segments[visits[visit].segments.clone()];
+        let first = match segments.first()?.motion {
+            Motion::Feed { feedrate } if visits[visit].stops.is_empty() => feedrate,
+            _ => return None,
+        };
+        segments.iter().all(|segment| segment.motion == Motion::Feed { feedrate: first }).then_some(first)
+    };
+    let mut at = 0;
+    let mut starts: Vec<(f64, usize)> = Vec::new();
+    for mark in run.alignment.marks.iter().filter(|mark| mark.place != Place::Start) {
+        if let Some(found) = (at..visits.len()).find(|visit| visits[*visit].begin == mark.place) {
+            starts.push((mark.time, found));
+            at = found;
+        }
+    }
+    let mut spans: Vec<(f64, f64, f64)> = Vec::new();
+    for pair in starts.windows(2) {
+        let ((from, first), (to, last)) = (pair[0], pair[1]);
+        let Some(feedrate) = feed_of(first) else { continue };
+        if (first..last).any(|visit| feed_of(visit) != Some(feedrate)) {
+            continue;
+        }
+        match spans.last_mut() {
+            Some(span) if span.1 == from && span.2 == feedrate => span.1 = to,
+            _ => spans.push((from, to, feedrate)),
+        }
+    }
+    spans
+}
+
+/// What the plateaus of the runs say of the feed override.
+pub enum Said {
+    /// Nothing.
+    Nothing,
+    /// It is as believed.
+    Believed,
+    /// It is another.
+    Other(Candidate),
+}
+
+/// What the plateaus say; the override is one of the machine only if it is that of every run.
+pub fn feed_override(machine: &Machine, runs: &[Run], library: &[Hypothesis]) -> Said {
+    let all: Option<Vec<Plateau>> = runs.iter().map(plateau).collect();
+    let Some(all) = all.filter(|all| !all.is_empty()) else { return Said::Nothing };
+    let count = all.len() as f64;
+    let ratio = all.iter().map(|plateau| plateau.ratio).sum::<f64>() / count;
+    let deviation = all.iter().map(|plateau| plateau.deviation).fold(0.0, f64::max);
+    let apart = all.iter().map(|plateau| (plateau.ratio - ratio).abs()).fold(0.0, f64::max);
+    if SAME.max(3.0 * deviation) < apart {
+        return Said::Nothing;
+    }
+    if (ratio / machine.overrides.feed - 1.0).abs() < SAME.max(3.0 * deviation) {
+        return Said::Believed;
+    }
+    let found = library.iter().find(|own| own.id == "feed_override" && own.variant.is_empty());
+    let Some(hypothesis) = found.cloned() else { return Said::Nothing };
+    // It is read off and not fitted: what a model is off by must not move it.
+    let hypothesis = Hypothesis { is_continuous: false, ..hypothesis };
+    Said::Other(Candidate { hypothesis, values: vec![ratio], deviations: vec![deviation], cost: f64::NAN })
+}
