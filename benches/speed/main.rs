@@ -148,12 +148,28 @@ struct Measured {
 fn measure(work: Work, made: Made, lines: usize) {
     let text = made.text(lines);
     let size = text.len();
-    let (begin, began) = (Instant::now(), processor_time());
+    let began = processor_time();
+    let begin = Instant::now();
     black_box(work.run(black_box(text)));
     let elapsed = begin.elapsed().as_secs_f64();
-    let time = processor_time().zip(began).map_or(elapsed, |(end, begin)| end - begin);
-    println!("{time} {} {size}", peak_memory());
+    let worked = processor_time().zip(began).map(|(end, begin)| end - begin);
+    let peak = peak_memory();
+    let time = worked.filter(|time| LONG_ENOUGH < *time).unwrap_or_else(|| {
+        let text = made.text(lines);
+        let again = |_| {
+            let text = text.clone();
+            let begin = Instant::now();
+            black_box(work.run(black_box(text)));
+            begin.elapsed().as_secs_f64()
+        };
+        (0..5).map(again).fold(elapsed, f64::min)
+    });
+    println!("{time} {peak} {size}");
 }
+
+/// The system tells the time of a processor in ticks; what takes less than this, s, is told by the least of several
+/// times that passed.
+const LONG_ENOUGH: f64 = 0.1;
 
 /// How long this thread has had a processor, s, which does not count what others take of it; none where
 /// the system does not tell.
@@ -223,9 +239,13 @@ fn page(is_whole: bool) -> String {
     let mut text = HEAD.to_string();
     let mut finishing = Vec::new();
     for (made, lines) in
-        [(Made::Finishing, MILLION), (Made::Arcs, 300_000), (Made::Roughing, 200_000), (Made::Cycles, 30_000)]
+        [(Made::Finishing, MILLION), (Made::Arcs, 100_000), (Made::Roughing, 200_000), (Made::Cycles, 30_000)]
     {
-        let found = best(&Work::ALL, made, lines, ROUNDS);
+        // What four tolerances cost is told of the first program alone.
+        let is_first = made == Made::Finishing;
+        let works = Work::ALL.into_iter().filter(|work| is_first || *work != Work::QuoteFour);
+        let works: Vec<Work> = works.collect();
+        let found = best(&works, made, lines, ROUNDS);
         let yardstick = found[Work::Yardstick as usize].time;
         text += &format!(
             "\n## {} lines of {} ({:.0} MB)\n\n| work | ns a line | × async-gcode | × reading the bytes | peak × file |\n|---|---:|---:|---:|---:|\n",
@@ -233,7 +253,7 @@ fn page(is_whole: bool) -> String {
             made.word(),
             1e-6 * found[0].size
         );
-        for (work, one) in Work::ALL.iter().zip(&found) {
+        for (work, one) in works.iter().zip(&found) {
             text += &format!(
                 "| {} | {:.0} | {:.2} | {:.0} | {:.1} |\n",
                 work.word(),
@@ -243,7 +263,7 @@ fn page(is_whole: bool) -> String {
                 one.peak / one.size
             );
         }
-        if made == Made::Finishing {
+        if is_first {
             finishing = found;
         }
     }
