@@ -16,6 +16,7 @@
 
 mod laws;
 mod planner;
+mod spindle;
 mod waits;
 
 use nalgebra::DMatrix;
@@ -126,6 +127,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
             let is_other = machine.interpolator.junction != guess.interpolator.junction;
             let mut all = motion(if is_other { guess } else { machine }, guess, order, runs);
+            all.extend(spindle_ramp(machine, guess));
             all.extend(waits.iter().map(|(freed, value)| {
                 (freed.from(current(&freed.key, guess).unwrap_or(freed.start)), *value)
             }));
@@ -259,6 +261,11 @@ fn with_laws(
         let laws = choice(before, &best.machine, runs).into_iter().filter_map(first);
         let found = laws.map(|machine| fitted(&machine, &whitenings));
         let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        if std::env::var("DBG").is_ok() {
+            if let Some(f) = &found {
+                eprintln!("law cost {} → {}", best.cost, f.cost);
+            }
+        }
         let margin = laws::BETTER.0.max(laws::BETTER.1 * best.cost);
         if let Some(found) = found.filter(|found| found.cost < best.cost - margin) {
             (*best, is_other) = (found, true);
@@ -359,7 +366,10 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     }
     let tolerance = (before.interpolator.contour_tolerance, guess.interpolator.contour_tolerance);
     add("interpolator.contour_tolerance_mm", tolerance.0, tolerance.1, (2e-4, 1.0));
-    if let Some(start) = guess.interpolator.arc_tolerance {
+    if guess.path.centripetal_acceleration.is_finite() {
+        let (own, start) = (before.path.centripetal_acceleration, guess.path.centripetal_acceleration);
+        add("path.centripetal_acceleration_mm_s2", own, start, (10.0, 1e5));
+    } else if let Some(start) = guess.interpolator.arc_tolerance {
         let own = before.interpolator.arc_tolerance.unwrap_or(f64::INFINITY);
         add("interpolator.arc_tolerance_mm", own, start, (2e-4, 1.0));
     }
@@ -387,6 +397,15 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
         }
     }
     all
+}
+
+/// The ramp of a spindle that words wait for, with the value it has before.
+fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(Freed, f64)> {
+    let (own, start) = (before.times.spindle.ramp, guess.times.spindle.ramp);
+    let awaited = before.times.spindle_awaited_by.is_empty() && !guess.times.spindle_awaited_by.is_empty();
+    let ramp = awaited
+        .then(|| Freed::number("times.spindle_s_per_1000_rpm", start, (0.0, 0.1), Scale::Difference))?;
+    ramp.map(|freed| (freed.linear(), own))
 }
 
 /// Gives a machine another number of filters with the same delay in all.
