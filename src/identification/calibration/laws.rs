@@ -20,7 +20,7 @@ use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::toolpath::{Curve, Motion};
 
 /// By how much, and by what part, the cost must fall for another law.
-pub const BETTER: (f64, f64) = (15.0, 0.03);
+pub const BETTER: (f64, f64) = (15.0, 0.01);
 /// How much slower filters of rapid moves are tried first.
 const RAPID_SLOWER: f64 = 2.0;
 /// Jerks of positioning tried first, mm/s³.
@@ -43,7 +43,7 @@ pub type Law = Vec<Machine>;
 pub type Choice = fn(&Machine, &Machine, &[Run]) -> Vec<Law>;
 
 /// The choices, one after another: of each the best law is kept, or none.
-pub const CHOICES: [Choice; 4] = [spindles, rapids, arcs, ramps];
+pub const CHOICES: [Choice; 4] = [spindles, rapids, ramps, arcs];
 
 /// What waits for the spindle.
 fn spindles(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
