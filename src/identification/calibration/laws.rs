@@ -20,7 +20,7 @@ use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::toolpath::{Curve, Motion};
 
 /// By how much, and by what part, the cost must fall for another law.
-pub const BETTER: (f64, f64) = (15.0, 0.02);
+pub const BETTER: (f64, f64) = (15.0, 0.01);
 /// How much slower filters of rapid moves are tried first.
 const RAPID_SLOWER: f64 = 2.0;
 /// Jerks of positioning tried first, mm/s³.

@@ -24,6 +24,7 @@ use nalgebra::DMatrix;
 pub use planner::become_planner;
 pub use waits::Kind;
 
+use crate::identification::alignment::Method;
 use crate::identification::calibration::laws::has_filters;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, fit, huber};
@@ -234,9 +235,20 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
 }
 
 /// The whitening of each run at the noise that a machine leaves, sections with it.
+///
+/// A line that a control names when it is asked may be the one it prepares: the number leads the motion by
+/// about a poll, more on short blocks than on long ones, and in the same way each time. Of such a log a mark is
+/// therefore taken to be no better than a poll, or the fit would follow the lead and not the motion.
 fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
-    let whiten =
-        |run: &Run| Whitening::of(run.alignment, &run.residuals(machine)).with_sections(run.alignment);
+    let whiten = |run: &Run| {
+        let residuals = run.residuals(machine);
+        let Some(poll) = run.alignment.poll.filter(|_| run.alignment.method == Method::Lines) else {
+            return Whitening::of(run.alignment, &residuals).with_sections(run.alignment);
+        };
+        let mut alignment = run.alignment.clone();
+        alignment.marks.iter_mut().for_each(|mark| mark.deviation = mark.deviation.max(poll));
+        Whitening::of(&alignment, &residuals).with_sections(&alignment)
+    };
     runs.iter().map(whiten).collect()
 }
 
