@@ -28,6 +28,8 @@ pub struct Times {
     pub start: f64,
     /// Tool change at M6, s.
     pub tool_change: f64,
+    /// The first of a program, which may find nothing in the spindle to put back, s; neutral none: as others.
+    pub first_tool_change: Option<f64>,
     /// Tools with a time of their own, s, by number.
     pub tools: BTreeMap<u32, f64>,
     /// The spindle.
@@ -139,6 +141,7 @@ impl Default for Times {
         Times {
             start: 0.0,
             tool_change: 4.0,
+            first_tool_change: None,
             tools: BTreeMap::new(),
             spindle: SpindleTimes::default(),
             spindle_awaited_by: Vec::new(),

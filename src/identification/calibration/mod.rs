@@ -157,6 +157,10 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         }
     }
     orders.sort_by_key(|(order, _)| *order);
+    share.part = 0.06;
+    whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
+        run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
+    });
     if has_filters {
         let start = planner::guess(machine, &best.machine, runs, &whitenings);
         let found = run_fit(&start, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
@@ -167,10 +171,6 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             best = run_fit(&found.machine, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
         }
     }
-    share.part = 0.06;
-    let whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
-        run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
-    });
     let all = parameters(order, &best.machine);
     let mut verdicts: Vec<Verdict> = all
         .iter()
@@ -429,6 +429,7 @@ fn current(key: &str, machine: &Machine) -> Option<f64> {
     match key {
         "times.start_s" => Some(machine.times.start),
         "times.tool_change_s" => Some(machine.times.tool_change),
+        "times.first_tool_change_s" => machine.times.first_tool_change,
         "times.spindle_start_s" => machine.times.spindle.start,
         "times.spindle_stop_s" => machine.times.spindle.stop,
         _ => key

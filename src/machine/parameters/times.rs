@@ -51,7 +51,7 @@ fn read(words: Vec<f64>) -> Vec<u32> {
     words.into_iter().map(|word| word as u32).collect()
 }
 
-pub(super) const TIMES: [Parameter; 19] = [
+pub(super) const TIMES: [Parameter; 20] = [
     time(
         "times.start_s",
         "Program start",
@@ -65,6 +65,13 @@ pub(super) const TIMES: [Parameter; 19] = [
         "Time of a tool change at M6, from the spindle's stop to the new tool clamped. A chip-to-chip time has the spindle's start and the moves to the change position in it.",
         |m| Some(m.times.tool_change),
         |m, v| m.times.tool_change = v.unwrap_or(Times::default().tool_change),
+    ),
+    time(
+        "times.first_tool_change_s",
+        "First tool change",
+        "Time of the first tool change of a program, where the spindle is empty and nothing is put back; empty: as others.",
+        |m| m.times.first_tool_change,
+        |m, v| m.times.first_tool_change = v,
     ),
     Parameter {
         key: "times.tools",
