@@ -132,9 +132,9 @@ pub fn guesses(machine: &Machine, compared: &[(&Toolpath, &Comparison)]) -> Vec<
     samples.into_iter().map(guess).collect()
 }
 
-/// A first guess of the time from the start of a program to its first block, s.
+/// By how much longer than simulated the time from the start of a program to its first block is, s.
 pub fn start_guess(compared: &[(&Toolpath, &Comparison)]) -> f64 {
     let first = compared.iter().filter_map(|(_, comparison)| comparison.residuals.get(1).copied());
     let mut seconds: Vec<f64> = first.collect();
-    median(&mut seconds).clamp(0.0, LONGEST)
+    median(&mut seconds).clamp(-LONGEST, LONGEST)
 }
