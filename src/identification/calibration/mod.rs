@@ -249,8 +249,8 @@ fn polled(run: &Run) -> Option<f64> {
 /// A line that a control names when it is asked may be the one it prepares: the number leads the motion by
 /// about a poll, more on short blocks than on long ones, and in the same way each time. Of such a log a mark is
 /// therefore taken to be no better than a poll, or the fit would follow the lead and not the motion. What the
-/// model does not know of a program it does not know of each of its runs, however long they are: every program
-/// weighs the same.
+/// model does not know of a program it does not know of each of its runs, and the longer run does not teach it: runs
+/// of one program weigh as one, and by the square root of how long they last.
 fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
     let whiten = |run: &Run| {
         let residuals = run.residuals(machine);
@@ -262,7 +262,9 @@ fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
         let alike = runs.iter().filter(|other| other.toolpath == run.toolpath).count() as f64;
         let mut alignment = run.alignment.clone();
         alignment.marks.iter_mut().for_each(|mark| mark.deviation = mark.deviation.max(poll));
-        Whitening::of(&alignment, &residuals).with_sections(&alignment).weighing(mean / lasts(run) / alike)
+        Whitening::of(&alignment, &residuals)
+            .with_sections(&alignment)
+            .weighing((mean / lasts(run)).sqrt() / alike)
     };
     runs.iter().map(whiten).collect()
 }
