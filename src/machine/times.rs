@@ -9,8 +9,15 @@
 //!
 //! with k in s per rpm. Speeds are in revolutions per minute, as programs and machines give them.
 //!
-//! Limits: the ramp of the spindle is linear in its speed; functions do not overlap with each
-//! other or with motion.
+//! A drive whose torque falls with its speed takes more than in proportion: with the exponent p the ramp is
+//! k N |f(n2) − f(n1)|, f(n) = ± (|n| / N)^p and N = 10 000 rpm. Constant torque gives p = 1, constant power
+//! p = 2, and where even power falls, above the nominal speed of most spindles, p comes near 3.
+//!
+//! Some controls go on while the spindle ramps, and only a later word waits for it: the ramp is then part of
+//! the first of these words that follows.
+//!
+//! Limits: functions do not overlap with each other or with motion; a ramp that no word waits for takes
+//! nothing, and an S word alone starts none where words wait.
 
 use std::collections::BTreeMap;
 
@@ -21,10 +28,14 @@ pub struct Times {
     pub start: f64,
     /// Tool change at M6, s.
     pub tool_change: f64,
+    /// The first of a program, which may find nothing in the spindle to put back, s; neutral none: as others.
+    pub first_tool_change: Option<f64>,
     /// Tools with a time of their own, s, by number.
     pub tools: BTreeMap<u32, f64>,
     /// The spindle.
     pub spindle: SpindleTimes,
+    /// The M-words that wait for the spindle's ramp; neutral none: its own words do.
+    pub spindle_awaited_by: Vec<u32>,
     /// M7 and M8, s; neutral none: as other M-words. So are all times here that can be none.
     pub coolant_on: Option<f64>,
     /// M9, s.
@@ -58,6 +69,20 @@ pub struct SpindleTimes {
     pub stop: Option<f64>,
     /// For each rpm of a change of speed, s; neutral 0.
     pub ramp: f64,
+    /// By what power of the speed the ramp grows; neutral none: 1, in proportion.
+    pub exponent: Option<f64>,
+}
+
+/// The speed at which ramps of all exponents are as long, rpm.
+const NOMINAL_SPEED: f64 = 10_000.0;
+
+impl SpindleTimes {
+    /// How long a change between two speeds (rpm, signed by the direction) takes, s.
+    pub fn ramp(&self, from: f64, to: f64) -> f64 {
+        let Some(exponent) = self.exponent else { return self.ramp * (to - from).abs() };
+        let grown = |speed: f64| speed.signum() * (speed.abs() / NOMINAL_SPEED).powf(exponent);
+        self.ramp * NOMINAL_SPEED * (grown(to) - grown(from)).abs()
+    }
 }
 
 /// Which way the spindle runs.
@@ -116,8 +141,10 @@ impl Default for Times {
         Times {
             start: 0.0,
             tool_change: 4.0,
+            first_tool_change: None,
             tools: BTreeMap::new(),
             spindle: SpindleTimes::default(),
+            spindle_awaited_by: Vec::new(),
             coolant_on: None,
             coolant_off: None,
             program_stop: None,
@@ -165,13 +192,13 @@ impl Times {
         self.m_codes.get(&code).copied().or_else(of_group).unwrap_or(self.m_code)
     }
 
-    /// How long the spindle takes, s; `code` is the M-word that asks for it, or none for an S word
-    /// alone.
+    /// How long the spindle takes, s, besides a ramp for which another word waits; `code` is the M-word that
+    /// asks for it, or none for an S word alone.
     pub fn of_spindle(&self, from: Spin, to: Spin, code: Option<u32>) -> f64 {
         if let Some(own) = code.and_then(|code| self.m_codes.get(&code)) {
             return *own;
         }
-        let SpindleTimes { start, stop, ramp } = self.spindle;
+        let SpindleTimes { start, stop, .. } = self.spindle;
         let runs = |spin: Spin| spin.direction != Direction::Standing;
         let of_step = match (runs(from), runs(to)) {
             (false, true) => start,
@@ -182,7 +209,13 @@ impl Times {
             _ => None,
         };
         let of_word = if code.is_some() { self.m_code } else { 0.0 };
-        of_step.unwrap_or(of_word) + ramp * (to.signed_speed() - from.signed_speed()).abs()
+        let ramp = if self.spindle_awaited_by.is_empty() { self.of_spindle_ramp(from, to) } else { 0.0 };
+        of_step.unwrap_or(of_word) + ramp
+    }
+
+    /// How long the spindle's ramp takes, s, whatever waits for it.
+    pub fn of_spindle_ramp(&self, from: Spin, to: Spin) -> f64 {
+        self.spindle.ramp(from.signed_speed(), to.signed_speed())
     }
 }
 
@@ -196,7 +229,7 @@ mod tests {
 
     #[test]
     fn a_start_takes_its_own_time_and_the_ramp() {
-        let spindle = SpindleTimes { start: Some(1.0), stop: Some(0.5), ramp: 2e-4 };
+        let spindle = SpindleTimes { start: Some(1.0), stop: Some(0.5), ramp: 2e-4, exponent: None };
         let times = Times { spindle, m_code: 7.0, ..Times::default() };
         let left = Spin { direction: Direction::Counterclockwise, speed: 5000.0 };
         for (from, to, expected) in [
@@ -210,6 +243,17 @@ mod tests {
             assert!((found - expected).abs() < 1e-12, "{from:?} {to:?}: {found} s");
         }
         assert!((times.of_spindle(clockwise(5000.0), clockwise(8000.0), None) - 0.6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn ramps_of_all_exponents_are_as_long_to_the_nominal_speed() {
+        let ramp = |exponent| SpindleTimes { ramp: 4e-4, exponent, ..SpindleTimes::default() };
+        for exponent in [None, Some(1.0), Some(2.0), Some(3.0)] {
+            assert!((ramp(exponent).ramp(0.0, 10_000.0) - 4.0).abs() < 1e-12);
+            assert!((ramp(exponent).ramp(-10_000.0, 10_000.0) - 8.0).abs() < 1e-12);
+        }
+        assert!((ramp(Some(2.0)).ramp(5000.0, 0.0) - 1.0).abs() < 1e-12);
+        assert!((ramp(Some(2.0)).ramp(5000.0, 10_000.0) - 3.0).abs() < 1e-12);
     }
 
     #[test]

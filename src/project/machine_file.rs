@@ -250,7 +250,9 @@ tool_change_s = 4.0
         machine.interpolator.exact_stop_angle = 35f64.to_radians();
         machine.times.m_codes = [(3, 4.0), (8, 2.5)].into();
         machine.times.tools = [(12, 9.0)].into();
-        machine.times.spindle = SpindleTimes { start: Some(1.5), stop: None, ramp: 2.5e-4 };
+        machine.times.spindle =
+            SpindleTimes { start: Some(1.5), stop: None, ramp: 2.5e-4, exponent: Some(2.0) };
+        machine.times.spindle_awaited_by = vec![8, 30];
         machine.times.pallet_words = vec![60, 150];
         machine.times.takes_optional_stop = true;
         machine.tools = [(5, Tool { diameter: 10.0 }), (12, Tool { diameter: 6.35 })].into();

@@ -7,16 +7,20 @@
 //! | rapids run from stand to stand | `rapid.positioning_jerk_mm_s3` | `POSITIONING` |
 //! | ramps grow with the speed step | `path.jerk_mm_s3` | `JERKS`, with filters as they are and shorter |
 //! | arcs are followed by a tolerance of their own | `interpolator.arc_tolerance_mm` | `ARCS` of the contour tolerance |
+//! | arcs are run at a centripetal acceleration | `path.centripetal_acceleration_mm_s2` | `CENTRIPETAL`, the tolerance giving way |
+//! | a word waits for the spindle | `times.spindle_awaited_by`, ramp and exponent | as in `spindle` |
 //!
 //! A law whose first guesses are all worse than none at all is still fitted from the best of them: with it the
-//! filters become shorter, and that a guess does not know. The first two exclude each other.
+//! filters become shorter, and that a guess does not know. The first two exclude each other, and so do
+//! the two of arcs.
 
+use crate::identification::calibration::spindle;
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine, TimeConstants};
 use crate::simulation::toolpath::{Curve, Motion};
 
 /// By how much, and by what part, the cost must fall for another law.
-pub const BETTER: (f64, f64) = (15.0, 0.03);
+pub const BETTER: (f64, f64) = (15.0, 0.01);
 /// How much slower filters of rapid moves are tried first.
 const RAPID_SLOWER: f64 = 2.0;
 /// Jerks of positioning tried first, mm/s³.
@@ -28,6 +32,10 @@ const SHORTER: [f64; 2] = [1.0, 0.6];
 /// Tolerances of arcs tried first, as ratios of that of corners.
 const ARCS: [f64; 3] = [0.3, 3.0, 30.0];
 
+/// Centripetal accelerations tried first, mm/s², and a tolerance of arcs that leaves it to them, mm.
+const CENTRIPETAL: [f64; 6] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0];
+const NO_TOLERANCE: f64 = 1.0;
+
 /// Machines to begin the fit of one law from.
 pub type Law = Vec<Machine>;
 
@@ -35,7 +43,13 @@ pub type Law = Vec<Machine>;
 pub type Choice = fn(&Machine, &Machine, &[Run]) -> Vec<Law>;
 
 /// The choices, one after another: of each the best law is kept, or none.
-pub const CHOICES: [Choice; 3] = [rapids, ramps, arcs];
+pub const CHOICES: [Choice; 4] = [spindles, rapids, ramps, arcs];
+
+/// What waits for the spindle.
+fn spindles(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
+    let guesses = spindle::guesses(found, runs);
+    if guesses.is_empty() { Vec::new() } else { vec![guesses] }
+}
 
 /// How rapids ramp.
 fn rapids(before: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
@@ -84,7 +98,17 @@ fn arcs(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
         machine.interpolator.arc_tolerance = Some(ratio * machine.interpolator.contour_tolerance);
         machine
     };
-    vec![ARCS.map(with).to_vec()]
+    let mut laws = vec![ARCS.map(with).to_vec()];
+    if found.path.centripetal_acceleration.is_infinite() {
+        let limited = |acceleration: f64| {
+            let mut machine = found.clone();
+            machine.path.centripetal_acceleration = acceleration;
+            machine.interpolator.arc_tolerance = Some(NO_TOLERANCE);
+            machine
+        };
+        laws.push(CENTRIPETAL.map(limited).to_vec());
+    }
+    laws
 }
 
 /// Whether its ramps are those of filters. A planner of trapezoids has one that is shorter than its period.

@@ -10,12 +10,15 @@
 //! - a value is kept that the data do not contradict: with it, and all others fitted again, the cost is
 //!   higher by less than `CONTRADICTED`. One after another, because parameters that depend on each other
 //!   hide behind each other;
+//! - a log of lines and feedrates at polls shows no shape of ramps: there the order and the family stay, and
+//!   of waits the median of the visits is taken, which no error of the motion moves;
 //! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
 //!   the filters of feed moves unless they are better by the margin of `laws`, the total delay being the
 //!   first guess of each. So it is with the other laws there: one that is taken in is not put back.
 
 mod laws;
 mod planner;
+mod spindle;
 mod waits;
 
 use nalgebra::DMatrix;
@@ -23,6 +26,7 @@ use nalgebra::DMatrix;
 pub use planner::become_planner;
 pub use waits::Kind;
 
+use crate::identification::alignment::Method;
 use crate::identification::calibration::laws::has_filters;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, fit, huber};
@@ -114,7 +118,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         waits.push((freed, kind.value(machine)));
     }
     if runs.iter().any(|run| run.starts()) {
-        let seconds = waits::start_guess(&pairs);
+        let seconds = (machine.times.start + waits::start_guess(&pairs)).max(0.0);
         let freed =
             Freed::new("times.start_s", seconds, (0.0, 600.0), Scale::Difference, |machine, seconds| {
                 machine.times.start = seconds;
@@ -126,6 +130,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
             let is_other = machine.interpolator.junction != guess.interpolator.junction;
             let mut all = motion(if is_other { guess } else { machine }, guess, order, runs);
+            all.extend(spindle_ramp(machine, guess));
             all.extend(waits.iter().map(|(freed, value)| {
                 (freed.from(current(&freed.key, guess).unwrap_or(freed.start)), *value)
             }));
@@ -141,9 +146,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let mut orders = vec![(nominal, second.cost)];
     let mut best = second;
     let mut order = nominal;
-    let has_filters = has_filters(machine);
+    let shows_ramps = has_filters(machine) && runs.iter().any(|run| polled(run).is_none());
     let is_equal = matches!(machine.interpolator.time_constants, TimeConstants::Equal(_));
-    for other in ORDERS.filter(|other| *other != nominal && is_equal && has_filters) {
+    for other in ORDERS.filter(|other| *other != nominal && is_equal && shows_ramps) {
         share.part = 0.06;
         let mut start = best.machine.clone();
         set_order(&mut start, other);
@@ -154,7 +159,11 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         }
     }
     orders.sort_by_key(|(order, _)| *order);
-    if has_filters {
+    share.part = 0.06;
+    whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
+        run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
+    });
+    if shows_ramps {
         let start = planner::guess(machine, &best.machine, runs, &whitenings);
         let found = run_fit(&start, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
         if found.cost < (1.0 - BETTER_FAMILY) * best.cost {
@@ -164,10 +173,6 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             best = run_fit(&found.machine, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
         }
     }
-    share.part = 0.06;
-    let whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
-        run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
-    });
     let all = parameters(order, &best.machine);
     let mut verdicts: Vec<Verdict> = all
         .iter()
@@ -198,6 +203,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         } else {
             verdicts[at] = Verdict::Fitted;
         }
+    }
+    if runs.iter().all(|run| polled(run).is_some()) {
+        settle_waits(&mut last, &all, &verdicts, runs);
     }
     let kept: Vec<(Freed, f64)> = (all.iter().zip(&verdicts))
         .filter(|(_, verdict)| **verdict == Verdict::Fitted)
@@ -231,10 +239,33 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
 }
 
+/// The time between polls (s) of a log that has lines and feedrates alone.
+fn polled(run: &Run) -> Option<f64> {
+    run.alignment.poll.filter(|_| run.alignment.method == Method::Lines)
+}
+
 /// The whitening of each run at the noise that a machine leaves, sections with it.
+///
+/// A line that a control names when it is asked may be the one it prepares: the number leads the motion by
+/// about a poll, more on short blocks than on long ones, and in the same way each time. Of such a log a mark is
+/// therefore taken to be no better than a poll, or the fit would follow the lead and not the motion. What the
+/// model does not know of a program it does not know of each of its runs, and the longer run does not teach it: runs
+/// of one program weigh as one, and by the square root of how long they last.
 fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
-    let whiten =
-        |run: &Run| Whitening::of(run.alignment, &run.residuals(machine)).with_sections(run.alignment);
+    let whiten = |run: &Run| {
+        let residuals = run.residuals(machine);
+        let Some(poll) = polled(run) else {
+            return Whitening::of(run.alignment, &residuals).with_sections(run.alignment);
+        };
+        let lasts = |run: &Run| run.alignment.marks.last().map_or(0.0, |mark| mark.time).max(1.0);
+        let mean = runs.iter().map(lasts).sum::<f64>() / runs.len() as f64;
+        let alike = runs.iter().filter(|other| other.toolpath == run.toolpath).count() as f64;
+        let mut alignment = run.alignment.clone();
+        alignment.marks.iter_mut().for_each(|mark| mark.deviation = mark.deviation.max(poll));
+        Whitening::of(&alignment, &residuals)
+            .with_sections(&alignment)
+            .weighing((mean / lasts(run)).sqrt() / alike)
+    };
     runs.iter().map(whiten).collect()
 }
 
@@ -317,6 +348,25 @@ fn put_back(
     run_fit(&base, runs, &kept, whitenings, HARDLY, share)
 }
 
+/// Gives the waits that were fitted the median of their visits.
+fn settle_waits(last: &mut Fit, all: &[(Freed, f64)], verdicts: &[Verdict], runs: &[Run]) {
+    let compared: Vec<Comparison> =
+        runs.iter().map(|run| compare(run.toolpath, &run.plan(&last.machine), run.alignment)).collect();
+    let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(&compared).collect();
+    let mut seconds: Vec<(String, f64)> = waits::guesses(&last.machine, &pairs)
+        .iter()
+        .map(|(kind, seconds, _)| (kind.key(), *seconds))
+        .collect();
+    seconds.push(("times.start_s".to_string(), last.machine.times.start + waits::start_guess(&pairs)));
+    let fitted = all.iter().zip(verdicts).filter(|(_, verdict)| **verdict == Verdict::Fitted);
+    for (at, ((freed, _), _)) in fitted.enumerate() {
+        if let Some((_, seconds)) = seconds.iter().find(|(key, _)| *key == freed.key) {
+            freed.apply(&mut last.machine, *seconds);
+            last.values[at] = *seconds;
+        }
+    }
+}
+
 /// Whether the runs say hardly anything of a parameter.
 fn is_unknown(freed: &Freed, value: f64, deviation: f64) -> bool {
     match freed.scale {
@@ -359,7 +409,10 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     }
     let tolerance = (before.interpolator.contour_tolerance, guess.interpolator.contour_tolerance);
     add("interpolator.contour_tolerance_mm", tolerance.0, tolerance.1, (2e-4, 1.0));
-    if let Some(start) = guess.interpolator.arc_tolerance {
+    if guess.path.centripetal_acceleration.is_finite() {
+        let (own, start) = (before.path.centripetal_acceleration, guess.path.centripetal_acceleration);
+        add("path.centripetal_acceleration_mm_s2", own, start, (10.0, 1e5));
+    } else if let Some(start) = guess.interpolator.arc_tolerance {
         let own = before.interpolator.arc_tolerance.unwrap_or(f64::INFINITY);
         add("interpolator.arc_tolerance_mm", own, start, (2e-4, 1.0));
     }
@@ -389,6 +442,15 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     all
 }
 
+/// The ramp of a spindle that words wait for, with the value it has before.
+fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(Freed, f64)> {
+    let (own, start) = (before.times.spindle.ramp, guess.times.spindle.ramp);
+    let awaited = before.times.spindle_awaited_by.is_empty() && !guess.times.spindle_awaited_by.is_empty();
+    let ramp = awaited
+        .then(|| Freed::number("times.spindle_s_per_1000_rpm", start, (0.0, 0.1), Scale::Difference))?;
+    ramp.map(|freed| (freed.linear(), own))
+}
+
 /// Gives a machine another number of filters with the same delay in all.
 fn set_order(machine: &mut Machine, order: usize) {
     let interpolator = &mut machine.interpolator;
@@ -403,6 +465,7 @@ fn current(key: &str, machine: &Machine) -> Option<f64> {
     match key {
         "times.start_s" => Some(machine.times.start),
         "times.tool_change_s" => Some(machine.times.tool_change),
+        "times.first_tool_change_s" => machine.times.first_tool_change,
         "times.spindle_start_s" => machine.times.spindle.start,
         "times.spindle_stop_s" => machine.times.spindle.stop,
         _ => key

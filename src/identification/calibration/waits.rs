@@ -9,7 +9,7 @@ use crate::identification::alignment::median;
 use crate::identification::comparison::Comparison;
 use crate::identification::fit::{Freed, Scale};
 use crate::machine::Machine;
-use crate::simulation::toolpath::{StopCause, Toolpath};
+use crate::simulation::toolpath::{Stop, StopCause, Toolpath};
 
 /// No wait is longer, s: an operator's pause is not a property of the machine.
 const LONGEST: f64 = 600.0;
@@ -19,6 +19,8 @@ const LONGEST: f64 = 600.0;
 pub enum Kind {
     /// M6.
     ToolChange,
+    /// The first M6 of a program that has others.
+    FirstToolChange,
     /// The spindle starts or changes its direction, or its speed by an M-word.
     SpindleStart,
     /// The spindle stops.
@@ -48,6 +50,7 @@ impl Kind {
     pub fn key(self) -> String {
         match self {
             Kind::ToolChange => "times.tool_change_s".to_string(),
+            Kind::FirstToolChange => "times.first_tool_change_s".to_string(),
             Kind::SpindleStart => "times.spindle_start_s".to_string(),
             Kind::SpindleStop => "times.spindle_stop_s".to_string(),
             Kind::MWord(code) => format!("times.m_codes.M{code}"),
@@ -57,7 +60,7 @@ impl Kind {
     /// The word that asks for it.
     pub fn word(self) -> String {
         match self {
-            Kind::ToolChange => "M6".to_string(),
+            Kind::ToolChange | Kind::FirstToolChange => "M6".to_string(),
             Kind::SpindleStart => "M3".to_string(),
             Kind::SpindleStop => "M5".to_string(),
             Kind::MWord(code) => format!("M{code}"),
@@ -69,6 +72,7 @@ impl Kind {
         let times = &machine.times;
         match self {
             Kind::ToolChange => times.tool_change,
+            Kind::FirstToolChange => times.first_tool_change.unwrap_or(times.tool_change),
             Kind::SpindleStart => times.spindle.start.unwrap_or(times.m_code),
             Kind::SpindleStop => times.spindle.stop.unwrap_or(times.m_code),
             Kind::MWord(code) => times.of_m_code(code),
@@ -81,6 +85,7 @@ impl Kind {
             let times = &mut machine.times;
             match self {
                 Kind::ToolChange => times.tool_change = seconds,
+                Kind::FirstToolChange => times.first_tool_change = Some(seconds),
                 Kind::SpindleStart => times.spindle.start = Some(seconds),
                 Kind::SpindleStop => times.spindle.stop = Some(seconds),
                 Kind::MWord(code) => drop(times.m_codes.insert(code, seconds)),
@@ -97,10 +102,22 @@ fn is_standing(spin: &crate::machine::Spin) -> bool {
 /// The kinds of stops in what was recorded, with a first guess of each (s) and how often it came.
 pub fn guesses(machine: &Machine, compared: &[(&Toolpath, &Comparison)]) -> Vec<(Kind, f64, usize)> {
     let mut samples: BTreeMap<Kind, Vec<f64>> = BTreeMap::new();
+    let changes = |toolpath: &Toolpath| {
+        let is_change = |stop: &Stop| matches!(stop.cause, StopCause::ToolChange { .. });
+        let all: Vec<usize> =
+            (0..toolpath.stops.len()).filter(|at| is_change(&toolpath.stops[*at])).collect();
+        all
+    };
+    // Of programs with one change each, first and others are the same.
+    let has_others = compared.iter().any(|(toolpath, _)| 1 < changes(toolpath).len());
     for (toolpath, comparison) in compared {
+        let first = changes(toolpath).first().copied().filter(|_| has_others);
         for visit in comparison.lost.iter().filter(|visit| visit.waits()) {
-            let kinds: Vec<Kind> =
-                toolpath.stops[visit.stops.clone()].iter().filter_map(|stop| Kind::of(&stop.cause)).collect();
+            let kind = |at: usize| match Kind::of(&toolpath.stops[at].cause) {
+                Some(Kind::ToolChange) if first == Some(at) => Some(Kind::FirstToolChange),
+                kind => kind,
+            };
+            let kinds: Vec<Kind> = visit.stops.clone().filter_map(kind).collect();
             for kind in &kinds {
                 // What several stops of one line took cannot be told apart there: each gets its part.
                 let seconds = kind.value(machine) + visit.seconds() / kinds.len() as f64;
@@ -115,9 +132,9 @@ pub fn guesses(machine: &Machine, compared: &[(&Toolpath, &Comparison)]) -> Vec<
     samples.into_iter().map(guess).collect()
 }
 
-/// A first guess of the time from the start of a program to its first block, s.
+/// By how much longer than simulated the time from the start of a program to its first block is, s.
 pub fn start_guess(compared: &[(&Toolpath, &Comparison)]) -> f64 {
     let first = compared.iter().filter_map(|(_, comparison)| comparison.residuals.get(1).copied());
     let mut seconds: Vec<f64> = first.collect();
-    median(&mut seconds).clamp(0.0, LONGEST)
+    median(&mut seconds).clamp(-LONGEST, LONGEST)
 }

@@ -86,6 +86,15 @@ impl Run<'_> {
         machine
     }
 
+    /// Whether another run is of the same program on a machine that is set alike.
+    fn is_like(&self, other: &Run, machine: &Machine) -> bool {
+        let switches = |run: &Run| {
+            let (feed, rapid) = run.overrides;
+            (feed.unwrap_or(machine.overrides.feed), rapid.unwrap_or(machine.overrides.rapid))
+        };
+        switches(self) == switches(other) && self.toolpath == other.toolpath
+    }
+
     /// The plan of the run on a machine.
     pub fn plan(&self, machine: &Machine) -> FeedPlan {
         simulate(self.toolpath, &self.machine(machine))
@@ -110,9 +119,7 @@ pub fn residuals_of_runs(runs: &[Run], machine: &Machine) -> Vec<Vec<f64>> {
     let mut last: Option<(&Run, FeedPlan)> = None;
     let each = runs.iter().map(|run| {
         let (before, plan) = match last.take() {
-            Some((before, plan)) if before.overrides == run.overrides && before.toolpath == run.toolpath => {
-                (before, plan)
-            }
+            Some((before, plan)) if before.is_like(run, machine) => (before, plan),
             _ => (run, run.plan(machine)),
         };
         let residuals = run.residuals_of(&run.machine(machine), &plan);

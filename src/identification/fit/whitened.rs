@@ -78,6 +78,14 @@ impl Whitening {
         Whitening { sections, ..self }
     }
 
+    /// The same, a run counting as so many.
+    pub fn weighing(mut self, weight: f64) -> Whitening {
+        let part = weight.sqrt();
+        self.steps.iter_mut().for_each(|(_, scale)| *scale *= part);
+        self.sections.iter_mut().for_each(|(_, _, scale)| *scale *= part);
+        self
+    }
+
     /// Gives no weight to the marks for which this holds; the process goes on through them.
     pub fn ignore(&mut self, is_ignored: impl Fn(usize) -> bool) {
         for (mark, (_, scale)) in self.steps.iter_mut().enumerate() {

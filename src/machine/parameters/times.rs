@@ -51,7 +51,7 @@ fn read(words: Vec<f64>) -> Vec<u32> {
     words.into_iter().map(|word| word as u32).collect()
 }
 
-pub(super) const TIMES: [Parameter; 17] = [
+pub(super) const TIMES: [Parameter; 20] = [
     time(
         "times.start_s",
         "Program start",
@@ -65,6 +65,13 @@ pub(super) const TIMES: [Parameter; 17] = [
         "Time of a tool change at M6, from the spindle's stop to the new tool clamped. A chip-to-chip time has the spindle's start and the moves to the change position in it.",
         |m| Some(m.times.tool_change),
         |m, v| m.times.tool_change = v.unwrap_or(Times::default().tool_change),
+    ),
+    time(
+        "times.first_tool_change_s",
+        "First tool change",
+        "Time of the first tool change of a program, where the spindle is empty and nothing is put back; empty: as others.",
+        |m| m.times.first_tool_change,
+        |m, v| m.times.first_tool_change = v,
     ),
     Parameter {
         key: "times.tools",
@@ -97,6 +104,24 @@ pub(super) const TIMES: [Parameter; 17] = [
             |m, v| m.times.spindle.ramp = v.unwrap_or(0.0),
         ),
     },
+    Parameter {
+        key: "times.spindle_exponent",
+        label: "Exponent of the spindle ramp",
+        doc: "By what power of the speed the ramp grows, being as long to 10 000 rpm: 1 at constant torque, 2 at constant power, up to 3 where power falls; empty: 1.",
+        access: number(
+            Unit::Number,
+            (1.0, 4.0),
+            |m| m.times.spindle.exponent,
+            |m, v| m.times.spindle.exponent = v,
+        ),
+    },
+    words(
+        "times.spindle_awaited_by",
+        "Words that wait for the spindle",
+        "Numbers of the M-words that wait until the spindle has its speed, where M3 and M5 only start the ramp: for example [8, 1, 30]; empty: M3 to M5 wait themselves.",
+        |m| written(&m.times.spindle_awaited_by).filter(|words| !words.is_empty()),
+        |m, v| m.times.spindle_awaited_by = read(v),
+    ),
     time(
         "times.coolant_on_s",
         "Coolant on",

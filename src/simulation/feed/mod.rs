@@ -229,10 +229,11 @@ fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPl
     let halting = Halting::of(toolpath, machine);
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
+    let mut left = Left::default();
     let mut begin = 0;
     while begin < segments.len() {
         while let Some(stop) = stops.next_if(|stop| stop.after <= begin) {
-            add_wait(&mut plan, stop, machine);
+            add_wait(&mut plan, stop, machine, &mut left);
         }
         let next_stop = stops.peek().map_or(usize::MAX, |stop| stop.after);
         let mut end = begin + 1;
@@ -247,18 +248,43 @@ fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPl
         begin = end;
     }
     for stop in stops {
-        add_wait(&mut plan, stop, machine);
+        add_wait(&mut plan, stop, machine, &mut left);
     }
     halting.put_into(&mut plan, toolpath, machine);
     plan
 }
 
-fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine) {
+/// What stops leave to those that follow.
+#[derive(Default)]
+struct Left {
+    /// What the spindle still needs where a later word waits for it, s.
+    ramp: f64,
+    /// Whether a tool was changed.
+    has_changed: bool,
+}
+
+fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine, left: &mut Left) {
     let is_turn = |cause: &StopCause| matches!(cause, StopCause::Rotary { .. });
     let goes_on = matches!(plan.phases.last(), Some(Phase::Wait(wait)) if is_turn(&wait.cause));
     let mut wait = wait(stop, machine);
     if is_turn(&wait.cause) && !goes_on {
         wait.duration += turn_delay(machine);
+    }
+    let awaited_by = &machine.times.spindle_awaited_by;
+    match stop.cause {
+        StopCause::Spindle { from, to, .. } if !awaited_by.is_empty() => {
+            left.ramp = machine.times.of_spindle_ramp(from, to);
+        }
+        StopCause::MCode { code } if awaited_by.contains(&code) => {
+            wait.duration += std::mem::take(&mut left.ramp);
+        }
+        StopCause::ToolChange { .. } => {
+            let is_first = !std::mem::replace(&mut left.has_changed, true);
+            if let Some(first) = machine.times.first_tool_change.filter(|_| is_first) {
+                wait.duration = first;
+            }
+        }
+        _ => {}
     }
     plan.phases.push(Phase::Wait(wait));
 }

@@ -60,7 +60,8 @@ impl Tracer<'_> {
         }
         let to = Spin { speed, ..from };
         self.spin(to);
-        if self.machine.times.spindle.ramp != 0.0 {
+        let times = &self.machine.times;
+        if times.spindle.ramp != 0.0 && times.spindle_awaited_by.is_empty() {
             self.stop(block, StopCause::Spindle { from, to, code: None });
         }
     }

@@ -1,0 +1,111 @@
+//! Which words wait for the spindle, and how its ramp grows with the speed.
+//!
+//! A control may go on while the spindle ramps: M3 takes a moment, and the coolant's M8 that follows takes
+//! seconds, the more of them the faster the spindle is to run. Of the words between one change of the speed
+//! and the next, the one that takes longest is the one that waits; it is taken for such a word where that holds for most
+//! changes. Each of its visits then takes
+//!
+//! ```text
+//! t = t_word + k x,      x = N |f(n2) − f(n1)|     of `SpindleTimes::ramp`
+//! ```
+//!
+//! k is the median of the slopes between two visits of one word at different x (Theil 1950, Sen 1968), which
+//! needs runs at two speeds; t_word is the median of what is left. The exponents tried are those of constant
+//! torque, constant power and less; runs on real mills have shown the last.
+
+use std::collections::BTreeMap;
+
+use crate::identification::alignment::median;
+use crate::identification::calibration::waits::Kind;
+use crate::identification::comparison::compare;
+use crate::identification::fit::Run;
+use crate::machine::{Machine, Spin, SpindleTimes};
+use crate::simulation::toolpath::StopCause;
+
+/// Exponents tried.
+const EXPONENTS: [Option<f64>; 3] = [None, Some(2.0), Some(3.0)];
+/// Speeds whose ramps differ by less than this part say nothing of a slope.
+const APART: f64 = 0.1;
+
+/// A visit of a word while the spindle ramps.
+struct Waited {
+    code: u32,
+    /// Speeds before and after, rpm, signed by the direction.
+    speeds: [f64; 2],
+    /// What it took, s.
+    seconds: f64,
+}
+
+/// Machines whose words wait for the spindle, with the ramp that the runs show; none where they show none.
+pub fn guesses(found: &Machine, runs: &[Run]) -> Vec<Machine> {
+    let times = &found.times;
+    if times.spindle.ramp != 0.0 || !times.spindle_awaited_by.is_empty() {
+        return Vec::new();
+    }
+    let (words, waited) = awaiting(found, runs);
+    let guess = |exponent: &Option<f64>| {
+        let law = SpindleTimes { ramp: 1.0, exponent: *exponent, ..times.spindle };
+        let size = |visit: &Waited| law.ramp(visit.speeds[0], visit.speeds[1]);
+        let mut slopes = Vec::new();
+        for (at, one) in waited.iter().enumerate() {
+            for other in waited[..at].iter().filter(|other| other.code == one.code) {
+                let step = size(one) - size(other);
+                if APART * size(one).max(size(other)) < step.abs() {
+                    slopes.push((one.seconds - other.seconds) / step);
+                }
+            }
+        }
+        let slope = if slopes.is_empty() { 0.0 } else { median(&mut slopes) };
+        (0.0 < slope).then(|| {
+            let mut machine = found.clone();
+            machine.times.spindle.ramp = slope;
+            machine.times.spindle.exponent = *exponent;
+            machine.times.spindle_awaited_by.clone_from(&words);
+            for word in &words {
+                let own = waited.iter().filter(|visit| visit.code == *word);
+                let mut left: Vec<f64> = own.map(|visit| visit.seconds - slope * size(visit)).collect();
+                machine.times.m_codes.insert(*word, median(&mut left).max(0.0));
+            }
+            machine
+        })
+    };
+    EXPONENTS.iter().filter_map(guess).collect()
+}
+
+/// The words that wait, and every visit of one that follows a change of the speed.
+fn awaiting(found: &Machine, runs: &[Run]) -> (Vec<u32>, Vec<Waited>) {
+    // For each word how often it took longest of those after a change, and how often another did.
+    let mut votes: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
+    let mut all = Vec::new();
+    for run in runs {
+        let comparison = compare(run.toolpath, &run.plan(found), run.alignment);
+        let mut change: Option<[f64; 2]> = None;
+        let mut since: Vec<Waited> = Vec::new();
+        let mut close = |since: &mut Vec<Waited>| {
+            let longest = since.iter().map(|visit| visit.seconds).fold(0.0, f64::max);
+            for visit in since.iter() {
+                votes.entry(visit.code).or_default()[usize::from(visit.seconds < longest)] += 1;
+            }
+            all.append(since);
+        };
+        for visit in &comparison.lost {
+            let kinds: Vec<_> = (run.toolpath.stops[visit.stops.clone()].iter())
+                .filter_map(|stop| Kind::of(&stop.cause).map(|kind| (kind, &stop.cause)))
+                .collect();
+            let [(kind, cause)] = kinds[..] else { continue };
+            let signed = |spin: &Spin| spin.signed_speed();
+            if let StopCause::Spindle { from, to, .. } = cause {
+                close(&mut since);
+                change = Some([signed(from), signed(to)]);
+            } else if let (Kind::MWord(code), Some(speeds)) = (kind, change) {
+                let seconds = kind.value(found) + visit.seconds();
+                since.push(Waited { code, speeds, seconds });
+            }
+        }
+        close(&mut since);
+    }
+    let waits = |word: &u32| votes.get(word).is_some_and(|[most, others]| others < most);
+    let words: Vec<u32> = votes.keys().copied().filter(waits).collect();
+    all.retain(|visit| words.contains(&visit.code));
+    (words, all)
+}
