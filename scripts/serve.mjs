@@ -1,14 +1,15 @@
 // Serves www/ on this machine only:  node scripts/serve.mjs [PORT]
 //
-// PORT (or $PORT) is used as given; without it, 8080 or the next free one. Nothing is cached, so that a reload
-// shows the last build.
+// PORT (or $PORT) is used as given; without it, 8080 or the next free one. A browser asks every time whether a file is
+// another one, so that a reload shows the last build. Files go out with gzip, as from the servers of the world.
 
-import { createReadStream } from 'node:fs'
-import { stat } from 'node:fs/promises'
+import { readFile, stat } from 'node:fs/promises'
 import { createServer } from 'node:http'
 import { extname, join, sep } from 'node:path'
 import { argv, env } from 'node:process'
 import { fileURLToPath } from 'node:url'
+import { promisify } from 'node:util'
+import { gzip } from 'node:zlib'
 
 const WWW = fileURLToPath(new URL('../www', import.meta.url))
 
@@ -62,15 +63,31 @@ async function answer(folders, request, response) {
   const [path, file] = [paths[index], files[index]]
   if (!file) return refuse(response, 404)
 
+  const version = `"${file.size}-${file.mtimeMs}"`
+  const headers = { 'Cache-Control': 'no-cache', ETag: version, Vary: 'Accept-Encoding' }
+  if (request.headers['if-none-match'] === version) return response.writeHead(304, headers).end()
+  const small = /\bgzip\b/.test(String(request.headers['accept-encoding']))
+  const body = await (small ? compressed(path, version) : readFile(path)).catch(() => undefined)
+  if (!body) return response.destroy()
   response.writeHead(200, {
+    ...headers,
     'Content-Type': TYPES[extname(path)] ?? 'text/plain; charset=utf-8',
-    'Content-Length': file.size,
-    'Cache-Control': 'no-store',
+    'Content-Length': body.length,
+    ...(small && { 'Content-Encoding': 'gzip' }),
   })
-  if (request.method === 'HEAD') return response.end()
-  createReadStream(path)
-    .on('error', () => response.destroy())
-    .pipe(response)
+  response.end(request.method === 'HEAD' ? undefined : body)
+}
+
+/** What was compressed, by path. @type {Map<string, {version: string, body: Promise<Buffer>}>} */
+const kept = new Map()
+
+/** @param {string} path @param {string} version */
+function compressed(path, version) {
+  const former = kept.get(path)
+  if (former?.version === version) return former.body
+  const body = readFile(path).then((bytes) => promisify(gzip)(bytes, { level: 9 }))
+  kept.set(path, { version, body })
+  return body
 }
 
 /**
