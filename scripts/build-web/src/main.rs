@@ -83,16 +83,16 @@ fn build() -> Result<()> {
     let first = package.join(format!("{}_bg.wasm", settings.out_name));
     let whole = package.join(format!("{}_whole_bg.wasm", settings.out_name));
     fs::rename(&first, &whole).context("cannot rename the module")?;
+    println!("  {}", size(&whole)?);
+    if !settings.wasm_opt.is_empty() {
+        println!("optimising: wasm-opt {}", settings.wasm_opt.join(" "));
+        optimise(&whole, &settings.wasm_opt)?;
+        println!("  {}", size(&whole)?);
+    }
+    // After the optimiser, which takes long enough once.
     println!("leaving out what is asked for later");
     later::leave_out(&whole, &first, &settings.later)?;
-    for (name, wasm) in [("the whole", &whole), ("a first visit", &first)] {
-        println!("  {name}: {}", size(wasm)?);
-        if !settings.wasm_opt.is_empty() {
-            println!("optimising: wasm-opt {}", settings.wasm_opt.join(" "));
-            optimise(wasm, &settings.wasm_opt)?;
-            println!("  {name}: {}", size(wasm)?);
-        }
-    }
+    println!("  {}", size(&first)?);
 
     remove_if_there(&settings.out_dir)?;
     fs::rename(&package, &settings.out_dir)
