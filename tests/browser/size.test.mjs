@@ -41,7 +41,8 @@ test('a first visit is small up to its charts, and a recording loads the rest', 
     await page.click('#welcome .concealed')
     await page.waitForFunction(() => document.querySelector('#recording .answer .sentence'), null, { timeout: 120_000 })
     assert.ok(received.has(WHOLE), 'the recording was compared without the whole module')
-    assert.deepEqual(errors, [])
+    // A picture alone names no icon, so that the browser asks for the usual one.
+    assert.deepEqual(errors.filter((error) => !error.includes('/favicon.ico')), [])
   } finally {
     await close()
   }
