@@ -1,5 +1,6 @@
 // Runs simulations, comparisons, calibrations and diagnoses in a worker, one at a time. Cancelling ends the worker; the next run
-// starts a fresh one.
+// starts a fresh one. A worker begins with the module of the first visit; what that one leaves out is fetched when it is first
+// asked for, and then a worker with the whole module takes its place, which does all.
 
 /** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run, Trail } from "./types.js" */
 
@@ -26,6 +27,9 @@
  * @property {(column: Column, run: Run) => void} run
  */
 
+/** What the module of the first visit leaves out: what reads a recording or a cutting job. */
+const LATER = new Set(['compare', 'calibrate', 'diagnose', 'cycleTimes', 'cut'])
+
 /** Why a run ended early. */
 export class Ended extends Error {
   /** @param {"cancelled" | "failed"} kind @param {string} message */
@@ -41,10 +45,22 @@ export class Engine {
   /** @type {((reason: Ended) => void) | null} */
   #reject = null
 
-  /** @param {WebAssembly.Module} module @param {() => Worker} start  makes the worker */
-  constructor(module, start = () => new Worker(new URL('worker.js', import.meta.url), { type: 'module' })) {
-    this.module = module
+  /** What the worker holds. @type {WebAssembly.Module} */
+  #module
+
+  /**
+   * @param {WebAssembly.Module} module
+   * @param {() => Worker} start  makes the worker
+   * @param {() => Promise<WebAssembly.Module>} whole  fetches the whole module
+   */
+  constructor(
+    module,
+    start = () => new Worker(new URL('worker.js', import.meta.url), { type: 'module' }),
+    whole = () => Promise.reject(new Error('the module holds only what the first visit needs')),
+  ) {
+    this.#module = module
     this.start = start
+    this.whole = whole
   }
 
   /** Simulates a program; the listener hears of each part. @param {SimulateRequest} request @param {Listener} listener */
@@ -119,6 +135,7 @@ export class Engine {
   /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
   async #run(verb, request, hear) {
     this.cancel()
+    if (LATER.has(verb)) await this.#load()
     this.#worker ??= this.start()
     const worker = this.#worker
     await new Promise((resolve, reject) => {
@@ -131,8 +148,23 @@ export class Engine {
           resolve(undefined)
         } else hear(data)
       }
-      worker.postMessage({ module: this.module, verb, request })
+      worker.postMessage({ module: this.#module, verb, request })
     })
+  }
+
+  /** Gets the whole module, which ends a worker that holds a part of it. Cancelling ends the wait, not the download. */
+  async #load() {
+    const whole = await new Promise((resolve, reject) => {
+      this.#reject = reject
+      this.whole().then(resolve, (error) => {
+        if (this.#reject === reject) this.#end('failed', error.message)
+      })
+    })
+    this.#reject = null
+    if (this.#module === whole) return
+    this.#module = whole
+    this.#worker?.terminate()
+    this.#worker = null
   }
 
   /** Ends what is running, if anything is. */

@@ -18,6 +18,7 @@ import init, {
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
 import { confinedWorker } from './confined.js'
+import { compiledModule, compiledOnce } from './embed/module.js'
 import { Ended, Engine } from './engine.js'
 import { linesOf } from './lines.js'
 import { freeName, keptMachine, loadMachines, saveMachines } from './machines.js'
@@ -54,11 +55,11 @@ function fail(message) {
 window.addEventListener('error', ({ message }) => fail(`Something went wrong: ${message}.`))
 window.addEventListener('unhandledrejection', ({ reason }) => fail(`Something went wrong: ${reason}.`))
 
-const module = await WebAssembly.compile(
-  await (await fetch(new URL('pkg/truefeed_bg.wasm', import.meta.url))).arrayBuffer(),
-)
+const module = await compiledModule()
 await init({ module_or_path: module })
-const engine = new Engine(module, confinedWorker)
+const wholeModule = compiledOnce(new URL('pkg/truefeed_whole_bg.wasm', import.meta.url))
+const newEngine = () => new Engine(module, confinedWorker, wholeModule)
+const engine = newEngine()
 
 /** @type {Form} */
 const form = JSON.parse(formOfModule())
@@ -611,11 +612,11 @@ const panels = [
   path,
   recordings,
   calibrationPanel.mount(element('calibration'), actions),
-  diagnosisPanel.mount(element('diagnosis'), new Engine(module), actions),
+  diagnosisPanel.mount(element('diagnosis'), newEngine(), actions),
   breakdownPanel.mount(element('breakdown'), actions),
   quotePanel.mount(element('quote'), form, actions),
   exchange,
-  cuttingPanel.mount(element('cutting'), new Engine(module, confinedWorker), JSON.parse(materials()), actions),
+  cuttingPanel.mount(element('cutting'), newEngine(), JSON.parse(materials()), actions),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
 

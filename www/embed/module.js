@@ -1,20 +1,24 @@
-// The WebAssembly module, fetched and compiled once for all that is on a page.
+// The WebAssembly module of a first visit, fetched and compiled once for all that is on a page.
 
-/** @type {Promise<WebAssembly.Module> | undefined} */
-let compiled
+export const compiledModule = compiledOnce(new URL('../pkg/truefeed_bg.wasm', import.meta.url))
 
-/** @returns {Promise<WebAssembly.Module>} */
-export function compiledModule() {
-  compiled ??= compile().catch((error) => {
-    // The next one tries again.
-    compiled = undefined
-    throw error
-  })
-  return compiled
+/** What gets the module of an address, when it is first asked for. @param {URL} address @returns {() => Promise<WebAssembly.Module>} */
+export function compiledOnce(address) {
+  /** @type {Promise<WebAssembly.Module> | undefined} */
+  let compiled
+  return () => {
+    compiled ??= compile(address).catch((error) => {
+      // The next one tries again.
+      compiled = undefined
+      throw error
+    })
+    return compiled
+  }
 }
 
-async function compile() {
-  const response = await fetch(new URL('../pkg/truefeed_bg.wasm', import.meta.url))
+/** @param {URL} address */
+async function compile(address) {
+  const response = await fetch(address)
   if (!response.ok) throw new Error(`the module cannot be fetched: ${response.status} ${response.statusText}`)
   return WebAssembly.compile(await response.arrayBuffer())
 }

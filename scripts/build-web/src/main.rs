@@ -3,13 +3,14 @@
 //! Settings stand in `wasm-pack.toml` of the current directory ([`Settings`]). Three tools do the
 //! work: Cargo compiles, `wasm-bindgen-cli-support` writes the bindings, and `wasm-opt` of npm's
 //! `binaryen` optimises. (Debian's `wasm-opt` 108 reports success and writes a module that
-//! browsers refuse.)
+//! browsers refuse.) The package has two modules: the whole one, and what a first visit needs of it ([`later`]).
 //!
 //! The package is made beside its place and then moved there, so that a failed build leaves the
 //! previous one, and no file of the previous one stays. In the end the list of the page's files is
 //! written, from which it works without a network ([`files`]).
 
 mod files;
+mod later;
 
 use std::env;
 use std::ffi::OsString;
@@ -42,6 +43,8 @@ struct Settings {
     out_name: String,
     /// Flags for rustc. They replace those of the environment, so that the file says all.
     rustflags: Vec<String>,
+    /// Classes and functions that the module of a first visit leaves out.
+    later: Vec<String>,
     /// Arguments of `wasm-opt`; none leaves it out.
     wasm_opt: Vec<String>,
 }
@@ -77,13 +80,19 @@ fn build() -> Result<()> {
     remove_if_there(&package)?;
     write_bindings(&settings, &module, &package)?;
 
-    let wasm = package.join(format!("{}_bg.wasm", settings.out_name));
-    println!("  {}", size(&wasm)?);
+    let first = package.join(format!("{}_bg.wasm", settings.out_name));
+    let whole = package.join(format!("{}_whole_bg.wasm", settings.out_name));
+    fs::rename(&first, &whole).context("cannot rename the module")?;
+    println!("  {}", size(&whole)?);
     if !settings.wasm_opt.is_empty() {
         println!("optimising: wasm-opt {}", settings.wasm_opt.join(" "));
-        optimise(&wasm, &settings.wasm_opt)?;
-        println!("  {}", size(&wasm)?);
+        optimise(&whole, &settings.wasm_opt)?;
+        println!("  {}", size(&whole)?);
     }
+    // After the optimiser, which takes long enough once.
+    println!("leaving out what is asked for later");
+    later::leave_out(&whole, &first, &settings.later)?;
+    println!("  {}", size(&first)?);
 
     remove_if_there(&settings.out_dir)?;
     fs::rename(&package, &settings.out_dir)
