@@ -14,7 +14,8 @@ use crate::command::{Refusal, calibrate, diagnose, predict, print, probe};
 const USAGE: &str = "\
 truefeed predict   PROGRAM --machine M.toml [--tolerance MM]... [--dialect D] [--json] [--profile OUT.csv]
                    [--cutting JOB.toml [--forces OUT.csv]]
-truefeed predict   PROGRAM|FOLDER... --machine M.toml --ndjson [--out OUT.ndjson] [--list] [--tolerance MM]... [--dialect D]
+truefeed predict   PROGRAM|FOLDER... --machine M.toml --ndjson [--out OUT.ndjson] [--list] [--jobs N]
+                   [--tolerance MM]... [--dialect D]
 truefeed calibrate --machine M.toml --run PROGRAM RECORDING [--run PROGRAM RECORDING]... --out FITTED.toml [--json]
 truefeed diagnose  PROGRAM RECORDING [--run PROGRAM RECORDING]... --machine M.toml [--json] [--out EXTENDED.toml]
 truefeed probe     --machine M.toml [--between CAUSE CAUSE] [--out PROGRAM]
@@ -33,7 +34,7 @@ predicted feedrate, for the first tolerance.
 --ndjson takes many programs and folders, and prints a line of JSON for each as it is done, on all
 processors; --out adds the lines to a file and leaves out programs whose lines it has already, so that a run
 that was stopped goes on. A program that cannot be read gets a line with an error, and the exit status is 1.
---list only prints what there is to do.
+--list only prints what there is to do; --jobs sets how many programs are at work at a time.
 
 calibrate: fits filters, tolerance, rapid feedrate and the times of changes to recordings of real runs, and
 writes the machine file that predicts the next program.

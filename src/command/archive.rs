@@ -46,6 +46,8 @@ pub struct Archive {
     pub out: Option<PathBuf>,
     /// Only say which programs there are to do.
     pub is_list: bool,
+    /// Programs at work at a time; none: one a processor.
+    pub jobs: Option<NonZero<usize>>,
 }
 
 impl Archive {
@@ -72,7 +74,8 @@ impl Archive {
 
     /// Predicts all on all processors; how many lines say an error.
     fn work(&self, to_do: &[Found], keys: &Keys, sink: &mut Sink) -> Result<usize, Refusal> {
-        let threads = available_parallelism().map_or(1, NonZero::get).min(to_do.len());
+        let jobs = self.jobs.map_or_else(available_parallelism, Ok);
+        let threads = jobs.map_or(1, NonZero::get).min(to_do.len());
         let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
         let (sender, lines) = channel();
         scope(|scope| {

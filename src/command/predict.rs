@@ -34,6 +34,7 @@ struct Request {
     is_archive: bool,
     out: Option<PathBuf>,
     is_list: bool,
+    jobs: Option<NonZero<usize>>,
 }
 
 /// Carries out `predict`.
@@ -47,7 +48,7 @@ pub fn predict(parser: &mut lexopt::Parser) -> Result<ExitCode, Refusal> {
 
 /// The archive that is asked for.
 fn archive(request: Request) -> Result<Archive, Refusal> {
-    let Request { programs, machine, tolerances, dialect, out, is_list, .. } = request;
+    let Request { programs, machine, tolerances, dialect, out, is_list, jobs, .. } = request;
     let others = [
         ("--json", request.json),
         ("--profile", request.profile.is_some()),
@@ -61,13 +62,13 @@ fn archive(request: Request) -> Result<Archive, Refusal> {
         return Err("which programs? Give G-code files or folders".to_string());
     }
     let machine = machine_of(&machine.ok_or("which machine? Give --machine M.toml")?)?;
-    Ok(Archive { paths: programs, machine, tolerances, dialect, out, is_list })
+    Ok(Archive { paths: programs, machine, tolerances, dialect, out, is_list, jobs })
 }
 
 /// Carries out `predict` for one program.
 fn predict_one(request: Request) -> Result<(), Refusal> {
-    if request.out.is_some() || request.is_list {
-        return Err("--out and --list need --ndjson".to_string());
+    if request.out.is_some() || request.is_list || request.jobs.is_some() {
+        return Err("--out, --list and --jobs need --ndjson".to_string());
     }
     let mut programs = request.programs.into_iter();
     let program = programs.next().ok_or("which program? Give a G-code file, or - for standard input")?;
@@ -151,6 +152,11 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
             Long("ndjson") => request.is_archive = true,
             Long("out") => once(&mut request.out, value(parser)?, "--out")?,
             Long("list") => request.is_list = true,
+            Long("jobs") => {
+                let text = value(parser)?.to_string_lossy().into_owned();
+                let jobs = text.parse().map_err(|_| format!("--jobs {text}: expected a number of programs, such as 2"));
+                request.jobs = Some(jobs?);
+            }
             Long("dialect") => {
                 request.dialect = Some(dialect(parser)?);
             }

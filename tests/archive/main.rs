@@ -214,6 +214,7 @@ fn requests_that_cannot_be_carried_out_are_refused() {
     for (arguments, said) in [
         (&["in/a.nc", "in/a.nc"][..], "--ndjson"),
         (&["in/a.nc", "--out", "x"], "need --ndjson"),
+        (&["in", "--ndjson", "--jobs", "0"], "--jobs 0"),
         (&["--ndjson"], "which programs"),
         (&["-", "--ndjson"], "no name"),
         (&["in", "--ndjson", "--json"], "single program"),
@@ -226,4 +227,23 @@ fn requests_that_cannot_be_carried_out_are_refused() {
         assert!(error(&output).contains(said), "{arguments:?}: {}", error(&output));
     }
     assert_eq!(read_to_string(bench.path("other")).expect("it is there"), "name,value\n");
+}
+
+/// The example that spreads the command over Dask, where `scripts/setup` could install that.
+#[test]
+fn the_engine_gives_the_lines_of_the_command_though_a_worker_is_killed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let python = root.join("target/dask/bin/python");
+    if !python.exists() {
+        return println!("skipped: {} is not there; scripts/setup test installs Dask where it can", python.display());
+    }
+    let bench = Bench::new("engine");
+    write_programs(&bench.path("in"), 1000);
+    let output = Command::new(python)
+        .arg(root.join("examples/archive/test_archive.py"))
+        .args([Path::new(env!("CARGO_BIN_EXE_truefeed")), &bench.path("m.toml"), &bench.path("in")])
+        .output()
+        .expect("Python starts");
+    assert!(output.status.success(), "{}", error(&output));
+    print!("{}", String::from_utf8_lossy(&output.stdout));
 }

@@ -15,7 +15,7 @@ use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read as read_program;
 use truefeed::simulation::profile::{Profile, Resolution};
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::toolpath::{Toolpath, trace};
 
 /// Plans are checked of programs of no more moves than this, so that an execution stays short.
 const MOST_PLANNED: usize = 300;
@@ -36,7 +36,8 @@ fn check_recording(recording: &Recording) {
     assert!(recording.duration.is_finite() && 0.0 <= recording.duration, "{} s", recording.duration);
     assert!(!recording.runs.is_empty(), "a recording without a run");
     let axes = recording.commanded.iter().chain(&recording.actual);
-    let rates = [&recording.feed, &recording.commanded_feed, &recording.feed_override, &recording.spindle_speed];
+    let rates =
+        [&recording.feed, &recording.commanded_feed, &recording.feed_override, &recording.spindle_speed];
     for channel in axes.chain(rates).flatten() {
         assert_eq!(channel.time.len(), channel.values.len());
         assert!(channel.time.is_sorted_by(|one, next| one < next), "stamps out of order");
@@ -86,7 +87,11 @@ pub fn settings(bytes: &[u8]) {
     match settings_from_text(&text) {
         Ok(full) => {
             let short = settings_text(&full).expect("what was read can be written");
-            assert_eq!(settings_from_text(&short).as_ref(), Ok(&full), "other settings come back from {short}");
+            assert_eq!(
+                settings_from_text(&short).as_ref(),
+                Ok(&full),
+                "other settings come back from {short}"
+            );
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }
@@ -125,13 +130,22 @@ pub fn cutting_job(bytes: &[u8]) {
     }
 }
 
-/// Two words and a machine file → probe. Machines that can be believed in take long, so only the words are
-/// varied on those of the library.
+/// One request of so many is carried out: a probe takes a second, its refusal a microsecond.
+const PROBED: usize = 61;
+
+/// Two words → probe on a machine of the library, or why there is none.
 pub fn probe_request(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let mut words = text.splitn(3, ' ');
     let (one, other) = (words.next().unwrap_or(""), words.next().unwrap_or(""));
     let machine = &presets()[bytes.len() % presets().len()].machine;
+    for word in [one, other] {
+        let refusal = probe_between(machine, [word, word]).err().expect("nothing is told from itself");
+        assert!(!refusal.to_string().is_empty());
+    }
+    if bytes.len() % PROBED != 0 {
+        return;
+    }
     match probe_between(machine, [one, other]) {
         Ok(probe) => {
             assert!(probe.seconds.is_finite() && 0.0 < probe.seconds, "{} s", probe.seconds);
@@ -149,27 +163,31 @@ pub fn planned(bytes: &[u8]) {
         machine.axes[0].acceleration = 800.0;
         machine.path.acceleration = 1500.0;
     }
-    planned_on(bytes, &machine);
+    let toolpath = trace(&read_program(bytes), &machine);
+    if toolpath.segments.len() <= MOST_PLANNED {
+        check_plan(&toolpath, &machine);
+    }
 }
 
-/// The same on a machine.
-pub fn planned_on(bytes: &[u8], machine: &Machine) {
-    let toolpath = trace(&read_program(bytes), machine);
-    if MOST_PLANNED < toolpath.segments.len() {
-        return;
-    }
-    let (plan, errors) = plan_within(&toolpath, machine, Tolerances::Programmed, &mut |_| {});
-    let quote = quote(&toolpath, machine, &plan, Tolerances::Programmed, &errors);
+/// What holds of every plan.
+pub fn check_plan(toolpath: &Toolpath, machine: &Machine) {
+    let (plan, errors) = plan_within(toolpath, machine, Tolerances::Programmed, &mut |_| {});
+    let quote = quote(toolpath, machine, &plan, Tolerances::Programmed, &errors);
     assert!(quote.cycle_time.is_finite() && 0.0 <= quote.cycle_time, "cycle time {}", quote.cycle_time);
     assert!(quote.max_contour_error.is_finite(), "contour error {}", quote.max_contour_error);
     let total = quote.breakdown.total();
-    assert!((total - quote.cycle_time).abs() <= 1e-9 * (1.0 + quote.cycle_time), "{total} of {}", quote.cycle_time);
-    let programmed = programmed_time(&toolpath, machine);
+    assert!(
+        (total - quote.cycle_time).abs() <= 1e-9 * (1.0 + quote.cycle_time),
+        "{total} of {}",
+        quote.cycle_time
+    );
+    let programmed = programmed_time(toolpath, machine);
     assert!(programmed.is_finite() && 0.0 <= programmed, "programmed time {programmed}");
-    let profile = Profile::new(&toolpath, &plan);
+    let profile = Profile::new(toolpath, &plan);
     let samples = profile.samples(Resolution::CHART);
     assert!(samples.time.is_sorted(), "time runs back");
-    let mut columns = [&samples.time, &samples.distance, &samples.feedrate].into_iter().chain(&samples.position);
+    let mut columns =
+        [&samples.time, &samples.distance, &samples.feedrate].into_iter().chain(&samples.position);
     assert!(columns.all(|column| column.iter().all(|value| value.is_finite())), "a sample is not finite");
     assert!(samples.feedrate.iter().all(|feedrate| -1e-6 <= *feedrate), "a feedrate below zero");
 }
