@@ -154,7 +154,9 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
             Long("list") => request.is_list = true,
             Long("jobs") => {
                 let text = value(parser)?.to_string_lossy().into_owned();
-                let jobs = text.parse().map_err(|_| format!("--jobs {text}: expected a number of programs, such as 2"));
+                let jobs = text
+                    .parse()
+                    .map_err(|_| format!("--jobs {text}: expected a number of programs, such as 2"));
                 request.jobs = Some(jobs?);
             }
             Long("dialect") => {

@@ -235,7 +235,10 @@ fn the_engine_gives_the_lines_of_the_command_though_a_worker_is_killed() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let python = root.join("target/dask/bin/python");
     if !python.exists() {
-        return println!("skipped: {} is not there; scripts/setup test installs Dask where it can", python.display());
+        return println!(
+            "skipped: {} is not there; scripts/setup test installs Dask where it can",
+            python.display()
+        );
     }
     let bench = Bench::new("engine");
     write_programs(&bench.path("in"), 1000);
