@@ -1,8 +1,9 @@
-// What a tab has open, kept in the browser until it is closed, so that a reload or a crash in mid-work loses nothing: programs
-// and recordings as files, which of them is in sight, and how they are read. Settings are kept apart (settings.js).
+// What a tab has open, kept in the browser, so that a reload or a crash in mid-work loses nothing: programs and recordings as
+// files, which of them is in sight, and how they are read. Settings are kept apart (settings.js).
 //
-// sessionStorage outlives a reload and not the tab, so it holds the name of the tab, and IndexedDB the files under it. What tabs
-// left behind is thrown away a day later.
+// sessionStorage outlives a reload and not the tab, so it holds the name of the tab, and IndexedDB the files under it. No other
+// tab sees them. What a closed tab left behind is thrown away when the page is next opened after a day: nothing tells a tab that
+// is closed from one that the browser will bring back.
 
 /** @import { State } from "./types.js" */
 

@@ -239,7 +239,7 @@ impl Sink {
                 continue;
             };
             let is_kept = match asked.get(&owner.path) {
-                None => owner.key.is_some(),
+                None => true,
                 Some(path) => {
                     let is_current =
                         owner.key.is_some() && bytes_of(path).ok().map(|own| keys.of(&own)) == owner.key;

@@ -120,16 +120,16 @@ fn directions_reversed() {
 
 #[test]
 fn arcs_of_every_size() {
-    hold_the_laws("full circles", &path("", |_| "G2 I5 J0".to_string()));
+    hold_the_laws("full circles", &path_of(80, "", |_| "G2 I5 J0".to_string()));
     // Each of them has as many places as a large one, and a hundred of them fall into one filter delay.
     hold_the_laws("circles of a nanometre", &path_of(40, "", |_| "G3 I0.000001 J0".to_string()));
-    hold_the_laws("circles of a kilometre", &path("", |number| format!("G2 I1000000 J{number}")));
+    hold_the_laws("circles of a kilometre", &path_of(80, "", |number| format!("G2 I1000000 J{number}")));
     hold_the_laws(
         "arcs that are almost lines",
-        &path("", |number| format!("G2 X{} Y0 R1000000000", number as f64 * 0.001)),
+        &path_of(80, "", |number| format!("G2 X{} Y0 R1000000000", number as f64 * 0.001)),
     );
-    hold_the_laws("arcs of no chord", &path("", |_| "G2 X0 Y0 R1".to_string()));
-    hold_the_laws("helices", &path("", |number| format!("G2 I1 Z{}", (number % 2) as f64 * 1e6)));
+    hold_the_laws("arcs of no chord", &path_of(80, "", |_| "G2 X0 Y0 R1".to_string()));
+    hold_the_laws("helices", &path_of(80, "", |number| format!("G2 I1 Z{}", (number % 2) as f64 * 1e6)));
 }
 
 #[test]
