@@ -127,7 +127,7 @@ fn side_by_side<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<
     let threads = available_parallelism().map_or(1, NonZero::get).min(count);
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
     scope(|scope| {
-        let own = |first: usize| (first..count).step_by(threads).map(|index| (index, (&work)(index)));
+        let own = |first: usize| (first..count).step_by(threads).map(|index| (index, work(index)));
         let others: Vec<_> =
             (1..threads).map(|first| scope.spawn(move || own(first).collect::<Vec<_>>())).collect();
         let mut put = |(index, result): (usize, T)| results[index] = Some(result);
