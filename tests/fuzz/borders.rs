@@ -140,10 +140,10 @@ pub fn probe_request(bytes: &[u8]) {
     let (one, other) = (words.next().unwrap_or(""), words.next().unwrap_or(""));
     let machine = &presets()[bytes.len() % presets().len()].machine;
     for word in [one, other] {
-        let refusal = probe_between(machine, [word, word]).err().expect("nothing is told from itself");
+        let refusal = probe_between(machine, [word, word]).expect_err("nothing is told from itself");
         assert!(!refusal.to_string().is_empty());
     }
-    if bytes.len() % PROBED != 0 {
+    if !bytes.len().is_multiple_of(PROBED) {
         return;
     }
     match probe_between(machine, [one, other]) {
@@ -159,7 +159,7 @@ pub fn probe_request(bytes: &[u8]) {
 /// Program → plan → profile → quote, on one of the machines of the library: finite, in order, adding up.
 pub fn planned(bytes: &[u8]) {
     let mut machine = presets()[bytes.len() % presets().len()].machine.clone();
-    if bytes.len() % 3 == 0 {
+    if bytes.len().is_multiple_of(3) {
         machine.axes[0].acceleration = 800.0;
         machine.path.acceleration = 1500.0;
     }
