@@ -1,6 +1,6 @@
 //! The command line: files in, text out, over the same core as the page.
 //!
-//! Exit status 0: done. 2: the request cannot be carried out; one line on standard error says
+//! Exit status 0: done. 1: done for an archive, and some of its lines say an error. 2: the request cannot be carried out; one line on standard error says
 //! what is wrong and where. Nothing is written before everything is known to be right.
 
 mod command;
@@ -14,6 +14,8 @@ use crate::command::{Refusal, calibrate, diagnose, predict, print, probe};
 const USAGE: &str = "\
 truefeed predict   PROGRAM --machine M.toml [--tolerance MM]... [--dialect D] [--json] [--profile OUT.csv]
                    [--cutting JOB.toml [--forces OUT.csv]]
+truefeed predict   PROGRAM|FOLDER... --machine M.toml --ndjson [--out OUT.ndjson] [--list] [--jobs N]
+                   [--tolerance MM]... [--dialect D]
 truefeed calibrate --machine M.toml --run PROGRAM RECORDING [--run PROGRAM RECORDING]... --out FITTED.toml [--json]
 truefeed diagnose  PROGRAM RECORDING [--run PROGRAM RECORDING]... --machine M.toml [--json] [--out EXTENDED.toml]
 truefeed probe     --machine M.toml [--between CAUSE CAUSE] [--out PROGRAM]
@@ -29,6 +31,10 @@ for the first tolerance.
 --cutting adds what the cut asks of tool and spindle: stock, tools, material and limits are in JOB.toml.
 --forces writes force, torque, power and removal rate along the path, by the programmed and by the
 predicted feedrate, for the first tolerance.
+--ndjson takes many programs and folders, and prints a line of JSON for each as it is done, on all
+processors; --out adds the lines to a file and leaves out programs whose lines it has already, so that a run
+that was stopped goes on. A program that cannot be read gets a line with an error, and the exit status is 1.
+--list only prints what there is to do; --jobs sets how many programs are at work at a time.
 
 calibrate: fits filters, tolerance, rapid feedrate and the times of changes to recordings of real runs, and
 writes the machine file that predicts the next program.
@@ -40,7 +46,7 @@ RECORDING is a log of the machine: CSV, MTConnect, halsampler, scope or trace fi
 
 fn main() -> ExitCode {
     match run(std::env::args_os()) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(status) => status,
         Err(refusal) => {
             eprintln!("truefeed: {refusal}");
             ExitCode::from(2)
@@ -48,11 +54,11 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: impl Iterator<Item = std::ffi::OsString>) -> Result<(), Refusal> {
+fn run(arguments: impl Iterator<Item = std::ffi::OsString>) -> Result<ExitCode, Refusal> {
     let mut parser = lexopt::Parser::from_iter(arguments);
-    match parser.next().map_err(|error| error.to_string())? {
+    let done = match parser.next().map_err(|error| error.to_string())? {
         Some(Value(command)) => match &*command.to_string_lossy() {
-            "predict" => predict(&mut parser),
+            "predict" => return predict(&mut parser),
             "calibrate" => calibrate(&mut parser),
             "diagnose" => diagnose(&mut parser),
             "probe" => probe(&mut parser),
@@ -64,5 +70,6 @@ fn run(arguments: impl Iterator<Item = std::ffi::OsString>) -> Result<(), Refusa
         Some(Long("version") | Short('V')) => print(concat!("truefeed ", env!("CARGO_PKG_VERSION"))),
         Some(other) => Err(other.unexpected().to_string()),
         None => Err("what to do? Try: truefeed predict PROGRAM --machine M.toml".to_string()),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }

@@ -1,6 +1,7 @@
 // Runs simulations, comparisons, calibrations and diagnoses in a worker, one at a time. Cancelling ends the worker; the next run
 // starts a fresh one. A worker begins with the module of the first visit; what that one leaves out is fetched when it is first
-// asked for, and then a worker with the whole module takes its place, which does all.
+// asked for, and then a worker with the whole module takes its place, which does all. A worker that dies at work is replaced,
+// and the work begun again, once: what kills a second one is in the work.
 
 /** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run, Trail } from "./types.js" */
 
@@ -32,7 +33,7 @@ const LATER = new Set(['compare', 'calibrate', 'diagnose', 'cycleTimes', 'cut'])
 
 /** Why a run ended early. */
 export class Ended extends Error {
-  /** @param {"cancelled" | "failed"} kind @param {string} message */
+  /** @param {"cancelled" | "died" | "failed"} kind @param {string} message */
   constructor(kind, message) {
     super(message)
     this.kind = kind
@@ -136,13 +137,23 @@ export class Engine {
   async #run(verb, request, hear) {
     this.cancel()
     if (LATER.has(verb)) await this.#load()
+    try {
+      await this.#attempt(verb, request, hear)
+    } catch (error) {
+      if (!(error instanceof Ended) || error.kind !== 'died') throw error
+      await this.#attempt(verb, request, hear)
+    }
+  }
+
+  /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
+  async #attempt(verb, request, hear) {
     this.#worker ??= this.start()
     const worker = this.#worker
     await new Promise((resolve, reject) => {
       this.#reject = reject
-      worker.onerror = (event) => this.#end('failed', event.message ?? 'the worker could not be started')
+      worker.onerror = (event) => this.#end('died', event.message ?? 'the worker could not be started')
       worker.onmessage = ({ data }) => {
-        if (data.type === 'failure') this.#end('failed', data.message)
+        if (data.type === 'failure') this.#end(data.bug ? 'died' : 'failed', data.message)
         else if (data.type === 'done') {
           this.#reject = null
           resolve(undefined)
@@ -172,7 +183,7 @@ export class Engine {
     if (this.#reject) this.#end('cancelled', 'cancelled')
   }
 
-  /** @param {"cancelled" | "failed"} kind @param {string} message */
+  /** @param {"cancelled" | "died" | "failed"} kind @param {string} message */
   #end(kind, message) {
     this.#worker?.terminate()
     this.#worker = null

@@ -38,6 +38,7 @@ import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { pairs, recordingOf, usable } from './recordings.js'
+import { loadSession, saveSession } from './session.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
 
 /** @import { Column, Form, MachineForm, Outcome, Place, Program, Recording, State, Value, Values } from "./types.js" */
@@ -67,20 +68,21 @@ form.presets.push(...loadMachines())
 /** @type {import("./types.js").Parameter[]} */
 const termFields = JSON.parse(termsForm())
 const settings = loadSettings()
+const session = await loadSession()
 
 const knownPreset = startNamed(settings.preset)
 
 /** @type {State} */
 const state = {
-  programs: [],
-  selected: null,
+  programs: session.programs.map((kept) => ({ ...kept, lines: linesOf(kept.file), outcome: null, failure: null })),
+  selected: session.selected,
   programmed: settings.programmed ?? true,
   tolerances: settings.tolerances ?? [...usualTolerances()],
   machine: filled(knownPreset, { ...(settings.values ?? form.presets[knownPreset].values) }),
   terms: filledTerms(settings.terms ?? {}),
   beforeSettings: loadBefore(),
-  recordings: [],
-  recording: null,
+  recordings: session.recordings.map((kept) => ({ ...kept, match: null, failure: null })),
+  recording: session.recording,
   calibration: null,
   calibrating: false,
   diagnosis: null,
@@ -91,7 +93,7 @@ const state = {
   paused: false,
 }
 
-let nextId = 1
+let nextId = Math.max(0, ...[...state.programs, ...state.recordings].map(({ id }) => id)) + 1
 let timer = 0
 
 /** What panels may ask for. */
@@ -621,11 +623,13 @@ const panels = [
 ]
 
 function update() {
+  saveSession(state)
   document.body.classList.toggle('has-programs', state.programs.length > 0)
   document.body.classList.toggle('has-recording', recordingOf(state) !== undefined)
   for (const panel of panels) panel.update(state)
 }
 
+if (state.programs.length + state.recordings.length > 0) changed()
 update()
 exchange.fromAddress()
 document.documentElement.dataset.ready = 'true'

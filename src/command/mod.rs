@@ -1,10 +1,12 @@
 //! The commands, one module each, and what all of them do: read files, write them whole, refuse in one line.
 
+mod archive;
 mod calibrate;
 mod cutting;
 mod diagnose;
 mod predict;
 mod probe;
+mod programs;
 mod runs;
 
 pub use calibrate::calibrate;

@@ -3,6 +3,7 @@
 use std::num::NonZero;
 use std::panic::resume_unwind;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::thread::{available_parallelism, scope};
 
 use lexopt::prelude::*;
@@ -15,13 +16,14 @@ use truefeed::simulation::gcode::Dialect;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::{Blending, Toolpath};
 
+use crate::command::archive::Archive;
 use crate::command::cutting::Cut;
 use crate::command::{Refusal, dialect, machine_of, once, print, toolpath_of, value, write_whole};
 
 /// The request of `predict`.
 #[derive(Default)]
 struct Request {
-    program: Option<PathBuf>,
+    programs: Vec<PathBuf>,
     machine: Option<PathBuf>,
     tolerances: Vec<f64>,
     dialect: Option<Dialect>,
@@ -29,12 +31,50 @@ struct Request {
     profile: Option<PathBuf>,
     cutting: Option<PathBuf>,
     forces: Option<PathBuf>,
+    is_archive: bool,
+    out: Option<PathBuf>,
+    is_list: bool,
+    jobs: Option<NonZero<usize>>,
 }
 
 /// Carries out `predict`.
-pub fn predict(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
-    let Some(request) = request(parser)? else { return print(crate::USAGE) };
-    let program = request.program.ok_or("which program? Give a G-code file, or - for standard input")?;
+pub fn predict(parser: &mut lexopt::Parser) -> Result<ExitCode, Refusal> {
+    match request(parser)? {
+        None => print(crate::USAGE).map(|()| ExitCode::SUCCESS),
+        Some(request) if request.is_archive => archive(request)?.run(),
+        Some(request) => predict_one(request).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+/// The archive that is asked for.
+fn archive(request: Request) -> Result<Archive, Refusal> {
+    let Request { programs, machine, tolerances, dialect, out, is_list, jobs, .. } = request;
+    let others = [
+        ("--json", request.json),
+        ("--profile", request.profile.is_some()),
+        ("--cutting", request.cutting.is_some()),
+        ("--forces", request.forces.is_some()),
+    ];
+    if let Some((other, _)) = others.iter().find(|(_, is_given)| *is_given) {
+        return Err(format!("{other} is of a single program; leave it out, or --ndjson"));
+    }
+    if programs.is_empty() {
+        return Err("which programs? Give G-code files or folders".to_string());
+    }
+    let machine = machine_of(&machine.ok_or("which machine? Give --machine M.toml")?)?;
+    Ok(Archive { paths: programs, machine, tolerances, dialect, out, is_list, jobs })
+}
+
+/// Carries out `predict` for one program.
+fn predict_one(request: Request) -> Result<(), Refusal> {
+    if request.out.is_some() || request.is_list || request.jobs.is_some() {
+        return Err("--out, --list and --jobs need --ndjson".to_string());
+    }
+    let mut programs = request.programs.into_iter();
+    let program = programs.next().ok_or("which program? Give a G-code file, or - for standard input")?;
+    if programs.next().is_some() {
+        return Err("PROGRAM is given twice; several programs and folders need --ndjson".to_string());
+    }
     let machine_path = request.machine.ok_or("which machine? Give --machine M.toml")?;
     let machine = machine_of(&machine_path)?;
     let toolpath = toolpath_of(&program, request.dialect, &machine)?;
@@ -109,6 +149,16 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
             Long("cutting") => once(&mut request.cutting, value(parser)?, "--cutting")?,
             Long("forces") => once(&mut request.forces, value(parser)?, "--forces")?,
             Long("json") => request.json = true,
+            Long("ndjson") => request.is_archive = true,
+            Long("out") => once(&mut request.out, value(parser)?, "--out")?,
+            Long("list") => request.is_list = true,
+            Long("jobs") => {
+                let text = value(parser)?.to_string_lossy().into_owned();
+                let jobs = text
+                    .parse()
+                    .map_err(|_| format!("--jobs {text}: expected a number of programs, such as 2"));
+                request.jobs = Some(jobs?);
+            }
             Long("dialect") => {
                 request.dialect = Some(dialect(parser)?);
             }
@@ -123,7 +173,7 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
                 request.tolerances.push(tolerance);
             }
             Long("help") | Short('h') => return Ok(None),
-            Value(program) => once(&mut request.program, program, "PROGRAM")?,
+            Value(program) => request.programs.push(program.into()),
             other => return Err(other.unexpected().to_string()),
         }
     }

@@ -4,6 +4,7 @@
 //! here (`cycle_time_s`), and values are converted on the way through the parameter table
 //! ([`PARAMETERS`]), so that the core sees mm, s and rad.
 
+mod archive;
 mod calibrated_view;
 mod causes;
 mod comparison;
@@ -20,6 +21,7 @@ mod results;
 mod settings;
 mod terms;
 
+pub use archive::{ArchiveLine, Keys, LineOwner};
 pub use calibrated_view::CalibrationReport;
 pub use comparison::{ComparisonReport, Refusal, lost_label};
 pub use cutting_file::{EXAMPLE_CUTTING, cutting_from_toml};

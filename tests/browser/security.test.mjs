@@ -175,6 +175,8 @@ test('after one visit the page loads and quotes without a network', { timeout: 1
     assert.deepEqual([...new Set(missing)], [`${server.origin}/sw.js`].filter((url) => missing.includes(url)), 'files that are not kept')
     await server.close()
 
+    // As a new tab would be, with nothing open.
+    await page.evaluate(() => sessionStorage.clear())
     await page.reload()
     await page.waitForSelector('html[data-ready]')
     await page.click('#welcome .sample')

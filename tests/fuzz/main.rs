@@ -2,6 +2,7 @@
 //! a panic and within bounds, and what comes out must hold the laws. `scripts/fuzz` does the same
 //! for long, led by coverage.
 
+mod borders;
 mod laws;
 mod mutate;
 
@@ -65,6 +66,70 @@ fn mutated_machine_files_hold_the_laws() {
         assert_eq!(truefeed::project::machine_from_toml(text).err().map(|fault| fault.message), None);
     }
     run("machine_file", &machines, 0x5eed_0002, laws::machine_file);
+}
+
+#[test]
+fn mutated_recordings_hold_the_laws() {
+    run("recording", &seeds("recordings"), 0x5eed_0003, borders::recording);
+}
+
+#[test]
+fn mutated_requests_hold_the_laws() {
+    run("request", &seeds("requests"), 0x5eed_0004, borders::request);
+}
+
+#[test]
+fn mutated_settings_hold_the_laws() {
+    run("settings", &seeds("settings"), 0x5eed_0005, borders::settings);
+}
+
+#[test]
+fn mutated_forms_hold_the_laws() {
+    run("forms", &seeds("forms"), 0x5eed_0006, borders::forms);
+}
+
+#[test]
+fn mutated_cutting_jobs_hold_the_laws() {
+    run("cutting_job", &seeds("cutting"), 0x5eed_0007, borders::cutting_job);
+}
+
+#[test]
+fn seeds_of_the_other_borders_are_understood() {
+    let text = |bytes: &Vec<u8>| String::from_utf8(bytes.clone()).expect("our own files are UTF-8");
+    for json in seeds("requests").iter().map(text) {
+        assert!(truefeed::project::QuoteRequest::from_json(&json).is_ok(), "{json}");
+    }
+    for json in seeds("settings").iter().map(text) {
+        assert_eq!(truefeed::project::settings_from_text(&json).err(), None, "{json}");
+    }
+    for toml in seeds("cutting").iter().map(text) {
+        let setup = truefeed::project::cutting_from_toml(&toml, &truefeed::machine::Machine::default());
+        assert_eq!(setup.err().map(|fault| fault.to_string()), None);
+    }
+    let forms: Vec<String> = seeds("forms").iter().map(text).collect();
+    assert!(forms.iter().any(|json| truefeed::project::machine_from_form(json).is_ok()));
+    assert!(forms.iter().any(|json| truefeed::project::terms_from_form(json).is_ok()));
+    let offers: Vec<_> = forms.iter().map(|json| truefeed::project::OfferReport::from_json(json)).collect();
+    assert!(offers.iter().any(Result::is_ok), "{offers:?}");
+}
+
+#[test]
+fn mutated_plans_hold_the_laws() {
+    run("planned", &seeds("programs"), 0x5eed_0008, borders::planned);
+}
+
+/// Found by `scripts/fuzz`: a cell with a control character, which the refusal showed, on a line of its own.
+#[test]
+fn cells_of_recordings_are_shown_without_control_characters() {
+    let mut log = "t_s,x_mm,feed_mm_min,line\n".to_string();
+    for row in 0..60 {
+        let feed = if row % 10 == 5 { "1\u{12}00.0" } else { "1200.0" };
+        log += &format!("0.{row:02},{row},{feed},10\n");
+    }
+    borders::recording(log.as_bytes());
+    let refusal =
+        truefeed::identification::recording::read(log.as_bytes()).expect_err("not numbers").to_string();
+    assert!(refusal.contains("1\u{fffd}00.0"), "{refusal}");
 }
 
 #[test]

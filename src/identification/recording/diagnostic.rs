@@ -47,13 +47,14 @@ impl Remarks {
             severity: Severity::Info,
             line: None,
             column: column.map(str::to_owned),
-            message,
+            message: shown(&message),
         });
     }
 
     /// Adds something repaired or left out.
     pub(super) fn warn(&mut self, line: Option<usize>, column: Option<&str>, message: String) {
-        self.0.push(Remark { severity: Severity::Warning, line, column: column.map(str::to_owned), message });
+        let (column, message) = (column.map(str::to_owned), shown(&message));
+        self.0.push(Remark { severity: Severity::Warning, line, column, message });
     }
 }
 
@@ -70,14 +71,14 @@ pub enum RecordingError {
     #[error("no known kind of log: {0}")]
     UnknownFormat(&'static str),
     /// Columns or items, but none that tells of motion.
-    #[error("no column tells positions, feed or program line; found: {}", .found.join(", "))]
+    #[error("no column tells positions, feed or program line; found: {}", listed(.found))]
     NothingKnown {
         /// Names in the file.
         found: Vec<String>,
     },
     /// No time, and no way to count it.
     #[error(
-        "no time column; found: {}; name one (`t_s`, `time [ms]`) or give the sampling interval", .found.join(", ")
+        "no time column; found: {}; name one (`t_s`, `time [ms]`) or give the sampling interval", listed(.found)
     )]
     NoTime {
         /// Names in the file.
@@ -85,7 +86,7 @@ pub enum RecordingError {
     },
     /// Stamps that could be in seconds as well as in milliseconds.
     #[error(
-        "column `{name}`: steps of {step} may be s, ms or µs; say which in its name, such as `t_s` or `t_ms`"
+        "column `{}`: steps of {step} may be s, ms or µs; say which in its name, such as `t_s` or `t_ms`", shown(.name)
     )]
     TimeUnit {
         /// Name of the time column.
@@ -114,13 +115,15 @@ pub enum RecordingError {
         needed: usize,
     },
     /// Positions and feed never change.
-    #[error("nothing moves: {} constant throughout", .constant.join(", "))]
+    #[error("nothing moves: {} constant throughout", listed(.constant))]
     NothingMoves {
         /// Names of the columns.
         constant: Vec<String>,
     },
     /// A cell that should be a number, in more rows than are repaired.
-    #[error("line {line}, column {column} (`{name}`): `{text}` is not a number, and {count} cells like it")]
+    #[error(
+        "line {line}, column {column} (`{}`): `{}` is not a number, and {count} cells like it", shown(.name), shown(.text)
+    )]
     NotNumber {
         /// Line counted from 1.
         line: usize,
@@ -149,7 +152,7 @@ pub enum RecordingError {
         count: usize,
     },
     /// A stamp that is none, in more lines than are repaired.
-    #[error("line {line}, column {column}: `{text}` is not a time stamp, and {count} like it")]
+    #[error("line {line}, column {column}: `{}` is not a time stamp, and {count} like it", shown(.text))]
     Stamp {
         /// Line counted from 1.
         line: usize,
@@ -161,7 +164,7 @@ pub enum RecordingError {
         count: usize,
     },
     /// XML or JSON that is not well-formed, or lacks a part.
-    #[error("line {line}, column {column}: {message}")]
+    #[error("line {line}, column {column}: {}", shown(.message))]
     Syntax {
         /// Line counted from 1.
         line: usize,
@@ -173,6 +176,26 @@ pub enum RecordingError {
     /// A head without its data.
     #[error("{0}")]
     Missing(&'static str),
+}
+
+/// As much of a text from a file is shown in a message, characters.
+const SHOWN: usize = 400;
+
+/// What stands in a file, fit for one line: a control character would break a message apart.
+fn shown(text: &str) -> String {
+    let mut shown: String = text
+        .chars()
+        .take(SHOWN)
+        .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
+        .collect();
+    if text.chars().nth(SHOWN).is_some() {
+        shown.push('…');
+    }
+    shown
+}
+
+fn listed(names: &[String]) -> String {
+    shown(&names.join(", "))
 }
 
 /// Whether `count` faults among `of` samples are few enough to repair: three, or one in a hundred.

@@ -1,0 +1,7 @@
+//! Bytes → log of a machine.
+#![no_main]
+
+#[path = "../../tests/fuzz/borders.rs"]
+mod borders;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| borders::recording(bytes));

@@ -1,0 +1,325 @@
+//! `truefeed predict --ndjson`: many programs, a line of JSON each, on all processors.
+//!
+//! Lines stand in the order in which programs are done; what is in a line depends on its program and the request
+//! alone. With `--out` a run goes on where an earlier one stopped, however it did: a line is written whole by a
+//! single call, half a line at the end of the file is taken out, and a program is left out while its line is
+//! current ([`Keys`]). Lines of programs that were not asked for stay.
+
+use std::any::Any;
+use std::collections::{HashMap, HashSet};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, IsTerminal, Read, Write, stderr, stdout};
+use std::num::NonZero;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::{available_parallelism, scope};
+use std::time::{Duration, Instant};
+
+use truefeed::machine::Machine;
+use truefeed::project::{ArchiveLine, Keys, LineOwner, Prediction};
+use truefeed::quote::{programmed_time, quote};
+use truefeed::simulation::contour::plan_within;
+use truefeed::simulation::feed::Tolerances;
+use truefeed::simulation::gcode::{Dialect, Options, read_with};
+use truefeed::simulation::toolpath::trace;
+
+use crate::command::programs::{Found, programs};
+use crate::command::{Refusal, bytes_of, print};
+
+/// Exit status where every program was gone through and some line says an error.
+const HAS_ERRORS: u8 = 1;
+
+/// What to predict, and where to.
+pub struct Archive {
+    /// Programs, and folders of them.
+    pub paths: Vec<PathBuf>,
+    /// The machine.
+    pub machine: Machine,
+    /// Contour tolerances, mm; none: those of the program.
+    pub tolerances: Vec<f64>,
+    /// The control the programs are for; none: what each shows.
+    pub dialect: Option<Dialect>,
+    /// The file that lines are added to; none: standard output.
+    pub out: Option<PathBuf>,
+    /// Only say which programs there are to do.
+    pub is_list: bool,
+    /// Programs at work at a time; none: one a processor.
+    pub jobs: Option<NonZero<usize>>,
+}
+
+impl Archive {
+    /// Carries it out; the exit status.
+    pub fn run(&self) -> Result<ExitCode, Refusal> {
+        if self.paths.iter().any(|path| path == Path::new("-")) {
+            return Err("--ndjson takes files and folders; - has no name to go on by".to_string());
+        }
+        let found = programs(&self.paths);
+        let keys = Keys::new(&self.machine, &self.tolerances, self.dialect);
+        let (mut sink, to_do) = match &self.out {
+            None => (Sink::Standard, found),
+            Some(out) => {
+                let (sink, current) = Sink::file(out, &found, &keys)?;
+                (sink, found.into_iter().filter(|found| !current.contains(&name(place(found)))).collect())
+            }
+        };
+        if self.is_list {
+            return list(&to_do).map(|()| ExitCode::SUCCESS);
+        }
+        let errors = self.work(&to_do, &keys, &mut sink)?;
+        Ok(if errors == 0 { ExitCode::SUCCESS } else { ExitCode::from(HAS_ERRORS) })
+    }
+
+    /// Predicts all on all processors; how many lines say an error.
+    fn work(&self, to_do: &[Found], keys: &Keys, sink: &mut Sink) -> Result<usize, Refusal> {
+        let jobs = self.jobs.map_or_else(available_parallelism, Ok);
+        let threads = jobs.map_or(1, NonZero::get).min(to_do.len());
+        let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let (sender, lines) = channel();
+        scope(|scope| {
+            for _ in 0..threads {
+                let (sender, next, is_over) = (sender.clone(), &next, &is_over);
+                scope.spawn(move || {
+                    while let Some(found) = to_do.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        if is_over.load(Ordering::Relaxed) || sender.send(self.line(found, keys)).is_err() {
+                            break;
+                        }
+                    }
+                });
+            }
+            drop(sender);
+            let outcome = collect(&lines, to_do.len(), sink);
+            is_over.store(true, Ordering::Relaxed);
+            outcome
+        })
+    }
+
+    /// The line of a program, and whether it says an error.
+    fn line(&self, found: &Found, keys: &Keys) -> (String, bool) {
+        let path = name(place(found));
+        let failed = |key: Option<&str>, error: &str| {
+            (ArchiveLine { path: &path, key, prediction: None, error: Some(error) }.to_line(), true)
+        };
+        let file = match found {
+            Ok(file) => file,
+            Err((_, error)) => return failed(None, error),
+        };
+        let bytes = match bytes_of(file) {
+            Ok(bytes) => bytes,
+            Err(refusal) => return failed(None, &refusal),
+        };
+        let key = keys.of(&bytes);
+        match catch_unwind(AssertUnwindSafe(|| self.prediction(file, bytes))) {
+            Ok(prediction) => {
+                let line =
+                    ArchiveLine { path: &path, key: Some(&key), prediction: Some(&prediction), error: None };
+                (line.to_line(), false)
+            }
+            Err(panic) => {
+                failed(Some(&key), &format!("a fault of truefeed, please report it: {}", told(&*panic)))
+            }
+        }
+    }
+
+    /// What `predict --json` says of a program, its tolerances one after another.
+    fn prediction(&self, file: &Path, bytes: Vec<u8>) -> Prediction {
+        let toolpath = {
+            let program = read_with(&bytes, &Options { dialect: self.dialect, ..Options::default() });
+            // The text is given back before the path takes room.
+            drop(bytes);
+            trace(&program, &self.machine)
+        };
+        let own = [Tolerances::Programmed];
+        let given: Vec<Tolerances> = self.tolerances.iter().copied().map(Tolerances::One).collect();
+        let tolerances = if given.is_empty() { &own[..] } else { &given };
+        let quotes: Vec<_> = tolerances
+            .iter()
+            .map(|&tolerance| {
+                let (plan, errors) = plan_within(&toolpath, &self.machine, tolerance, &mut |_| {});
+                quote(&toolpath, &self.machine, &plan, tolerance, &errors)
+            })
+            .collect();
+        let called = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+        Prediction::new(&called, &toolpath, programmed_time(&toolpath, &self.machine), &quotes)
+    }
+}
+
+/// Puts lines where they belong as they come, and says how far it is; how many say an error.
+fn collect(lines: &Receiver<(String, bool)>, all: usize, sink: &mut Sink) -> Result<usize, Refusal> {
+    let mut progress = Progress::new(all);
+    loop {
+        match lines.recv_timeout(progress.patience()) {
+            Ok((line, is_error)) => {
+                sink.put(&line)?;
+                progress.done += 1;
+                progress.errors += usize::from(is_error);
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+        progress.say(false);
+    }
+    progress.say(true);
+    Ok(progress.errors)
+}
+
+/// How far a run is.
+struct Progress {
+    all: usize,
+    done: usize,
+    errors: usize,
+    start: Instant,
+    said: Instant,
+    is_terminal: bool,
+}
+
+impl Progress {
+    fn new(all: usize) -> Progress {
+        let now = Instant::now();
+        Progress { all, done: 0, errors: 0, start: now, said: now, is_terminal: stderr().is_terminal() }
+    }
+
+    /// Time between two reports: a terminal shows one line that changes, a file one line each.
+    fn patience(&self) -> Duration {
+        if self.is_terminal { Duration::from_millis(200) } else { Duration::from_secs(10) }
+    }
+
+    /// Says it where it is due; a standard error that went away is no reason to stop.
+    fn say(&mut self, is_last: bool) {
+        if !is_last && self.said.elapsed() < self.patience() {
+            return;
+        }
+        self.said = Instant::now();
+        let seconds = self.start.elapsed().as_secs_f64();
+        let left = match self.done {
+            0 => String::new(),
+            done => format!(", {:.0} s left", seconds * (self.all - done) as f64 / done as f64),
+        };
+        let left = if is_last { format!(" in {seconds:.1} s") } else { left };
+        let text = format!("{} of {} programs, {} with an error{left}", self.done, self.all, self.errors);
+        let _ = match (self.is_terminal, is_last) {
+            (true, false) => write!(stderr(), "\r\x1b[K{text}"),
+            (true, true) => writeln!(stderr(), "\r\x1b[K{text}"),
+            (false, _) => writeln!(stderr(), "{text}"),
+        };
+    }
+}
+
+/// Where lines go.
+enum Sink {
+    Standard,
+    /// The file, and what was there before where that was replaced: both are locked while it is written.
+    File {
+        file: File,
+        path: PathBuf,
+        _before: Option<File>,
+    },
+}
+
+impl Sink {
+    /// The file at `out`, ready to be added to, and the programs of `found` whose lines in it are current.
+    fn file(out: &Path, found: &[Found], keys: &Keys) -> Result<(Sink, HashSet<String>), Refusal> {
+        let refused = |error: std::io::Error| format!("{}: {error}", out.display());
+        let open = |path: &Path| OpenOptions::new().read(true).append(true).create(true).open(path);
+        let mut file = open(out).map_err(refused)?;
+        lock(&file, out)?;
+        let mut before = Vec::new();
+        file.read_to_end(&mut before).map_err(refused)?;
+        let asked: HashMap<String, &PathBuf> =
+            found.iter().filter_map(|found| found.as_ref().ok()).map(|path| (name(path), path)).collect();
+        let (mut kept, mut current) = (Vec::new(), HashSet::new());
+        for line in before.split_inclusive(|byte| *byte == b'\n') {
+            let Some(owner) = LineOwner::of(line).filter(|_| line.ends_with(b"\n")) else {
+                // Half a line can only be the last one.
+                if line.ends_with(b"\n") {
+                    return Err(format!("{}: not a file of predictions; give another --out", out.display()));
+                }
+                continue;
+            };
+            let is_kept = match asked.get(&owner.path) {
+                None => true,
+                Some(path) => {
+                    let is_current =
+                        owner.key.is_some() && bytes_of(path).ok().map(|own| keys.of(&own)) == owner.key;
+                    is_current && current.insert(owner.path)
+                }
+            };
+            if is_kept {
+                kept.extend_from_slice(line);
+            }
+        }
+        let path = out.to_path_buf();
+        if kept.len() == before.len() {
+            return Ok((Sink::File { file, path, _before: None }, current));
+        }
+        // The old file stays until the new one is whole.
+        let mut beside = out.as_os_str().to_owned();
+        beside.push(".part");
+        let beside = PathBuf::from(beside);
+        std::fs::write(&beside, &kept).map_err(refused)?;
+        let anew = open(&beside).map_err(refused)?;
+        lock(&anew, out)?;
+        std::fs::rename(&beside, out).map_err(refused)?;
+        Ok((Sink::File { file: anew, path, _before: Some(file) }, current))
+    }
+
+    fn put(&mut self, line: &str) -> Result<(), Refusal> {
+        match self {
+            Sink::File { file, path, .. } => {
+                file.write_all(line.as_bytes()).map_err(|error| format!("{}: {error}", path.display()))
+            }
+            Sink::Standard => {
+                stdout().write_all(line.as_bytes()).and_then(|()| stdout().flush()).map_err(|error| {
+                    match error.kind() {
+                        ErrorKind::BrokenPipe => "nobody reads the lines any more".to_string(),
+                        _ => error.to_string(),
+                    }
+                })
+            }
+        }
+    }
+}
+
+/// Keeps a second run from adding to the same file.
+fn lock(file: &File, out: &Path) -> Result<(), Refusal> {
+    match file.try_lock() {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => Err(format!("{}: another run writes to it", out.display())),
+        // File systems without locks exist; then it is up to the user.
+        Err(TryLockError::Error(_)) => Ok(()),
+    }
+}
+
+/// Prints the programs, a line of JSON each.
+fn list(to_do: &[Found]) -> Result<(), Refusal> {
+    let line = |found: &Found| {
+        let path = name(place(found));
+        ArchiveLine { path: &path, key: None, prediction: None, error: None }.to_line()
+    };
+    let lines: String = to_do.iter().map(line).collect();
+    if lines.is_empty() { Ok(()) } else { print(lines.trim_end()) }
+}
+
+fn place(found: &Found) -> &Path {
+    match found {
+        Ok(path) | Err((path, _)) => path,
+    }
+}
+
+/// A path as text, one for each; bytes that are no UTF-8 as `\xFF`.
+fn name(path: &Path) -> String {
+    let mut name = String::new();
+    for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
+        name += chunk.valid();
+        name.extend(chunk.invalid().iter().map(|byte| format!("\\x{byte:02X}")));
+    }
+    name
+}
+
+/// What a panic says.
+fn told(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_string())
+}

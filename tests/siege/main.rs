@@ -1,0 +1,275 @@
+//! Siege: programs made to hurt. Geometry that no CAM writes must give a plan that holds the laws, on any machine, and
+//! small files that ask for endless work must end with a message, in bounded time and memory.
+
+#[path = "../fuzz/borders.rs"]
+mod borders;
+
+use std::fmt::Write;
+use std::time::{Duration, Instant};
+
+use truefeed::machine::{CornerMode, Machine, TimeConstants, presets};
+use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
+use truefeed::simulation::toolpath::{Toolpath, trace};
+
+/// Blocks of each hostile path.
+const BLOCKS: usize = 400;
+
+/// Machines on which the plan takes different ways.
+fn machines() -> Vec<Machine> {
+    let mut machines: Vec<Machine> = presets().into_iter().map(|preset| preset.machine).collect();
+    for filters in 1..=4 {
+        let mut machine = Machine::default();
+        machine.interpolator.filters = filters;
+        machines.push(machine);
+    }
+    let mut unequal = Machine::default();
+    unequal.interpolator.filters = 2;
+    unequal.interpolator.time_constants = TimeConstants::Unequal(vec![0.08, 0.0004]);
+    let mut limited = Machine::default();
+    limited.axes[0].acceleration = 300.0;
+    limited.axes[1].acceleration = 3000.0;
+    limited.axes[1].velocity = 50.0;
+    limited.path.acceleration = 800.0;
+    limited.path.centripetal_acceleration = 500.0;
+    limited.interpolator.block_time = 0.002;
+    let mut guaranteed = Machine::default();
+    guaranteed.interpolator.corner_mode = CornerMode::Guaranteed;
+    machines.extend([unequal, limited, guaranteed]);
+    machines
+}
+
+/// A path of `BLOCKS` blocks, the number of each to its text.
+fn path(head: &str, block: impl Fn(usize) -> String) -> String {
+    path_of(BLOCKS, head, block)
+}
+
+fn path_of(blocks: usize, head: &str, block: impl Fn(usize) -> String) -> String {
+    (1..=blocks).fold(format!("G21 G90 G94\nG0 X0 Y0 Z0\nF3000\n{head}\n"), |mut text, number| {
+        writeln!(text, "{}", block(number)).expect("text has room");
+        text
+    })
+}
+
+fn hold_the_laws(name: &str, program: &str) {
+    for machine in machines() {
+        let toolpath = trace(&read_with(program.as_bytes(), &Options::default()), &machine);
+        let start = Instant::now();
+        let outcome = std::panic::catch_unwind(|| borders::check_plan(&toolpath, &machine));
+        let (filters, mode) = (machine.interpolator.filters, machine.interpolator.corner_mode);
+        assert!(outcome.is_ok(), "{name} on {} with {filters} filters, {mode:?}", machine.name);
+        // Generous: the machine of the tests has other things to do.
+        assert!(
+            start.elapsed() < Duration::from_secs(30),
+            "{name}: {:?} on {}",
+            start.elapsed(),
+            machine.name
+        );
+    }
+}
+
+#[test]
+fn blocks_of_no_length() {
+    hold_the_laws("zero", &path("", |number| format!("G1 X{} Y1", number / 40)));
+    hold_the_laws("nothing but zero", &path("", |_| "G1 X0 Y0".to_string()));
+}
+
+#[test]
+fn steps_of_a_picometre() {
+    hold_the_laws(
+        "1e-9",
+        &path("", |number| format!("G1 X{:.9} Y{:.9}", number as f64 * 1e-9, (number % 2) as f64 * 1e-9)),
+    );
+    hold_the_laws(
+        "1e-9 between millimetres",
+        &path("", |number| format!("G1 X{:.9}", (number / 2) as f64 + (number % 2) as f64 * 1e-9)),
+    );
+    hold_the_laws(
+        "1e-9 at 1e5",
+        &path("G1 X100000", |number| format!("G91 G1 X0.00000000{} Y0.000000001", number % 10)),
+    );
+}
+
+#[test]
+fn coordinates_of_a_thousand_kilometres() {
+    hold_the_laws(
+        "1e9",
+        &path("", |number| format!("G1 X{} Y{}", (number % 3) * 500_000_000, (number % 2) * 1_000_000_000)),
+    );
+    hold_the_laws(
+        "1e9 and 1e-3",
+        &path("G1 X1000000000", |number| {
+            format!("G91 G1 X{}", if number % 5 == 0 { "-1000000000" } else { "0.001" })
+        }),
+    );
+    hold_the_laws("further than any", &path("", |number| format!("G1 X{}", "9".repeat(number % 330 + 1))));
+}
+
+#[test]
+fn directions_reversed() {
+    hold_the_laws("there and back", &path("", |number| format!("G1 X{}", (number % 2) * 10)));
+    hold_the_laws(
+        "there and back by a hair",
+        &path("", |number| format!("G1 X{}", (number % 2) as f64 * 1e-4)),
+    );
+    hold_the_laws(
+        "almost back",
+        &path("", |number| format!("G1 X{} Y{:.7}", (number % 2) * 10, number as f64 * 1e-7)),
+    );
+    hold_the_laws("rapid and feed", &path("", |number| format!("G{} X{}", number % 2, (number % 2) * 10)));
+}
+
+#[test]
+fn arcs_of_every_size() {
+    hold_the_laws("full circles", &path_of(80, "", |_| "G2 I5 J0".to_string()));
+    // Few: the cost grows with the square of the blocks that fall into one filter delay, and all of these do.
+    hold_the_laws("circles of a nanometre", &path_of(10, "", |_| "G3 I0.000001 J0".to_string()));
+    hold_the_laws("circles of a kilometre", &path_of(80, "", |number| format!("G2 I1000000 J{number}")));
+    hold_the_laws(
+        "arcs that are almost lines",
+        &path_of(80, "", |number| format!("G2 X{} Y0 R1000000000", number as f64 * 0.001)),
+    );
+    hold_the_laws("arcs of no chord", &path_of(80, "", |_| "G2 X0 Y0 R1".to_string()));
+    hold_the_laws("helices", &path_of(80, "", |number| format!("G2 I1 Z{}", (number % 2) as f64 * 1e6)));
+}
+
+#[test]
+fn feedrates_of_every_size() {
+    hold_the_laws(
+        "feeds",
+        &path("", |number| {
+            let feed = ["0", "0.000000001", "1", "99999999999999999999", "-5", "3000"][number % 6];
+            format!("G1 X{} Y{} F{feed}", number, number % 2)
+        }),
+    );
+    hold_the_laws(
+        "inverse time",
+        &path("G93", |number| format!("G1 X{} F{}", number, [1e-3, 1e3, 1e9][number % 3])),
+    );
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let words = [
+        "NAN", "INF", "-INF", "1E400", "1e-400", "--1", "+-1", ".", "-", "#0", "[0/0]", "[1/0]", "[0-1/0]",
+        "SQRT[-1]", "LN[0]", "1.2.3", "0x10", "١", "1,5",
+    ];
+    for letter in ["X", "Y", "I", "R", "F", "P", "K", "S"] {
+        let program = path("", |number| {
+            let word = words[number % words.len()];
+            format!("G{} {letter}{word} X{}\n#1={word}\nG1 {letter}#1", number % 4, number % 3)
+        });
+        for (_, dialect, _) in Dialect::WORDS {
+            let machine = Machine::default();
+            let toolpath = trace(
+                &read_with(program.as_bytes(), &Options { dialect: Some(dialect), ..Options::default() }),
+                &machine,
+            );
+            borders::check_plan(&toolpath, &machine);
+        }
+    }
+}
+
+/// A program that asks for more than any machine could do is cut short and says so.
+fn ends_with_a_message(name: &str, dialect: Dialect, program: &str) -> Toolpath {
+    let start = Instant::now();
+    let options = Options { dialect: Some(dialect), ..Options::default() };
+    let toolpath = trace(&read_with(program.as_bytes(), &options), &Machine::default());
+    let said: Vec<&str> = toolpath
+        .diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.severity != Severity::Info)
+        .map(|diagnostic| diagnostic.message.as_str())
+        .collect();
+    assert!(
+        !said.is_empty(),
+        "{name}: {} moves of {} bytes, and nothing is said",
+        toolpath.segments.len(),
+        program.len()
+    );
+    assert!(toolpath.segments.len() <= 4_000_000, "{name}: {} moves", toolpath.segments.len());
+    assert!(start.elapsed() < Duration::from_secs(120), "{name}: {:?}", start.elapsed());
+    println!("{name}: {} moves in {:?}: {}", toolpath.segments.len(), start.elapsed(), said[0]);
+    toolpath
+}
+
+#[test]
+fn small_files_that_ask_for_endless_work_end_with_a_message() {
+    let nested = |open: &dyn Fn(usize) -> String, inside: &str, close: &dyn Fn(usize) -> String| {
+        let opened: String = (1..=5).map(open).collect();
+        let closed: String = (1..=5).rev().map(close).collect();
+        format!("{opened}{inside}{closed}M2\n")
+    };
+    let inside = "G91 G1 X1 F1000\nX-1\n";
+    ends_with_a_message(
+        "repeats of LinuxCNC",
+        Dialect::LinuxCnc,
+        &nested(&|o| format!("o{o} repeat [100000]\n"), inside, &|o| format!("o{o} endrepeat\n")),
+    );
+    ends_with_a_message(
+        "loops of macro B",
+        Dialect::Iso,
+        &nested(&|o| format!("#{o}=0\nWHILE [#{o} LT 99999] DO{o}\n"), inside, &|o| {
+            format!("#{o}=#{o}+1\nEND{o}\n")
+        }),
+    );
+    ends_with_a_message("a jump back", Dialect::Iso, "N10 G91 G1 X1 F1000\nX-1\nGOTO 10\nM30\n");
+    ends_with_a_message(
+        "loops of SINUMERIK",
+        Dialect::Siemens,
+        &nested(&|o| format!("FOR R{o}=1 TO 100000\n"), inside, &|_| "ENDFOR\n".to_string()),
+    );
+    ends_with_a_message(
+        "repeats of Klartext",
+        Dialect::Klartext,
+        &format!(
+            "0 BEGIN PGM A MM\n{}1 L IX+1 F1000\n{}9 END PGM A MM\n",
+            (1..=4).map(|label| format!("LBL {label}\n")).collect::<String>(),
+            (1..=4).rev().map(|label| format!("CALL LBL {label} REP 65534\n")).collect::<String>()
+        ),
+    );
+    ends_with_a_message(
+        "subprograms that call one another",
+        Dialect::Iso,
+        "O1\nM98 P2 L9999\nM30\nO2\nM98 P3 L9999\nM99\nO3\nG91 G1 X1 F1000\nX-1\nM99\n",
+    );
+    ends_with_a_message("a subprogram that calls itself", Dialect::Iso, "O1\nM98 P1\nM30\n");
+    ends_with_a_message(
+        "pecks of a nanometre",
+        Dialect::Iso,
+        "G99 G83 X0 Y0 Z-1000 R1 Q0.000001 F100\nX1\nX2\nM30\n",
+    );
+    ends_with_a_message(
+        "holes without end",
+        Dialect::LinuxCnc,
+        "G91 G81 X1 Y1 Z-1 R1 L2000000000 F100\nM2\n",
+    );
+}
+
+/// What a bounded program costs as a whole: the command gets no more address space than this.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_largest_of_small_files_needs_no_more_than_four_gigabytes() {
+    let folder =
+        std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("siege-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a writable folder");
+    let program = folder.join("endless.ngc");
+    std::fs::write(&program,
+        "o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n",
+    )
+        .expect("a writable folder");
+    let machine = folder.join("m.toml");
+    std::fs::write(&machine, truefeed::project::toml_from_machine(&Machine::default()))
+        .expect("a writable folder");
+    let limited = format!(
+        "ulimit -v 4000000; exec '{}' predict '{}' --machine '{}' --tolerance 0.01 --json",
+        env!("CARGO_BIN_EXE_truefeed"),
+        program.display(),
+        machine.display()
+    );
+    let output = std::process::Command::new("sh").args(["-c", &limited]).output().expect("a shell");
+    let _ = std::fs::remove_dir_all(&folder);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(json["diagnostics"].as_array().is_some_and(|said| !said.is_empty()), "nothing is said");
+    assert!(json["runs"][0]["cycle_time_s"].as_f64().is_some_and(|time| 1000.0 < time));
+}

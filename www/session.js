@@ -1,0 +1,107 @@
+// What a tab has open, kept in the browser, so that a reload or a crash in mid-work loses nothing: programs and recordings as
+// files, which of them is in sight, and how they are read. Settings are kept apart (settings.js).
+//
+// sessionStorage outlives a reload and not the tab, so it holds the name of the tab, and IndexedDB the files under it. No other
+// tab sees them. What a closed tab left behind is thrown away when the page is next opened after a day: nothing tells a tab that
+// is closed from one that the browser will bring back.
+
+/** @import { State } from "./types.js" */
+
+const KEY = 'truefeed.tab'
+const STORE = 'tabs'
+const KEPT_MS = 24 * 3600 * 1000
+
+/** The page does not wait longer for what it had open. */
+const PATIENCE_MS = 3000
+
+/** More is not kept, bytes: the browser's room is the user's. */
+const MOST = 1_000_000_000
+
+/** @typedef {{id: number, name: string, file: Blob, dialect: string | null}} KeptProgram */
+/** @typedef {{id: number, name: string, bytes: Uint8Array, program: number | null, used: boolean}} KeptRecording */
+/** @typedef {{saved: number, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null}} Session */
+
+/** @returns {Promise<IDBDatabase>} */
+function open() {
+  return new Promise((resolve, reject) => {
+    const asked = indexedDB.open('truefeed', 1)
+    asked.onupgradeneeded = () => asked.result.createObjectStore(STORE)
+    asked.onsuccess = () => resolve(asked.result)
+    asked.onerror = () => reject(asked.error)
+  })
+}
+
+/** @template T @param {IDBRequest<T>} asked @returns {Promise<T>} */
+const answer = (asked) =>
+  new Promise((resolve, reject) => {
+    asked.onsuccess = () => resolve(asked.result)
+    asked.onerror = () => reject(asked.error)
+  })
+
+/** The name of this tab. */
+function tab() {
+  const name = sessionStorage.getItem(KEY) ?? crypto.randomUUID()
+  sessionStorage.setItem(KEY, name)
+  return name
+}
+
+/** @returns {Session} */
+const nothing = () => ({ saved: 0, programs: [], recordings: [], selected: null, recording: null })
+
+/** What this tab had open; nothing where the browser keeps nothing, or takes too long. @returns {Promise<Session>} */
+export function loadSession() {
+  const patience = new Promise((resolve) => setTimeout(() => resolve(nothing()), PATIENCE_MS))
+  return Promise.race([load(), /** @type {Promise<Session>} */ (patience)])
+}
+
+/** @returns {Promise<Session>} */
+async function load() {
+  try {
+    const database = await open()
+    const store = database.transaction(STORE, 'readwrite').objectStore(STORE)
+    const own = tab()
+    const found = /** @type {Session | undefined} */ (await answer(store.get(own)))
+    const others = await answer(store.getAllKeys())
+    for (const key of others) {
+      const other = key === own ? undefined : await answer(store.get(key))
+      if (other && !(Date.now() - other.saved < KEPT_MS)) store.delete(key)
+    }
+    database.close()
+    return found ?? nothing()
+  } catch {
+    return nothing()
+  }
+}
+
+/** What was saved last: files are written again only where something about them changed. */
+let last = ''
+let saving = Promise.resolve()
+
+/** Keeps what is open, after what is being kept already. @param {State} state */
+export function saveSession(state) {
+  const programs = state.programs.map(({ id, name, file, dialect }) => ({ id, name, file, dialect }))
+  const recordings = state.recordings.map(({ id, name, bytes, program, used }) => ({ id, name, bytes, program, used }))
+  const { selected, recording } = state
+  const standing = JSON.stringify([
+    programs.map(({ id, dialect }) => [id, dialect]),
+    recordings.map(({ id, program, used }) => [id, program, used]),
+    selected,
+    recording,
+  ])
+  if (standing === last) return
+  last = standing
+  const size = programs.reduce((sum, { file }) => sum + file.size, 0) + recordings.reduce((sum, { bytes }) => sum + bytes.length, 0)
+  const session = size <= MOST ? { programs, recordings } : { programs: [], recordings: [] }
+  saving = saving.then(() => put({ saved: Date.now(), ...session, selected, recording }))
+}
+
+/** @param {Session} session */
+async function put(session) {
+  try {
+    const database = await open()
+    await answer(database.transaction(STORE, 'readwrite').objectStore(STORE).put(session, tab()))
+    database.close()
+  } catch {
+    // A browser that keeps nothing still computes.
+  }
+}
