@@ -26,12 +26,14 @@ mod panel;
 pub mod path;
 mod svg;
 mod theme;
+mod tolerances;
 mod view;
 
 pub use draw::draw;
 pub use loads::{LoadChart, LoadCurves, draw_loads};
-pub use svg::{svg, svg_of_loads, svg_of_view};
+pub use svg::{svg, svg_of_loads, svg_of_tolerances, svg_of_view};
 pub use theme::{PALETTE, Theme};
+pub use tolerances::{Mark, TimeCurve, ToleranceChart, ToleranceFrame, curve_tolerances, draw_tolerances};
 pub use view::{Frame, View};
 
 use crate::machine::Machine;
