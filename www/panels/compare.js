@@ -128,10 +128,12 @@ export function mount(root, engine, form, actions) {
     const outcome = program?.outcome
     const own = asked(now.machine.values)
     if (!program || !outcome || !own || outcome.motion !== own.motion) {
-      root.classList.add('stale')
+      root.classList.toggle('stale', Boolean(outcome))
+      // Nothing of another program stays in sight.
+      root.classList.toggle('bare', !outcome)
       return times.stop()
     }
-    root.classList.remove('stale')
+    root.classList.remove('stale', 'bare')
     const columns = columnsOf(now, outcome)
     const known = times.of(program, own)
     for (const [column, { summary }] of outcome.runs) known.set(column, summary.cycle_time_s)

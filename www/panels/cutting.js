@@ -3,7 +3,7 @@
 
 import { LoadPicture, exampleCutting } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, scroll } from '../dom.js'
 import { Ended } from '../engine.js'
 import { feedrate, figures, number, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
@@ -337,8 +337,8 @@ function materialsTable(materials) {
 
 /** @param {string[]} titles @param {HTMLElement[]} rows @param {string} [caption] */
 function table(titles, rows, caption) {
-  const head = titles.map((title) => make('th', { scope: 'col' }, title))
+  const head = titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {})))
   const title = caption ? [make('caption', {}, caption)] : []
   const body = make('table', {}, ...title, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
-  return make('div', { className: 'scroll' }, body)
+  return scroll(body)
 }

@@ -26,6 +26,8 @@ export function mount(root, dialects, actions) {
   dialect.append(automatic, ...dialects.map(({ word, name }) => make('option', { value: word }, name)))
   /** @type {number | null} */
   let selected = null
+  /** @type {Program[]} */
+  let programs = []
   dialect.addEventListener('change', () => {
     if (selected !== null) actions.setDialect(selected, dialect.value || null)
   })
@@ -48,6 +50,10 @@ export function mount(root, dialects, actions) {
   find(undo, 'button').addEventListener('click', () => {
     undo.hidden = true
     putBack()
+  })
+  find(root, '.remove-selected').addEventListener('click', () => {
+    const program = programs.find(({ id }) => id === selected)
+    if (program) remove(program)
   })
   acceptDrops(actions)
 
@@ -89,7 +95,9 @@ export function mount(root, dialects, actions) {
       next.focus()
     })
     const removal = make('button', { type: 'button', className: 'remove', title: 'Remove' }, '×')
-    removal.setAttribute('aria-label', `Remove ${program.name}`)
+    // A list of tabs holds nothing else: this is for the pointer, Delete and the button below are for everyone.
+    removal.setAttribute('aria-hidden', 'true')
+    removal.tabIndex = -1
     removal.addEventListener('click', () => remove(program))
     return { item: make('li', { role: 'presentation' }, choose, removal), choose, about }
   }
@@ -97,7 +105,8 @@ export function mount(root, dialects, actions) {
   return {
     /** @param {State} state */
     update(state) {
-      const current = state.programs.find(({ id }) => id === state.selected)
+      programs = state.programs
+      const current = programs.find(({ id }) => id === state.selected)
       selected = current?.id ?? null
       const found = dialects.find(({ word }) => word === current?.outcome?.summary.dialect)
       if (!current?.dialect) automatic.textContent = found ? `Automatic: ${found.name}` : 'Automatic'

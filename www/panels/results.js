@@ -2,7 +2,7 @@
 
 import { deviationLabel, price, toleranceLabel } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, scroll } from '../dom.js'
 import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
 
 /** @import { Column, Form, Held, Outcome, Place, RunSummary, State, Value } from "../types.js" */
@@ -141,7 +141,7 @@ function table(outcome, columns, machine) {
     return make('tr', { className: column === null ? 'programmed' : '' }, label, ...cells.map((cell) => make('td', {}, cell)))
   })
   const table = make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows))
-  return make('div', { className: 'scroll' }, table)
+  return scroll(table)
 }
 
 /** @param {boolean} priced @returns {[string, number][]} */
