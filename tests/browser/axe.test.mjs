@@ -5,6 +5,7 @@ import { createRequire } from 'node:module'
 import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
 import { test } from 'node:test'
+import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
 import { openPage } from './harness.mjs'
 import { computed, pageTest, ROOT } from './steps.mjs'
 
@@ -86,14 +87,29 @@ for (const scheme of ['light', 'dark']) {
   })
 }
 
-test('the frame has no fault', { timeout: 60_000 }, async () => {
-  const opened = await openPage({ path: '/embed.html' })
+test('components on a page, and a frame in a portal of another origin, have no fault', { timeout: 120_000 }, async () => {
+  const [opened, plain, portal] = await Promise.all([openPage({ path: '/embed.html' }), servePlainPage(), servePortal()])
+  const { page } = opened
+  const { look, done } = looker(page)
   try {
-    await opened.page.waitForSelector('#refusal:not([hidden]), truefeed-quote')
-    const { look, done } = looker(opened.page)
-    await look('frame')
+    await page.waitForSelector('#refusal:not([hidden])')
+    await look('the frame on its own')
+    for (const scheme of ['light', 'dark']) {
+      await page.emulateMedia({ colorScheme: scheme })
+      await page.goto(`${plain.origin}/page.html`)
+      await page.waitForFunction(() => document.querySelector('#first').quote)
+      await look(`two components, ${scheme}`)
+      await page.goto(`${portal.origin}/portal.html?truefeed=${plain.origin}`)
+      const frame = await page.waitForSelector('iframe').then((element) => element.contentFrame())
+      await page.waitForFunction(() => document.querySelector('#said').textContent.includes('Ready'))
+      await page.click('button')
+      await frame.waitForFunction(() => document.querySelector('truefeed-quote')?.quote)
+      const inFrame = looker(frame)
+      await inFrame.look(`the frame, ${scheme}`)
+      inFrame.done()
+    }
     done()
   } finally {
-    await opened.close()
+    await Promise.all([opened.close(), plain.close(), portal.close()])
   }
 })

@@ -47,7 +47,7 @@ export function mount(root, engine, form, actions) {
   let at = NaN
   let frame = 0
 
-  offerPictures(find(root, '.tools'), 'tolerances', 'the cycle time over the tolerance', () => picture?.svg(plot.clientWidth, plot.clientHeight))
+  offerPictures(find(root, '.tools'), 'tolerances', 'the cycle time over the tolerance', () => picture?.svg(canvas.clientWidth, canvas.clientHeight))
   beside.addEventListener('change', () => actions.setBeside(beside.value === '' ? null : Number(beside.value)))
   stop.addEventListener('click', () => {
     const running = stopped === ''
@@ -109,7 +109,7 @@ export function mount(root, engine, form, actions) {
   function draw() {
     frame ||= requestAnimationFrame(() => {
       frame = 0
-      const { clientWidth: width, clientHeight: height } = plot
+      const { clientWidth: width, clientHeight: height } = canvas
       if (!picture || !width || !height) return
       picture.draw(canvas, width, height, Math.max(window.devicePixelRatio, LEAST_RATIO), dark.matches)
     })
@@ -199,7 +199,8 @@ export function mount(root, engine, form, actions) {
       make(
         'tbody',
         {},
-        row('Cycle time', ({ time = 0 }) => `${clock(time)} (${seconds(time)})`, 'time'),
+        row('Cycle time', ({ time = 0 }) => clock(time), 'time'),
+        row('In seconds', ({ time = 0 }) => seconds(time)),
         row('Difference', against((by) => difference(by))),
         row('Difference in %', against((by, from) => percent(by / from))),
         ...(prices.some((amount) => amount > 0) ? [row('Price of the cycle', (_, index) => money(prices[index]), 'price')] : []),
