@@ -108,7 +108,8 @@ export const actions = {
     const added = state.programs[state.programs.length - files.length]
     state.selected = added?.id ?? state.selected
     for (const recording of state.recordings) recording.program ??= pairs(recording.name, state)
-    changed()
+    // Nobody types: there is nothing to wait for.
+    changed(0)
   },
   /** @param {{name: string, bytes: Uint8Array}[]} files */
   addRecordings(files) {
@@ -456,15 +457,15 @@ function replaceKept(index, preset) {
   }
 }
 
-/** Something that results depend on has changed: shows it at once, and computes when it has settled. */
-function changed() {
+/** Something that results depend on has changed: shows it at once, and computes when it has settled. @param {number} settles  ms */
+function changed(settles = DEBOUNCE_MS) {
   state.paused = false
   failure.hidden = true
   history.note(snapshot())
   remember()
   update()
   clearTimeout(timer)
-  timer = window.setTimeout(work, DEBOUNCE_MS)
+  timer = window.setTimeout(work, settles)
 }
 
 /** Keeps the settings for the next visit. */
