@@ -18,6 +18,7 @@ mod offered;
 mod quoted;
 mod recorded;
 mod text;
+mod tolerances;
 
 use wasm_bindgen::prelude::*;
 

@@ -26,3 +26,11 @@ export function make(name, properties, ...children) {
   element.append(...children)
   return element
 }
+
+/** A wide table that scrolls in itself, by keys as well. @param {HTMLTableElement} table */
+export function scroll(table) {
+  const element = make('div', { className: 'scroll', tabIndex: 0 }, table)
+  element.setAttribute('role', 'group')
+  element.setAttribute('aria-label', table.caption?.textContent || 'Table')
+  return element
+}

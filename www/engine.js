@@ -18,6 +18,7 @@
 /** @typedef {{machine: string, runs: {name: string, program: Blob | Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
 /** @typedef {{program: Blob | Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
+/** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, columns: Column[]}} TimesOverRequest */
 /** @typedef {{program: Blob | Uint8Array, request: string}} QuoteRequest  the request as JSON */
 /** @typedef {(text: string, part: number) => void} Stage */
 
@@ -108,6 +109,11 @@ export class Engine {
     return this.#result('cycleTimes', request, () => {})
   }
 
+  /** Cycle times (s) of a program by tolerance, one after the other. @param {TimesOverRequest} request @param {(column: Column, time: number) => void} heard */
+  async timesOver(request, heard) {
+    await this.#run('timesOver', request, ({ column, time }) => heard(column, time))
+  }
+
   /** Cuts the stock of a job with a program. @param {CutRequest} request @param {Stage} stage @returns {Promise<CutResult>} */
   cut(request, stage) {
     return this.#result('cut', request, stage)
@@ -181,6 +187,11 @@ export class Engine {
   /** Ends what is running, if anything is. */
   cancel() {
     if (this.#reject) this.#end('cancelled', 'cancelled')
+  }
+
+  /** Ends the worker, whatever it does, and gives its memory back. */
+  end() {
+    this.#end('cancelled', 'cancelled')
   }
 
   /** @param {"cancelled" | "died" | "failed"} kind @param {string} message */

@@ -2,6 +2,7 @@
 // allowed is for Rust to say.
 
 import { make } from './dom.js'
+import { parsed, typed as shown } from './format.js'
 
 /** @import { Parameter, Value } from "./types.js" */
 
@@ -82,7 +83,8 @@ function typed(kind, control) {
   if (kind === 'number') return numberOr(written)
   if (kind === 'list') return /** @type {number[]} */ (written.split(/[;\s]+|,\s+/).filter(Boolean).map(numberOr))
   if (kind === 'codes' || kind === 'tools') {
-    const pairs = written.split(/[;,]/).map((pair) => pair.split('=').map((part) => part.trim()))
+    // A comma parts entries only where another one follows it; else it is a decimal comma.
+    const pairs = written.split(/;|,(?=[^;,=]*=)/).map((pair) => pair.split('=').map((part) => part.trim()))
     return /** @type {Record<string, number>} */ (
       Object.fromEntries(pairs.filter(([code]) => code).map(([code, time]) => [code, numberOr(time ?? '')]))
     )
@@ -92,25 +94,23 @@ function typed(kind, control) {
 
 /** A number where the text is one; Rust complains about any other text. @param {string} written */
 function numberOr(written) {
-  const number = Number(written.replace(',', '.'))
-  return written !== '' && Number.isFinite(number) ? number : written
+  const number = parsed(written)
+  return Number.isFinite(number) ? number : written
 }
 
 /** @param {Value} value */
 function text(value) {
   if (value === null) return ''
-  if (Array.isArray(value)) return value.join('; ')
+  if (Array.isArray(value)) return value.map(entry).join('; ')
   if (typeof value === 'object')
     return Object.entries(value)
-      .map(([code, time]) => `${code} = ${time}`)
+      .map(([code, time]) => `${code} = ${entry(time)}`)
       .join('; ')
   return typeof value === 'number' ? shown(value) : String(value)
 }
 
-/** @param {number} value */
-function shown(value) {
-  return String(Number(value.toPrecision(12)))
-}
+/** One of several; what is no number yet stays as it was typed. @param {unknown} value */
+const entry = (value) => (typeof value === 'number' ? shown(value) : String(value))
 
 /** Whether two values are the same, an empty field and none among them. @param {unknown} a @param {unknown} b */
 export function same(a, b) {

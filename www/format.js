@@ -1,12 +1,17 @@
-// Numbers and durations as people read them.
+// Numbers and durations as people read them: texts are English, numbers are written as the browser's language does.
+
+/** With the digits 0 to 9, which the charts have and all inputs take. */
+const LOCALE = new Intl.Locale(navigator.language || 'en', { numberingSystem: 'latn' })
 
 const decimals = (/** @type {number} */ count) =>
-  new Intl.NumberFormat('en', { minimumFractionDigits: count, maximumFractionDigits: count })
+  new Intl.NumberFormat(LOCALE, { minimumFractionDigits: count, maximumFractionDigits: count })
 
 const none = decimals(0)
 const one = decimals(1)
 const two = decimals(2)
-const sizes = new Intl.NumberFormat('en', { style: 'unit', unit: 'kilobyte', maximumSignificantDigits: 3 })
+const four = new Intl.NumberFormat(LOCALE, { maximumSignificantDigits: 4 })
+const plain = new Intl.NumberFormat(LOCALE, { maximumSignificantDigits: 12, useGrouping: false })
+const sizes = new Intl.NumberFormat(LOCALE, { style: 'unit', unit: 'kilobyte', maximumSignificantDigits: 3 })
 
 /** A duration as h:mm:ss. @param {number} seconds */
 export function clock(seconds) {
@@ -57,3 +62,15 @@ export const count = (value) => none.format(value)
 
 /** The size of a file. @param {number} bytes */
 export const size = (bytes) => sizes.format(Math.max(bytes, 1) / 1000)
+
+/** A number in four figures. @param {number} value */
+export const figures = (value) => four.format(value)
+
+/** A number as it is typed: all its digits, none set apart. @param {number} value */
+export const typed = (value) => plain.format(value)
+
+/** What an input says, as a number; NaN where it is none. A comma is a decimal comma: inputs set no digits apart. @param {string} written */
+export function parsed(written) {
+  const text = written.trim().replace(',', '.').replace('−', '-')
+  return text === '' ? NaN : Number(text)
+}

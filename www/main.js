@@ -21,11 +21,14 @@ import { confinedWorker } from './confined.js'
 import { compiledModule, compiledOnce } from './embed/module.js'
 import { Ended, Engine } from './engine.js'
 import { linesOf } from './lines.js'
+import { History } from './history.js'
 import { freeName, keptMachine, loadMachines, saveMachines } from './machines.js'
 import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
+import * as comparePanel from './panels/compare.js'
 import * as cuttingPanel from './panels/cutting.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
+import * as historyPanel from './panels/history.js'
 import * as machinePanel from './panels/machine.js'
 import * as pathPanel from './panels/path.js'
 import * as programPanel from './panels/program.js'
@@ -89,10 +92,12 @@ const state = {
   diagnosing: false,
   cut: null,
   sample: null,
+  beside: null,
   progress: null,
   paused: false,
 }
 
+const history = new History(snapshot())
 let nextId = Math.max(0, ...[...state.programs, ...state.recordings].map(({ id }) => id)) + 1
 let timer = 0
 
@@ -106,7 +111,8 @@ export const actions = {
     const added = state.programs[state.programs.length - files.length]
     state.selected = added?.id ?? state.selected
     for (const recording of state.recordings) recording.program ??= pairs(recording.name, state)
-    changed()
+    // Nobody types: there is nothing to wait for.
+    changed(0)
   },
   /** @param {{name: string, bytes: Uint8Array}[]} files */
   addRecordings(files) {
@@ -252,6 +258,7 @@ export const actions = {
   /** Terms change no motion. @param {string} key @param {Value} value */
   setTerm(key, value) {
     state.terms = filledTerms({ ...state.terms.values, [key]: value })
+    history.note(snapshot())
     remember()
     update()
   },
@@ -327,6 +334,24 @@ export const actions = {
     state.tolerances = [...tolerances].sort((a, b) => a - b)
     changed()
   },
+  /** Adds a tolerance that was pointed at, or says why not. @param {number} tolerance  mm */
+  addTolerance(tolerance) {
+    tolerances.choose(tolerance)
+  },
+  /** Shows another machine beside that of the form, or none. @param {number | null} preset */
+  setBeside(preset) {
+    state.beside = preset
+    history.note(snapshot())
+    update()
+  },
+  /** Takes the last change back. */
+  undo() {
+    restore(history.undo())
+  },
+  /** Makes the change that was taken back again. */
+  redo() {
+    restore(history.redo())
+  },
   /** Shows the program's own tolerances, or not. @param {boolean} shown */
   setProgrammed(shown) {
     state.programmed = shown
@@ -348,6 +373,29 @@ export const actions = {
     state.paused = false
     changed()
   },
+}
+
+/** All that a user changes, as it is now. @returns {import("./history.js").Snapshot} */
+function snapshot() {
+  const { programs, selected, recordings, machine, tolerances, programmed, terms, beside } = state
+  const { preset, values } = machine
+  return { programs: [...programs], selected, recordings: [...recordings], preset, values, tolerances, programmed, terms: terms.values, beside }
+}
+
+/** Puts all that a user changes back. @param {import("./history.js").Snapshot | undefined} all */
+function restore(all) {
+  if (!all) return
+  const { preset, values } = all
+  state.programs = [...all.programs]
+  state.recordings = [...all.recordings]
+  const isThere = (/** @type {number | null} */ id) => state.programs.some((program) => program.id === id)
+  if (!isThere(state.selected)) state.selected = isThere(all.selected) ? all.selected : (state.programs[0]?.id ?? null)
+  state.tolerances = [...all.tolerances]
+  state.programmed = all.programmed
+  state.terms = filledTerms(all.terms)
+  state.beside = all.beside
+  if (state.progress?.program && !isThere(state.progress.program)) engine.cancel()
+  actions.setMachine(preset, values)
 }
 
 /** What is in the form now. @returns {import("./types.js").Before} */
@@ -412,14 +460,15 @@ function replaceKept(index, preset) {
   }
 }
 
-/** Something that results depend on has changed: shows it at once, and computes when it has settled. */
-function changed() {
+/** Something that results depend on has changed: shows it at once, and computes when it has settled. @param {number} settles  ms */
+function changed(settles = DEBOUNCE_MS) {
   state.paused = false
   failure.hidden = true
+  history.note(snapshot())
   remember()
   update()
   clearTimeout(timer)
-  timer = window.setTimeout(work, DEBOUNCE_MS)
+  timer = window.setTimeout(work, settles)
 }
 
 /** Keeps the settings for the next visit. */
@@ -604,13 +653,16 @@ const chart = chartPanel.mount(element('chart'))
 const path = pathPanel.mount(element('path'), actions)
 const exchange = settingsPanel.mount(element('settings'), element('notice'), actions)
 const recordings = recordingPanel.mount(element('recording'), actions)
+const tolerances = tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions)
 const panels = [
   progress,
+  historyPanel.mount(element('history'), history, actions),
   programPanel.mount(element('program'), JSON.parse(dialects()), actions),
   machinePanel.mount(element('machine'), form, actions),
-  tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions),
+  tolerances,
   resultsPanel.mount(element('results'), form, actions),
   chart,
+  comparePanel.mount(element('compare'), new Engine(module, confinedWorker), form, actions),
   path,
   recordings,
   calibrationPanel.mount(element('calibration'), actions),

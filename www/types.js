@@ -293,6 +293,7 @@
  * @property {boolean} diagnosing  a diagnosis was asked for and is not there yet
  * @property {Cut | null} cut  the last one that was computed
  * @property {Before | null} sample  what was in the form before the sample's machine
+ * @property {number | null} beside  the machine to begin with that is compared with; null: none
  * @property {Progress | null} progress
  * @property {boolean} paused  the user cancelled; nothing runs until something changes
  */

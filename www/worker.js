@@ -11,9 +11,9 @@ import init, {
   toleranceLabel,
 } from './pkg/truefeed.js'
 
-/** @import { CalibrateRequest, CompareRequest, CutRequest, QuoteRequest, SimulateRequest, TimesRequest } from "./engine.js" */
+/** @import { CalibrateRequest, CompareRequest, CutRequest, QuoteRequest, SimulateRequest, TimesOverRequest, TimesRequest } from "./engine.js" */
 
-const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, cut, quote }
+const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, timesOver, cut, quote }
 const MATCHED = /** @type {const} */ ([
   'recordedDistance',
   'recordedFeedrate',
@@ -142,6 +142,13 @@ const stageAt = (part) => (part < 1 ? 'Diagnosing: trying what could have been l
 async function cycleTimes({ program, dialect, machines }) {
   const bytes = await bytesOf(program)
   post({ type: 'times', times: machines.map((machine) => cycleTime(bytes, machine, dialect ?? undefined)) }, [])
+}
+
+/** @param {TimesOverRequest} request */
+async function timesOver({ program, machine, dialect, columns }) {
+  const job = new Job(await textOf(program), machine, dialect ?? undefined)
+  for (const column of columns) post({ type: 'time', column, time: job.cycleTime(column ?? undefined) }, [])
+  job.free()
 }
 
 /** All runs of a machine, read. @param {string} machine @param {CalibrateRequest["runs"]} runs @param {number} of */

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::plot::feed_panel::{self, programmed_width};
-use crate::plot::panel::{FONT, FONT_SIZE, Look, grouped};
+use crate::plot::panel::{Borders, FONT, FONT_SIZE, Look, grouped};
 use crate::plot::{FeedChart, Frame, Theme, View, error_panel, lost_panel};
 use crate::units::mm_per_min;
 
@@ -15,6 +15,9 @@ pub(crate) type Failure<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorTy
 
 /// Part of the height below the legend that the feedrates take.
 const FEED_PART: f64 = 0.6;
+
+/// The same where every curve has a panel of its own.
+const STACKED_PART: f64 = 0.75;
 
 /// Draws a chart over the whole of a backend and returns where the data lies on it.
 pub fn draw<B: DrawingBackend>(
@@ -32,14 +35,34 @@ pub fn draw<B: DrawingBackend>(
     root.fill(&theme.background)?;
     let legend = draw_legend(chart, &look, &root)?;
     let (_, body) = root.split_vertically(legend);
-    let (upper, lower) = body.split_vertically((FEED_PART * f64::from(body.dim_in_pixel().1)).round() as u32);
-    let feed = feed_panel::draw(chart, view, &look, &upper)?;
+    let part = if chart.stacked { STACKED_PART } else { FEED_PART };
+    let (upper, lower) = body.split_vertically((part * f64::from(body.dim_in_pixel().1)).round() as u32);
+    let (feed, pitch) = draw_feedrates(chart, view, &look, &upper)?;
     let below = match &chart.lost {
         None => error_panel::draw(chart, view, &look, &lower)?,
         Some(lost) => lost_panel::draw(chart, lost, view, &look, &lower)?,
     };
     root.present()?;
-    Ok(Frame { view, x: feed.x, y: feed.y, errors_y: below.y })
+    Ok(Frame { view, x: feed.x, y: feed.y, pitch, errors_y: below.y })
+}
+
+/// Draws the feedrates in one panel or in one each; where the first lies and how far the next is below it, pixels.
+fn draw_feedrates<B: DrawingBackend>(
+    chart: &FeedChart,
+    view: View,
+    look: &Look,
+    area: &DrawingArea<B, Shift>,
+) -> Result<(Borders, f64), Failure<B>> {
+    if !chart.stacked || chart.curves.len() < 2 {
+        return Ok((feed_panel::draw(chart, None, view, look, area)?, 0.0));
+    }
+    let panels = area.split_evenly((chart.curves.len(), 1));
+    let mut borders = Vec::new();
+    for (index, panel) in panels.iter().enumerate() {
+        borders.push(feed_panel::draw(chart, Some(index), view, look, panel)?);
+    }
+    let pitch = borders[1].y.0 - borders[0].y.0;
+    Ok((borders.swap_remove(0), pitch))
 }
 
 /// Draws the names of what is shown in rows at the top; returns their height in pixels.
@@ -98,12 +121,12 @@ mod tests {
             distance: vec![0.0, 10.0, 20.0, 59.0, 60.0, 61.0, 100.0],
             feedrate: vec![0.0, 500.0, 20.0, 20.0, dip, 30.0, 0.0],
             time: vec![0.0, 1.0, 2.0, 4.0, 4.1, 4.2, 6.0],
+            ends: Vec::new(),
         };
         FeedChart {
             programmed,
             curves: vec![curve("10 µm", 0.01, 4.0), curve("20 µm", 0.02, 9.0)],
-            lost: None,
-            lost_after: None,
+            ..FeedChart::default()
         }
     }
 
@@ -186,6 +209,24 @@ mod tests {
         // The wait of 4 s is the whole height between the lowest and the highest point.
         let wait = rows.iter().filter(|(x, _)| (x - frame.x_of(50.0)).abs() <= 1.0);
         assert!(wait.clone().any(|&(_, y)| y == highest) && wait.clone().any(|&(_, y)| y == lowest));
+    }
+
+    #[test]
+    fn stacked_curves_have_panels_one_below_the_other() {
+        let stacked = FeedChart { stacked: true, ..chart() };
+        let (text, frame) = svg_of(&stacked, stacked.full_view(false));
+        assert!(text.contains("Contour error (µm)") && text.matches("mm/min").count() == 2);
+        assert!(frame.y.1 - frame.y.0 < frame.pitch);
+        for (index, color) in ["#0072B2", "#D55E00"].into_iter().enumerate() {
+            let rows = points_of(&text, color).map(|(_, y)| y).filter(|&y| y < frame.errors_y.0 - 5.0);
+            let (top, bottom) =
+                (frame.y.0 + index as f64 * frame.pitch, frame.y.1 + index as f64 * frame.pitch);
+            let rows: Vec<f64> = rows.collect();
+            assert!(
+                2 <= rows.len() && rows.iter().all(|y| (top - 2.0..=bottom + 2.0).contains(y)),
+                "{color} {rows:?}"
+            );
+        }
     }
 
     #[test]

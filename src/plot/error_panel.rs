@@ -30,7 +30,7 @@ pub(crate) fn draw<B: DrawingBackend>(
 ) -> Result<Borders, Failure<B>> {
     let axes = |top: f64| Axes {
         distance: view.distance,
-        distance_title: Some("Distance along the path (mm)"),
+        distance_title: Some(chart.abscissa.title()),
         value: (0.0, top),
         value_title: "Contour error (µm)",
     };

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use crate::plot::decimate::{clipped, decimated};
 use crate::plot::draw::Failure;
 use crate::plot::panel::{Axes, Borders, Look, borders};
-use crate::plot::{FeedChart, View};
+use crate::plot::{Abscissa, FeedChart, View};
 use crate::units::mm_per_min;
 
 /// Width of the programmed steps, points.
@@ -20,17 +20,18 @@ pub(crate) fn programmed_width(chart: &FeedChart) -> f64 {
     if chart.lost.is_some() { PROGRAMMED_WIDTH_BESIDE } else { PROGRAMMED_WIDTH }
 }
 
-/// Draws the feedrates of a chart on an area.
+/// Draws the feedrates of a chart on an area, or one of them, by its index.
 pub(crate) fn draw<B: DrawingBackend>(
     chart: &FeedChart,
+    only: Option<usize>,
     view: View,
     look: &Look,
     area: &DrawingArea<B, Shift>,
 ) -> Result<Borders, Failure<B>> {
     let theme = &look.theme;
     let feed = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
-    let axes =
-        Axes { distance: view.distance, distance_title: None, value: feed, value_title: "Feedrate (mm/min)" };
+    let value_title = if only.is_some() { "mm/min" } else { "Feedrate (mm/min)" };
+    let axes = Axes { distance: view.distance, distance_title: None, value: feed, value_title };
     let mut context = look.panel(area, &axes)?;
     let borders = borders(&context);
     let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
@@ -47,7 +48,9 @@ pub(crate) fn draw<B: DrawingBackend>(
     };
     let programmed = programmed_steps(chart, view, columns);
     line(&programmed, theme.programmed.stroke_width(look.points(programmed_width(chart))))?;
-    let mut curves: Vec<_> = chart.curves.iter().zip(theme.curves.iter().cycle()).collect();
+    let all = chart.curves.iter().zip(theme.curves.iter().cycle()).enumerate();
+    let mut curves: Vec<_> =
+        all.filter(|(index, _)| only.is_none_or(|own| own == *index)).map(|(_, shown)| shown).collect();
     if chart.lost.is_some() {
         // What was recorded lies over what was simulated.
         curves.reverse();
@@ -64,6 +67,10 @@ pub(crate) fn rapid_stretches(chart: &FeedChart, view: View, columns: usize) -> 
     let (low, high) = view.distance;
     let pixel = (high - low) / columns as f64;
     let mut stretches: Vec<(f64, f64)> = Vec::new();
+    if chart.abscissa == Abscissa::Time {
+        // Each curve has its rapids at other times.
+        return stretches;
+    }
     for index in chart.programmed.within(view.distance).filter(|&index| chart.programmed.rapid[index]) {
         let (from, to) = (chart.programmed.start(index).max(low), chart.programmed.end[index].min(high));
         match stretches.last_mut() {

@@ -12,6 +12,8 @@
 //! Beside a recording the curves are the recorded and the simulated feedrate, and the lower panel shows
 //! the time the recorded machine lost since the start, s, instead of the contour error.
 //!
+//! The same curves can be drawn over time (`over_time`), and each in a panel of its own.
+//!
 //! What is drawn is decimated to the pixel columns of the picture (`decimate`), so that a
 //! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its
 //! [`Frame`], which turns pixels into data and back.
@@ -22,16 +24,19 @@ mod error_panel;
 mod feed_panel;
 mod loads;
 mod lost_panel;
+mod over_time;
 mod panel;
 pub mod path;
 mod svg;
 mod theme;
+mod tolerances;
 mod view;
 
 pub use draw::draw;
 pub use loads::{LoadChart, LoadCurves, draw_loads};
-pub use svg::{svg, svg_of_loads, svg_of_view};
+pub use svg::{svg, svg_of_loads, svg_of_tolerances, svg_of_view};
 pub use theme::{PALETTE, Theme};
+pub use tolerances::{Mark, TimeCurve, ToleranceChart, ToleranceFrame, curve_tolerances, draw_tolerances};
 pub use view::{Frame, View};
 
 use crate::machine::Machine;
@@ -50,6 +55,30 @@ pub struct FeedChart {
     /// The same against a machine that was changed since, drawn over it; the curves then are those of the
     /// recording, of the machine before, and of the machine after.
     pub lost_after: Option<LostTime>,
+    /// What the curves are drawn over.
+    pub abscissa: Abscissa,
+    /// Every curve in a panel of its own instead of all in one.
+    pub stacked: bool,
+}
+
+/// What curves are drawn over.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Abscissa {
+    /// Distance along the programmed path, mm.
+    #[default]
+    Distance,
+    /// Time since the start, s, as in [`FeedChart::over_time`].
+    Time,
+}
+
+impl Abscissa {
+    /// Its name on the axis.
+    fn title(self) -> &'static str {
+        match self {
+            Abscissa::Distance => "Distance along the path (mm)",
+            Abscissa::Time => "Time since the start (s)",
+        }
+    }
 }
 
 /// How much later a recorded machine is than the simulated one, over distance, straight lines between
@@ -90,6 +119,8 @@ pub struct Curve {
     pub tolerances: Vec<Stretch>,
     /// Contour errors, one entry a segment of the programmed steps; empty where they are unknown.
     pub errors: ContourErrors,
+    /// Where segments end on the abscissa, where that is not where the programmed steps end; else empty.
+    pub ends: Vec<f64>,
 }
 
 /// A part of the path with one contour tolerance.
@@ -220,20 +251,30 @@ impl Programmed {
     }
 
     /// The segments of which some part lies between two distances (mm).
-    fn within(&self, (low, high): (f64, f64)) -> std::ops::Range<usize> {
-        let first = self.end.partition_point(|&end| end <= low);
-        let last = self.end.partition_point(|&end| end < high);
-        first..(last + 1).min(self.end.len())
+    fn within(&self, between: (f64, f64)) -> std::ops::Range<usize> {
+        within(&self.end, between)
     }
 }
 
+/// The segments that end in `ends` of which some part lies between two places.
+fn within(ends: &[f64], (low, high): (f64, f64)) -> std::ops::Range<usize> {
+    let first = ends.partition_point(|&end| end <= low);
+    let last = ends.partition_point(|&end| end < high);
+    first..(last + 1).min(ends.len())
+}
+
 impl Curve {
+    /// Where its segments end on the abscissa.
+    fn segment_ends<'a>(&'a self, programmed: &'a Programmed) -> &'a [f64] {
+        if self.ends.is_empty() { &programmed.end } else { &self.ends }
+    }
+
     /// The largest contour error (mm) between two distances (mm); none where there is neither a
     /// corner nor an arc.
     fn largest_error(&self, programmed: &Programmed, between: (f64, f64)) -> Option<f64> {
-        let segments = programmed.within(between);
-        let errors = segments.filter(|&k| k < self.errors.corner.len()).flat_map(|k| {
-            let corner = (programmed.end[k] <= between.1).then_some(self.errors.corner[k]);
+        let ends = self.segment_ends(programmed);
+        let errors = within(ends, between).filter(|&k| k < self.errors.corner.len()).flat_map(|k| {
+            let corner = (ends[k] <= between.1).then_some(self.errors.corner[k]);
             let arc = Some(self.errors.arc[k]).filter(|&error| 0.0 < error);
             [corner, arc]
         });
@@ -260,6 +301,7 @@ mod tests {
             time: vec![0.0, 4.0, 6.0, 10.0],
             tolerances: vec![Stretch { from: 0.0, to: 20.0, tolerance: 0.01 }],
             errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003], ..Default::default() },
+            ..Curve::default()
         };
         let programmed = Programmed {
             end: vec![5.0, 20.0],
@@ -267,7 +309,7 @@ mod tests {
             rapid: vec![true, false],
             line: vec![3, 4],
         };
-        FeedChart { programmed, curves: vec![curve], lost: None, lost_after: None }
+        FeedChart { programmed, curves: vec![curve], ..FeedChart::default() }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
-use crate::plot::{FeedChart, LoadChart, Theme, View, draw, draw_loads};
+use crate::plot::{FeedChart, LoadChart, Theme, ToleranceChart, View, draw, draw_loads, draw_tolerances};
 
 /// The whole chart as SVG of this width and height (pixels of the page); none where it cannot be drawn.
 pub fn svg(chart: &FeedChart, size: (u32, u32)) -> Option<String> {
@@ -21,6 +21,11 @@ pub fn svg_of_view(chart: &FeedChart, view: View, size: (u32, u32)) -> Option<St
 pub fn svg_of_loads(chart: &LoadChart, size: (u32, u32)) -> Option<String> {
     let span = chart.span();
     picture(size, |backend| draw_loads(chart, span, &Theme::LIGHT, 1.0, backend).is_ok())
+}
+
+/// A chart of cycle time over tolerance, as [`svg`].
+pub fn svg_of_tolerances(chart: &ToleranceChart, size: (u32, u32)) -> Option<String> {
+    picture(size, |backend| draw_tolerances(chart, &Theme::LIGHT, 1.0, backend).is_ok())
 }
 
 fn picture(size: (u32, u32), draw: impl FnOnce(Letters) -> bool) -> Option<String> {

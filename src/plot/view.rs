@@ -82,6 +82,8 @@ pub struct Frame {
     pub x: (f64, f64),
     /// Top and bottom border of the plotting area of feedrates, pixels.
     pub y: (f64, f64),
+    /// How far below that the panel of the next curve is, pixels; 0 where all share one.
+    pub pitch: f64,
     /// Top and bottom border of the plotting area of contour errors, pixels.
     pub errors_y: (f64, f64),
 }
@@ -96,7 +98,8 @@ impl Frame {
     /// Feedrate (mm/s) at a pixel.
     pub fn feedrate_at(&self, y: f64) -> f64 {
         let (low, high) = self.view.feedrate;
-        low + (self.y.1 - y) * (high - low) / (self.y.1 - self.y.0)
+        let panel = if 0.0 < self.pitch { ((y - self.y.0) / self.pitch).floor().max(0.0) } else { 0.0 };
+        low + (self.y.1 + panel * self.pitch - y) * (high - low) / (self.y.1 - self.y.0)
     }
 
     /// Pixel of a distance (mm).
@@ -122,7 +125,8 @@ mod tests {
     fn zooming_keeps_the_centre_in_place() {
         let view = WHOLE.zoomed(2.0, 30.0, WHOLE);
         assert_eq!(view.distance, (15.0, 65.0));
-        let frame = |view| Frame { view, x: (50.0, 850.0), y: (10.0, 400.0), errors_y: (420.0, 600.0) };
+        let frame =
+            |view| Frame { view, x: (50.0, 850.0), y: (10.0, 400.0), pitch: 0.0, errors_y: (420.0, 600.0) };
         assert!((frame(view).x_of(30.0) - frame(WHOLE).x_of(30.0)).abs() < 1e-9);
     }
 
@@ -152,6 +156,7 @@ mod tests {
             view: WHOLE.zoomed(3.0, 40.0, WHOLE),
             x: (61.0, 911.0),
             y: (28.0, 377.0),
+            pitch: 0.0,
             errors_y: (390.0, 500.0),
         };
         for pixel in [61.0, 200.5, 911.0] {

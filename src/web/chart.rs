@@ -8,8 +8,8 @@ use web_sys::HtmlCanvasElement;
 
 use crate::machine::tolerance_label;
 use crate::plot::{
-    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Stretch, Theme, View, draw, svg,
-    svg_of_view,
+    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Reading, Stretch, Theme, View,
+    draw, svg, svg_of_view,
 };
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
@@ -22,6 +22,8 @@ const REACH: f64 = 4.0;
 #[wasm_bindgen]
 pub struct Chart {
     chart: FeedChart,
+    /// The same over time, where that is shown.
+    timed: Option<FeedChart>,
     with_rapids: bool,
     dark: bool,
     view: View,
@@ -74,19 +76,47 @@ impl Chart {
     #[allow(clippy::new_without_default)] // JavaScript knows no default
     pub fn new() -> Chart {
         let view = View::up_to(1.0, 1.0);
-        let frame = Frame { view, x: (0.0, 1.0), y: (0.0, 1.0), errors_y: (0.0, 1.0) };
-        Chart { chart: FeedChart::default(), with_rapids: false, dark: false, view, frame, scale: 1.0 }
+        let frame = Frame { view, x: (0.0, 1.0), y: (0.0, 1.0), pitch: 0.0, errors_y: (0.0, 1.0) };
+        Chart {
+            chart: FeedChart::default(),
+            timed: None,
+            with_rapids: false,
+            dark: false,
+            view,
+            frame,
+            scale: 1.0,
+        }
     }
 
     /// Begins anew with the programmed feedrate of a job; the columns are those of `Steps`.
     pub fn program(&mut self, end: Vec<f64>, feedrate: Vec<f64>, rapid: &[u8], line: Vec<u32>) {
         let rapid = rapid.iter().map(|&flag| flag != 0).collect();
+        let span = self.span();
+        self.view.distance = (span[0], span[1]);
         self.chart = FeedChart {
             programmed: Programmed { end, feedrate, rapid, line },
-            curves: Vec::new(),
-            lost: None,
-            lost_after: None,
+            stacked: self.chart.stacked,
+            ..FeedChart::default()
         };
+        self.timed = None;
+    }
+
+    /// Draws over time or over distance what has been filled, with the same stretch in sight.
+    #[wasm_bindgen(js_name = setOverTime)]
+    pub fn set_over_time(&mut self, over_time: bool) {
+        let span = self.span();
+        self.timed = over_time.then(|| self.chart.over_time());
+        self.view = self.whole();
+        self.follow(span[0], span[1]);
+    }
+
+    /// Draws every curve in a panel of its own, or all in one.
+    #[wasm_bindgen(js_name = setStacked)]
+    pub fn set_stacked(&mut self, stacked: bool) {
+        self.chart.stacked = stacked;
+        if let Some(timed) = &mut self.timed {
+            timed.stacked = stacked;
+        }
     }
 
     /// Adds the curve of a tolerance (mm), empty until it is filled.
@@ -170,8 +200,8 @@ impl Chart {
     ) -> Result<(), String> {
         let backend = Canvas::sized(canvas, width, height, ratio)?;
         self.scale = ratio;
-        self.frame =
-            draw(&self.chart, self.view, &self.theme(), ratio, backend).map_err(|error| error.to_string())?;
+        self.frame = draw(self.shown(), self.view, &self.theme(), ratio, backend)
+            .map_err(|error| error.to_string())?;
         Ok(())
     }
 
@@ -183,7 +213,7 @@ impl Chart {
     /// What is in sight as SVG for a document, dark on white; none where it cannot be drawn.
     #[wasm_bindgen(js_name = svgInSight)]
     pub fn svg_in_sight(&self, width: u32, height: u32) -> Option<String> {
-        svg_of_view(&self.chart, self.view, (width, height))
+        svg_of_view(self.shown(), self.view, (width, height))
     }
 
     /// Shows everything.
@@ -198,12 +228,12 @@ impl Chart {
 
     /// Shows a stretch between two distances (mm) with what is around it.
     pub fn show(&mut self, from: f64, to: f64) {
-        self.view = View::around((from, to), self.whole());
+        self.view = View::around(self.on_abscissa((from, to)), self.whole());
     }
 
     /// Shows the same distances (mm) as another chart.
     pub fn follow(&mut self, from: f64, to: f64) {
-        self.view = self.view.over((from, to), self.whole());
+        self.view = self.view.over(self.on_abscissa((from, to)), self.whole());
     }
 
     /// Magnifies along the distance by `factor` about a pixel column, or about the middle.
@@ -238,48 +268,81 @@ impl Chart {
     /// Borders in pixels: left and right of both panels, then top and bottom of the feedrates and of
     /// the contour errors below them.
     pub fn area(&self) -> Vec<f64> {
-        let Frame { x, y, errors_y, .. } = self.frame;
-        [x.0, x.1, y.0, y.1, errors_y.0, errors_y.1].map(|pixel| pixel / self.scale).to_vec()
+        let Frame { x, y, pitch, errors_y, .. } = self.frame;
+        let panels = if 0.0 < pitch { self.chart.curves.len() } else { 1 };
+        let lowest = y.1 + pitch * (panels - 1) as f64;
+        [x.0, x.1, y.0, lowest, errors_y.0, errors_y.1].map(|pixel| pixel / self.scale).to_vec()
     }
 
     /// The distances in sight, mm: first and last.
     pub fn span(&self) -> Vec<f64> {
-        vec![self.view.distance.0, self.view.distance.1]
+        let distance = |at: f64| match &self.timed {
+            None => at,
+            Some(_) => self.chart.distance_at(at).unwrap_or(0.0),
+        };
+        vec![distance(self.view.distance.0), distance(self.view.distance.1)]
     }
 
     /// Everything about a pixel column; none outside the path.
     pub fn at(&self, x: f64) -> Option<Pointer> {
-        self.reading(self.frame.distance_at(x * self.scale))
+        let at = self.frame.distance_at(x * self.scale);
+        let distance = if self.timed.is_some() { self.chart.distance_at(at)? } else { at };
+        self.pointer(distance, at)
     }
 
-    /// Everything about a distance (mm); none outside the path.
+    /// Everything about a distance (mm); none outside the path. Over time each curve is read at the moment
+    /// in which the first is there.
     pub fn reading(&self, distance: f64) -> Option<Pointer> {
-        if distance < 0.0 || self.chart.length() < distance {
-            return None;
-        }
-        let reach = self.frame.distance_at(REACH * self.scale) - self.frame.distance_at(0.0);
-        let reading = self.chart.reading(distance, reach);
-        let curves = self.chart.curves.iter().zip(reading.curves).filter_map(|(curve, at)| {
-            let CurveAt { feedrate, time, error } = at?;
-            let y = self.frame.y_of(feedrate).clamp(self.frame.y.0, self.frame.y.1) / self.scale;
-            Some(CurveReading { label: curve.label.clone(), feedrate: mm_per_min(feedrate), y, time, error })
-        });
-        Some(Pointer {
-            x: self.frame.x_of(distance) / self.scale,
-            distance,
-            line: reading.line,
-            programmed: reading.programmed.map(mm_per_min),
-            rapid: reading.rapid,
-            curves: curves.collect(),
-            lost: reading.lost,
-            lost_after: reading.lost_after,
-        })
+        self.pointer(distance, self.on_abscissa((distance, distance)).0)
     }
 }
 
 impl Chart {
+    /// Everything about a distance (mm), with the curves read at a place of the abscissa.
+    fn pointer(&self, distance: f64, at: f64) -> Option<Pointer> {
+        let shown = self.shown();
+        let is_beyond = |at: f64, end: f64| at < 0.0 || end < at;
+        if is_beyond(distance, self.chart.length()) || is_beyond(at, shown.length()) {
+            return None;
+        }
+        let reach = self.frame.distance_at(REACH * self.scale) - self.frame.distance_at(0.0);
+        let here = self.chart.reading(distance, 0.0);
+        let Reading { curves, lost, lost_after, .. } = shown.reading(at, reach);
+        let curves = shown.curves.iter().zip(curves).enumerate().filter_map(|(index, (curve, read))| {
+            let CurveAt { feedrate, time, error } = read?;
+            let time = if self.timed.is_some() { at } else { time };
+            let row = self.frame.y_of(feedrate).clamp(self.frame.y.0, self.frame.y.1);
+            let y = (row + index as f64 * self.frame.pitch) / self.scale;
+            Some(CurveReading { label: curve.label.clone(), feedrate: mm_per_min(feedrate), y, time, error })
+        });
+        Some(Pointer {
+            x: self.frame.x_of(at) / self.scale,
+            distance,
+            line: here.line,
+            programmed: here.programmed.map(mm_per_min),
+            rapid: here.rapid,
+            curves: curves.collect(),
+            lost,
+            lost_after,
+        })
+    }
+
+    /// What is drawn.
+    fn shown(&self) -> &FeedChart {
+        self.timed.as_ref().unwrap_or(&self.chart)
+    }
+
+    /// Two distances (mm) on the abscissa.
+    fn on_abscissa(&self, (from, to): (f64, f64)) -> (f64, f64) {
+        let at = |distance: f64| match &self.timed {
+            None => distance,
+            Some(_) => self.chart.time_at(distance).unwrap_or(0.0),
+        };
+        (at(from), at(to))
+    }
+
     fn whole(&self) -> View {
-        self.chart.full_view(self.with_rapids)
+        self.shown().full_view(self.with_rapids)
     }
 
     fn theme(&self) -> Theme {

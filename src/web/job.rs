@@ -10,7 +10,7 @@ use crate::plot::Programmed;
 use crate::plot::path::{Pace, Trail};
 use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
-use crate::simulation::contour::plan_within;
+use crate::simulation::contour::{cycle_time_within, plan_within};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::{Dialect, Options};
 use crate::simulation::profile::{Profile, Resolution};
@@ -58,6 +58,13 @@ impl Job {
     pub fn tolerances(&self) -> Result<JsValue, JsError> {
         let held = Tolerances::Programmed.held(&self.toolpath, &self.machine);
         object(&held.iter().map(HeldTolerance::from).collect::<Vec<_>>())
+    }
+
+    /// The cycle time (s) alone for a contour tolerance (mm), or for the program's own where there is none given.
+    #[wasm_bindgen(js_name = cycleTime)]
+    pub fn cycle_time(&self, tolerance: Option<f64>) -> f64 {
+        let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
+        cycle_time_within(&self.toolpath, &self.machine, tolerances, &mut |_| {})
     }
 
     /// Simulates the program for a contour tolerance (mm), or for its own where there is none given;

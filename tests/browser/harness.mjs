@@ -20,9 +20,9 @@ const FLAGS = [
  * and `errors` every console error, uncaught exception and failed request, both in order and up to date.
  * Call `close` in the end, else the test does not finish.
  *
- * @param {{ path?: string, viewport?: { width: number, height: number } }} [options]
+ * @param {{ path?: string, viewport?: { width: number, height: number }, locale?: string }} [options]
  */
-export async function openPage({ path = '/', viewport = { width: 1280, height: 900 } } = {}) {
+export async function openPage({ path = '/', viewport = { width: 1280, height: 900 }, locale } = {}) {
   const executablePath = findChromium()
   if (!executablePath) throw new Error('no Chromium here; run scripts/setup test')
 
@@ -37,7 +37,7 @@ export async function openPage({ path = '/', viewport = { width: 1280, height: 9
   }
 
   try {
-    const context = await browser.newContext({ viewport })
+    const context = await browser.newContext({ viewport, locale })
     /** @type {string[]} */
     const requests = []
     /** @type {string[]} */

@@ -188,6 +188,7 @@ pageTest('what is no recording of the program is refused with what to do, and no
 pageTest('a recording before its program waits for it', async ({ page }) => {
   const { path } = await recorded(page, 'early.csv')
   await drop(page, 'body', [path])
+  await page.waitForFunction(() => document.querySelector('#welcome .orphans').textContent !== '')
   assert.match(await page.textContent('#welcome .orphans'), /early\.csv.*drop the program/)
   await drop(page, 'body', [PROGRAM])
   await compared(page)

@@ -36,7 +36,7 @@ th:first-child { padding-left: 0; text-align: left; }
 tbody th { color: inherit; font-size: inherit; }
 tr + tr > *, tbody > tr > * { border-top: 1px solid var(--_line); }
 td.time { font-weight: 650; }
-.stale { opacity: 0.5; }
+.stale, .stale * { color: var(--_muted); font-style: italic; }
 .error { margin-top: 10px; padding-left: 10px; border-left: 3px solid var(--_error); overflow-wrap: anywhere; }
 details { margin-top: 8px; }
 summary { cursor: pointer; color: var(--_muted); font-size: 0.9em; }

@@ -1,6 +1,6 @@
 // The calibration of the machine: what it stands on, what became of each parameter, the runs before and after.
 
-import { find, make } from '../dom.js'
+import { find, make, scroll } from '../dom.js'
 import { count } from '../format.js'
 import { saveMachine } from '../save.js'
 import { usable } from '../recordings.js'
@@ -51,12 +51,12 @@ export function mount(root, actions) {
 
 /** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */
 function table(caption, titles, rows) {
-  const head = make('tr', {}, ...titles.map((title) => make('th', { scope: 'col' }, title)))
+  const head = make('tr', {}, ...titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {}))))
   const body = rows.map(([name, ...cells]) =>
     make('tr', {}, make('th', { scope: 'row' }, name), ...cells.map((cell) => make('td', {}, cell))),
   )
   const all = make('table', {}, make('caption', {}, caption), make('thead', {}, head), make('tbody', {}, ...body))
-  return make('div', { className: 'scroll' }, all)
+  return scroll(all)
 }
 
 /** @param {CalibrationReport} report */

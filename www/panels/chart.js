@@ -26,9 +26,21 @@ export function mount(root) {
   let fitted
   const plot = mountPlot(root, chart, {
     isShown: () => Boolean(outcome),
-    words: (pointer) => words(pointer, program),
+    words: (pointer) => words(pointer, program, over.value === 'time'),
   })
   dark.addEventListener('change', colors)
+  const over = /** @type {HTMLSelectElement} */ (find(root, '.over'))
+  const stack = /** @type {HTMLInputElement} */ (find(root, '.stack'))
+  over.addEventListener('change', () => {
+    chart.setOverTime(over.value === 'time')
+    plot.hide()
+    plot.redraw()
+  })
+  stack.addEventListener('change', () => {
+    chart.setStacked(stack.checked)
+    root.classList.toggle('stacked', stack.checked)
+    plot.redraw()
+  })
 
   /** Adds the curve of the program's own tolerances. @param {Held[]} held */
   function addProgrammed(held) {
@@ -81,6 +93,7 @@ export function mount(root) {
         const curve = outcome.runs.get(column)?.columns
         if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arc)
       }
+      if (over.value === 'time') chart.setOverTime(true)
       // A path of another length has no use for the view of the former one.
       const path = `${program?.id} ${end.at(-1)}`
       plot.fit(fitted !== path)
@@ -89,8 +102,8 @@ export function mount(root) {
   }
 }
 
-/** What the chart says about one distance. @param {Pointer} pointer @param {Program | undefined} program */
-function words({ distance, line, programmed, rapid, curves }, program) {
+/** What the chart says about one place. @param {Pointer} pointer @param {Program | undefined} program @param {boolean} isOverTime */
+function words({ distance, line, programmed, rapid, curves }, program, isOverTime) {
   const rows = curves.map(({ label, feedrate: feed, time, error }, index) =>
     make(
       'tr',
@@ -101,7 +114,8 @@ function words({ distance, line, programmed, rapid, curves }, program) {
       make('td', {}, time < 60 ? seconds(time) : clock(time)),
     ),
   )
-  return [headOf(distance, programmed, rapid), make('table', {}, ...rows), ...lineOf(line, program)]
+  const first = isOverTime && curves.length > 1 ? [make('p', { className: 'small' }, `Place and line of ${curves[0].label}`)] : []
+  return [headOf(distance, programmed, rapid), ...first, make('table', {}, ...rows), ...lineOf(line, program)]
 }
 
 /** Where it is and what is programmed there. @param {number} distance @param {number | undefined} programmed @param {boolean} rapid */

@@ -3,9 +3,9 @@
 
 import { LoadPicture, exampleCutting } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, scroll } from '../dom.js'
 import { Ended } from '../engine.js'
-import { feedrate, number, seconds } from '../format.js'
+import { feedrate, figures, number, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
 import { join } from '../plot.js'
 import { headOf, lineOf } from './chart.js'
@@ -17,7 +17,6 @@ import { headOf, lineOf } from './chart.js'
 const AROUND_MM = 5
 /** Rows of where the feedrate could be higher. */
 const ROOMS = 12
-const figures = new Intl.NumberFormat('en', { maximumSignificantDigits: 4 })
 /** @type {Record<string, string>} */
 const LIMITS = {
   tool_force: 'force on the tool',
@@ -135,7 +134,7 @@ export function mount(root, engine, materials, actions) {
     if (passive) return
     const loads = picture.reading(distance)
     const rows = [['Force', 'N'], ['Power', 'W'], ['Removal', 'cm³/min']].map(([title, unit], index) =>
-      row(title, [0, 1].map((which) => `${figures.format(loads[2 * index + which])} ${unit}`)),
+      row(title, [0, 1].map((which) => `${figures(loads[2 * index + which])} ${unit}`)),
     )
     const body = make('table', {}, row('', ['programmed', 'predicted']), ...rows)
     const line = lineAt(distance)
@@ -239,13 +238,13 @@ export function mount(root, engine, materials, actions) {
     const peaks = PEAKS.map(([key, title, unit]) => {
       const { programmed, predicted } = cutting
       const cells = [programmed[key], predicted[key]].map(({ value, line, distance_mm: at }) => [
-        figures.format(value),
+        figures(value),
         value > 0 ? way(line, around(at).distance_mm) : '–',
       ])
       return row(`${title} (${unit})`, cells.flat())
     })
     const peak = (/** @type {CutPeak} */ { value, line, distance_mm: at }) => [
-      figures.format(value),
+      figures(value),
       value > 0 ? way(line, around(at).distance_mm) : '–',
     ]
     const parts = operations.flatMap(({ line, name, cutting: own }) =>
@@ -271,7 +270,7 @@ export function mount(root, engine, materials, actions) {
             make('p', { className: 'help' }, 'Where the predicted feedrate is below the programmed one, the machine does not reach it, and a higher one saves less or nothing.'),
           ]
         : []),
-      make('p', { className: 'help' }, `Pale and broad: programmed feedrate; blue: predicted. Stock in cells of ${figures.format(cutting.resolution_mm)} mm; ${cutting.assumptions}. Coefficients of ${cutting.material.name}: ${cutting.material.source}.`),
+      make('p', { className: 'help' }, `Pale and broad: programmed feedrate; blue: predicted. Stock in cells of ${figures(cutting.resolution_mm)} mm; ${cutting.assumptions}. Coefficients of ${cutting.material.name}: ${cutting.material.source}.`),
     )
     const { distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate } = loads
     picture = new LoadPicture(
@@ -328,7 +327,7 @@ function row(title, cells) {
 function materialsTable(materials) {
   const rows = materials.map(({ word, name, source, is_checked: isChecked, cutting_n_mm2: cutting, edge_n_mm: edge }) => {
     const from = make('td', { className: isChecked ? 'source' : 'source unchecked' }, source)
-    const cells = row(word, [name, ...[...cutting, ...edge].map((value) => figures.format(value))])
+    const cells = row(word, [name, ...[...cutting, ...edge].map((value) => figures(value))])
     cells.append(from)
     return cells
   })
@@ -338,8 +337,8 @@ function materialsTable(materials) {
 
 /** @param {string[]} titles @param {HTMLElement[]} rows @param {string} [caption] */
 function table(titles, rows, caption) {
-  const head = titles.map((title) => make('th', { scope: 'col' }, title))
+  const head = titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {})))
   const title = caption ? [make('caption', {}, caption)] : []
   const body = make('table', {}, ...title, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
-  return make('div', { className: 'scroll' }, body)
+  return scroll(body)
 }

@@ -3,7 +3,7 @@
 
 import { Chart, lostLabel, markOfChart } from '../pkg/truefeed.js'
 import { Ended } from '../engine.js'
-import { find, make } from '../dom.js'
+import { find, make, scroll } from '../dom.js'
 import { count, difference, feedrate, seconds } from '../format.js'
 import { mountPlot } from '../plot.js'
 import { usable } from '../recordings.js'
@@ -265,12 +265,12 @@ function causeOf({ name, sentence, told, lines, confidence, sections, vendors, i
 
 /** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */
 function table(caption, titles, rows) {
-  const head = make('tr', {}, ...titles.map((title) => make('th', { scope: 'col' }, title)))
+  const head = make('tr', {}, ...titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {}))))
   const body = rows.map(([name, ...cells]) =>
     make('tr', {}, make('th', { scope: 'row' }, name), ...cells.map((cell) => make('td', {}, cell))),
   )
   const all = make('table', {}, make('caption', {}, caption), make('thead', {}, head), make('tbody', {}, ...body))
-  return make('div', { className: 'scroll' }, all)
+  return scroll(all)
 }
 
 /** @param {DiagnosisReport} report */

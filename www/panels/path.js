@@ -466,7 +466,7 @@ export function mount(root, actions) {
     const rows = places.map((place, index) => {
       const [from, to] = place.lines
       const go = make('button', { type: 'button', title: 'Show it on the path, in the text and in the charts' }, from === to ? `${from}` : `${from}–${to}`)
-      go.setAttribute('aria-label', `Place ${index + 1}, line ${from}: show it`)
+      go.setAttribute('aria-label', `Place ${index + 1}, line ${go.textContent}: show it`)
       go.addEventListener('click', () => choosePlace(place))
       return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, place.text), ...cells(place.seconds))
     })

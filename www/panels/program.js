@@ -26,6 +26,8 @@ export function mount(root, dialects, actions) {
   dialect.append(automatic, ...dialects.map(({ word, name }) => make('option', { value: word }, name)))
   /** @type {number | null} */
   let selected = null
+  /** @type {Program[]} */
+  let programs = []
   dialect.addEventListener('change', () => {
     if (selected !== null) actions.setDialect(selected, dialect.value || null)
   })
@@ -49,6 +51,10 @@ export function mount(root, dialects, actions) {
     undo.hidden = true
     putBack()
   })
+  find(root, '.remove-selected').addEventListener('click', () => {
+    const program = programs.find(({ id }) => id === selected)
+    if (program) remove(program)
+  })
   acceptDrops(actions)
 
   /** @param {Program} program */
@@ -70,21 +76,37 @@ export function mount(root, dialects, actions) {
     const about = make('span', { className: 'about' })
     const choose = make(
       'button',
-      { type: 'button', className: 'choose' },
+      { type: 'button', className: 'choose', role: 'tab', title: 'Remove by Delete' },
       make('span', { className: 'file' }, program.name),
       about,
     )
+    choose.setAttribute('aria-controls', 'results')
     choose.addEventListener('click', () => actions.select(program.id))
+    choose.addEventListener('keydown', (event) => {
+      if (event.key === 'Delete') return remove(program)
+      const tabs = /** @type {HTMLElement[]} */ ([...list.querySelectorAll('.choose')])
+      const here = tabs.indexOf(choose)
+      /** @type {Record<string, number>} */
+      const places = { ArrowUp: here - 1, ArrowLeft: here - 1, ArrowDown: here + 1, ArrowRight: here + 1, Home: 0, End: tabs.length - 1 }
+      if (!(event.key in places)) return
+      event.preventDefault()
+      const next = tabs[(places[event.key] + tabs.length) % tabs.length]
+      next.click()
+      next.focus()
+    })
     const removal = make('button', { type: 'button', className: 'remove', title: 'Remove' }, '×')
-    removal.setAttribute('aria-label', `Remove ${program.name}`)
+    // A list of tabs holds nothing else: this is for the pointer, Delete and the button below are for everyone.
+    removal.setAttribute('aria-hidden', 'true')
+    removal.tabIndex = -1
     removal.addEventListener('click', () => remove(program))
-    return { item: make('li', {}, choose, removal), choose, about }
+    return { item: make('li', { role: 'presentation' }, choose, removal), choose, about }
   }
 
   return {
     /** @param {State} state */
     update(state) {
-      const current = state.programs.find(({ id }) => id === state.selected)
+      programs = state.programs
+      const current = programs.find(({ id }) => id === state.selected)
       selected = current?.id ?? null
       const found = dialects.find(({ word }) => word === current?.outcome?.summary.dialect)
       if (!current?.dialect) automatic.textContent = found ? `Automatic: ${found.name}` : 'Automatic'
@@ -99,8 +121,9 @@ export function mount(root, dialects, actions) {
         entries.set(program.id, { item, choose, about })
         if (list.children[index] !== item) list.insertBefore(item, list.children[index] ?? null)
         about.textContent = standing(program, state)
-        if (program.id === state.selected) choose.setAttribute('aria-current', 'true')
-        else choose.removeAttribute('aria-current')
+        const isSelected = program.id === state.selected
+        choose.setAttribute('aria-selected', String(isSelected))
+        choose.tabIndex = isSelected ? 0 : -1
       }
     },
   }

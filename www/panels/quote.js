@@ -108,24 +108,31 @@ export function mount(root, form, actions) {
     root.hidden = columns.length === 0
     document.body.classList.toggle('has-quote', !root.hidden)
     root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machine.motion)
-    const of = [run, machine.values, terms.values, program()?.name]
+    const of = [run, machine.values, terms.values, program()?.name, columns]
     if (same([...of.slice(1)], shown.slice(1)) && run === shown[0]) return
     shown = of
     offered?.free()
     offered = null
     pictures.replaceChildren()
     if (!run || !outcome) return answer.replaceChildren()
-    const asked = {
+    const asked = (/** @type {Column} */ column) => ({
       machine: machine.values,
       terms: terms.values,
       program: program()?.name ?? '',
       tolerance: columnLabel(column),
       programmed_time_s: outcome.summary.programmed_time_s,
-      run,
+      run: outcome.runs.get(column)?.summary,
+    })
+    const offerAt = (/** @type {Column} */ column) => {
+      const other = new Offered(JSON.stringify(asked(column)))
+      const offer = /** @type {Offer} */ (JSON.parse(other.json()))
+      other.free()
+      return offer
     }
     try {
-      offered = new Offered(JSON.stringify(asked))
-      answer.replaceChildren(...priced(JSON.parse(offered.json())))
+      offered = new Offered(JSON.stringify(asked(column)))
+      const offers = columns.length > 1 ? columns.map(offerAt) : []
+      answer.replaceChildren(...priced(JSON.parse(offered.json()), offers))
     } catch (faults) {
       if (typeof faults !== 'string') throw faults
       answer.replaceChildren(make('p', { className: 'fault' }, 'There is no price while an entry has a fault: ', list(faults)))
@@ -155,8 +162,8 @@ function list(faults) {
   return all.map(({ key, message }) => (key ? `${key}: ${message}` : message)).join('; ')
 }
 
-/** The price and what it is made of. @param {Offer} offer */
-function priced(offer) {
+/** The price and what it is made of. @param {Offer} offer @param {Offer[]} offers  of all tolerances, where there are several */
+function priced(offer, offers) {
   const money = (/** @type {number} */ value) => amount(value, offer.decimals)
   const each = (/** @type {number} */ value) => amount(value, Math.max(2, offer.decimals))
   const { batch, uncertainty, currency } = offer
@@ -179,6 +186,9 @@ function priced(offer) {
   const breaks = offer.breaks.map((other) =>
     row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range, money)]),
   )
+  const tolerances = offers.map(({ tolerance, cycle_time_s: own, batch: { unit_price: one, total } }) =>
+    row(tolerance, [clock(own), each(one), money(total)]),
+  )
   const cost = [seconds(offer.cycle_time_s), money(offer.cycle_cost)]
   const shares = (/** @type {OfferShare[]} */ all) => [
     ...all.map(({ name, line, time_s: own, amount: value }) =>
@@ -200,6 +210,7 @@ function priced(offer) {
     make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, `Cycle time ${time}`), uncertainty.sentence),
     table('What the price is made of', ['', 'Once', 'A part', `${parts}${currency ? `, ${currency}` : ''}`], rows),
     table('Price by quantity', ['Quantity', 'A part', 'Total', 'If the cycle time is off'], breaks),
+    ...(tolerances.length > 0 ? [table('Price by tolerance', ['Contour tolerance', 'Cycle time', 'A part', parts], tolerances)] : []),
     byPart,
     ...offer.notes.map((note) => make('p', { className: 'help' }, note)),
   ]

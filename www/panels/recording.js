@@ -1,7 +1,7 @@
 // Recordings: adding, choosing and removing them, what each says first, both curves and the time lost, and where.
 
 import { Chart, lostLabel } from '../pkg/truefeed.js'
-import { find, make } from '../dom.js'
+import { find, make, scroll } from '../dom.js'
 import { clock, count, difference, feedrate, percent, seconds, size } from '../format.js'
 import { mountPlot } from '../plot.js'
 import { programOf, recordingOf } from '../recordings.js'
@@ -204,10 +204,10 @@ function words({ distance, line, programmed, rapid, curves, lost }, program) {
 
 /** @param {string} caption @param {string[]} titles @param {HTMLElement[]} rows */
 function table(caption, titles, rows) {
-  const head = titles.map((title) => make('th', { scope: 'col' }, title))
+  const head = titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {})))
   const title = make('caption', {}, caption)
   const body = make('table', {}, title, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
-  return make('div', { className: 'scroll' }, body)
+  return scroll(body)
 }
 
 /** How far the simulated time is from the recorded one. @param {number} recorded @param {number} simulated */

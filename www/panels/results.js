@@ -2,7 +2,7 @@
 
 import { deviationLabel, price, toleranceLabel } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, scroll } from '../dom.js'
 import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
 
 /** @import { Column, Form, Held, Outcome, Place, RunSummary, State, Value } from "../types.js" */
@@ -85,7 +85,7 @@ export function mount(root, form, actions) {
           table(outcome, columnsOf(state, outcome), JSON.stringify(state.machine.values)),
           ...programmed(outcome),
           ...beyond(outcome, state),
-          about(outcome, stale ? outOfDate(state) : ''),
+          about(outcome, stale ? outOfDate(state) : '', Number(state.machine.values['rates.hourly']) > 0),
         )
       } else {
         place.replaceChildren(make('p', { className: 'empty' }, state.progress ? 'Computing …' : 'Not computed yet.'))
@@ -141,7 +141,7 @@ function table(outcome, columns, machine) {
     return make('tr', { className: column === null ? 'programmed' : '' }, label, ...cells.map((cell) => make('td', {}, cell)))
   })
   const table = make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows))
-  return make('div', { className: 'scroll' }, table)
+  return scroll(table)
 }
 
 /** @param {boolean} priced @returns {[string, number][]} */
@@ -153,14 +153,16 @@ function outOfDate({ machine, paused }) {
   return paused ? ' These are the results of the machine before.' : ' Computing anew for the changed machine …'
 }
 
-/** @param {Outcome} outcome @param {string} note */
-function about({ steps, summary }, note) {
+/** @param {Outcome} outcome @param {string} note @param {boolean} hasPrice */
+function about({ steps, summary }, note, hasPrice) {
   const errors = summary.diagnostics.filter(({ severity }) => severity === 'error').length
   const facts = `${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Contour error: largest distance from the path.`
+  const rate = make('a', { href: '#field-rates-hourly' }, 'Give the machine’s hourly rate')
+  const unpriced = hasPrice ? [] : [' ', rate, ' to see prices; all of them are in the ', make('a', { href: '#quote' }, 'quote'), '.']
   const link = make(
     'a',
-    { href: '#diagnostics' },
+    { href: '#diagnostics', className: 'errors' },
     `${count(errors)} ${errors === 1 ? 'line' : 'lines'} could not be run as written. `,
   )
-  return make('p', { className: 'about' }, ...(errors > 0 ? [link] : []), facts + note)
+  return make('p', { className: 'about' }, ...(errors > 0 ? [link] : []), facts + note, ...unpriced)
 }

@@ -74,6 +74,10 @@ export function mount(root, { most, usual }, actions) {
   }
 
   return {
+    /** Adds a tolerance (mm) that was pointed at, or says why not. @param {number} tolerance */
+    choose(tolerance) {
+      say(add(toleranceLabel(tolerance)))
+    },
     /** @param {State} state */
     update(state) {
       const outcome = state.programs.find(({ id }) => id === state.selected)?.outcome

@@ -46,5 +46,6 @@ pub fn diagnosis_chart(
         ],
         lost: diagnosis.before.get(index).map(lost),
         lost_after: diagnosis.after.get(index).map(lost),
+        ..FeedChart::default()
     })
 }

@@ -81,6 +81,22 @@ pub fn plan_within(
     }
 }
 
+/// The cycle time (s) of [`plan_within`], without the contour errors where the corner mode needs none.
+pub fn cycle_time_within(
+    toolpath: &Toolpath,
+    machine: &Machine,
+    tolerances: impl Into<Tolerances>,
+    progress: &mut dyn FnMut(f64),
+) -> f64 {
+    let tolerances = tolerances.into();
+    match machine.interpolator.corner_mode {
+        CornerMode::Paper => {
+            retimed(toolpath, machine, plan(toolpath, machine, tolerances.into())).cycle_time()
+        }
+        CornerMode::Guaranteed => plan_within(toolpath, machine, tolerances, progress).0.cycle_time(),
+    }
+}
+
 /// What a round may do to a feedrate.
 #[derive(Clone, Copy)]
 enum Round {

@@ -19,7 +19,7 @@
 mod guaranteed;
 mod regions;
 
-pub use guaranteed::plan_within;
+pub use guaranteed::{cycle_time_within, plan_within};
 pub use regions::{Region, regions_beyond};
 
 use std::cmp::Ordering;

@@ -1,0 +1,125 @@
+//! The chart of feedrates over time instead of distance.
+//!
+//! At one moment the curves are at different places, so each has its own times at which its segments end;
+//! the programmed steps have those of length over feedrate, without any acceleration. In the chart that comes
+//! out every column of distances holds times, s, and the column of times the distances, mm.
+
+use crate::plot::{Abscissa, Curve, FeedChart, Programmed, Stretch, rows_around};
+
+impl FeedChart {
+    /// The same curves over the time since the start.
+    pub fn over_time(&self) -> FeedChart {
+        let curves = self.curves.iter().map(|curve| curve.over_time(&self.programmed.end)).collect();
+        FeedChart {
+            programmed: self.programmed.over_time(),
+            curves,
+            abscissa: Abscissa::Time,
+            stacked: self.stacked,
+            ..FeedChart::default()
+        }
+    }
+
+    /// Time (s) at which the first curve with any rows is at a distance (mm), of a chart over distance.
+    pub fn time_at(&self, distance: f64) -> Option<f64> {
+        let curve = self.curves.iter().find(|curve| !curve.time.is_empty())?;
+        between(&curve.distance, &curve.time, distance)
+    }
+
+    /// Distance (mm) at which it is at a time (s).
+    pub fn distance_at(&self, time: f64) -> Option<f64> {
+        let curve = self.curves.iter().find(|curve| !curve.time.is_empty())?;
+        between(&curve.time, &curve.distance, time)
+    }
+}
+
+impl Curve {
+    fn over_time(&self, ends: &[f64]) -> Curve {
+        let time = |distance: f64| between(&self.distance, &self.time, distance).unwrap_or(0.0);
+        let stretch = |stretch: &Stretch| {
+            let to = if stretch.to.is_finite() { time(stretch.to) } else { stretch.to };
+            Stretch { from: time(stretch.from), to, ..*stretch }
+        };
+        Curve {
+            label: self.label.clone(),
+            distance: self.time.clone(),
+            feedrate: self.feedrate.clone(),
+            time: self.distance.clone(),
+            tolerances: self.tolerances.iter().map(stretch).collect(),
+            errors: self.errors.clone(),
+            ends: ends.iter().map(|&end| time(end)).collect(),
+        }
+    }
+}
+
+impl Programmed {
+    fn over_time(&self) -> Programmed {
+        let mut time = 0.0;
+        let end = (0..self.end.len()).map(|index| {
+            let seconds = (self.end[index] - self.start(index)) / self.feedrate[index];
+            time += if seconds.is_finite() { seconds } else { 0.0 };
+            time
+        });
+        Programmed { end: end.collect(), ..self.clone() }
+    }
+}
+
+/// What one column says where another, ascending, has a value.
+fn between(column: &[f64], of: &[f64], value: f64) -> Option<f64> {
+    let (before, after, part) = rows_around(column, value)?;
+    Some(of[before] + part * (of[after] - of[before]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::contour::ContourErrors;
+
+    fn chart() -> FeedChart {
+        let curve = |slower: f64| Curve {
+            distance: vec![0.0, 10.0, 10.0, 20.0],
+            feedrate: vec![0.0, 5.0, 5.0, 0.0],
+            time: [0.0, 4.0, 6.0, 10.0].map(|time| slower * time).to_vec(),
+            tolerances: vec![Stretch { from: 10.0, to: 20.0, tolerance: 0.01 }],
+            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.0], ..Default::default() },
+            ..Curve::default()
+        };
+        let programmed = Programmed {
+            end: vec![5.0, 20.0],
+            feedrate: vec![100.0, 10.0],
+            rapid: vec![true, false],
+            line: vec![3, 4],
+        };
+        FeedChart { programmed, curves: vec![curve(1.0), curve(3.0)], ..FeedChart::default() }
+    }
+
+    #[test]
+    fn every_curve_has_its_own_times_and_ends_with_its_cycle_time() {
+        let timed = chart().over_time();
+        assert_eq!(timed.programmed.end, [0.05, 1.55]);
+        assert_eq!(timed.length(), 30.0);
+        assert_eq!(timed.curves[0].ends, [2.0, 10.0]);
+        assert_eq!(timed.curves[1].ends, [6.0, 30.0]);
+        assert_eq!(timed.curves[1].tolerances[0], Stretch { from: 12.0, to: 30.0, tolerance: 0.01 });
+    }
+
+    #[test]
+    fn errors_lie_where_their_segments_end_in_time() {
+        let timed = chart().over_time();
+        let errors = |time: f64| {
+            timed.reading(time, 0.1).curves.iter().map(|at| at.and_then(|at| at.error)).collect::<Vec<_>>()
+        };
+        assert_eq!(errors(2.0), [Some(0.012), None]);
+        assert_eq!(errors(6.0), [None, Some(0.012)]);
+    }
+
+    #[test]
+    fn times_and_distances_are_inverse_but_in_a_wait() {
+        let chart = chart();
+        for distance in [0.0, 3.0, 9.9, 12.0, 20.0] {
+            let time = chart.time_at(distance).expect("there is a curve");
+            assert!((chart.distance_at(time).expect("there is a curve") - distance).abs() < 1e-9);
+        }
+        assert_eq!((chart.time_at(10.0), chart.distance_at(5.0)), (Some(4.0), Some(10.0)));
+        assert_eq!(FeedChart::default().time_at(1.0), None);
+    }
+}

@@ -1,0 +1,287 @@
+//! The chart of cycle time over contour tolerance: what a looser tolerance buys.
+//!
+//! The abscissa is the contour tolerance on a logarithmic axis, µm; the ordinate the cycle time, s. One line
+//! a machine, straight between the tolerances that were computed; a dot for each tolerance that is chosen,
+//! in the colour its curve has elsewhere; the programmed time as a broad pale line below them.
+//! The ordinate fits what is drawn and need not begin at 0.
+
+use plotters::prelude::*;
+
+use crate::machine::{checked_tolerance, tolerance_label};
+use crate::plot::draw::Failure;
+use crate::plot::panel::{Axes, Context, FONT, FONT_SIZE, Look, borders, grouped};
+use crate::plot::{Theme, rows_around};
+
+/// The tolerances the lines are computed for, from the least to the largest, mm.
+const SPAN: (f64, f64) = (0.001, 1.0);
+const POINTS: usize = 24;
+
+/// Room above and below what is drawn, as a part of it, and the least that the ordinate spans, s.
+const HEADROOM: f64 = 0.1;
+const LEAST_SPAN: f64 = 0.1;
+
+/// A tolerance this close to a whole decade is one.
+const ROUNDING: f64 = 1e-9;
+
+/// Radius of a dot, points.
+const DOT: f64 = 4.5;
+
+/// Significant digits of a tolerance that is pointed at.
+const DIGITS: f64 = 2.0;
+
+/// The tolerances that a line is computed for, mm: evenly spaced on the logarithmic axis.
+pub fn curve_tolerances() -> Vec<f64> {
+    let ratio = (SPAN.1 / SPAN.0).log10() / (POINTS - 1) as f64;
+    (0..POINTS).map(|k| SPAN.0 * 10f64.powf(ratio * k as f64)).collect()
+}
+
+/// Cycle time over contour tolerance on one machine, in columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TimeCurve {
+    /// Contour tolerance, mm, ascending.
+    pub tolerance: Vec<f64>,
+    /// Cycle time, s.
+    pub time: Vec<f64>,
+}
+
+/// A tolerance that is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Index of its colour among the curves.
+    pub color: usize,
+    /// Contour tolerance, mm.
+    pub tolerance: f64,
+    /// Cycle time, s.
+    pub time: f64,
+}
+
+/// Everything the chart shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToleranceChart {
+    /// Cycle time by length over feedrate, s.
+    pub programmed: f64,
+    /// The machine, and another one beside it.
+    pub curves: Vec<TimeCurve>,
+    /// Chosen tolerances on the first curve.
+    pub marks: Vec<Mark>,
+}
+
+/// Where the chart lies on a picture, pixels: left, right, top and bottom of the plotting area, and what
+/// they stand for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToleranceFrame {
+    /// Left and right.
+    pub x: (f64, f64),
+    /// Top and bottom.
+    pub y: (f64, f64),
+    /// Decimal logarithms of the tolerances (mm) at left and right.
+    pub decades: (f64, f64),
+    /// Cycle times at bottom and top, s.
+    pub time: (f64, f64),
+}
+
+impl TimeCurve {
+    /// Cycle time (s) at a tolerance (mm), straight between the rows on the logarithmic axis; none outside them.
+    pub fn at(&self, tolerance: f64) -> Option<f64> {
+        let (first, last) = (self.tolerance.first()?, self.tolerance.last()?);
+        if tolerance < *first || *last < tolerance {
+            return None;
+        }
+        let (before, after, _) = rows_around(&self.tolerance, tolerance)?;
+        let (low, high) = (self.tolerance[before].log10(), self.tolerance[after].log10());
+        let part = if low < high { (tolerance.log10() - low) / (high - low) } else { 1.0 };
+        Some(self.time[before] + part * (self.time[after] - self.time[before]))
+    }
+}
+
+impl ToleranceFrame {
+    /// The tolerance (mm) at a pixel column, in as many digits as one would type; none outside the area.
+    pub fn tolerance_at(&self, x: f64) -> Option<f64> {
+        let part = (x - self.x.0) / (self.x.1 - self.x.0);
+        let exact = 10f64.powf(self.decades.0 + part * (self.decades.1 - self.decades.0));
+        let step = 10f64.powf(exact.log10().floor() - (DIGITS - 1.0));
+        (0.0..=1.0)
+            .contains(&part)
+            .then(|| (exact / step).round() * step)
+            .and_then(|t| checked_tolerance(t).ok())
+    }
+
+    /// Pixel column of a tolerance (mm).
+    pub fn x_of(&self, tolerance: f64) -> f64 {
+        let part = (tolerance.log10() - self.decades.0) / (self.decades.1 - self.decades.0);
+        self.x.0 + part * (self.x.1 - self.x.0)
+    }
+
+    /// Pixel row of a cycle time (s).
+    pub fn y_of(&self, time: f64) -> f64 {
+        let part = (time - self.time.0) / (self.time.1 - self.time.0);
+        self.y.1 - part * (self.y.1 - self.y.0)
+    }
+}
+
+/// Draws the chart over the whole of a backend and returns where it lies.
+pub fn draw_tolerances<B: DrawingBackend>(
+    chart: &ToleranceChart,
+    theme: &Theme,
+    scale: f64,
+    backend: B,
+) -> Result<ToleranceFrame, Failure<B>> {
+    let (decades, time) = (decades(chart), times(chart));
+    let characters = grouped(time.1, time.1 - time.0).chars().count() + 1;
+    let look = Look { theme: *theme, scale, label_characters: characters.max(5) };
+    let root = backend.into_drawing_area();
+    root.fill(&theme.background)?;
+    let axes = Axes {
+        distance: decades,
+        distance_title: Some("Contour tolerance (µm)"),
+        value: time,
+        value_title: "Cycle time (s)",
+    };
+    let mut context = look.panel(&root, &axes)?;
+    let borders = borders(&context);
+    mesh(&look, &mut context, &axes)?;
+
+    let points = |size: f64| look.points(size);
+    let programmed = [(decades.0, chart.programmed), (decades.1, chart.programmed)];
+    context.draw_series([PathElement::new(programmed, theme.programmed.stroke_width(points(2.5)))])?;
+    for (index, curve) in chart.curves.iter().enumerate().rev() {
+        let rows =
+            curve.tolerance.iter().zip(&curve.time).map(|(tolerance, &time)| (tolerance.log10(), time));
+        let color = if index == 0 { theme.text } else { theme.axis };
+        let rows: Vec<_> = rows.collect();
+        if index == 0 {
+            context.draw_series([PathElement::new(rows, color.stroke_width(points(1.75)))])?;
+        } else {
+            let dash = points(5.0);
+            context.draw_series(DashedLineSeries::new(rows, dash, dash, color.stroke_width(points(1.5))))?;
+        }
+    }
+    for mark in &chart.marks {
+        let color = theme.curves[mark.color % theme.curves.len()];
+        let at = (mark.tolerance.log10(), mark.time);
+        context.draw_series([Circle::new(at, points(DOT), color.filled())])?;
+    }
+    root.present()?;
+    Ok(ToleranceFrame { x: borders.x, y: borders.y, decades, time })
+}
+
+/// Grid, axes and numbers: the abscissa has a number a decade and a line at two and five times of it.
+fn mesh<B: DrawingBackend>(look: &Look, context: &mut Context<B>, axes: &Axes) -> Result<(), Failure<B>> {
+    let Theme { text, axis, grid, .. } = look.theme;
+    let (low, high) = axes.distance;
+    let whole = low.floor() as i32..=high.ceil() as i32;
+    for at in whole.flat_map(|decade| [2f64, 5.0].map(|times| f64::from(decade) + times.log10())) {
+        if low < at && at < high {
+            let line = [(at, axes.value.0), (at, axes.value.1)];
+            context.draw_series([PathElement::new(line, grid.stroke_width(look.points(1.0)))])?;
+        }
+    }
+    let font = (FONT, look.points(FONT_SIZE)).into_font().color(&text);
+    let number = |value: &f64| grouped(*value, axes.value.1 - axes.value.0);
+    let rows = f64::from(context.plotting_area().dim_in_pixel().1) / (28.0 * look.scale);
+    context
+        .configure_mesh()
+        .x_labels((high - low).floor() as usize + 1)
+        .y_labels((rows as usize).clamp(2, 12))
+        .x_label_formatter(&|decade: &f64| tolerance_label(10f64.powf(*decade)).replace(" µm", ""))
+        .y_label_formatter(&number)
+        .x_desc(axes.distance_title.unwrap_or_default())
+        .y_desc(axes.value_title)
+        .label_style(font.clone())
+        .axis_desc_style(font)
+        .axis_style(axis.stroke_width(look.points(1.0)))
+        .bold_line_style(grid.stroke_width(look.points(1.0)))
+        .light_line_style(TRANSPARENT)
+        .set_all_tick_mark_size(look.points(4.0))
+        .draw()
+}
+
+/// Decimal logarithms of the least and the largest tolerance (mm) in sight: whole decades.
+fn decades(chart: &ToleranceChart) -> (f64, f64) {
+    let marks = chart.marks.iter().map(|mark| mark.tolerance);
+    let (low, high) = marks.fold(SPAN, |(low, high), at| (low.min(at), high.max(at)));
+    ((low.log10() + ROUNDING).floor(), (high.log10() - ROUNDING).ceil())
+}
+
+/// The least and the largest cycle time (s) in sight.
+fn times(chart: &ToleranceChart) -> (f64, f64) {
+    let all = chart.curves.iter().flat_map(|curve| curve.time.iter().copied());
+    let all = all.chain(chart.marks.iter().map(|mark| mark.time));
+    let start = (chart.programmed, chart.programmed);
+    let (low, high) = all.fold(start, |(low, high), time| (low.min(time), high.max(time)));
+    let room = HEADROOM * (high - low).max(LEAST_SPAN);
+    ((low - room).max(0.0), high + room)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart() -> ToleranceChart {
+        let tolerance = curve_tolerances();
+        let time = tolerance.iter().map(|tolerance| 100.0 - 10.0 * tolerance.log10()).collect();
+        ToleranceChart {
+            programmed: 90.0,
+            curves: vec![TimeCurve { tolerance, time }],
+            marks: vec![
+                Mark { color: 0, tolerance: 0.01, time: 120.0 },
+                Mark { color: 1, tolerance: 0.05, time: 113.0 },
+            ],
+        }
+    }
+
+    fn svg(chart: &ToleranceChart) -> (String, ToleranceFrame) {
+        let mut text = String::new();
+        let backend = SVGBackend::with_string(&mut text, (640, 300));
+        let frame =
+            draw_tolerances(chart, &Theme::LIGHT, 1.0, backend).expect("an SVG in memory can be drawn");
+        (text, frame)
+    }
+
+    #[test]
+    fn tolerances_span_three_decades_evenly() {
+        let all = curve_tolerances();
+        assert_eq!(all.len(), POINTS);
+        assert!((all[0] - 0.001).abs() < 1e-15 && (all[POINTS - 1] - 1.0).abs() < 1e-12);
+        let ratio = all[1] / all[0];
+        assert!(all.windows(2).all(|pair| (pair[1] / pair[0] / ratio - 1.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_line_is_straight_on_the_logarithmic_axis_and_ends_where_it_ends() {
+        let curve = &chart().curves[0];
+        for tolerance in [0.001, 0.0123, 0.5, 0.9] {
+            let time = curve.at(tolerance).expect("within the line");
+            assert!((time - (100.0 - 10.0 * f64::log10(tolerance))).abs() < 1e-9);
+        }
+        assert_eq!((curve.at(0.0005), curve.at(1.5), TimeCurve::default().at(0.01)), (None, None, None));
+    }
+
+    #[test]
+    fn dots_lie_where_the_frame_says_in_their_colours() {
+        let (text, frame) = svg(&chart());
+        for (mark, color) in chart().marks.iter().zip(["#0072B2", "#D55E00"]) {
+            let circle =
+                text.lines().find(|line| line.starts_with("<circle") && line.contains(color)).expect(color);
+            let number = |name: &str| -> f64 {
+                let rest = circle.split(&format!(" {name}=\"")).nth(1).expect("a circle has a place");
+                rest.split('"').next().expect("quoted").parse().expect("a number")
+            };
+            assert!((number("cx") - frame.x_of(mark.tolerance)).abs() <= 1.5, "{circle} {frame:?}");
+            assert!((number("cy") - frame.y_of(mark.time)).abs() <= 1.5, "{circle} {frame:?}");
+        }
+        for title in ["Contour tolerance (µm)", "Cycle time (s)"] {
+            assert_eq!(text.matches(title).count(), 1, "{title}");
+        }
+    }
+
+    #[test]
+    fn what_is_pointed_at_is_what_one_would_type() {
+        let (_, frame) = svg(&chart());
+        let at = frame.tolerance_at(frame.x_of(0.0123)).expect("inside");
+        assert_eq!(tolerance_label(at), "12 µm");
+        assert_eq!((frame.tolerance_at(frame.x.0 - 1.0), frame.tolerance_at(frame.x.1 + 1.0)), (None, None));
+        let empty = svg(&ToleranceChart::default()).1;
+        assert!(empty.time.0 < empty.time.1);
+    }
+}

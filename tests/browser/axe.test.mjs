@@ -1,0 +1,115 @@
+// No state of the page, of the frame or of the component has a fault that axe knows.
+
+import assert from 'node:assert/strict'
+import { createRequire } from 'node:module'
+import { readFileSync } from 'node:fs'
+import { join } from 'node:path'
+import { test } from 'node:test'
+import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
+import { openPage } from './harness.mjs'
+import { computed, pageTest, ROOT } from './steps.mjs'
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8')
+const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
+
+/** What axe finds, in words. It is brought in by the debugger's side, past the policy of the page. */
+async function faults(page) {
+  await page.evaluate(AXE)
+  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }))
+  return violations.flatMap(({ id, help, nodes }) =>
+    nodes.map(({ target, failureSummary }) => `${id} (${help}): ${target.join(' ')}\n  ${failureSummary.replaceAll('\n', '\n  ')}`),
+  )
+}
+
+/** Looks at one state after the other; `done` says what was found in any. */
+function looker(page) {
+  const all = []
+  return {
+    look: async (state) => all.push(...(await faults(page)).map((fault) => `${state}: ${fault}`)),
+    done: () => assert.ok(all.length === 0, `\n${all.join('\n')}`),
+  }
+}
+
+for (const scheme of ['light', 'dark']) {
+  pageTest(`the page has no fault, ${scheme}`, async ({ page }) => {
+    const { look, done } = looker(page)
+    await page.emulateMedia({ colorScheme: scheme, reducedMotion: 'reduce' })
+    await look('empty')
+
+    await page.click('#machine details summary')
+    await look('editor of the machine')
+    await page.fill('#field-rapid-feed_mm_min', 'fast')
+    await look('a fault in the form')
+    await page.click('#history .undo-change')
+    await page.click('#machine details summary')
+
+    await page.setInputFiles('#files', SAMPLE)
+    await page.waitForSelector('#results .empty, #results tbody')
+    await look('computing')
+    await computed(page)
+    await page.selectOption('#compare .beside', { index: 2 })
+    await page.waitForFunction(() => !document.querySelector('#compare .columns').textContent.includes('…'))
+    await page.click('#compare details summary')
+    await page.click('#cutting details summary')
+    await page.fill('#tolerances input', 'much')
+    await page.press('#tolerances input', 'Enter')
+    await look('results')
+    await page.hover('#chart .plot')
+    await look('reading in the chart')
+
+    await page.setInputFiles('#files', { name: 'bad.nc', mimeType: 'text/plain', buffer: Buffer.from('G0 X1 Q?\nG1 Y5\nM123\n') })
+    await page.waitForSelector('#diagnostics:not([hidden]) .list table')
+    await computed(page)
+    await look('remarks')
+    await page.click('.programs .remove >> nth=1')
+    await look('removed, with undo')
+
+    await page.click('#settings .copy')
+    await page.waitForSelector('#settings .link:not([hidden])')
+    await look('a link')
+    await page.evaluate(() => (location.hash = '#settings=nonsense'))
+    await page.waitForSelector('#notice .refused:not([hidden])')
+    await look('settings refused')
+    done()
+  })
+
+  pageTest(`recording and diagnosis have no fault, ${scheme}`, async ({ page }) => {
+    const { look, done } = looker(page)
+    await page.emulateMedia({ colorScheme: scheme, reducedMotion: 'reduce' })
+    await page.click('#welcome .concealed')
+    await computed(page)
+    await page.waitForSelector('#recording .sentence')
+    await look('recording')
+    await page.click('#diagnosis .start')
+    await page.waitForSelector('#diagnosis .outcome button', { timeout: 150_000 })
+    await look('diagnosis')
+    done()
+  })
+}
+
+test('components on a page, and a frame in a portal of another origin, have no fault', { timeout: 120_000 }, async () => {
+  const [opened, plain, portal] = await Promise.all([openPage({ path: '/embed.html' }), servePlainPage(), servePortal()])
+  const { page } = opened
+  const { look, done } = looker(page)
+  try {
+    await page.waitForSelector('#refusal:not([hidden])')
+    await look('the frame on its own')
+    for (const scheme of ['light', 'dark']) {
+      await page.emulateMedia({ colorScheme: scheme })
+      await page.goto(`${plain.origin}/page.html`)
+      await page.waitForFunction(() => document.querySelector('#first').quote)
+      await look(`two components, ${scheme}`)
+      await page.goto(`${portal.origin}/portal.html?truefeed=${plain.origin}`)
+      const frame = await page.waitForSelector('iframe').then((element) => element.contentFrame())
+      await page.waitForFunction(() => document.querySelector('#said').textContent.includes('Ready'))
+      await page.click('button')
+      await frame.waitForFunction(() => document.querySelector('truefeed-quote')?.quote)
+      const inFrame = looker(frame)
+      await inFrame.look(`the frame, ${scheme}`)
+      inFrame.done()
+    }
+    done()
+  } finally {
+    await Promise.all([opened.close(), plain.close(), portal.close()])
+  }
+})

@@ -1,0 +1,77 @@
+// How soon the first chart of a long program is there, and whether zooming and panning ever hold the page up. The times
+// are printed; the bounds are generous, since tests run on machines that do other things as well.
+
+import assert from 'node:assert/strict'
+import { computed, frame, pageTest } from './steps.mjs'
+
+const LINES = 22_000
+const SOON_MS = 10_000
+const HELD_UP_MS = 500
+
+/** A finishing pass in short blocks over a wavy surface, with a feedrate of its own each row. */
+function surface(lines) {
+  const text = ['G21 G90 G94', 'G0 X0 Y0 Z5', 'S12000 M3', 'G1 Z0 F1200']
+  for (let index = 0; text.length < lines - 1; index += 1) {
+    const [row, column] = [Math.floor(index / 200), index % 200]
+    const x = 0.4 * (row % 2 === 0 ? column : 199 - column)
+    const z = 2 * Math.sin(0.11 * x) * Math.cos(0.05 * row)
+    text.push(`G1 X${x.toFixed(3)} Y${(0.3 * row).toFixed(3)} Z${z.toFixed(3)}${column === 0 ? ` F${2500 + 10 * (row % 30)}` : ''}`)
+  }
+  return [...text, 'M30'].join('\n')
+}
+
+/** The long tasks (ms) during what is done. */
+async function longTasks(page, body) {
+  await page.evaluate(() => {
+    window.longTasks = []
+    window.observer = new PerformanceObserver((list) => window.longTasks.push(...list.getEntries().map(({ duration }) => duration)))
+    window.observer.observe({ entryTypes: ['longtask'] })
+  })
+  await body()
+  await frame(page)
+  await page.waitForTimeout(200)
+  return page.evaluate(() => {
+    window.observer.disconnect()
+    return window.longTasks
+  })
+}
+
+pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay fluid`, async ({ page }) => {
+  // From the drop to the first curve, seen by the page itself.
+  const first = await page.evaluate(async (text) => {
+    const data = new DataTransfer()
+    data.items.add(new File([text], 'surface.nc'))
+    const start = performance.now()
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }))
+    const until = async (there) => {
+      while (!there()) await new Promise((done) => setTimeout(done, 5))
+      await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))
+      return performance.now() - start
+    }
+    const chart = await until(() => document.querySelector('#chart .plot').dataset.span)
+    const curve = await until(() => document.querySelector('#results data'))
+    return { chart, curve }
+  }, surface(LINES))
+  await computed(page)
+  const ms = (/** @type {number} */ value) => `${Math.round(value)} ms`
+  console.log(`# first chart ${ms(first.chart)}, first curve ${ms(first.curve)} after the drop`)
+  assert.ok(first.curve < SOON_MS, ms(first.curve))
+
+  for (const selector of ['#chart .plot', '#path .space']) {
+    await page.locator(selector).scrollIntoViewIfNeeded()
+    const { x, y, width, height } = await page.locator(selector).boundingBox()
+    const tasks = await longTasks(page, async () => {
+      await page.mouse.move(x + 0.6 * width, y + 0.3 * height)
+      for (let turn = 0; turn < 12; turn += 1) await page.mouse.wheel(0, -240)
+      await page.keyboard.down('Shift')
+      await page.mouse.down()
+      for (let step = 1; step <= 12; step += 1) await page.mouse.move(x + (0.6 - 0.02 * step) * width, y + 0.3 * height)
+      await page.mouse.up()
+      await page.keyboard.up('Shift')
+      for (let turn = 0; turn < 12; turn += 1) await page.mouse.wheel(0, 240)
+    })
+    const longest = Math.max(0, ...tasks)
+    console.log(`# ${selector}: ${tasks.length} long tasks while zooming and moving, the longest ${ms(longest)}`)
+    assert.ok(longest < HELD_UP_MS, ms(longest))
+  }
+})

@@ -1,0 +1,55 @@
+// Numbers are written as the user's language does and read as they are written; texts stay English.
+
+import assert from 'node:assert/strict'
+import { join } from 'node:path'
+import { test } from 'node:test'
+import { openPage } from './harness.mjs'
+import { computed, ROOT, shot } from './steps.mjs'
+
+const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
+
+for (const [locale, time, constant] of [
+  ['de-DE', /^\d+,\d s$/, '0,0255'],
+  ['en-US', /^\d+\.\d s$/, '0.0255'],
+  ['sv-SE', /^\d+,\d s$/, '0,0255'],
+  // Digits of its own are not used: charts and inputs have those from 0 to 9.
+  ['ar-EG', /^\d+\.\d s$/, '0.0255'],
+]) {
+  test(`numbers in ${locale}`, { timeout: 120_000 }, async () => {
+    const opened = await openPage({ locale })
+    const { page } = opened
+    try {
+      await page.waitForSelector('html[data-ready]')
+      const field = '#field-interpolator-time_constant_s'
+      assert.equal(await page.inputValue(field), constant)
+      await page.setInputFiles('#files', SAMPLE)
+      await computed(page)
+      const cells = await page.$$eval('#results tbody tr:first-child td:nth-of-type(2)', (all) => all.map((cell) => cell.textContent))
+      assert.match(cells[0], time)
+      const before = await page.textContent('#results tbody')
+
+      // What is shown is what is read: typed again, nothing changes; half of it, the time does.
+      await page.fill(field, '')
+      await page.fill(field, constant)
+      await computed(page)
+      assert.equal(await page.textContent('#results tbody'), before)
+      assert.equal(await page.locator('#machine [aria-invalid]').count(), 0)
+      await page.fill(field, constant.replace('255', '127'))
+      await page.waitForFunction((before) => document.querySelector('#results tbody').textContent !== before, before)
+      await computed(page)
+      // Several numbers in one field, and numbers with names.
+      await page.click('#machine details summary')
+      for (const [key, text] of [['quote-quantities', null], ['field-times-m_codes_s', constant.includes(',') ? 'M8 = 0,5, M9 = 1' : 'M8 = 0.5, M9 = 1']]) {
+        const input = page.locator(`#${key}`)
+        if (text === null || (await input.count()) === 0) continue
+        await input.fill(text)
+        assert.equal(await input.getAttribute('aria-invalid'), null)
+      }
+      assert.equal(await page.getAttribute('html', 'lang'), 'en')
+      assert.deepEqual(opened.errors, [])
+      await shot(page, `locale-${locale}`)
+    } finally {
+      await opened.close()
+    }
+  })
+}
