@@ -49,6 +49,49 @@ fn compared(run: &Run, machine: &Machine) -> Comparison {
     compare(run.toolpath, &run.plan(machine), run.alignment)
 }
 
+/// Errors of the whole and of the motion, as parts, and of the feedrate as a part of the programmed one.
+fn error(comparison: &Comparison) -> (f64, f64, f64) {
+    let motion = comparison.motion.simulated / comparison.motion.recorded - 1.0;
+    let feed = comparison.feed.expect("feed moves were recorded");
+    (comparison.whole.simulated / comparison.whole.recorded - 1.0, motion, feed.rms / feed.programmed)
+}
+
+#[test]
+fn runs_of_two_mills_predict_other_programs_of_theirs() {
+    let Some(folder) = recordings() else { return };
+    let machine = machine_from_toml(MACHINE).expect("a machine file");
+    let fitted = [
+        ("box-op1", "box-op1-06"),
+        ("box-op1", "box-op1-09"),
+        ("box-op3", "box-op3-06"),
+        ("plate-12", "plate-12"),
+    ]
+    .map(|(program, run)| recorded(&folder, program, run, &machine));
+    let runs: Vec<Run> = fitted.iter().map(Recorded::run).collect();
+    let found = calibrate(&machine, &runs, &mut |_| {}).machine;
+    for (program, run) in [
+        ("box-op2", "box-op2-12"),
+        ("box-op3", "box-op3-07"),
+        ("plate-13", "plate-13"),
+        ("box-op1", "box-op1-12"),
+        ("box-op2", "box-op2-13"),
+    ] {
+        let other = recorded(&folder, program, run, &machine);
+        let (whole, motion, feed) = error(&compared(&other.run(), &found));
+        let programmed = compared(&other.run(), &found).feed.expect("feed moves were recorded");
+        eprintln!(
+            "{run}: whole {:+.2} %, motion {:+.2} %, feedrate {:.2} %, CAM's {:.2} %",
+            1e2 * whole,
+            1e2 * motion,
+            1e2 * feed,
+            1e2 * programmed.programmed_rms / programmed.programmed
+        );
+        assert!(whole.abs() < 0.02, "{run}: whole {whole}");
+        assert!(motion.abs() < 0.025, "{run}: motion {motion}");
+        assert!(feed < 0.06, "{run}: feedrate {feed}");
+    }
+}
+
 #[test]
 fn a_short_program_predicts_another_one_of_its_machine() {
     let Some(folder) = recordings() else { return };
@@ -58,11 +101,6 @@ fn a_short_program_predicts_another_one_of_its_machine() {
     for (program, run) in [("box-op3", "box-op3-07"), ("box-op3", "box-op3-10"), ("box-op2", "box-op2-12")] {
         let other = recorded(&folder, program, run, &machine);
         let [before, after] = [&machine, &found].map(|machine| compared(&other.run(), machine));
-        let error = |comparison: &Comparison| {
-            let motion = comparison.motion.simulated / comparison.motion.recorded - 1.0;
-            let feed = comparison.feed.expect("feed moves were recorded");
-            (comparison.whole.simulated / comparison.whole.recorded - 1.0, motion, feed.rms / feed.programmed)
-        };
         let (was, is) = (error(&before), error(&after));
         eprintln!(
             "{run}: whole {:+.2} → {:+.2} %, motion {:+.2} → {:+.2} %, feedrate {:.2} → {:.2} %",

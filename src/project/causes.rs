@@ -106,8 +106,13 @@ pub fn known(id: &str) -> Known {
             "MD32410 and MD32411 (Siemens)",
         ),
         "corner_tolerance" => of(
-            |p, _, s| {
-                format!("Corners are blended within {} mm{}.", number(p, "contour_tolerance_mm"), costs(s))
+            |p, _, s| match word(p, "at").as_str() {
+                "arcs" => format!("Arcs are not slowed by the contour tolerance of corners{}.", costs(s)),
+                _ => format!(
+                    "Corners are blended within {} mm{}.",
+                    number(p, "contour_tolerance_mm"),
+                    costs(s)
+                ),
             },
             "cycle 32 T (Heidenhain), CYCLE832 or CTOL (Siemens), G64 P (LinuxCNC), G187 E (Haas)",
         ),

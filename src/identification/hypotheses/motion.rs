@@ -236,7 +236,8 @@ fn programmed_tolerance(machine: &Machine) -> Option<Hypothesis> {
     })
 }
 
-/// Arcs that are run faster than the tolerance of the corners would let them.
+/// Arcs that the tolerance does not slow, as on controls that know it at corners alone; a tolerance of arcs that is
+/// but a little wider is not offered, as it would take up what other causes leave.
 fn arcs(machine: &Machine) -> Option<Hypothesis> {
     let own = machine.interpolator.contour_tolerance;
     let held = machine.interpolator.arc_tolerance;
@@ -244,8 +245,8 @@ fn arcs(machine: &Machine) -> Option<Hypothesis> {
         return None;
     }
     let freed =
-        Freed::number("interpolator.arc_tolerance_mm", 3.0 * own, (1.02 * own, 1e5 * own), Scale::Ratio);
-    let trials = [1.5, 3.0, 10.0, 100.0].iter().map(|ratio| ratio * own).collect();
+        Freed::number("interpolator.arc_tolerance_mm", 10.0 * own, (5.0 * own, 1e5 * own), Scale::Ratio);
+    let trials = [10.0, 30.0, 100.0].iter().map(|ratio| ratio * own).collect();
     let found = single("corner_tolerance", freed, trials, |value| {
         vec![("at", Reported::Word("arcs".to_string())), ("arc_tolerance_mm", Reported::Number(value))]
     });
