@@ -208,6 +208,18 @@ fn check_laws(name: &str, log: &Log) {
     }
 }
 
+/// What fuzzing found to break a law.
+#[test]
+fn files_that_broke_a_law_break_it_no_more() {
+    let known = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/known");
+    for name in ["recording-stamps-out-of-order"] {
+        let bytes = std::fs::read(known.join(name)).expect("it is part of the project");
+        if let Ok(log) = read(&bytes) {
+            check_laws(name, &log);
+        }
+    }
+}
+
 #[test]
 fn any_bytes_are_read_or_refused() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);

@@ -110,6 +110,18 @@ fn recording(capture: Capture, remarks: &mut Remarks) -> Result<Recording, Recor
         signals.iter().filter_map(|signal| signal.time.first()).copied().fold(f64::INFINITY, f64::min);
     let last =
         signals.iter().filter_map(|signal| signal.time.last()).copied().fold(f64::NEG_INFINITY, f64::max);
+    // Against a stamp that is out of all proportion others become one and the same.
+    let stays = |signal: &Signal| signal.time.windows(2).all(|pair| pair[0] - first < pair[1] - first);
+    if let Some(lost) = signals.iter().find(|signal| !stays(signal)) {
+        let name = &lost.label.name;
+        let message =
+            format!("{name} is left out: its times and those of other columns have nothing in common");
+        remarks.warn(None, None, message);
+        signals.retain(stays);
+        if !signals.iter().any(tells_motion) {
+            return Err(RecordingError::NothingKnown { found });
+        }
+    }
     let mut builder = Builder { first, shifted: Vec::new(), gaps_of: None, remarks };
     let mut recording = Recording {
         started: capture.origin.map(|origin| origin.saturating_add((first * 1e9) as i64)),
