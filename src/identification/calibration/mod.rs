@@ -160,11 +160,13 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
     orders.sort_by_key(|(order, _)| *order);
     share.part = 0.06;
+    // A planner has no use for the laws of filters.
+    let plain = best.machine.clone();
     whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
         run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
     });
     if shows_ramps {
-        let start = planner::guess(machine, &best.machine, runs, &whitenings);
+        let start = planner::guess(machine, &plain, runs, &whitenings);
         let found = run_fit(&start, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
         if found.cost < (1.0 - BETTER_FAMILY) * best.cost {
             // At the noise that the planner leaves, which is less.
