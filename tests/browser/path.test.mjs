@@ -142,6 +142,7 @@ pageTest('path, text and charts have one cursor', async ({ page }) => {
   await page.keyboard.press('Shift+ArrowRight')
   assert.notEqual(await page.$eval('#chart .cross', (element) => element.style.left), cross)
   await page.locator('#path').scrollIntoViewIfNeeded()
+  await rested(page)
   await page.keyboard.press('Shift+ArrowRight')
   await page.keyboard.press('Shift+ArrowRight')
   const said = Number((await page.textContent('#chart .reading .code')).match(/line (\d+)/)[1])

@@ -132,7 +132,7 @@ pageTest('all charts have one cursor and one stretch in sight', async ({ page })
   assert.match(words, /mm · programmed [\d,]+ mm\/min.*recorded.*simulated.*time lost so far \+[\d.]+ s.*line \d+ G1 X/)
   assert.ok(await page.isVisible('#chart .cross'), 'the cursor is in the chart above as well')
   assert.ok(await page.isHidden('#chart .reading'))
-  const crossings = await page.$$eval('.cross', (all) => all.map((cross) => Number.parseFloat(cross.style.left)))
+  const crossings = await page.$$eval('#chart .cross, #recording .cross', (all) => all.map((cross) => Number.parseFloat(cross.style.left)))
   assert.ok(Math.abs(crossings[0] - crossings[1]) < 30, `${crossings}`)
 
   await page.mouse.click(x + 0.6 * width, y + 0.3 * height)
