@@ -83,14 +83,17 @@ const START: usize = 11;
 fn each_time_is_added_as_often_as_it_is_asked_for() {
     let before = parts(&breakdown_on(&Machine::default()));
     type Change = fn(&mut Times);
-    let cases: [(Change, usize, f64); 15] = [
+    let cases: [(Change, usize, f64); 17] = [
         (|t| t.start = 4.5, START, 4.5),
         // The third M6 finds its tool in the spindle.
         (|t| t.tool_change += 1.0, TOOL_CHANGE, 2.0),
+        (|t| t.first_tool_change = Some(t.tool_change - 1.5), TOOL_CHANGE, -1.5),
         (|t| t.tools = [(2, 9.0), (3, 50.0)].into(), TOOL_CHANGE, 5.0),
         // Two starts and a reversal, a stop and half the reversal; a tool change stops as well.
         (|t| t.spindle.start = Some(1.0), SPINDLE, 3.0),
         (|t| t.spindle.stop = Some(0.25), SPINDLE, 0.5),
+        // M8 waits for the ramp to 6000; what follows is waited for by no word.
+        (|t| (t.spindle.ramp, t.spindle_awaited_by) = (1e-3, vec![8]), COOLANT, 6.0),
         (|t| t.coolant_on = Some(3.0), COOLANT, 3.0),
         (|t| t.coolant_off = Some(0.5), COOLANT, 0.5),
         (|t| t.m_codes = [(8, 3.5), (9, 0.5)].into(), COOLANT, 4.0),
@@ -156,10 +159,13 @@ fn neutral_times_leave_the_result_as_it_is() {
         given.times.pallet_change = Some(m_code);
         given.times.clamp = Some(m_code);
         given.times.takes_optional_stop = true;
+        given.times.first_tool_change = Some(given.times.tool_change);
+        given.times.spindle.exponent = Some(3.0);
+        given.times.spindle_awaited_by = vec![8, 30];
         assert_eq!(breakdown_on(&given), breakdown_on(&plain));
     }
     let rows = PARAMETERS.iter().filter(|row| row.key.starts_with("times."));
-    assert_eq!(rows.count(), 17, "a new time belongs into these laws");
+    assert_eq!(rows.count(), 20, "a new time belongs into these laws");
 }
 
 /// A random path with random stops and operations.
