@@ -2,9 +2,11 @@
 //!
 //! With the rate r_m of the machine and the terms of [`Terms`](crate::quote::Terms):
 //!
-//!     once     O = t_s r_m + t_s r_o + fixed,            its margin k O
-//!     a part   P = c r_m + c a r_o + t_l r_m + t_l r_o + material + other,   its margin k P
-//!     price of n parts = (1 + k) O + n (1 + k) P
+//! ```text
+//! once     O = t_s r_m + t_s r_o + fixed,            its margin k O
+//! a part   P = c r_m + c a r_o + t_l r_m + t_l r_o + material + other,   its margin k P
+//! price of n parts = (1 + k) O + n (1 + k) P
+//! ```
 //!
 //! where c is the cycle time, its kinds of time each an addend of their own, and k = m / (1 − m) for a
 //! margin of the price, k = m for one on cost. Every addend is rounded to a step of the currency and is a whole
