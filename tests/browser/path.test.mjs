@@ -39,7 +39,7 @@ const drawn = (page) =>
 const colors = async (page) => new Set((await drawn(page)).map(({ color }) => color))
 const legend = (page) =>
   page.$$eval('#path .ramp span', (all) => all.map((swatch) => swatch.style.backgroundColor.match(/\d+/g).join(' ')))
-const selectedLine = (page) => page.$eval('#path [aria-selected="true"]', (line) => Number(line.dataset.line))
+const selectedLine = (page) => page.locator('#path [aria-selected="true"]').evaluate((line) => Number(line.dataset.line))
 
 for (const [width, height] of [
   [360, 780],
