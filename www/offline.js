@@ -2,13 +2,22 @@
 
 const line = document.getElementById('offline')
 
+/** Settles a moment after the page has loaded, when it asks for no file any more. */
+const settled = new Promise((done) => {
+  const wait = () => setTimeout(done, 1500)
+  if (document.readyState === 'complete') wait()
+  else addEventListener('load', wait, { once: true })
+})
+
 /** @param {ServiceWorkerContainer} workers */
 async function keep(workers) {
   const registration = await workers.register('sw.js', { updateViaCache: 'none' })
   if (registration.waiting) {
-    // Nothing has been entered yet, so that the page can begin again.
+    // The page begins again with what it had, which is kept. It waits for its own files first: Chromium forgets the
+    // change where one is asked for at the same moment, and the new version waits for the load after.
     workers.addEventListener('controllerchange', () => location.reload(), { once: true })
-    registration.waiting.postMessage('update')
+    await settled
+    registration.waiting?.postMessage('update')
   }
   await workers.ready
   if (line) line.textContent = 'It works without a network.'
