@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! cargo run --release --example standin -- generate --seed 7 --out CASES
-//! cargo run --release --example proof -- CASES REPORTS        (REPORTS/case-NN/report.json, transfer.json)
+//! cargo run --release --example proof -- CASES REPORTS        (REPORTS/case-NN/report.json, chart.svg, transfer.json)
 //! cargo run --release --example standin -- score CASES REPORTS
 //! ```
 //!
@@ -21,7 +21,8 @@ use serde_json::{Value, json};
 use truefeed::identification::diagnosis::diagnose;
 use truefeed::identification::fit::{Recorded, RecordedError};
 use truefeed::machine::Machine;
-use truefeed::project::{DiagnosisReport, machine_from_toml};
+use truefeed::plot::svg;
+use truefeed::project::{DiagnosisReport, diagnosis_chart, machine_from_toml};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::toolpath::trace;
 
@@ -29,6 +30,9 @@ use crate::rivals::Rivals;
 
 /// The tolerance of the second program, in multiples of the first one's, as the stand-in writes it.
 const TRANSFER: f64 = 2.0;
+
+/// Width and height of the picture of a case, pixels.
+const CHART: (u32, u32) = (900, 420);
 
 /// What is wrong with a request, in one line.
 type Refusal = Box<dyn std::error::Error + Send + Sync>;
@@ -82,6 +86,10 @@ fn one(case: &Path, out: &Path) -> Result<(), Refusal> {
             let run = recorded.unswitched();
             let diagnosis = diagnose(&machine, std::slice::from_ref(&run), &mut |_| {});
             let report = DiagnosisReport::new(&diagnosis, &["recording.csv".into()]);
+            let chart = diagnosis_chart(&diagnosis, &machine, std::slice::from_ref(&run), 0);
+            if let Some(picture) = chart.and_then(|chart| svg(&chart, CHART)) {
+                std::fs::write(out.join("chart.svg"), picture)?;
+            }
             let second = case.join("transfer");
             let transfer = second.exists().then(|| -> Result<Value, Refusal> {
                 let other = recorded_at(&second, &machine)?;

@@ -11,6 +11,7 @@
 //! cargo run --release --example standin -- generate --seed 1 --out DIR [--singles N --negatives N
 //!     --doubles N --outside N --ambiguous N --planners N]
 //! cargo run --release --example standin -- score DIR REPORTS        (REPORTS/case-01/report.json …)
+//! cargo run --release --example standin -- pictures DIR REPORTS --out docs/diagnosis
 //! cargo run --release --example standin -- sample --out www/samples
 //! ```
 
@@ -20,6 +21,7 @@ mod effects;
 mod fir;
 mod path;
 mod physics;
+mod pictures;
 mod planner;
 mod program;
 mod ramp;
@@ -78,7 +80,12 @@ fn run() -> Result<(), Refusal> {
         }
         ("sample", Some(folder), []) => write_sample(&folder)?,
         ("score", None, [folder, reports]) => print!("{}", score::page(folder, reports)?),
-        _ => return Err("say `generate --out DIR`, `sample --out DIR` or `score DIR REPORTS`".into()),
+        ("pictures", Some(out), [folder, reports]) => pictures::write(folder, reports, &out)?,
+        _ => {
+            return Err("say `generate --out DIR`, `sample --out DIR`, `score DIR REPORTS` or \
+                        `pictures DIR REPORTS --out DIR`"
+                .into());
+        }
     }
     Ok(())
 }

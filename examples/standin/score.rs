@@ -39,29 +39,44 @@ impl Rate {
 }
 
 /// What one case came to.
-struct Outcome {
-    stratum: String,
-    effect: String,
-    strength: f64,
+pub struct Outcome {
+    /// The folder of the case.
+    pub name: String,
+    /// What kind of case it was drawn as.
+    pub stratum: String,
+    /// What is concealed.
+    pub effect: String,
+    /// How strongly, in detection limits.
+    pub strength: f64,
     missing: bool,
     unknown: bool,
-    top: bool,
+    /// Whether it was named first.
+    pub top: bool,
     set: bool,
     set_size: usize,
     named: usize,
     overlap: Option<f64>,
     parameter_errors: Vec<f64>,
     covered: Vec<bool>,
-    feed: Option<(f64, f64)>,
+    /// Held-out feed RMSE before and after, mm/min.
+    pub feed: Option<(f64, f64)>,
     cycle: Option<(f64, f64)>,
     /// What the diagnosis took, s.
     seconds: Option<f64>,
     /// Errors on the second program; null where there is none.
-    transfer: Value,
+    pub transfer: Value,
+}
+
+impl Outcome {
+    /// By what part of the cycle time a rival is wrong on the second program.
+    pub fn transfer_error(&self, rival: &str) -> Option<f64> {
+        let error = self.transfer[rival]["cycle_time_error_s"].as_f64()?;
+        Some((error / self.transfer["recorded_s"].as_f64()?).abs())
+    }
 }
 
 /// Those that speak of the second program, as `proof` calls them and as people do.
-const RIVALS: [(&str, &str); 5] = [
+pub const RIVALS: [(&str, &str); 5] = [
     ("believed", "machine file as believed"),
     ("factor", "one factor for the cycle time"),
     ("refit", "T1 and tolerance refitted"),
@@ -72,6 +87,21 @@ const RIVALS: [(&str, &str); 5] = [
 /// The tables as Markdown. `folder` holds the cases and `answers.json`, `reports` has
 /// `case-NN/report.json`.
 pub fn page(folder: &Path, reports: &Path) -> Result<String, Refusal> {
+    let (seal, outcomes) = outcomes(folder, reports)?;
+    let mut text = format!("Answers {seal}, {} cases.\n\n", outcomes.len());
+    summary(&outcomes, &mut text);
+    if outcomes.iter().any(|outcome| 0.0 < outcome.strength) {
+        strengths(&outcomes, &mut text);
+    }
+    effects(&outcomes, &mut text);
+    if outcomes.iter().any(|outcome| outcome.transfer.is_object()) {
+        rivals(&outcomes, &mut text);
+    }
+    Ok(text)
+}
+
+/// How the answers were kept, and what each case came to.
+pub fn outcomes(folder: &Path, reports: &Path) -> Result<(String, Vec<Outcome>), Refusal> {
     let sealed = std::fs::read(folder.join("answers.json"))?;
     let seal: String = Sha256::digest(&sealed).iter().map(|byte| format!("{byte:02x}")).collect();
     let sealed_as = std::fs::read_to_string(folder.join("sealed.txt")).ok();
@@ -90,19 +120,11 @@ pub fn page(folder: &Path, reports: &Path) -> Result<String, Refusal> {
             }
         };
         let transfer = read("transfer.json")?;
-        outcomes.push(Outcome { transfer, ..outcome(answer, &read("report.json")?) });
+        let name = name.clone();
+        outcomes.push(Outcome { name, transfer, ..outcome(answer, &read("report.json")?) });
     }
     let manner = if sealed_as.is_some() { "sealed as" } else { "not sealed, SHA-256" };
-    let mut text = format!("Answers {manner} `{seal}`, {} cases.\n\n", outcomes.len());
-    summary(&outcomes, &mut text);
-    if outcomes.iter().any(|outcome| 0.0 < outcome.strength) {
-        strengths(&outcomes, &mut text);
-    }
-    effects(&outcomes, &mut text);
-    if outcomes.iter().any(|outcome| outcome.transfer.is_object()) {
-        rivals(&outcomes, &mut text);
-    }
-    Ok(text)
+    Ok((format!("{manner} `{seal}`"), outcomes))
 }
 
 fn outcome(answer: &Value, report: &Value) -> Outcome {
@@ -137,6 +159,7 @@ fn outcome(answer: &Value, report: &Value) -> Outcome {
         false => top,
     };
     let mut result = Outcome {
+        name: String::new(),
         stratum: stratum(answer, truth),
         effect: truth.keys().cloned().collect::<Vec<_>>().join(" + "),
         strength: answer["strength"].as_f64().unwrap_or(0.0),
@@ -324,12 +347,7 @@ fn rivals(outcomes: &[Outcome], text: &mut String) {
         let of = || outcomes.iter().filter(move |o| o.transfer.is_object() && is_meant(o));
         writeln!(text, "| **{kind}, {} cases** | | | |", of().count()).expect("text takes any length");
         for (key, name) in RIVALS {
-            let errors: Vec<f64> = of()
-                .filter_map(|o| {
-                    let error = o.transfer[key]["cycle_time_error_s"].as_f64()?;
-                    Some((error / o.transfer["recorded_s"].as_f64()?).abs())
-                })
-                .collect();
+            let errors: Vec<f64> = of().filter_map(|o| o.transfer_error(key)).collect();
             let worst = errors.iter().copied().reduce(f64::max);
             let feed = median(of().filter_map(|o| o.transfer[key]["feed_rmse_mm_min"].as_f64()).collect());
             let (middle, worst) = (hundredths(median(errors)), hundredths(worst));
