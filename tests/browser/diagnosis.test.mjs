@@ -12,7 +12,7 @@ const folder = mkdtempSync(join(tmpdir(), 'truefeed-diagnosis-'))
 after(() => rmSync(folder, { recursive: true }))
 const sample = (name) => join(ROOT, 'www/samples', name)
 const FEED = '#field-override-feed'
-const TIMEOUT = { timeout: 60_000 }
+const TIMEOUT = { timeout: 120_000 }
 
 /** Waits until the recording in sight is compared and nothing runs. */
 const compared = (page) =>

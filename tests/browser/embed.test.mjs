@@ -74,7 +74,7 @@ function exampleTest(name, address, body) {
 }
 
 const quoteOf = (page, id) =>
-  page.waitForFunction((id) => document.getElementById(id).quote, id, { timeout: 20_000 }).then((handle) => handle.jsonValue())
+  page.waitForFunction((id) => document.getElementById(id).quote, id, { timeout: 60_000 }).then((handle) => handle.jsonValue())
 const rowsOf = (page, id) => page.$$eval(`#${id} tbody tr`, (rows) => rows.length)
 
 exampleTest(
@@ -156,7 +156,7 @@ exampleTest(
     assert.notEqual(plain.origin, portal.origin)
     await page.waitForFunction(() => document.querySelector('#said').textContent === 'Ready.')
     await page.click('button')
-    await page.waitForFunction(() => / a part, /.test(document.querySelector('#said').textContent), null, { timeout: 20_000 })
+    await page.waitForFunction(() => / a part, /.test(document.querySelector('#said').textContent), null, { timeout: 60_000 })
     const program = join(scratch, 'order.nc')
     writeFileSync(program, await page.$eval('textarea', (area) => area.value))
     const { runs } = predicted(program, [0.01, 0.05])
@@ -290,7 +290,7 @@ exampleTest(
       ]
       for (const message of messages) frames[0].postMessage({ truefeed: 1, ...message }, '*')
     }, readFileSync(SAMPLE, 'utf8'))
-    await page.waitForFunction(() => window.said.some(({ id, type }) => id === 'c' && type === 'quote'), null, { timeout: 20_000 })
+    await page.waitForFunction(() => window.said.some(({ id, type }) => id === 'c' && type === 'quote'), null, { timeout: 60_000 })
     const said = await saidOf(page)
     assert.ok(said.every(({ origin, truefeed }) => origin === plain.origin && truefeed === 1))
     const { quote } = said.find(({ id, type }) => id === 'c' && type === 'quote')

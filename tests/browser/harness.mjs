@@ -38,6 +38,8 @@ export async function openPage({ path = '/', viewport = { width: 1280, height: 9
 
   try {
     const context = await browser.newContext({ viewport, locale })
+    // A busy machine is no fault of the page; what never comes is.
+    context.setDefaultTimeout(90_000)
     /** @type {string[]} */
     const requests = []
     /** @type {string[]} */

@@ -77,7 +77,7 @@ const leaks = async (address) => {
 }
 
 for (const path of ['/', '/embed.html']) {
-  test(`nothing gets out of ${path}, and inline script and style do nothing`, { timeout: 60_000 }, async () => {
+  test(`nothing gets out of ${path}, and inline script and style do nothing`, { timeout: 120_000 }, async () => {
     const [opened, other] = await Promise.all([openPage({ path }), elsewhere()])
     const { page } = opened
     try {
@@ -121,7 +121,7 @@ for (const path of ['/', '/embed.html']) {
   })
 }
 
-test('the worker of the page is under the policy of the page', { timeout: 60_000 }, async () => {
+test('the worker of the page is under the policy of the page', { timeout: 120_000 }, async () => {
   const [opened, other] = await Promise.all([openPage(), elsewhere()])
   const { page } = opened
   try {
@@ -211,7 +211,7 @@ test('a new version is taken when the page is loaded again', { timeout: 120_000 
       while (!registration.waiting) await new Promise((done) => setTimeout(done, 50))
     })
     // On a busy machine the browser may put the change off once, to the next load.
-    const isNewer = () => page.waitForFunction(() => document.querySelector('h1')?.textContent === 'Truefeed, newer', null, { timeout: 20_000 })
+    const isNewer = () => page.waitForFunction(() => document.querySelector('h1')?.textContent === 'Truefeed, newer', null, { timeout: 60_000 })
     await page.reload()
     await isNewer().catch(async () => {
       await page.reload()
@@ -228,7 +228,7 @@ test('a new version is taken when the page is loaded again', { timeout: 120_000 
   }
 })
 
-test('the page can be installed', { timeout: 60_000 }, async () => {
+test('the page can be installed', { timeout: 120_000 }, async () => {
   const { page, close } = await openPage()
   try {
     await kept(page)

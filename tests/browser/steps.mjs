@@ -25,7 +25,7 @@ mkdirSync(OUTPUT, { recursive: true })
  * @param {{ viewport?: { width: number, height: number }, skip?: string | false }} [options]
  */
 export function pageTest(name, body, { viewport, skip = false } = {}) {
-  test(name, { skip, timeout: 180_000 }, async () => {
+  test(name, { skip, timeout: 300_000 }, async () => {
     const opened = await openPage({ viewport })
     try {
       await opened.page.waitForSelector('html[data-ready]')
