@@ -12,7 +12,7 @@
 //! where [·] is the difference between the ends of each pulse. Along a line v is linear in time
 //! and the integrals are differences of S, Q, V and h at the ends of each pulse. Along an arc v
 //! also turns, and the integrals are taken by Gauss-Legendre quadrature between the knots of h,
-//! over angles so small that its error is below the rounding.
+//! over angles so small that its error is below the rounding. Crowds of short pulses count as a whole.
 //!
 //! Only ages enter, never the time since the start: a program of any length keeps all its digits.
 //!
@@ -23,9 +23,11 @@
 //!                   window                      now: elapsed since pulse i began
 //! ```
 
-use crate::simulation::filter::FilterChain;
+use crate::simulation::feed::Pulse;
+use crate::simulation::filter::Expansion;
 use crate::simulation::profile::Motion;
-use crate::simulation::toolpath::{Curve, Point, Segment, Vector};
+use crate::simulation::profile::crowds::Crowd;
+use crate::simulation::toolpath::{Arc, Curve, Point, Segment, Vector};
 
 /// A moment in a stretch: so long after a pulse began. After the last pulse the filters run empty,
 /// and `elapsed` goes on beyond its duration.
@@ -72,8 +74,15 @@ impl Dynamics {
     }
 }
 
+/// What lies within the window.
+enum Part<'a> {
+    Pulse(Slice<'a>),
+    /// Many pulses, with the filter as seen from the end of the last.
+    Crowd(&'a Crowd, Expansion),
+}
+
 /// A pulse within the window: from the older age to the younger one.
-struct Slice<'a> {
+pub(super) struct Slice<'a> {
     segment: &'a Segment,
     /// Age of its beginning, s; at most D.
     older: f64,
@@ -87,7 +96,13 @@ struct Slice<'a> {
     offset: f64,
 }
 
-impl Slice<'_> {
+impl<'a> Slice<'a> {
+    /// A whole pulse that has just ended.
+    pub(super) fn of_whole(pulse: &Pulse, segment: &'a Segment) -> Slice<'a> {
+        let [first, last] = pulse.feedrate;
+        Slice { segment, older: pulse.duration, younger: 0.0, first, last, offset: pulse.offset }
+    }
+
     /// Slope of the command, mm/s².
     fn slope(&self) -> f64 {
         let duration = self.older - self.younger;
@@ -111,7 +126,18 @@ impl Motion<'_> {
         let mut velocity = Vector::zeros();
         // One slice ends where the next begins, and nothing has arrived of what is sent now.
         let (mut s_younger, mut v_younger) = (0.0, 0.0);
-        let oldest = self.for_each_slice(moment, |slice| {
+        let oldest = self.for_each_part(moment, |part| {
+            let slice = match part {
+                Part::Pulse(slice) => slice,
+                Part::Crowd(crowd, filter) => {
+                    distance += crowd.progress(&filter).0;
+                    let (arrived, arrives) = crowd.travel(&filter);
+                    travel += arrived;
+                    velocity += arrives;
+                    s_younger = 0.0;
+                    return;
+                }
+            };
             let slope = slice.slope();
             if s_younger == 0.0 {
                 (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
@@ -133,12 +159,17 @@ impl Motion<'_> {
                     travel += arrived * direction;
                     velocity += feedrate * direction;
                 }
-                Curve::Arc(_) => quadrature(&slice, filter, |age, weight| {
-                    let (feedrate, s) = slice.at(age);
-                    let commanded = feedrate * slice.segment.tangent(s);
-                    travel += weight * filter.step(age) * commanded;
-                    velocity += weight * filter.impulse(age) * commanded;
-                }),
+                Curve::Arc(arc) => {
+                    let (mut arrived, mut arrives) = (InPlane::default(), InPlane::default());
+                    for span in filter.spans(slice.younger, slice.older) {
+                        quadrature(&slice, arc, span.begin, span.end, |node| {
+                            arrived.add(node.weight * span.step(node.age), &node);
+                            arrives.add(node.weight * span.impulse(node.age), &node);
+                        });
+                    }
+                    travel += arrived.over(arc, slice.segment.length);
+                    velocity += arrives.over(arc, slice.segment.length);
+                }
             }
             (s_younger, v_younger) = (s_older, v_older);
         });
@@ -155,7 +186,17 @@ impl Motion<'_> {
         let filter = self.filter;
         let (mut distance, mut feedrate) = (0.0, 0.0);
         let (mut s_younger, mut v_younger) = (0.0, 0.0);
-        let oldest = self.for_each_slice(moment, |slice| {
+        let oldest = self.for_each_part(moment, |part| {
+            let slice = match part {
+                Part::Pulse(slice) => slice,
+                Part::Crowd(crowd, filter) => {
+                    let (arrived, arrives) = crowd.progress(&filter);
+                    distance += arrived;
+                    feedrate += arrives;
+                    s_younger = 0.0;
+                    return;
+                }
+            };
             let slope = slice.slope();
             if s_younger == 0.0 {
                 (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
@@ -178,7 +219,16 @@ impl Motion<'_> {
         let filter = self.filter;
         let mut acceleration = Vector::zeros();
         let mut jerk = Vector::zeros();
-        self.for_each_slice(moment, |slice| {
+        self.for_each_part(moment, |part| {
+            let slice = match part {
+                Part::Pulse(slice) => slice,
+                Part::Crowd(crowd, filter) => {
+                    let (of_crowd, change) = crowd.dynamics(&filter);
+                    acceleration += of_crowd;
+                    jerk += change;
+                    return;
+                }
+            };
             let slope = slice.slope();
             for (age, sign) in [(slice.older, 1.0), (slice.younger, -1.0)] {
                 let (feedrate, s) = slice.at(age);
@@ -194,24 +244,39 @@ impl Motion<'_> {
                     let arrived = filter.step(slice.older) - filter.step(slice.younger);
                     acceleration += slope * arrived * slice.segment.tangent(0.0);
                 }
-                Curve::Arc(_) => quadrature(&slice, filter, |age, weight| {
-                    let (feedrate, s) = slice.at(age);
-                    let [first, second, third] = slice.segment.derivatives(s);
-                    let impulse = weight * filter.impulse(age);
-                    acceleration += impulse * (slope * first + feedrate * feedrate * second);
-                    jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
-                }),
+                Curve::Arc(arc) => {
+                    for span in filter.spans(slice.younger, slice.older) {
+                        quadrature(&slice, arc, span.begin, span.end, |node| {
+                            let (feedrate, s) = slice.at(node.age);
+                            let [first, second, third] = slice.segment.derivatives(s);
+                            let impulse = node.weight * span.impulse(node.age);
+                            acceleration += impulse * (slope * first + feedrate * feedrate * second);
+                            jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
+                        });
+                    }
+                }
             }
         });
         Dynamics { acceleration, jerk }
     }
 
-    /// Calls `visit` for every pulse in the window, the youngest first, and returns where the
+    /// Calls `visit` for everything in the window, the youngest first, and returns where the
     /// command was one filter delay ago.
-    fn for_each_slice(&self, moment: Moment, mut visit: impl FnMut(Slice)) -> Oldest {
+    fn for_each_part(&self, moment: Moment, mut visit: impl FnMut(Part)) -> Oldest {
         let delay = self.filter.delay();
         let mut younger = moment.elapsed - self.pulses[moment.pulse].duration;
-        for index in (self.first_pulse..=moment.pulse).rev() {
+        // One past the pulse that is next.
+        let mut next = moment.pulse + 1;
+        while self.first_pulse < next {
+            if !self.crowds.is_empty()
+                && let Some((crowd, filter)) = self.crowd_before(next, younger)
+            {
+                visit(Part::Crowd(crowd, filter));
+                younger += crowd.duration;
+                next -= crowd.count;
+                continue;
+            }
+            let index = next - 1;
             let pulse = &self.pulses[index];
             let segment = pulse.segment as usize;
             let older = if index == moment.pulse { moment.elapsed } else { younger + pulse.duration };
@@ -230,14 +295,32 @@ impl Motion<'_> {
                 if begin == older { (whole.first, whole.offset) } else { whole.at(begin.max(whole.younger)) };
             if end < begin {
                 let last = if end == whole.younger { whole.last } else { whole.at(end).0 };
-                visit(Slice { older: begin, younger: end, first, last, offset, ..whole });
+                visit(Part::Pulse(Slice { older: begin, younger: end, first, last, offset, ..whole }));
             }
             if delay <= older {
                 return Oldest { segment, offset };
             }
             younger = older;
+            next = index;
         }
         Oldest { segment: self.pulses[self.first_pulse].segment as usize, offset: 0.0 }
+    }
+
+    /// How many pulses and crowds a state is made of.
+    #[cfg(test)]
+    pub(super) fn parts_in_window(&self, moment: Moment) -> usize {
+        let mut count = 0;
+        self.for_each_part(moment, |_| count += 1);
+        count
+    }
+
+    /// The largest crowd before the pulse `next` that lies within the window and between two knots of the filter,
+    /// if it ended `younger` (s) ago.
+    fn crowd_before(&self, next: usize, younger: f64) -> Option<(&Crowd, Expansion)> {
+        self.crowds.ending_at(next).find_map(|crowd| {
+            let filter = self.filter.expansion(younger, younger + crowd.duration)?;
+            Some((crowd, filter))
+        })
     }
 }
 
@@ -262,22 +345,62 @@ const GAUSS: [(f64, f64); 6] = [
 /// Largest angle turned within one interval of the quadrature, rad.
 const QUADRATURE_ANGLE: f64 = 0.5;
 
-/// Calls `visit(age, weight)` so that Σ weight f(age) = ∫ f da over the slice, for f smooth
-/// between the knots of the filter.
-fn quadrature(slice: &Slice, filter: &FilterChain, mut visit: impl FnMut(f64, f64)) {
-    let Curve::Arc(arc) = &slice.segment.curve else { return };
-    let turning = arc.sweep / slice.segment.length * slice.first.max(slice.last);
-    let mut begin = slice.younger;
-    for knot in filter.knots().filter(|&knot| slice.younger < knot) {
-        let end = knot.min(slice.older);
-        if begin < end {
-            let intervals = ((end - begin) * turning / QUADRATURE_ANGLE).ceil().clamp(1.0, 1e4) as usize;
-            let half = 0.5 * (end - begin) / intervals as f64;
-            for interval in 0..intervals {
-                let middle = begin + (2 * interval + 1) as f64 * half;
-                GAUSS.iter().for_each(|(node, weight)| visit(middle + node * half, weight * half));
-            }
-            begin = end;
+/// A moment within an arc at which an integral over it is taken.
+pub(super) struct Node {
+    /// Its age, s.
+    pub age: f64,
+    /// What it counts in the integral, s.
+    pub weight: f64,
+    /// Velocity over that of a segment of the length 1 mm, in the frame of the arc.
+    velocity: InPlane,
+}
+
+/// A vector in the frame of an arc, as the parts along e1, e2 and the rise, mm²/s.
+#[derive(Clone, Copy, Default)]
+pub(super) struct InPlane([f64; 3]);
+
+impl InPlane {
+    /// Adds the velocity at a node so many times.
+    pub(super) fn add(&mut self, factor: f64, node: &Node) {
+        self.0.iter_mut().zip(node.velocity.0).for_each(|(sum, part)| *sum += factor * part);
+    }
+
+    /// In space, for an arc of `length`, mm.
+    pub(super) fn over(&self, arc: &Arc, length: f64) -> Vector {
+        let [first, second, rise] = self.0.map(|part| part / length);
+        first * arc.e1 + second * arc.e2 + rise * arc.rise
+    }
+}
+
+/// Calls `visit(node)` so that Σ weight f(age) = ∫ f da over the ages from `begin` to `end` (s) of a slice of an
+/// arc, for f smooth between them.
+pub(super) fn quadrature(slice: &Slice, arc: &Arc, begin: f64, end: f64, mut visit: impl FnMut(Node)) {
+    let length = slice.segment.length;
+    let turning = arc.sweep / length * slice.first.max(slice.last);
+    let intervals = ((end - begin) * turning / QUADRATURE_ANGLE).ceil().clamp(1.0, 1e4) as usize;
+    let half = 0.5 * (end - begin) / intervals as f64;
+    let is_even = slice.first == slice.last;
+    // At an even command each interval turns by the same angles around its middle.
+    let [far, middle, near] =
+        [5, 4, 3].map(|k: usize| if is_even { (turning * GAUSS[k].0 * half).sin_cos() } else { (0.0, 1.0) });
+    let back = |(sin, cos): (f64, f64)| (-sin, cos);
+    let turned = [back(far), back(middle), back(near), near, middle, far];
+    for interval in 0..intervals {
+        let middle = begin + (2 * interval + 1) as f64 * half;
+        let (sin, cos) = (arc.sweep * (slice.at(middle).1 / length)).sin_cos();
+        for ((node, weight), (sin_node, cos_node)) in GAUSS.iter().zip(turned) {
+            let age = middle + node * half;
+            let (feedrate, s) = slice.at(age);
+            let sigma = s / length;
+            // What is older was commanded before the arc turned on to the middle.
+            let (sin, cos) = if is_even {
+                (sin * cos_node - cos * sin_node, cos * cos_node + sin * sin_node)
+            } else {
+                (arc.sweep * sigma).sin_cos()
+            };
+            let [first, second] = arc.derivative_in_plane(sigma, sin, cos);
+            let velocity = InPlane([feedrate * first, feedrate * second, feedrate]);
+            visit(Node { age, weight: weight * half, velocity });
         }
     }
 }
