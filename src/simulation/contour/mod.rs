@@ -12,7 +12,7 @@
 //! lie under one filter delay, it is what the isolated law cannot know.
 //!
 //! The search begins half a filter delay after X was commanded and steps to where the distance
-//! would be least if the path went on straight; once it has gone too far, the nearest moment is
+//! would be least if the path went on straight, and then as it bent between the last two steps; once it has gone too far, the nearest moment is
 //! bracketed, and closed in on by regula falsi. It stays within the delay, so it cannot stray to
 //! another pass over the same place.
 
@@ -226,6 +226,7 @@ fn nearest(
     // Moments before and after the nearest one, with (P − X)·Ṗ there once that is known.
     let (mut before, mut after) = ((commanded, f64::NAN), (commanded + delay, f64::NAN));
     let mut was_before = None;
+    let mut last: Option<(f64, f64)> = None;
     for step in 1..=MOST_STEPS {
         let away = state.position - point;
         nearest = nearest.min(away.norm());
@@ -244,7 +245,10 @@ fn nearest(
             before.1 *= if stays { 0.5 } else { 1.0 };
         }
         let between = before.0 + (after.0 - before.0) * before.1 / (before.1 - after.1);
-        let straight = time - receding / state.velocity.norm_squared();
+        // How (P − X)·Ṗ grows: by what it did since the last step, or as if the path went on straight.
+        let grown = last.replace((time, receding)).map(|(then, was)| (receding - was) / (time - then));
+        let slope = grown.filter(|slope| 0.0 < *slope).unwrap_or(state.velocity.norm_squared());
+        let straight = time - receding / slope;
         let next = if between.is_nan() { straight } else { between }.clamp(before.0, after.0);
         // What a step takes off the square of the distance is its length times its slope.
         let gain = (receding * (next - time)).abs();

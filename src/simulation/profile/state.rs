@@ -24,7 +24,7 @@
 //! ```
 
 use crate::simulation::feed::Pulse;
-use crate::simulation::filter::Expansion;
+use crate::simulation::filter::{Expansion, FilterChain};
 use crate::simulation::profile::Motion;
 use crate::simulation::profile::crowds::Crowd;
 use crate::simulation::toolpath::{Arc, Curve, Point, Segment, Vector};
@@ -74,13 +74,6 @@ impl Dynamics {
     }
 }
 
-/// What lies within the window.
-enum Part<'a> {
-    Pulse(Slice<'a>),
-    /// Many pulses, with the filter as seen from the end of the last.
-    Crowd(&'a Crowd, Expansion),
-}
-
 /// A pulse within the window: from the older age to the younger one.
 pub(super) struct Slice<'a> {
     segment: &'a Segment,
@@ -117,47 +110,62 @@ impl<'a> Slice<'a> {
     }
 }
 
+/// What has arrived of the distance, from the youngest part of the window on.
+#[derive(Default)]
+struct Progress {
+    /// mm.
+    distance: f64,
+    /// How fast it arrives, mm/s.
+    feedrate: f64,
+    /// V and S at the age where the last slice begins, where the next one ends; 0 where nothing has arrived yet of what
+    /// is sent now.
+    younger: (f64, f64),
+}
+
+impl Progress {
+    /// Adds a slice; what has arrived of it (mm) and how fast it arrives (mm/s).
+    fn add(&mut self, slice: &Slice, filter: &FilterChain) -> (f64, f64) {
+        let slope = slice.slope();
+        if self.younger.1 == 0.0 {
+            self.younger = filter.step_and_displacement(slice.younger);
+        }
+        let (v_younger, s_younger) = self.younger;
+        let (v_older, s_older) = filter.step_and_displacement(slice.older);
+        let mut arrived = slice.first * s_older - slice.last * s_younger;
+        let mut arrives = slice.first * v_older - slice.last * v_younger;
+        if slope != 0.0 {
+            let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
+            arrived += slope * q;
+            arrives += slope * (s_older - s_younger);
+        }
+        self.distance += arrived;
+        self.feedrate += arrives;
+        self.younger = (v_older, s_older);
+        (arrived, arrives)
+    }
+
+    fn add_crowd(&mut self, crowd: &Crowd, filter: &Expansion) {
+        let (arrived, arrives) = crowd.progress(filter);
+        self.distance += arrived;
+        self.feedrate += arrives;
+        self.younger = (0.0, 0.0);
+    }
+}
+
 impl Motion<'_> {
     /// Where the tool is and how fast it moves.
     pub fn state(&self, moment: Moment) -> State {
         let filter = self.filter;
-        let mut distance = 0.0;
-        let mut travel = Vector::zeros();
-        let mut velocity = Vector::zeros();
-        // One slice ends where the next begins, and nothing has arrived of what is sent now.
-        let (mut s_younger, mut v_younger) = (0.0, 0.0);
-        let oldest = self.for_each_part(moment, |part| {
-            let slice = match part {
-                Part::Pulse(slice) => slice,
-                Part::Crowd(crowd, filter) => {
-                    distance += crowd.progress(&filter).0;
-                    let (arrived, arrives) = crowd.travel(&filter);
-                    travel += arrived;
-                    velocity += arrives;
-                    s_younger = 0.0;
-                    return;
-                }
-            };
-            let slope = slice.slope();
-            if s_younger == 0.0 {
-                (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
-            }
-            let (s_older, v_older) = (filter.displacement(slice.older), filter.step(slice.older));
-            let mut arrived = slice.first * s_older - slice.last * s_younger;
-            if slope != 0.0 {
-                let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
-                arrived += slope * q;
-            }
-            distance += arrived;
+        let (mut travel, mut velocity) = (Vector::zeros(), Vector::zeros());
+        let mut sums = (Progress::default(), &mut travel, &mut velocity);
+        let of_slice = |(progress, travel, velocity): &mut (Progress, &mut Vector, &mut Vector),
+                        slice: Slice| {
+            let (arrived, arrives) = progress.add(&slice, filter);
             match &slice.segment.curve {
                 Curve::Line => {
                     let direction = slice.segment.tangent(0.0);
-                    let mut feedrate = slice.first * v_older - slice.last * v_younger;
-                    if slope != 0.0 {
-                        feedrate += slope * (s_older - s_younger);
-                    }
-                    travel += arrived * direction;
-                    velocity += feedrate * direction;
+                    **travel += arrived * direction;
+                    **velocity += arrives * direction;
                 }
                 Curve::Arc(arc) => {
                     let (mut arrived, mut arrives) = (InPlane::default(), InPlane::default());
@@ -167,14 +175,19 @@ impl Motion<'_> {
                             arrives.add(node.weight * span.impulse(node.age), &node);
                         });
                     }
-                    travel += arrived.over(arc, slice.segment.length);
-                    velocity += arrives.over(arc, slice.segment.length);
+                    **travel += arrived.over(arc, slice.segment.length);
+                    **velocity += arrives.over(arc, slice.segment.length);
                 }
             }
-            (s_younger, v_younger) = (s_older, v_older);
+        };
+        let oldest = self.for_each_part(moment, &mut sums, of_slice, |sums, crowd, filter| {
+            sums.0.add_crowd(crowd, filter);
+            let (arrived, arrives) = crowd.travel(filter);
+            *sums.1 += arrived;
+            *sums.2 += arrives;
         });
         State {
-            distance: self.distances[oldest.segment] + oldest.offset + distance,
+            distance: self.distances[oldest.segment] + oldest.offset + sums.0.distance,
             position: self.segments[oldest.segment].point(oldest.offset) + travel,
             velocity,
         }
@@ -183,35 +196,12 @@ impl Motion<'_> {
     /// The distance along the programmed path (mm) and how fast it grows (mm/s): the sum of the
     /// filtered feed command, which at a corner is more than the feedrate of the tool.
     pub fn progress(&self, moment: Moment) -> (f64, f64) {
-        let filter = self.filter;
-        let (mut distance, mut feedrate) = (0.0, 0.0);
-        let (mut s_younger, mut v_younger) = (0.0, 0.0);
-        let oldest = self.for_each_part(moment, |part| {
-            let slice = match part {
-                Part::Pulse(slice) => slice,
-                Part::Crowd(crowd, filter) => {
-                    let (arrived, arrives) = crowd.progress(&filter);
-                    distance += arrived;
-                    feedrate += arrives;
-                    s_younger = 0.0;
-                    return;
-                }
-            };
-            let slope = slice.slope();
-            if s_younger == 0.0 {
-                (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
-            }
-            let (s_older, v_older) = (filter.displacement(slice.older), filter.step(slice.older));
-            distance += slice.first * s_older - slice.last * s_younger;
-            feedrate += slice.first * v_older - slice.last * v_younger;
-            if slope != 0.0 {
-                let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
-                distance += slope * q;
-                feedrate += slope * (s_older - s_younger);
-            }
-            (s_younger, v_younger) = (s_older, v_older);
-        });
-        (self.distances[oldest.segment] + oldest.offset + distance, feedrate)
+        let mut sum = Progress::default();
+        let of_slice = |sum: &mut Progress, slice: Slice| {
+            sum.add(&slice, self.filter);
+        };
+        let oldest = self.for_each_part(moment, &mut sum, of_slice, Progress::add_crowd);
+        (self.distances[oldest.segment] + oldest.offset + sum.distance, sum.feedrate)
     }
 
     /// How the velocity changes.
@@ -219,30 +209,21 @@ impl Motion<'_> {
         let filter = self.filter;
         let mut acceleration = Vector::zeros();
         let mut jerk = Vector::zeros();
-        self.for_each_part(moment, |part| {
-            let slice = match part {
-                Part::Pulse(slice) => slice,
-                Part::Crowd(crowd, filter) => {
-                    let (of_crowd, change) = crowd.dynamics(&filter);
-                    acceleration += of_crowd;
-                    jerk += change;
-                    return;
-                }
-            };
+        let of_slice = |(acceleration, jerk): &mut (&mut Vector, &mut Vector), slice: Slice| {
             let slope = slice.slope();
             for (age, sign) in [(slice.older, 1.0), (slice.younger, -1.0)] {
                 let (feedrate, s) = slice.at(age);
                 let [first, second, _] = slice.segment.derivatives(s);
                 let commanded = feedrate * first;
                 let change = slope * first + feedrate * feedrate * second;
-                acceleration += sign * filter.impulse(age) * commanded;
-                jerk += sign * (filter.impulse_slope(age) * commanded + filter.impulse(age) * change);
+                **acceleration += sign * filter.impulse(age) * commanded;
+                **jerk += sign * (filter.impulse_slope(age) * commanded + filter.impulse(age) * change);
             }
             match &slice.segment.curve {
                 Curve::Line if slope == 0.0 => {}
                 Curve::Line => {
                     let arrived = filter.step(slice.older) - filter.step(slice.younger);
-                    acceleration += slope * arrived * slice.segment.tangent(0.0);
+                    **acceleration += slope * arrived * slice.segment.tangent(0.0);
                 }
                 Curve::Arc(arc) => {
                     for span in filter.spans(slice.younger, slice.older) {
@@ -250,19 +231,31 @@ impl Motion<'_> {
                             let (feedrate, s) = slice.at(node.age);
                             let [first, second, third] = slice.segment.derivatives(s);
                             let impulse = node.weight * span.impulse(node.age);
-                            acceleration += impulse * (slope * first + feedrate * feedrate * second);
-                            jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
+                            **acceleration += impulse * (slope * first + feedrate * feedrate * second);
+                            **jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
                         });
                     }
                 }
             }
+        };
+        let mut sums = (&mut acceleration, &mut jerk);
+        self.for_each_part(moment, &mut sums, of_slice, |sums, crowd, filter| {
+            let (of_crowd, change) = crowd.dynamics(filter);
+            *sums.0 += of_crowd;
+            *sums.1 += change;
         });
         Dynamics { acceleration, jerk }
     }
 
-    /// Calls `visit` for everything in the window, the youngest first, and returns where the
-    /// command was one filter delay ago.
-    fn for_each_part(&self, moment: Moment, mut visit: impl FnMut(Part)) -> Oldest {
+    /// Adds everything in the window to `sum`, the youngest first, and returns where the command was one filter delay
+    /// ago.
+    fn for_each_part<T>(
+        &self,
+        moment: Moment,
+        sum: &mut T,
+        add_slice: impl Fn(&mut T, Slice),
+        add_crowd: impl Fn(&mut T, &Crowd, &Expansion),
+    ) -> Oldest {
         let delay = self.filter.delay();
         let mut younger = moment.elapsed - self.pulses[moment.pulse].duration;
         // One past the pulse that is next.
@@ -271,7 +264,7 @@ impl Motion<'_> {
             if !self.crowds.is_empty()
                 && let Some((crowd, filter)) = self.crowd_before(next, younger)
             {
-                visit(Part::Crowd(crowd, filter));
+                add_crowd(sum, crowd, &filter);
                 younger += crowd.duration;
                 next -= crowd.count;
                 continue;
@@ -295,7 +288,7 @@ impl Motion<'_> {
                 if begin == older { (whole.first, whole.offset) } else { whole.at(begin.max(whole.younger)) };
             if end < begin {
                 let last = if end == whole.younger { whole.last } else { whole.at(end).0 };
-                visit(Part::Pulse(Slice { older: begin, younger: end, first, last, offset, ..whole }));
+                add_slice(sum, Slice { older: begin, younger: end, first, last, offset, ..whole });
             }
             if delay <= older {
                 return Oldest { segment, offset };
@@ -310,7 +303,7 @@ impl Motion<'_> {
     #[cfg(test)]
     pub(super) fn parts_in_window(&self, moment: Moment) -> usize {
         let mut count = 0;
-        self.for_each_part(moment, |_| count += 1);
+        self.for_each_part(moment, &mut count, |count, _| *count += 1, |count, _, _| *count += 1);
         count
     }
 
@@ -367,31 +360,45 @@ impl InPlane {
 
     /// In space, for an arc of `length`, mm.
     pub(super) fn over(&self, arc: &Arc, length: f64) -> Vector {
-        let [first, second, rise] = self.0.map(|part| part / length);
+        let per_length = 1.0 / length;
+        let [first, second, rise] = self.0.map(|part| part * per_length);
         first * arc.e1 + second * arc.e2 + rise * arc.rise
     }
+}
+
+/// Sine and cosine of an angle, rad; by their series up to half of [`QUADRATURE_ANGLE`], beyond which what is left out
+/// is below the rounding.
+fn turn(angle: f64) -> (f64, f64) {
+    if 0.5 * QUADRATURE_ANGLE < angle.abs() {
+        return angle.sin_cos();
+    }
+    let square = angle * angle;
+    let series = |terms: &[f64]| terms.iter().rev().fold(1.0, |sum, term| 1.0 - square * term * sum);
+    const OF_SINE: [f64; 5] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0];
+    const OF_COSINE: [f64; 6] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0];
+    (angle * series(&OF_SINE), series(&OF_COSINE))
 }
 
 /// Calls `visit(node)` so that Σ weight f(age) = ∫ f da over the ages from `begin` to `end` (s) of a slice of an
 /// arc, for f smooth between them.
 pub(super) fn quadrature(slice: &Slice, arc: &Arc, begin: f64, end: f64, mut visit: impl FnMut(Node)) {
-    let length = slice.segment.length;
-    let turning = arc.sweep / length * slice.first.max(slice.last);
+    let per_length = 1.0 / slice.segment.length;
+    let turning = arc.sweep * per_length * slice.first.max(slice.last);
     let intervals = ((end - begin) * turning / QUADRATURE_ANGLE).ceil().clamp(1.0, 1e4) as usize;
     let half = 0.5 * (end - begin) / intervals as f64;
     let is_even = slice.first == slice.last;
     // At an even command each interval turns by the same angles around its middle.
     let [far, middle, near] =
-        [5, 4, 3].map(|k: usize| if is_even { (turning * GAUSS[k].0 * half).sin_cos() } else { (0.0, 1.0) });
+        [5, 4, 3].map(|k: usize| if is_even { turn(turning * GAUSS[k].0 * half) } else { (0.0, 1.0) });
     let back = |(sin, cos): (f64, f64)| (-sin, cos);
     let turned = [back(far), back(middle), back(near), near, middle, far];
     for interval in 0..intervals {
         let middle = begin + (2 * interval + 1) as f64 * half;
-        let (sin, cos) = (arc.sweep * (slice.at(middle).1 / length)).sin_cos();
+        let (sin, cos) = (arc.sweep * (slice.at(middle).1 * per_length)).sin_cos();
         for ((node, weight), (sin_node, cos_node)) in GAUSS.iter().zip(turned) {
             let age = middle + node * half;
             let (feedrate, s) = slice.at(age);
-            let sigma = s / length;
+            let sigma = s * per_length;
             // What is older was commanded before the arc turned on to the middle.
             let (sin, cos) = if is_even {
                 (sin * cos_node - cos * sin_node, cos * cos_node + sin * sin_node)
