@@ -70,9 +70,9 @@ const MOST_STEPS: usize = 30;
 
 /// Measures the contour error of a profile at all corners and arcs.
 pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -> ContourErrors {
-    let mut measured = vec![SegmentErrors::default(); toolpath.segments.len()];
-    measure(toolpath, plan, profile, &mut measured, |_| true);
-    by_corner(&measured)
+    let mut errors = ContourErrors::none(toolpath.segments.len());
+    measure(toolpath, plan, profile, |_| true, |number, segment| errors.add(number, &segment));
+    errors
 }
 
 /// What is measured on one segment, mm.
@@ -88,24 +88,38 @@ struct SegmentErrors {
     between: f64,
 }
 
-/// Gives each corner what was measured on both sides of it.
-fn by_corner(measured: &[SegmentErrors]) -> ContourErrors {
-    let next = measured[1.min(measured.len())..].iter().map(|segment| segment.near_start).chain([0.0]);
-    let corner = measured.iter().zip(next).map(|(own, next)| own.end.max(own.near_end).max(next));
-    ContourErrors {
-        corner: corner.collect(),
-        point: measured.iter().map(|segment| segment.end).collect(),
-        arc: measured.iter().map(|segment| segment.between).collect(),
+impl ContourErrors {
+    /// No errors on so many segments.
+    fn none(segments: usize) -> ContourErrors {
+        let none = || vec![0.0; segments];
+        ContourErrors { corner: none(), point: none(), arc: none() }
+    }
+
+    /// Gives each corner what was measured on both sides of it.
+    fn by_corner(measured: &[SegmentErrors]) -> ContourErrors {
+        let mut errors = ContourErrors::none(measured.len());
+        measured.iter().enumerate().for_each(|(number, segment)| errors.add(number, segment));
+        errors
+    }
+
+    /// Adds what was measured on a segment.
+    fn add(&mut self, number: usize, segment: &SegmentErrors) {
+        self.point[number] = segment.end;
+        self.arc[number] = segment.between;
+        self.corner[number] = self.corner[number].max(segment.end).max(segment.near_end);
+        if let Some(before) = number.checked_sub(1) {
+            self.corner[before] = self.corner[before].max(segment.near_start);
+        }
     }
 }
 
-/// Measures the segments that `wanted` names.
+/// Measures the segments that `wanted` names, and hands out what it finds.
 fn measure(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     profile: &Profile,
-    measured: &mut [SegmentErrors],
     wanted: impl Fn(usize) -> bool,
+    mut found: impl FnMut(usize, SegmentErrors),
 ) {
     for stretch in plan.stretches() {
         let motion = profile.motion(stretch);
@@ -113,7 +127,7 @@ fn measure(
         for pulses in plan.pulses[stretch.pulses.clone()].chunk_by(|a, b| a.segment == b.segment) {
             let number = pulses[0].segment as usize;
             if wanted(number) {
-                measured[number] = segment_errors(toolpath, stretch, &motion, pulses, first);
+                found(number, segment_errors(toolpath, stretch, &motion, pulses, first));
             }
             first += pulses.len();
         }
