@@ -177,13 +177,15 @@ fn segment_errors(
             let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
             let point = segment.point(offset);
             let state = motion.state(motion.moment_from(index, commanded + 0.5 * delay));
-            let at_most = (state.position - point).norm();
-            points.push(OnArc { commanded, offset, point, state, at_most });
+            let away = state.position - point;
+            let along = away.dot(&state.velocity) / state.velocity.norm();
+            let likely = away.norm_squared() - along * along;
+            points.push(OnArc { commanded, offset, point, state, at_most: away.norm(), likely });
         }
     }
-    // Only the largest errors count, so the points that may have them come first, and few of the others are searched.
-    points.sort_unstable_by(|a, b| b.at_most.total_cmp(&a.at_most));
-    for OnArc { commanded, offset, point, state, at_most } in points {
+    // Only the largest errors count, so the points that seem to have them come first, and few of the others are searched.
+    points.sort_unstable_by(|a, b| b.likely.total_cmp(&a.likely));
+    for OnArc { commanded, offset, point, state, at_most, .. } in points {
         let (since_start, to_end) = (commanded - start, end - commanded);
         let place =
             if begins_at_corner && since_start < 0.5 * delay && (since_start <= to_end || !ends_at_corner) {
@@ -216,6 +218,8 @@ struct OnArc {
     state: State,
     /// How far that is from it, mm: neither path is farther from the other.
     at_most: f64,
+    /// The square of the error if the filtered path went on straight there, mm².
+    likely: f64,
 }
 
 /// Distance (mm) of the filtered path from a point that was commanded at `commanded` (s since the

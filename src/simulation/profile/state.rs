@@ -96,6 +96,16 @@ impl<'a> Slice<'a> {
         Slice { segment, older: pulse.duration, younger: 0.0, first, last, offset: pulse.offset }
     }
 
+    /// What of it lies within the window: from its beginning, or from the edge, to its end, or to now. Ends that are
+    /// not cut keep their numbers bit for bit.
+    fn within(self, delay: f64) -> Slice<'a> {
+        let (begin, end) = (self.older.min(delay), self.younger.max(0.0));
+        let (first, offset) =
+            if begin == self.older { (self.first, self.offset) } else { self.at(begin.max(self.younger)) };
+        let last = if end == self.younger { self.last } else { self.at(end).0 };
+        Slice { older: begin, younger: end, first, last, offset, ..self }
+    }
+
     /// Slope of the command, mm/s².
     fn slope(&self) -> f64 {
         let duration = self.older - self.younger;
@@ -273,22 +283,14 @@ impl Motion<'_> {
             let pulse = &self.pulses[index];
             let segment = pulse.segment as usize;
             let older = if index == moment.pulse { moment.elapsed } else { younger + pulse.duration };
-            let whole = Slice {
-                segment: &self.segments[segment],
-                older,
-                younger,
-                first: pulse.feedrate[0],
-                last: pulse.feedrate[1],
-                offset: pulse.offset,
-            };
-            // A pulse counts from its beginning, or from the edge of the window, to its end, or
-            // to now. Ends that are not cut keep their numbers bit for bit.
-            let (begin, end) = (older.min(delay), whole.younger.max(0.0));
-            let (first, offset) =
-                if begin == older { (whole.first, whole.offset) } else { whole.at(begin.max(whole.younger)) };
-            if end < begin {
-                let last = if end == whole.younger { whole.last } else { whole.at(end).0 };
-                add_slice(sum, Slice { older: begin, younger: end, first, last, offset, ..whole });
+            let [first, last] = pulse.feedrate;
+            let whole =
+                Slice { segment: &self.segments[segment], older, younger, first, last, offset: pulse.offset };
+            let is_inside = index != moment.pulse && older < delay;
+            let slice = if is_inside { whole } else { whole.within(delay) };
+            let offset = slice.offset;
+            if slice.younger < slice.older {
+                add_slice(sum, slice);
             }
             if delay <= older {
                 return Oldest { segment, offset };
@@ -373,10 +375,14 @@ fn turn(angle: f64) -> (f64, f64) {
         return angle.sin_cos();
     }
     let square = angle * angle;
-    let series = |terms: &[f64]| terms.iter().rev().fold(1.0, |sum, term| 1.0 - square * term * sum);
-    const OF_SINE: [f64; 5] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0];
-    const OF_COSINE: [f64; 6] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0];
-    (angle * series(&OF_SINE), series(&OF_COSINE))
+    let sine = nested(square, [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0]);
+    let cosine = nested(square, [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0]);
+    (angle * sine, cosine)
+}
+
+/// 1 − a x (1 − b x (1 − …)) with the terms a, b, … and x.
+fn nested<const TERMS: usize>(x: f64, terms: [f64; TERMS]) -> f64 {
+    terms.iter().rev().fold(1.0, |sum, term| 1.0 - x * term * sum)
 }
 
 /// Calls `visit(node)` so that Σ weight f(age) = ∫ f da over the ages from `begin` to `end` (s) of a slice of an
@@ -388,14 +394,18 @@ pub(super) fn quadrature(slice: &Slice, arc: &Arc, begin: f64, end: f64, mut vis
     let half = 0.5 * (end - begin) / intervals as f64;
     let is_even = slice.first == slice.last;
     // At an even command each interval turns by the same angles around its middle.
-    let [far, middle, near] =
-        [5, 4, 3].map(|k: usize| if is_even { turn(turning * GAUSS[k].0 * half) } else { (0.0, 1.0) });
-    let back = |(sin, cos): (f64, f64)| (-sin, cos);
-    let turned = [back(far), back(middle), back(near), near, middle, far];
+    let mut turned = [(0.0, 1.0); GAUSS.len()];
+    if is_even {
+        for k in 0..GAUSS.len() / 2 {
+            let (sin, cos) = turn(turning * GAUSS[k].0 * half);
+            (turned[k], turned[GAUSS.len() - 1 - k]) = ((sin, cos), (-sin, cos));
+        }
+    }
     for interval in 0..intervals {
         let middle = begin + (2 * interval + 1) as f64 * half;
         let (sin, cos) = (arc.sweep * (slice.at(middle).1 * per_length)).sin_cos();
-        for ((node, weight), (sin_node, cos_node)) in GAUSS.iter().zip(turned) {
+        for k in 0..GAUSS.len() {
+            let ((node, weight), (sin_node, cos_node)) = (GAUSS[k], turned[k]);
             let age = middle + node * half;
             let (feedrate, s) = slice.at(age);
             let sigma = s * per_length;
