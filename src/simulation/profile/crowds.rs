@@ -196,10 +196,10 @@ impl Crowd {
             [1.0, 3.0, 3.0, 1.0, 0.0],
             [1.0, 4.0, 6.0, 4.0, 1.0],
         ];
-        for k in 0..POWERS {
+        for (k, binomials) in BINOMIALS.iter().enumerate() {
             let mut power = 1.0;
             for j in (0..=k).rev() {
-                let factor = BINOMIALS[k][j] * power;
+                let factor = binomials[j] * power;
                 self.along[k] += factor * part.along[j];
                 self.travel[k] += factor * part.travel[j];
                 power *= self.duration;
