@@ -4,7 +4,7 @@ use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::feed::{FeedPlan, Rule, plan};
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::{Curve, Motion, Point, Segment, Toolpath, Vector};
+use truefeed::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Toolpath, Vector};
 use truefeed::units::mm_per_s;
 
 /// T1 = Tacc/3 of Sect. 2.2, s.
@@ -65,7 +65,7 @@ impl Pen {
                 curve: Curve::Line,
                 length: (end - pair[0]).norm(),
                 motion: Motion::Feed { feedrate: mm_per_s(feedrate) },
-                rotation: Vector::zeros(),
+                rotation: Rotation::NONE,
                 exact_stop: false,
                 line: LineNumber(index as u32 + 1),
             });

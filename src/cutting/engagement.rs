@@ -27,7 +27,7 @@ use std::ops::Range;
 use crate::cutting::setup::{CuttingError, Mill, Setup};
 use crate::cutting::stock::HeightMap;
 use crate::machine::Direction;
-use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Toolpath, Vector};
+use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Toolpath};
 
 /// Teeth in material between two angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,7 +156,7 @@ pub fn engagement_told(
 ) -> Result<Engagement, CuttingError> {
     let stock = setup.stock.as_ref().ok_or(CuttingError::NoStock)?;
     let map = HeightMap::new(stock, setup.resolution(stock))?;
-    let turn = toolpath.segments.iter().find(|segment| segment.rotation != Vector::zeros());
+    let turn = toolpath.segments.iter().find(|segment| !segment.rotation.is_none());
     let turn = turn.map(|segment| segment.line).or_else(|| {
         let is_rotary = |cause: &StopCause| matches!(cause, StopCause::Rotary { .. });
         toolpath.stops.iter().find(|stop| is_rotary(&stop.cause)).map(|stop| stop.line)

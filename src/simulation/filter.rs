@@ -158,6 +158,28 @@ impl FilterChain {
         }
     }
 
+    /// The responses from one age to another as polynomials of the age beyond the first (s), where no knot lies
+    /// between them; both within the delay.
+    pub fn expansion(&self, from: f64, to: f64) -> Option<Expansion> {
+        let Place::In(piece, x) = self.piece(from) else { return None };
+        let is_in_piece =
+            to < self.delay && !self.pieces.iter().any(|next| from < next.start && next.start < to);
+        is_in_piece.then(|| {
+            let impulse = moved(&piece.h, x);
+            let [h0, h1, h2, h3] = impulse;
+            Expansion { step: [piece.step(x), h0, h1 / 2.0, h2 / 3.0, h3 / 4.0], impulse }
+        })
+    }
+
+    /// The ages from `from` to `to` (s), within the delay, between the knots.
+    pub fn spans(&self, from: f64, to: f64) -> impl Iterator<Item = Span<'_>> {
+        let ends = self.pieces[1..].iter().map(|piece| piece.start).chain([self.delay]);
+        self.pieces.iter().zip(ends).filter_map(move |(piece, end)| {
+            let (begin, end) = (piece.start.max(from), end.min(to));
+            (begin < end).then_some(Span { begin, end, piece })
+        })
+    }
+
     /// Largest value of h, 1/s: the bell peaks at half the delay.
     pub fn peak_impulse(&self) -> f64 {
         self.impulse(self.half_delay())
@@ -200,6 +222,36 @@ impl FilterChain {
             following.integrals = [piece.step(x), piece.displacement(x), piece.ramp_displacement(x)];
         }
     }
+}
+
+/// Ages between two knots.
+pub struct Span<'a> {
+    /// The least, s.
+    pub begin: f64,
+    /// The greatest, s.
+    pub end: f64,
+    piece: &'a Piece,
+}
+
+impl Span<'_> {
+    /// V at an age within it.
+    pub fn step(&self, age: f64) -> f64 {
+        self.piece.step(age - self.piece.start)
+    }
+
+    /// h at an age within it, 1/s.
+    pub fn impulse(&self, age: f64) -> f64 {
+        polynomial(&self.piece.h, age - self.piece.start)
+    }
+}
+
+/// V and h around an age, as coefficients of the powers of the age beyond it (s), the constant first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expansion {
+    /// Of V.
+    pub step: [f64; 5],
+    /// Of h.
+    pub impulse: [f64; 4],
 }
 
 enum Place<'a> {

@@ -7,7 +7,7 @@ use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::FeedPlan;
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Toolpath, Vector};
+use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Rotation, Segment, Toolpath, Vector};
 
 fn path(random: &mut Random) -> Toolpath {
     let count = 2 + (random.unit() * 14.0) as usize;
@@ -54,7 +54,7 @@ fn path(random: &mut Random) -> Toolpath {
             curve,
             length,
             motion,
-            rotation: Vector::zeros(),
+            rotation: Rotation::NONE,
             exact_stop: false,
             line,
         });

@@ -7,7 +7,9 @@
 use truefeed::machine::{Junction, Machine, TimeConstants};
 use truefeed::simulation::feed::{FeedPlan, Phase, Rule, Stretch, plan};
 use truefeed::simulation::gcode::LineNumber;
-use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Stop, StopCause, Toolpath, Vector};
+use truefeed::simulation::toolpath::{
+    Arc, Curve, Motion, Point, Rotation, Segment, Stop, StopCause, Toolpath, Vector,
+};
 
 /// Marsaglia's xorshift.
 pub struct Random(pub u64);
@@ -121,7 +123,7 @@ pub fn line(start: Point, end: Point, motion: Motion) -> Segment {
         curve: Curve::Line,
         length: (end - start).norm(),
         motion,
-        rotation: Vector::zeros(),
+        rotation: Rotation::NONE,
         exact_stop: false,
         line: LineNumber(1),
     }

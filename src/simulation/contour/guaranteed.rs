@@ -20,7 +20,7 @@
 //! the program faster, and the fastest plan within tolerance is the result.
 
 use crate::machine::{CornerMode, Machine};
-use crate::simulation::contour::{ContourErrors, SegmentErrors, by_corner, contour_errors, measure};
+use crate::simulation::contour::{ContourErrors, SegmentErrors, contour_errors, measure};
 use crate::simulation::feed::{Bound, FeedPlan, Pulse, Rule, Tolerances, plan};
 use crate::simulation::profile::{Profile, retimed};
 use crate::simulation::toolpath::{Curve, Toolpath};
@@ -154,8 +154,8 @@ fn corrected(
     let mut asked = Asked::of(toolpath, &isolated);
     let mut now = isolated;
     let mut measured = vec![SegmentErrors::default(); toolpath.segments.len()];
-    measure(toolpath, &now, &Profile::new(toolpath, &now), &mut measured, |_| true);
-    let mut errors = by_corner(&measured);
+    measure(toolpath, &now, &Profile::new(toolpath, &now), |_| true, |k, found| measured[k] = found);
+    let mut errors = ContourErrors::by_corner(&measured);
     let bounds = || tolerances.bounds(toolpath, machine);
     let holds = |errors: &ContourErrors| errors.beyond(bounds(), 1.0 + ROUNDING).next().is_none();
     // Where the isolated law holds everywhere its plan is the one to beat.
@@ -170,8 +170,9 @@ fn corrected(
                 let next = plan(toolpath, machine, given);
                 let stale = within_a_delay(&now, &next);
                 now = next;
-                measure(toolpath, &now, &Profile::new(toolpath, &now), &mut measured, |k| stale[k]);
-                errors = by_corner(&measured);
+                let profile = Profile::new(toolpath, &now);
+                measure(toolpath, &now, &profile, |k| stale[k], |k, found| measured[k] = found);
+                errors = ContourErrors::by_corner(&measured);
             } else if holds(&errors) {
                 break;
             }

@@ -12,7 +12,7 @@
 //! lie under one filter delay, it is what the isolated law cannot know.
 //!
 //! The search begins half a filter delay after X was commanded and steps to where the distance
-//! would be least if the path went on straight; once it has gone too far, the nearest moment is
+//! would be least if the path went on straight, and then as it bent between the last two steps; once it has gone too far, the nearest moment is
 //! bracketed, and closed in on by regula falsi. It stays within the delay, so it cannot stray to
 //! another pass over the same place.
 
@@ -25,7 +25,7 @@ pub use regions::{Region, regions_beyond};
 use std::cmp::Ordering;
 
 use crate::simulation::feed::{Bound, FeedPlan, Pulse, Stretch};
-use crate::simulation::profile::{Motion, Profile};
+use crate::simulation::profile::{Motion, Profile, State};
 use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
 /// Contour errors along a program, one entry a segment.
@@ -70,9 +70,9 @@ const MOST_STEPS: usize = 30;
 
 /// Measures the contour error of a profile at all corners and arcs.
 pub fn contour_errors(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile) -> ContourErrors {
-    let mut measured = vec![SegmentErrors::default(); toolpath.segments.len()];
-    measure(toolpath, plan, profile, &mut measured, |_| true);
-    by_corner(&measured)
+    let mut errors = ContourErrors::none(toolpath.segments.len());
+    measure(toolpath, plan, profile, |_| true, |number, segment| errors.add(number, &segment));
+    errors
 }
 
 /// What is measured on one segment, mm.
@@ -88,24 +88,38 @@ struct SegmentErrors {
     between: f64,
 }
 
-/// Gives each corner what was measured on both sides of it.
-fn by_corner(measured: &[SegmentErrors]) -> ContourErrors {
-    let next = measured[1.min(measured.len())..].iter().map(|segment| segment.near_start).chain([0.0]);
-    let corner = measured.iter().zip(next).map(|(own, next)| own.end.max(own.near_end).max(next));
-    ContourErrors {
-        corner: corner.collect(),
-        point: measured.iter().map(|segment| segment.end).collect(),
-        arc: measured.iter().map(|segment| segment.between).collect(),
+impl ContourErrors {
+    /// No errors on so many segments.
+    fn none(segments: usize) -> ContourErrors {
+        let none = || vec![0.0; segments];
+        ContourErrors { corner: none(), point: none(), arc: none() }
+    }
+
+    /// Gives each corner what was measured on both sides of it.
+    fn by_corner(measured: &[SegmentErrors]) -> ContourErrors {
+        let mut errors = ContourErrors::none(measured.len());
+        measured.iter().enumerate().for_each(|(number, segment)| errors.add(number, segment));
+        errors
+    }
+
+    /// Adds what was measured on a segment.
+    fn add(&mut self, number: usize, segment: &SegmentErrors) {
+        self.point[number] = segment.end;
+        self.arc[number] = segment.between;
+        self.corner[number] = self.corner[number].max(segment.end).max(segment.near_end);
+        if let Some(before) = number.checked_sub(1) {
+            self.corner[before] = self.corner[before].max(segment.near_start);
+        }
     }
 }
 
-/// Measures the segments that `wanted` names.
+/// Measures the segments that `wanted` names, and hands out what it finds.
 fn measure(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     profile: &Profile,
-    measured: &mut [SegmentErrors],
     wanted: impl Fn(usize) -> bool,
+    mut found: impl FnMut(usize, SegmentErrors),
 ) {
     for stretch in plan.stretches() {
         let motion = profile.motion(stretch);
@@ -113,7 +127,7 @@ fn measure(
         for pulses in plan.pulses[stretch.pulses.clone()].chunk_by(|a, b| a.segment == b.segment) {
             let number = pulses[0].segment as usize;
             if wanted(number) {
-                measured[number] = segment_errors(toolpath, stretch, &motion, pulses, first);
+                found(number, segment_errors(toolpath, stretch, &motion, pulses, first));
             }
             first += pulses.len();
         }
@@ -138,52 +152,105 @@ fn segment_errors(
         (stretch.segments.start < number, number + 1 < stretch.segments.end);
     let mut errors = SegmentErrors::default();
     if ends_at_corner {
-        errors.end = distance_from_path(motion, segment.end, end);
+        errors.end = distance_from_path(motion, segment.end, end, last);
     }
     if segment.curve == Curve::Line {
         return errors;
     }
     let around = &toolpath.segments[stretch.segments.clone()];
+    let mut points = Vec::new();
     for (pulse, index) in pulses.iter().zip(first..) {
-        let points = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, POINTS_ON_ARC);
-        for i in 0..points as usize {
-            let elapsed = (i as f64 + 0.5) / points * pulse.duration;
+        let count = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, POINTS_ON_ARC);
+        // Where the command is even for a whole delay, all points are as far off: the first and the last stand for them.
+        let is_even = pulse.feedrate[0] == pulse.feedrate[1];
+        let settled = |i: f64| {
+            let elapsed = (i + 0.5) / count * pulse.duration;
+            is_even && 0.5 * delay <= elapsed && elapsed + 0.5 * delay <= pulse.duration
+        };
+        for i in (0..count as usize).map(|i| i as f64) {
+            if settled(i - 1.0) && settled(i) && settled(i + 1.0) {
+                continue;
+            }
+            let elapsed = (i + 0.5) / count * pulse.duration;
             let commanded = motion.pulse_start(index) + elapsed;
             let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
             let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
-            let forward = distance_from_path(motion, segment.point(offset), commanded);
-            let filtered = motion.state(motion.moment(commanded + 0.5 * delay)).position;
-            let back = distance_from_programmed(around, number - stretch.segments.start, offset, filtered);
-            let (since_start, to_end) = (commanded - start, end - commanded);
-            let place = if begins_at_corner
-                && since_start < 0.5 * delay
-                && (since_start <= to_end || !ends_at_corner)
-            {
+            let point = segment.point(offset);
+            let state = motion.state(motion.moment_from(index, commanded + 0.5 * delay));
+            let away = state.position - point;
+            let along = away.dot(&state.velocity) / state.velocity.norm();
+            let likely = away.norm_squared() - along * along;
+            points.push(OnArc { commanded, offset, point, state, at_most: away.norm(), likely });
+        }
+    }
+    // Only the largest errors count, so the points that seem to have them come first, and few of the others are searched.
+    points.sort_unstable_by(|a, b| b.likely.total_cmp(&a.likely));
+    for OnArc { commanded, offset, point, state, at_most, .. } in points {
+        let (since_start, to_end) = (commanded - start, end - commanded);
+        let place =
+            if begins_at_corner && since_start < 0.5 * delay && (since_start <= to_end || !ends_at_corner) {
                 &mut errors.near_start
             } else if ends_at_corner && to_end < 0.5 * delay {
                 &mut errors.near_end
             } else {
                 &mut errors.between
             };
-            *place = place.max(forward).max(back);
+        if at_most <= *place {
+            continue;
+        }
+        *place = place.max(nearest(motion, point, commanded, first, state, *place));
+        if *place < at_most {
+            let number = number - stretch.segments.start;
+            *place = place.max(distance_from_programmed(around, number, offset, state.position));
         }
     }
     errors
 }
 
+/// A programmed point on an arc.
+struct OnArc {
+    /// When it was commanded, s since the beginning of the stretch.
+    commanded: f64,
+    /// Distance along the arc, mm.
+    offset: f64,
+    point: Point,
+    /// The filtered motion half a delay later.
+    state: State,
+    /// How far that is from it, mm: neither path is farther from the other.
+    at_most: f64,
+    /// The square of the error if the filtered path went on straight there, mm².
+    likely: f64,
+}
+
 /// Distance (mm) of the filtered path from a point that was commanded at `commanded` (s since the
-/// beginning of the stretch).
-pub fn distance_from_path(motion: &Motion, point: Point, commanded: f64) -> f64 {
+/// beginning of the stretch), no earlier than the pulse `pulse`.
+fn distance_from_path(motion: &Motion, point: Point, commanded: f64, pulse: usize) -> f64 {
+    let state = motion.state(motion.moment_from(pulse, commanded + 0.5 * motion.filter().delay()));
+    nearest(motion, point, commanded, pulse, state, 0.0)
+}
+
+/// The same from the state half a filter delay later on; anything up to `enough` where it is no more than that.
+fn nearest(
+    motion: &Motion,
+    point: Point,
+    commanded: f64,
+    pulse: usize,
+    mut state: State,
+    enough: f64,
+) -> f64 {
     let delay = motion.filter().delay();
     let mut time = commanded + 0.5 * delay;
     let mut nearest = f64::INFINITY;
     // Moments before and after the nearest one, with (P − X)·Ṗ there once that is known.
     let (mut before, mut after) = ((commanded, f64::NAN), (commanded + delay, f64::NAN));
     let mut was_before = None;
-    for _ in 0..MOST_STEPS {
-        let state = motion.state(motion.moment(time));
+    let mut last: Option<(f64, f64)> = None;
+    for step in 1..=MOST_STEPS {
         let away = state.position - point;
         nearest = nearest.min(away.norm());
+        if nearest <= enough || step == MOST_STEPS {
+            break;
+        }
         let receding = away.dot(&state.velocity);
         // An end that stays counts half as much, so that it does not stay for ever.
         let is_before = receding < 0.0;
@@ -196,7 +263,10 @@ pub fn distance_from_path(motion: &Motion, point: Point, commanded: f64) -> f64 
             before.1 *= if stays { 0.5 } else { 1.0 };
         }
         let between = before.0 + (after.0 - before.0) * before.1 / (before.1 - after.1);
-        let straight = time - receding / state.velocity.norm_squared();
+        // How (P − X)·Ṗ grows: by what it did since the last step, or as if the path went on straight.
+        let grown = last.replace((time, receding)).map(|(then, was)| (receding - was) / (time - then));
+        let slope = grown.filter(|slope| 0.0 < *slope).unwrap_or(state.velocity.norm_squared());
+        let straight = time - receding / slope;
         let next = if between.is_nan() { straight } else { between }.clamp(before.0, after.0);
         // What a step takes off the square of the distance is its length times its slope.
         let gain = (receding * (next - time)).abs();
@@ -204,6 +274,7 @@ pub fn distance_from_path(motion: &Motion, point: Point, commanded: f64) -> f64 
             break;
         }
         time = next;
+        state = motion.state(motion.moment_from(pulse, time));
     }
     nearest
 }

@@ -45,7 +45,7 @@ pub fn axis_feedrate(segment: &Segment, machine: &Machine) -> f64 {
 
 /// The feedrate at which no rotary axis that turns along is above its limit, mm/s.
 fn rotary_feedrate(segment: &Segment, machine: &Machine) -> f64 {
-    if segment.rotation.iter().all(|turn| *turn == 0.0) {
+    if segment.rotation.is_none() {
         return f64::INFINITY;
     }
     segment.length / shortest_turn(&segment.rotation, segment.motion == Motion::Rapid, machine)

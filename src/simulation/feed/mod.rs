@@ -226,6 +226,8 @@ pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
 /// The plan with each block run as it is written.
 fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
+    plan.segment_feedrates.reserve_exact(toolpath.segments.len());
+    plan.corner_feedrates.reserve_exact(toolpath.segments.len());
     let halting = Halting::of(toolpath, machine);
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
@@ -347,17 +349,6 @@ fn turn(before: &Segment, after: &Segment) -> f64 {
     2.0 * (u2 - u1).norm().atan2((u2 + u1).norm())
 }
 
-/// A corner inside a stretch, or a full stop at one of its ends.
-#[derive(Clone, Copy)]
-struct Corner {
-    /// Commanded feedrate, mm/s.
-    feedrate: f64,
-    /// Whether the motion goes on beyond it.
-    blended: bool,
-}
-
-const FULL_STOP: Corner = Corner { feedrate: 0.0, blended: false };
-
 fn add_stretch(
     plan: &mut FeedPlan,
     range: std::ops::Range<usize>,
@@ -374,12 +365,11 @@ fn add_stretch(
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
     let mut accelerations: Vec<f64> = segments.iter().map(|s| limits::acceleration(s, machine)).collect();
-    let within_curve =
-        |(segment, feedrate): (&Segment, f64)| feedrate.min(limits::curve_feedrate(segment, machine));
-    let mut without_tolerance: Vec<f64> = segments.iter().zip(requested).map(within_curve).collect();
+    let mut without_tolerance = requested;
     for ((feedrate, segment), acceleration) in without_tolerance.iter_mut().zip(segments).zip(&accelerations)
     {
-        *feedrate = feedrate.min(junction::arc_feedrate(segment, *acceleration, machine));
+        let on_curve = limits::curve_feedrate(segment, machine);
+        *feedrate = feedrate.min(on_curve).min(junction::arc_feedrate(segment, *acceleration, machine));
     }
     let tolerances = rule.tolerances();
     if machine.interpolator.junction == Junction::AccelerationBlend {
@@ -393,21 +383,24 @@ fn add_stretch(
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
     if machine.interpolator.junction == Junction::Tolerance {
         // There the limits act behind the filters.
-        accelerations.fill(f64::INFINITY);
+        accelerations = Vec::new();
     }
+    let acceleration = |i: usize| accelerations.get(i).copied().unwrap_or(f64::INFINITY);
+    // Feedrates and corners of the stretch are those of the plan, which keeps them: a long program has no room for both.
+    let (first_feedrate, first_corner) = (plan.segment_feedrates.len(), plan.corner_feedrates.len());
     let held = tolerances.limits(toolpath, machine, range.start);
-    let feedrates: Vec<f64> = (segments.iter().zip(&without_tolerance).zip(held).enumerate())
-        .map(|(i, ((segment, &feedrate), limit))| match rule {
+    let feedrates = (segments.iter().zip(&without_tolerance).zip(held).enumerate()).map(
+        |(i, ((segment, &feedrate), limit))| match rule {
             Rule::Given { segments, .. } => feedrate.min(segments[range.start + i]),
             _ => feedrate.min(limits::arc_feedrate(
                 segment,
                 chain,
                 machine.interpolator.arc_tolerance.unwrap_or(limit.along()),
             )),
-        })
-        .collect();
-    let mut corners = Vec::with_capacity(segments.len() + 1);
-    corners.push(FULL_STOP);
+        },
+    );
+    plan.segment_feedrates.extend(feedrates);
+    let feedrates = &plan.segment_feedrates[first_feedrate..];
     let mut blends = vec![Blend::none(0.0)];
     let held = tolerances.limits(toolpath, machine, range.start);
     let held = held.zip(tolerances.limits(toolpath, machine, range.start + 1));
@@ -431,12 +424,12 @@ fn add_stretch(
             }
             _ => Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()),
         };
-        corners.push(Corner { feedrate: by_rule.min(by_limits), blended: true });
+        plan.corner_feedrates.push(by_rule.min(by_limits));
     }
     if machine.interpolator.junction == Junction::AccelerationBlend {
         blends.push(Blend::none(0.0));
         let first_pulse = plan.pulses.len();
-        let legs: Vec<Leg> = (segments.iter().zip(&feedrates).zip(&accelerations))
+        let legs: Vec<Leg> = (segments.iter().zip(feedrates).zip(&accelerations))
             .map(|((segment, &feedrate), &acceleration)| Leg {
                 length: segment.length,
                 feedrate,
@@ -445,31 +438,35 @@ fn add_stretch(
             .collect();
         let (pulses, at_corners) = blend::pulses(&legs, &blends, range.start);
         plan.pulses.extend(pulses);
+        plan.corner_feedrates.truncate(first_corner);
         plan.corner_feedrates.extend(at_corners);
-        plan.segment_feedrates.extend(feedrates);
         let pulses = first_pulse..plan.pulses.len();
         plan.phases.push(Phase::Motion(Stretch { segments: range, pulses, filter }));
         return;
     }
-    corners.push(FULL_STOP);
+    // The full stop at the end.
+    plan.corner_feedrates.push(0.0);
+    let corners = &mut plan.corner_feedrates[first_corner..];
     let ramp = |i: usize| {
-        Ramp::of(machine, accelerations[i]).filter(|_| !positioning::applies(&segments[i], machine))
+        Ramp::of(machine, acceleration(i)).filter(|_| !positioning::applies(&segments[i], machine))
     };
-    limit_by_acceleration(&mut corners, segments, &accelerations, ramp);
-
-    plan.corner_feedrates.extend(corners[1..].iter().map(|corner| corner.feedrate));
+    if !accelerations.is_empty() || machine.path.jerk.is_finite() {
+        limit_by_acceleration(corners, segments, acceleration, ramp);
+    }
     let first_pulse = plan.pulses.len();
     for (i, segment) in segments.iter().enumerate() {
-        let end = |corner: Corner| End {
-            feedrate: corner.feedrate,
-            hold: if corner.blended {
-                let chord = limits::first_chord(segment, machine) / corner.feedrate;
-                law.hold(corner.feedrate, without_tolerance[i]).min(chord)
+        // Beyond the corner before the first segment, and beyond that after the last, the motion does not go on.
+        let end = |feedrate: f64, blended: bool| End {
+            feedrate,
+            hold: if blended {
+                let chord = limits::first_chord(segment, machine) / feedrate;
+                law.hold(feedrate, without_tolerance[i]).min(chord)
             } else {
                 0.0
             },
         };
-        let ends = [end(corners[i]), end(corners[i + 1])];
+        let before = if i == 0 { end(0.0, false) } else { end(corners[i - 1], true) };
+        let ends = [before, end(corners[i], i + 1 < segments.len())];
         let mut offset = 0.0;
         let mut add = |(duration, first, last): Part| {
             if 0.0 < duration {
@@ -484,12 +481,11 @@ fn add_stretch(
                 parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
             }
             None => {
-                let parts = block::parts(segment.length, feedrates[i], accelerations[i], ends[0], ends[1]);
+                let parts = block::parts(segment.length, feedrates[i], acceleration(i), ends[0], ends[1]);
                 parts.into_iter().for_each(&mut add);
             }
         }
     }
-    plan.segment_feedrates.extend(feedrates);
     plan.phases.push(Phase::Motion(Stretch {
         segments: range,
         pulses: first_pulse..plan.pulses.len(),
@@ -560,24 +556,25 @@ fn limit_by_look_ahead(
     }
 }
 
-/// Lowers corners that could not be reached from, or left for, their neighbours within the
-/// acceleration limit: |c1² − c2²| ≤ 2 A L for every segment.
+/// Lowers the corners after each segment that could not be reached from, or left for, their neighbours
+/// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
 fn limit_by_acceleration(
-    corners: &mut [Corner],
+    corners: &mut [f64],
     segments: &[Segment],
-    accelerations: &[f64],
+    acceleration: impl Fn(usize) -> f64,
     ramp: impl Fn(usize) -> Option<Ramp>,
 ) {
     let reach = |from: f64, to: f64, i: usize| match ramp(i) {
         Some(ramp) => ramp.reach(from, segments[i].length, to),
-        None => (from * from + 2.0 * accelerations[i] * segments[i].length).sqrt(),
+        None => (from * from + 2.0 * acceleration(i) * segments[i].length).sqrt(),
     };
-    for i in 0..segments.len() {
-        let to = corners[i + 1].feedrate;
-        corners[i + 1].feedrate = to.min(reach(corners[i].feedrate, to, i));
+    let mut before = 0.0;
+    for (i, corner) in corners.iter_mut().enumerate() {
+        *corner = corner.min(reach(before, *corner, i));
+        before = *corner;
     }
-    for i in (0..segments.len()).rev() {
-        let to = corners[i].feedrate;
-        corners[i].feedrate = to.min(reach(corners[i + 1].feedrate, to, i));
+    for i in (1..segments.len()).rev() {
+        let to = corners[i - 1];
+        corners[i - 1] = to.min(reach(corners[i], to, i));
     }
 }

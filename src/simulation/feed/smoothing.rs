@@ -26,9 +26,7 @@
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, Rule, Stretch, Tolerances};
-use crate::simulation::toolpath::{
-    Blending, Curve, Motion, PathMode, Point, Segment, Stop, Toolpath, Vector,
-};
+use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Point, Segment, Stop, Toolpath};
 
 /// Points of a chain beside its beginning.
 const MOST_POINTS: usize = 101;
@@ -130,8 +128,7 @@ impl Merging<'_> {
             self.flush();
             self.take_stops(number);
         }
-        let may_merge =
-            within != 0.0 && segment.motion != Motion::Rapid && segment.rotation == Vector::zeros();
+        let may_merge = within != 0.0 && segment.motion != Motion::Rapid && segment.rotation.is_none();
         match &segment.curve {
             Curve::Line if may_merge => self.add(number, 0.0, segment.length, segment.end, within),
             Curve::Arc(arc) if may_merge => {

@@ -11,6 +11,7 @@
 //! feedrate is that of the tool, ‖Ṗ‖, which dips at corners.
 
 mod crossing;
+mod crowds;
 mod retiming;
 mod samples;
 mod state;
@@ -21,6 +22,7 @@ pub use state::{Dynamics, Moment, State};
 
 use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulse, Stretch, retiming::lost, running_sum};
 use crate::simulation::filter::FilterChain;
+use crate::simulation::profile::crowds::Crowds;
 use crate::simulation::toolpath::{Point, Segment, Toolpath};
 
 /// The filtered motion of a whole program.
@@ -33,6 +35,7 @@ pub struct Profile<'a> {
     phase_starts: Vec<f64>,
     /// When each pulse begins, since the beginning of its stretch, s.
     pulse_starts: Vec<f64>,
+    crowds: Crowds,
 }
 
 /// One stretch of motion between two full stops as it leaves the filters: its times are filtered times.
@@ -43,6 +46,7 @@ pub struct Motion<'a> {
     filter: &'a FilterChain,
     distances: &'a [f64],
     pulse_starts: &'a [f64],
+    crowds: &'a Crowds,
     first_pulse: usize,
     /// One past the last pulse.
     end_pulse: usize,
@@ -63,7 +67,9 @@ impl<'a> Profile<'a> {
             pulse_starts.extend(running_sum(durations));
             pulse_starts.pop();
         }
-        let mut profile = Profile { toolpath, plan, distances, phase_starts: Vec::new(), pulse_starts };
+        let crowds = Crowds::of(plan, &toolpath.segments);
+        let mut profile =
+            Profile { toolpath, plan, distances, phase_starts: Vec::new(), pulse_starts, crowds };
         let durations: Vec<f64> = plan.phases.iter().map(|phase| profile.phase_duration(phase)).collect();
         let first = [plan.start].into_iter();
         profile.phase_starts = running_sum(first.chain(durations)).collect();
@@ -129,6 +135,7 @@ impl<'a> Profile<'a> {
             filter: &self.plan.filters[stretch.filter],
             distances: &self.distances,
             pulse_starts: &self.pulse_starts,
+            crowds: &self.crowds,
             first_pulse: stretch.pulses.start,
             end_pulse: stretch.pulses.end,
             knots: self.plan.knots(stretch),
@@ -201,6 +208,18 @@ impl Motion<'_> {
     pub fn moment(&self, time: f64) -> Moment {
         let starts = &self.pulse_starts[self.first_pulse..self.end_pulse];
         let pulse = self.first_pulse + starts.partition_point(|&start| start <= time).max(1) - 1;
+        Moment { pulse, elapsed: (time - self.pulse_starts[pulse]).max(0.0) }
+    }
+
+    /// The same where the pulse `from` begins no later, and not long before.
+    pub fn moment_from(&self, from: usize, time: f64) -> Moment {
+        let starts = &self.pulse_starts[from..self.end_pulse];
+        let mut reach = 8;
+        while reach < starts.len() && starts[reach] <= time {
+            reach *= 2;
+        }
+        let near = &starts[..reach.min(starts.len())];
+        let pulse = from + near.partition_point(|&start| start <= time).max(1) - 1;
         Moment { pulse, elapsed: (time - self.pulse_starts[pulse]).max(0.0) }
     }
 }

@@ -184,20 +184,14 @@ impl Sampler<'_> {
         if 1 < filter.time_constants().len() && !filter.time_constants().iter().any(is_sharp) {
             return latest;
         }
-        let mut next = latest;
-        let mut end = motion.command_time();
-        for pulse in (motion.first_pulse..=motion.moment(latest).pulse).rev() {
-            let start = motion.pulse_starts[pulse];
-            for edge in [start, end] {
-                let kinks = filter.knots().map(|knot| edge + knot).filter(|kink| time < *kink);
-                next = kinks.fold(next, f64::min);
-            }
-            if start + delay <= time {
-                break;
-            }
-            end = start;
-        }
-        next
+        // Edges ascend, and with them the kinks that one knot makes of them.
+        let starts = &motion.pulse_starts[motion.first_pulse..motion.end_pulse];
+        let end = motion.command_time();
+        filter.knots().fold(latest, |next, knot| {
+            let edge = starts.get(starts.partition_point(|start| start + knot <= time)).copied();
+            let kink = edge.unwrap_or(end) + knot;
+            if time < kink { next.min(kink) } else { next }
+        })
     }
 
     /// Adds the rows after `a` up to `b`.

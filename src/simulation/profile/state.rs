@@ -12,7 +12,7 @@
 //! where [·] is the difference between the ends of each pulse. Along a line v is linear in time
 //! and the integrals are differences of S, Q, V and h at the ends of each pulse. Along an arc v
 //! also turns, and the integrals are taken by Gauss-Legendre quadrature between the knots of h,
-//! over angles so small that its error is below the rounding.
+//! over angles so small that its error is below the rounding. Crowds of short pulses count as a whole.
 //!
 //! Only ages enter, never the time since the start: a program of any length keeps all its digits.
 //!
@@ -23,9 +23,11 @@
 //!                   window                      now: elapsed since pulse i began
 //! ```
 
-use crate::simulation::filter::FilterChain;
+use crate::simulation::feed::Pulse;
+use crate::simulation::filter::{Expansion, FilterChain};
 use crate::simulation::profile::Motion;
-use crate::simulation::toolpath::{Curve, Point, Segment, Vector};
+use crate::simulation::profile::crowds::Crowd;
+use crate::simulation::toolpath::{Arc, Curve, Point, Segment, Vector};
 
 /// A moment in a stretch: so long after a pulse began. After the last pulse the filters run empty,
 /// and `elapsed` goes on beyond its duration.
@@ -73,7 +75,7 @@ impl Dynamics {
 }
 
 /// A pulse within the window: from the older age to the younger one.
-struct Slice<'a> {
+pub(super) struct Slice<'a> {
     segment: &'a Segment,
     /// Age of its beginning, s; at most D.
     older: f64,
@@ -87,7 +89,23 @@ struct Slice<'a> {
     offset: f64,
 }
 
-impl Slice<'_> {
+impl<'a> Slice<'a> {
+    /// A whole pulse that has just ended.
+    pub(super) fn of_whole(pulse: &Pulse, segment: &'a Segment) -> Slice<'a> {
+        let [first, last] = pulse.feedrate;
+        Slice { segment, older: pulse.duration, younger: 0.0, first, last, offset: pulse.offset }
+    }
+
+    /// What of it lies within the window: from its beginning, or from the edge, to its end, or to now. Ends that are
+    /// not cut keep their numbers bit for bit.
+    fn within(self, delay: f64) -> Slice<'a> {
+        let (begin, end) = (self.older.min(delay), self.younger.max(0.0));
+        let (first, offset) =
+            if begin == self.older { (self.first, self.offset) } else { self.at(begin.max(self.younger)) };
+        let last = if end == self.younger { self.last } else { self.at(end).0 };
+        Slice { older: begin, younger: end, first, last, offset, ..self }
+    }
+
     /// Slope of the command, mm/s².
     fn slope(&self) -> f64 {
         let duration = self.older - self.younger;
@@ -102,48 +120,84 @@ impl Slice<'_> {
     }
 }
 
+/// What has arrived of the distance, from the youngest part of the window on.
+#[derive(Default)]
+struct Progress {
+    /// mm.
+    distance: f64,
+    /// How fast it arrives, mm/s.
+    feedrate: f64,
+    /// V and S at the age where the last slice begins, where the next one ends; 0 where nothing has arrived yet of what
+    /// is sent now.
+    younger: (f64, f64),
+}
+
+impl Progress {
+    /// Adds a slice; what has arrived of it (mm) and how fast it arrives (mm/s).
+    fn add(&mut self, slice: &Slice, filter: &FilterChain) -> (f64, f64) {
+        let slope = slice.slope();
+        if self.younger.1 == 0.0 {
+            self.younger = filter.step_and_displacement(slice.younger);
+        }
+        let (v_younger, s_younger) = self.younger;
+        let (v_older, s_older) = filter.step_and_displacement(slice.older);
+        let mut arrived = slice.first * s_older - slice.last * s_younger;
+        let mut arrives = slice.first * v_older - slice.last * v_younger;
+        if slope != 0.0 {
+            let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
+            arrived += slope * q;
+            arrives += slope * (s_older - s_younger);
+        }
+        self.distance += arrived;
+        self.feedrate += arrives;
+        self.younger = (v_older, s_older);
+        (arrived, arrives)
+    }
+
+    fn add_crowd(&mut self, crowd: &Crowd, filter: &Expansion) {
+        let (arrived, arrives) = crowd.progress(filter);
+        self.distance += arrived;
+        self.feedrate += arrives;
+        self.younger = (0.0, 0.0);
+    }
+}
+
 impl Motion<'_> {
     /// Where the tool is and how fast it moves.
     pub fn state(&self, moment: Moment) -> State {
         let filter = self.filter;
-        let mut distance = 0.0;
-        let mut travel = Vector::zeros();
-        let mut velocity = Vector::zeros();
-        // One slice ends where the next begins, and nothing has arrived of what is sent now.
-        let (mut s_younger, mut v_younger) = (0.0, 0.0);
-        let oldest = self.for_each_slice(moment, |slice| {
-            let slope = slice.slope();
-            if s_younger == 0.0 {
-                (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
-            }
-            let (s_older, v_older) = (filter.displacement(slice.older), filter.step(slice.older));
-            let mut arrived = slice.first * s_older - slice.last * s_younger;
-            if slope != 0.0 {
-                let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
-                arrived += slope * q;
-            }
-            distance += arrived;
+        let (mut travel, mut velocity) = (Vector::zeros(), Vector::zeros());
+        let mut sums = (Progress::default(), &mut travel, &mut velocity);
+        let of_slice = |(progress, travel, velocity): &mut (Progress, &mut Vector, &mut Vector),
+                        slice: Slice| {
+            let (arrived, arrives) = progress.add(&slice, filter);
             match &slice.segment.curve {
                 Curve::Line => {
                     let direction = slice.segment.tangent(0.0);
-                    let mut feedrate = slice.first * v_older - slice.last * v_younger;
-                    if slope != 0.0 {
-                        feedrate += slope * (s_older - s_younger);
-                    }
-                    travel += arrived * direction;
-                    velocity += feedrate * direction;
+                    **travel += arrived * direction;
+                    **velocity += arrives * direction;
                 }
-                Curve::Arc(_) => quadrature(&slice, filter, |age, weight| {
-                    let (feedrate, s) = slice.at(age);
-                    let commanded = feedrate * slice.segment.tangent(s);
-                    travel += weight * filter.step(age) * commanded;
-                    velocity += weight * filter.impulse(age) * commanded;
-                }),
+                Curve::Arc(arc) => {
+                    let (mut arrived, mut arrives) = (InPlane::default(), InPlane::default());
+                    for span in filter.spans(slice.younger, slice.older) {
+                        quadrature(&slice, arc, span.begin, span.end, |node| {
+                            arrived.add(node.weight * span.step(node.age), &node);
+                            arrives.add(node.weight * span.impulse(node.age), &node);
+                        });
+                    }
+                    **travel += arrived.over(arc, slice.segment.length);
+                    **velocity += arrives.over(arc, slice.segment.length);
+                }
             }
-            (s_younger, v_younger) = (s_older, v_older);
+        };
+        let oldest = self.for_each_part(moment, &mut sums, of_slice, |sums, crowd, filter| {
+            sums.0.add_crowd(crowd, filter);
+            let (arrived, arrives) = crowd.travel(filter);
+            *sums.1 += arrived;
+            *sums.2 += arrives;
         });
         State {
-            distance: self.distances[oldest.segment] + oldest.offset + distance,
+            distance: self.distances[oldest.segment] + oldest.offset + sums.0.distance,
             position: self.segments[oldest.segment].point(oldest.offset) + travel,
             velocity,
         }
@@ -152,25 +206,12 @@ impl Motion<'_> {
     /// The distance along the programmed path (mm) and how fast it grows (mm/s): the sum of the
     /// filtered feed command, which at a corner is more than the feedrate of the tool.
     pub fn progress(&self, moment: Moment) -> (f64, f64) {
-        let filter = self.filter;
-        let (mut distance, mut feedrate) = (0.0, 0.0);
-        let (mut s_younger, mut v_younger) = (0.0, 0.0);
-        let oldest = self.for_each_slice(moment, |slice| {
-            let slope = slice.slope();
-            if s_younger == 0.0 {
-                (s_younger, v_younger) = (filter.displacement(slice.younger), filter.step(slice.younger));
-            }
-            let (s_older, v_older) = (filter.displacement(slice.older), filter.step(slice.older));
-            distance += slice.first * s_older - slice.last * s_younger;
-            feedrate += slice.first * v_older - slice.last * v_younger;
-            if slope != 0.0 {
-                let q = filter.ramp_displacement(slice.older) - filter.ramp_displacement(slice.younger);
-                distance += slope * q;
-                feedrate += slope * (s_older - s_younger);
-            }
-            (s_younger, v_younger) = (s_older, v_older);
-        });
-        (self.distances[oldest.segment] + oldest.offset + distance, feedrate)
+        let mut sum = Progress::default();
+        let of_slice = |sum: &mut Progress, slice: Slice| {
+            sum.add(&slice, self.filter);
+        };
+        let oldest = self.for_each_part(moment, &mut sum, of_slice, Progress::add_crowd);
+        (self.distances[oldest.segment] + oldest.offset + sum.distance, sum.feedrate)
     }
 
     /// How the velocity changes.
@@ -178,66 +219,103 @@ impl Motion<'_> {
         let filter = self.filter;
         let mut acceleration = Vector::zeros();
         let mut jerk = Vector::zeros();
-        self.for_each_slice(moment, |slice| {
+        let of_slice = |(acceleration, jerk): &mut (&mut Vector, &mut Vector), slice: Slice| {
             let slope = slice.slope();
             for (age, sign) in [(slice.older, 1.0), (slice.younger, -1.0)] {
                 let (feedrate, s) = slice.at(age);
                 let [first, second, _] = slice.segment.derivatives(s);
                 let commanded = feedrate * first;
                 let change = slope * first + feedrate * feedrate * second;
-                acceleration += sign * filter.impulse(age) * commanded;
-                jerk += sign * (filter.impulse_slope(age) * commanded + filter.impulse(age) * change);
+                **acceleration += sign * filter.impulse(age) * commanded;
+                **jerk += sign * (filter.impulse_slope(age) * commanded + filter.impulse(age) * change);
             }
             match &slice.segment.curve {
                 Curve::Line if slope == 0.0 => {}
                 Curve::Line => {
                     let arrived = filter.step(slice.older) - filter.step(slice.younger);
-                    acceleration += slope * arrived * slice.segment.tangent(0.0);
+                    **acceleration += slope * arrived * slice.segment.tangent(0.0);
                 }
-                Curve::Arc(_) => quadrature(&slice, filter, |age, weight| {
-                    let (feedrate, s) = slice.at(age);
-                    let [first, second, third] = slice.segment.derivatives(s);
-                    let impulse = weight * filter.impulse(age);
-                    acceleration += impulse * (slope * first + feedrate * feedrate * second);
-                    jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
-                }),
+                Curve::Arc(arc) => {
+                    for span in filter.spans(slice.younger, slice.older) {
+                        quadrature(&slice, arc, span.begin, span.end, |node| {
+                            let (feedrate, s) = slice.at(node.age);
+                            let [first, second, third] = slice.segment.derivatives(s);
+                            let impulse = node.weight * span.impulse(node.age);
+                            **acceleration += impulse * (slope * first + feedrate * feedrate * second);
+                            **jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
+                        });
+                    }
+                }
             }
+        };
+        let mut sums = (&mut acceleration, &mut jerk);
+        self.for_each_part(moment, &mut sums, of_slice, |sums, crowd, filter| {
+            let (of_crowd, change) = crowd.dynamics(filter);
+            *sums.0 += of_crowd;
+            *sums.1 += change;
         });
         Dynamics { acceleration, jerk }
     }
 
-    /// Calls `visit` for every pulse in the window, the youngest first, and returns where the
-    /// command was one filter delay ago.
-    fn for_each_slice(&self, moment: Moment, mut visit: impl FnMut(Slice)) -> Oldest {
+    /// Adds everything in the window to `sum`, the youngest first, and returns where the command was one filter delay
+    /// ago.
+    fn for_each_part<T>(
+        &self,
+        moment: Moment,
+        sum: &mut T,
+        add_slice: impl Fn(&mut T, Slice),
+        add_crowd: impl Fn(&mut T, &Crowd, &Expansion),
+    ) -> Oldest {
         let delay = self.filter.delay();
         let mut younger = moment.elapsed - self.pulses[moment.pulse].duration;
-        for index in (self.first_pulse..=moment.pulse).rev() {
+        // One past the pulse that is next.
+        let mut next = moment.pulse + 1;
+        while self.first_pulse < next {
+            if !self.crowds.is_empty()
+                && let Some((crowd, filter)) = self.crowd_before(next, younger)
+            {
+                add_crowd(sum, crowd, &filter);
+                younger += crowd.duration;
+                next -= crowd.count;
+                continue;
+            }
+            let index = next - 1;
             let pulse = &self.pulses[index];
             let segment = pulse.segment as usize;
             let older = if index == moment.pulse { moment.elapsed } else { younger + pulse.duration };
-            let whole = Slice {
-                segment: &self.segments[segment],
-                older,
-                younger,
-                first: pulse.feedrate[0],
-                last: pulse.feedrate[1],
-                offset: pulse.offset,
-            };
-            // A pulse counts from its beginning, or from the edge of the window, to its end, or
-            // to now. Ends that are not cut keep their numbers bit for bit.
-            let (begin, end) = (older.min(delay), whole.younger.max(0.0));
-            let (first, offset) =
-                if begin == older { (whole.first, whole.offset) } else { whole.at(begin.max(whole.younger)) };
-            if end < begin {
-                let last = if end == whole.younger { whole.last } else { whole.at(end).0 };
-                visit(Slice { older: begin, younger: end, first, last, offset, ..whole });
+            let [first, last] = pulse.feedrate;
+            let whole =
+                Slice { segment: &self.segments[segment], older, younger, first, last, offset: pulse.offset };
+            let is_inside = index != moment.pulse && older < delay;
+            let slice = if is_inside { whole } else { whole.within(delay) };
+            let offset = slice.offset;
+            if slice.younger < slice.older {
+                add_slice(sum, slice);
             }
             if delay <= older {
                 return Oldest { segment, offset };
             }
             younger = older;
+            next = index;
         }
         Oldest { segment: self.pulses[self.first_pulse].segment as usize, offset: 0.0 }
+    }
+
+    /// How many pulses and crowds a state is made of.
+    #[cfg(test)]
+    pub(super) fn parts_in_window(&self, moment: Moment) -> usize {
+        let mut count = 0;
+        self.for_each_part(moment, &mut count, |count, _| *count += 1, |count, _, _| *count += 1);
+        count
+    }
+
+    /// The largest crowd before the pulse `next` that lies within the window and between two knots of the filter,
+    /// if it ended `younger` (s) ago.
+    fn crowd_before(&self, next: usize, younger: f64) -> Option<(&Crowd, Expansion)> {
+        self.crowds.ending_at(next).find_map(|crowd| {
+            let filter = self.filter.expansion(younger, younger + crowd.duration)?;
+            Some((crowd, filter))
+        })
     }
 }
 
@@ -262,22 +340,84 @@ const GAUSS: [(f64, f64); 6] = [
 /// Largest angle turned within one interval of the quadrature, rad.
 const QUADRATURE_ANGLE: f64 = 0.5;
 
-/// Calls `visit(age, weight)` so that Σ weight f(age) = ∫ f da over the slice, for f smooth
-/// between the knots of the filter.
-fn quadrature(slice: &Slice, filter: &FilterChain, mut visit: impl FnMut(f64, f64)) {
-    let Curve::Arc(arc) = &slice.segment.curve else { return };
-    let turning = arc.sweep / slice.segment.length * slice.first.max(slice.last);
-    let mut begin = slice.younger;
-    for knot in filter.knots().filter(|&knot| slice.younger < knot) {
-        let end = knot.min(slice.older);
-        if begin < end {
-            let intervals = ((end - begin) * turning / QUADRATURE_ANGLE).ceil().clamp(1.0, 1e4) as usize;
-            let half = 0.5 * (end - begin) / intervals as f64;
-            for interval in 0..intervals {
-                let middle = begin + (2 * interval + 1) as f64 * half;
-                GAUSS.iter().for_each(|(node, weight)| visit(middle + node * half, weight * half));
-            }
-            begin = end;
+/// A moment within an arc at which an integral over it is taken.
+pub(super) struct Node {
+    /// Its age, s.
+    pub age: f64,
+    /// What it counts in the integral, s.
+    pub weight: f64,
+    /// Velocity over that of a segment of the length 1 mm, in the frame of the arc.
+    velocity: InPlane,
+}
+
+/// A vector in the frame of an arc, as the parts along e1, e2 and the rise, mm²/s.
+#[derive(Clone, Copy, Default)]
+pub(super) struct InPlane([f64; 3]);
+
+impl InPlane {
+    /// Adds the velocity at a node so many times.
+    pub(super) fn add(&mut self, factor: f64, node: &Node) {
+        self.0.iter_mut().zip(node.velocity.0).for_each(|(sum, part)| *sum += factor * part);
+    }
+
+    /// In space, for an arc of `length`, mm.
+    pub(super) fn over(&self, arc: &Arc, length: f64) -> Vector {
+        let per_length = 1.0 / length;
+        let [first, second, rise] = self.0.map(|part| part * per_length);
+        first * arc.e1 + second * arc.e2 + rise * arc.rise
+    }
+}
+
+/// Sine and cosine of an angle, rad; by their series up to half of [`QUADRATURE_ANGLE`], beyond which what is left out
+/// is below the rounding.
+fn turn(angle: f64) -> (f64, f64) {
+    if 0.5 * QUADRATURE_ANGLE < angle.abs() {
+        return angle.sin_cos();
+    }
+    let square = angle * angle;
+    let sine = nested(square, [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0]);
+    let cosine = nested(square, [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0]);
+    (angle * sine, cosine)
+}
+
+/// 1 − a x (1 − b x (1 − …)) with the terms a, b, … and x.
+fn nested<const TERMS: usize>(x: f64, terms: [f64; TERMS]) -> f64 {
+    terms.iter().rev().fold(1.0, |sum, term| 1.0 - x * term * sum)
+}
+
+/// Calls `visit(node)` so that Σ weight f(age) = ∫ f da over the ages from `begin` to `end` (s) of a slice of an
+/// arc, for f smooth between them.
+pub(super) fn quadrature(slice: &Slice, arc: &Arc, begin: f64, end: f64, mut visit: impl FnMut(Node)) {
+    let per_length = 1.0 / slice.segment.length;
+    let turning = arc.sweep * per_length * slice.first.max(slice.last);
+    let intervals = ((end - begin) * turning / QUADRATURE_ANGLE).ceil().clamp(1.0, 1e4) as usize;
+    let half = 0.5 * (end - begin) / intervals as f64;
+    let is_even = slice.first == slice.last;
+    // At an even command each interval turns by the same angles around its middle.
+    let mut turned = [(0.0, 1.0); GAUSS.len()];
+    if is_even {
+        for k in 0..GAUSS.len() / 2 {
+            let (sin, cos) = turn(turning * GAUSS[k].0 * half);
+            (turned[k], turned[GAUSS.len() - 1 - k]) = ((sin, cos), (-sin, cos));
+        }
+    }
+    for interval in 0..intervals {
+        let middle = begin + (2 * interval + 1) as f64 * half;
+        let (sin, cos) = (arc.sweep * (slice.at(middle).1 * per_length)).sin_cos();
+        for k in 0..GAUSS.len() {
+            let ((node, weight), (sin_node, cos_node)) = (GAUSS[k], turned[k]);
+            let age = middle + node * half;
+            let (feedrate, s) = slice.at(age);
+            let sigma = s * per_length;
+            // What is older was commanded before the arc turned on to the middle.
+            let (sin, cos) = if is_even {
+                (sin * cos_node - cos * sin_node, cos * cos_node + sin * sin_node)
+            } else {
+                (arc.sweep * sigma).sin_cos()
+            };
+            let [first, second] = arc.derivative_in_plane(sigma, sin, cos);
+            let velocity = InPlane([feedrate * first, feedrate * second, feedrate]);
+            visit(Node { age, weight: weight * half, velocity });
         }
     }
 }

@@ -105,6 +105,14 @@ impl Arc {
         self.center + radius * (cos * self.e1 + sin * self.e2) + sigma * self.rise
     }
 
+    /// The parts along e1 and e2 of the derivative of the position by σ where the arc has turned by the angle of
+    /// this sine and cosine, mm; the part along the rise is 1.
+    pub fn derivative_in_plane(&self, sigma: f64, sin: f64, cos: f64) -> [f64; 2] {
+        let widening = self.end_radius - self.start_radius;
+        let turning = (self.start_radius + widening * sigma) * self.sweep;
+        [widening * cos - turning * sin, turning * cos + widening * sin]
+    }
+
     /// Derivative of the position by σ, mm.
     fn derivative(&self, sigma: f64) -> Vector {
         let (sin, cos) = (self.sweep * sigma).sin_cos();

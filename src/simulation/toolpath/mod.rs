@@ -102,11 +102,41 @@ pub struct Segment {
     /// Feed or rapid.
     pub motion: Motion,
     /// How far A, B and C turn along with it, rad.
-    pub rotation: Vector,
+    pub rotation: Rotation,
     /// The program asks for a full stop at its end (G9, G61).
     pub exact_stop: bool,
     /// Line of the program it comes from.
     pub line: LineNumber,
+}
+
+/// How far rotary axes turn along a segment, rad. On nearly all segments they do not, and a long program has
+/// millions of those: it takes room only where they do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rotation(Option<Box<Vector>>);
+
+impl Rotation {
+    /// No turn.
+    pub const NONE: Rotation = Rotation(None);
+
+    /// Whether nothing turns.
+    pub fn is_none(&self) -> bool {
+        self.0.is_none()
+    }
+}
+
+impl From<Vector> for Rotation {
+    fn from(turn: Vector) -> Rotation {
+        Rotation((turn != Vector::zeros()).then(|| Box::new(turn)))
+    }
+}
+
+impl std::ops::Deref for Rotation {
+    type Target = Vector;
+
+    fn deref(&self) -> &Vector {
+        static STILL: Vector = Vector::new(0.0, 0.0, 0.0);
+        self.0.as_deref().unwrap_or(&STILL)
+    }
 }
 
 /// Why the motion stops between two segments.

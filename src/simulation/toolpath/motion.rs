@@ -276,7 +276,7 @@ impl Tracer<'_> {
         }
         self.klartext_before_move(end, &curve, length);
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
-        let rotation = self.turned_along();
+        let rotation = self.turned_along().into();
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, line };
         self.contour.take(segment, self.modal.plane, &mut self.toolpath);
         self.tell_troubles();

@@ -7,7 +7,7 @@ use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::path_mode::PathRemark;
 use crate::simulation::toolpath::plane::NoCircle;
-use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_RUN};
+use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_COUNT, MOST_RUN};
 use thiserror::Error;
 
 /// Something that was not traced as a control would run it, or that the user may want to know.
@@ -139,6 +139,8 @@ pub(super) enum Untraced {
     ManualRetract { code: Code },
     #[error("a hole cannot be repeated {value} times: it is made once")]
     BadRepeats { value: f64 },
+    #[error("{value} repetitions cannot be run, {MOST_COUNT} at most: they are missing from the time")]
+    TooManyRepeats { value: f64 },
     #[error("S{value} is not a speed that a spindle can run: the former stays in force")]
     BadSpeed { value: f64 },
     #[error("no S before M{code}: the spindle's start is timed without its ramp")]
@@ -268,6 +270,7 @@ impl Remark for Untraced {
             | Untraced::NoCircle(_)
             | Untraced::BadTurns { .. }
             | Untraced::BadRepeats { .. }
+            | Untraced::TooManyRepeats { .. }
             | Untraced::NoHole { .. }
             | Untraced::NoDwellTime
             | Untraced::BadDwell { .. }

@@ -28,7 +28,7 @@ pub(super) const MOST_RUN: usize = 2_000_000;
 pub(super) const DEEPEST_CALL: usize = 100;
 
 /// The most often a loop or call is repeated by a count.
-const MOST_COUNT: f64 = 1e6;
+pub(super) const MOST_COUNT: f64 = 1e6;
 
 /// A subprogram being run; the first one is the main program.
 struct Call {
@@ -371,7 +371,7 @@ fn count(value: Option<f64>) -> Result<u32, Untraced> {
     if value <= 0.0 {
         return Ok(0);
     }
-    if value <= MOST_COUNT { Ok(value as u32) } else { Err(Untraced::BadRepeats { value }) }
+    if value <= MOST_COUNT { Ok(value as u32) } else { Err(Untraced::TooManyRepeats { value }) }
 }
 
 /// The value as the number of a program, label or block.

@@ -20,7 +20,7 @@ use crate::simulation::toolpath::compensation::geometry::{ROUNDING, Shape, Spot,
 use crate::simulation::toolpath::compensation::space::{draw, height, point, spot, stroke};
 use crate::simulation::toolpath::compensation::trouble::Trouble;
 use crate::simulation::toolpath::plane::Plane;
-use crate::simulation::toolpath::{Curve, Motion, Point, Segment, Stop, Toolpath, Vector};
+use crate::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Stop, Toolpath};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
@@ -292,7 +292,7 @@ impl Queue {
         let Setting { plane, side, .. } = setting;
         let Piece { lead, whole, start, end, programmed, after, .. } = piece;
         let at = self.at.unwrap_or(programmed.start);
-        let like = Segment { exact_stop: false, rotation: Vector::zeros(), ..programmed.clone() };
+        let like = Segment { exact_stop: false, rotation: Rotation::NONE, ..programmed.clone() };
         let straight = Shape::Line { through: start, along: whole.way_in() };
         let leading = match lead {
             Lead::None => None,

@@ -106,7 +106,7 @@ pub(super) fn treat(
     let between = Segment {
         motion,
         exact_stop: false,
-        rotation: crate::simulation::toolpath::Vector::zeros(),
+        rotation: crate::simulation::toolpath::Rotation::NONE,
         ..one.clone()
     };
     let (from, from_height) = match kept_before.is_nothing() {

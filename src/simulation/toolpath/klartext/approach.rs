@@ -24,7 +24,7 @@ use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::plane::{Plane, Turn};
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::words::Mode;
-use crate::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Vector};
+use crate::simulation::toolpath::{Arc, Curve, Motion, Point, Rotation, Segment, Vector};
 
 /// How the way to the auxiliary point is run: as the block before.
 pub(super) type Lead = Motion;
@@ -155,7 +155,7 @@ impl Tracer<'_> {
             curve: curve.clone(),
             length,
             motion: Motion::Rapid,
-            rotation: Vector::zeros(),
+            rotation: Rotation::NONE,
             exact_stop: false,
             line: LineNumber(0),
         };

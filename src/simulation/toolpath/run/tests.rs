@@ -98,7 +98,12 @@ fn what_leads_nowhere_is_said() {
         ("M198 P3", 1, "M198"),
         ("G66 P3", 1, "G66"),
         ("%\nG0 X1\n#3000=1(NO)\nX2\n%", 3, "alarm"),
-        ("G0\no1 repeat [1000000000]\nX1\no1 endrepeat", 2, "cannot"),
+        (
+            "G0\no1 repeat [1000000000]\nX1\no1 endrepeat",
+            2,
+            "1000000000 repetitions cannot be run, 1000000 at most",
+        ),
+        ("%\nM98 P1 L2000000\nM30\nO1\nG0 X1\nM99\n%", 2, "2000000 repetitions cannot be run"),
         ("WHILE [1] DO 1\nG0 X1", 1, "never ended"),
         ("o1 if [1]\nG0 X1", 1, "never ended"),
         ("END 1", 1, "without its beginning"),
