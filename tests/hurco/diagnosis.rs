@@ -1,7 +1,9 @@
 //! Diagnosis: what the operator did is found, and what nobody did is not. The logs are taken without the
 //! channels that say what the operator did.
 
-use truefeed::identification::diagnosis::{Diagnosis, Plateau, diagnose, plateau};
+use std::collections::BTreeMap;
+
+use truefeed::identification::diagnosis::{Diagnosis, Plateau, diagnose, feed_holds, plateau};
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 
@@ -76,5 +78,49 @@ fn nothing_is_laid_to_an_operator_who_did_nothing() {
     eprintln!("{:?}", ids(&diagnosis));
     for id in ["feed_override", "rapid_override", "feed_hold"] {
         assert!(!ids(&diagnosis).contains(&id), "{:?}", ids(&diagnosis));
+    }
+}
+
+/// What the cost must fall by for each hold, as in a diagnosis of one run.
+const PRICE: f64 = 14.0;
+
+#[test]
+fn feed_holds_are_located_where_the_status_has_them() {
+    let Some(folder) = recordings() else { return };
+    let machine = machine();
+    let recorded = recorded(&folder, "plate-1", "plate-01", &machine, false);
+    let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
+    let seconds: BTreeMap<u32, f64> = (holds.iter())
+        .map(|(hold, _)| {
+            let line = hold.hypothesis.variant.trim_start_matches("line ").parse().expect("a line");
+            (line, hold.values[0])
+        })
+        .collect();
+    eprintln!("{seconds:?}");
+    // The channel of the status, which is not told here, has a hold on each of these lines.
+    let held = [15, 28, 253, 533, 2648, 2964, 2976];
+    for line in held {
+        assert!(seconds.get(&line).is_some_and(|seconds| (5.0..30.0).contains(seconds)), "{line}: {seconds:?}");
+    }
+    // The override stood at 0 on the line before some of them, which is another switch for the same.
+    let is_near = |line: &u32| held.iter().any(|held| *line <= *held && held - line <= 2);
+    assert!(seconds.keys().all(is_near), "{seconds:?}");
+}
+
+#[test]
+fn standing_for_a_poll_or_two_is_no_hold() {
+    let Some(folder) = recordings() else { return };
+    let machine = machine();
+    for (program, run) in [
+        ("box-op1", "box-op1-03"),
+        ("box-op1", "box-op1-06"),
+        ("box-op1", "box-op1-07"),
+        ("box-op3", "box-op3-06"),
+        ("plate-12", "plate-12"),
+    ] {
+        let recorded = recorded(&folder, program, run, &machine, false);
+        let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
+        let named: Vec<&str> = holds.iter().map(|(hold, _)| hold.hypothesis.variant.as_str()).collect();
+        assert!(named.is_empty(), "{run}: {named:?}");
     }
 }
