@@ -3,7 +3,7 @@
 
 use truefeed::identification::calibration::calibrate;
 use truefeed::identification::comparison::{Comparison, compare};
-use truefeed::identification::fit::Run;
+use truefeed::identification::fit::{Recorded, Run};
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 

@@ -100,7 +100,10 @@ fn feed_holds_are_located_where_the_status_has_them() {
     // The channel of the status, which is not told here, has a hold on each of these lines.
     let held = [15, 28, 253, 533, 2648, 2964, 2976];
     for line in held {
-        assert!(seconds.get(&line).is_some_and(|seconds| (5.0..30.0).contains(seconds)), "{line}: {seconds:?}");
+        assert!(
+            seconds.get(&line).is_some_and(|seconds| (5.0..30.0).contains(seconds)),
+            "{line}: {seconds:?}"
+        );
     }
     // The override stood at 0 on the line before some of them, which is another switch for the same.
     let is_near = |line: &u32| held.iter().any(|held| *line <= *held && held - line <= 2);

@@ -103,7 +103,8 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         }
         // What still begins or ends it is part of it.
         let first = fixes[..from].partition_point(|fix| fix.time < fixes[from].time - ramp);
-        let last = to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp.max(2.0 * poll));
+        let last =
+            to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp.max(2.0 * poll));
         let at = 0.5 * (fixes[from].distance + fixes[to].distance);
         let rest = match run.alignment.method {
             Method::Positions => rest_at(run, &profile, at, short, lost(first, last)),

@@ -29,8 +29,10 @@ pub fn at_functions(
     if runs.iter().any(|run| run.alignment.method != Method::Lines) {
         return Vec::new();
     }
-    let compared: Vec<_> =
-        runs.iter().map(|run| (run.toolpath, compare(run.toolpath, &run.plan(base), run.alignment))).collect();
+    let compared: Vec<_> = runs
+        .iter()
+        .map(|run| (run.toolpath, compare(run.toolpath, &run.plan(base), run.alignment)))
+        .collect();
     let pairs: Vec<_> = compared.iter().map(|(toolpath, comparison)| (*toolpath, comparison)).collect();
     let candidate = |(kind, seconds, _): (Kind, f64, usize)| {
         let of_kind = |own: &&Hypothesis| own.freed.first().is_some_and(|freed| freed.key == kind.key());
@@ -39,8 +41,7 @@ pub fn at_functions(
         let (values, deviations) = (vec![seconds], vec![f64::NAN]);
         is_off.then_some(Candidate { hypothesis, values, deviations, cost: f64::NAN })
     };
-    let mut all: Vec<Candidate> =
-        guesses(base, &pairs).into_iter().filter_map(candidate).collect();
+    let mut all: Vec<Candidate> = guesses(base, &pairs).into_iter().filter_map(candidate).collect();
     // What the others make unnecessary is not one of them; the least necessary goes first.
     loop {
         let evidence = Evidence::of(runs, &with_all(base, &all));

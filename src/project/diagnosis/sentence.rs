@@ -25,7 +25,10 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
             seconds(lost.abs().max(0.01))
         ),
         Verdict::Unknown if causes.is_empty() => {
-            format!("Something differs by {} that nothing known explains{place}.", seconds(lost.abs().max(0.01)))
+            format!(
+                "Something differs by {} that nothing known explains{place}.",
+                seconds(lost.abs().max(0.01))
+            )
         }
         Verdict::Unknown => {
             if told.is_empty() {
@@ -56,7 +59,8 @@ fn of_operator(causes: &[&CauseRow]) -> Vec<String> {
         told.push(one.sentence.clone());
     } else if !holds.is_empty() {
         let whole: f64 = holds.iter().filter_map(|cause| cause.seconds).sum();
-        let mut lines: Vec<u64> = holds.iter().filter_map(|cause| cause.parameters["line"].as_u64()).collect();
+        let mut lines: Vec<u64> =
+            holds.iter().filter_map(|cause| cause.parameters["line"].as_u64()).collect();
         lines.sort_unstable();
         let named = lines.iter().take(NAMED).map(u64::to_string).collect::<Vec<String>>().join(", ");
         let more = if NAMED < lines.len() { " and others" } else { "" };
