@@ -3,6 +3,7 @@
 
 mod chart;
 mod html;
+mod sentence;
 mod told;
 
 pub use chart::diagnosis_chart;
@@ -17,7 +18,8 @@ use crate::identification::hypotheses::Reported;
 use crate::machine::Machine;
 use crate::project::calibrated_view::rounded;
 use crate::project::causes::{Known, known};
-use crate::project::comparison::{Refusal, seconds, sentence_of};
+use crate::project::comparison::{Refusal, sentence_of};
+use crate::project::diagnosis::sentence::sentence;
 use crate::project::diagnosis::told::{Change, Told, changes, told};
 use crate::project::form::values;
 use crate::units::mm_per_min;
@@ -329,33 +331,4 @@ fn mean_square(side: &[Comparison], of: fn(&Comparison) -> Option<(f64, f64)>) -
         .filter_map(of)
         .fold((0.0, 0.0), |(squares, way), (rms, own)| (squares + own * rms * rms, way + own));
     (0.0 < way).then(|| f64::sqrt(squares / way))
-}
-
-fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
-    let lost: f64 = diagnosis.before.iter().map(|side| side.whole.recorded - side.whole.simulated).sum();
-    let place = diagnosis.regions.iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()));
-    let place = place.map_or(String::new(), |region| match region.lines {
-        (first, last) if first == last => format!(", most of it in line {first}"),
-        (first, last) => format!(", most of it in lines {first} to {last}"),
-    });
-    match diagnosis.verdict {
-        Verdict::NothingMissing => format!(
-            "Nothing is missing: recording and simulation agree within {} as far as this recording shows.",
-            seconds(lost.abs().max(0.01))
-        ),
-        Verdict::Unknown => match causes.first() {
-            None => format!(
-                "Something differs by {} that nothing known explains{place}.",
-                seconds(lost.abs().max(0.01))
-            ),
-            Some(first) => format!(
-                "{} That is not all: more differs that nothing known explains{place}.",
-                first.sentence
-            ),
-        },
-        Verdict::Explained | Verdict::Ambiguous => {
-            let told: Vec<&str> = causes.iter().map(|cause| cause.sentence.as_str()).collect();
-            told.join(" ")
-        }
-    }
 }

@@ -24,7 +24,7 @@ mod waits;
 use nalgebra::DMatrix;
 
 pub use planner::become_planner;
-pub use waits::Kind;
+pub use waits::{Kind, guesses};
 
 use crate::identification::alignment::Method;
 use crate::identification::calibration::laws::has_filters;

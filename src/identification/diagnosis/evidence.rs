@@ -8,6 +8,8 @@ use crate::machine::Machine;
 const SECTIONS: usize = 5;
 /// Points between two trials, before.
 const BETWEEN: usize = 9;
+/// A limit at which the cost is so many times what it is without needs no tighter ones beside it.
+const TOO_TIGHT: f64 = 3.0;
 
 /// Runs with the noise that is taken for granted.
 #[derive(Clone)]
@@ -59,14 +61,19 @@ impl<'a> Evidence<'a> {
 
     /// A hypothesis at the best of its trials, and between them where that means something.
     pub fn screened(&self, machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
-        let tried = hypothesis.trials.iter().map(|values| {
-            let cost = self.cost(&hypothesis.machine(machine, values));
-            (values.clone(), cost)
-        });
-        let tried: Vec<(Vec<f64>, f64)> = tried.collect();
+        let neutral = self.cost(machine);
+        let is_too_tight = |cost: f64| hypothesis.is_limit() && TOO_TIGHT * neutral < cost;
+        let mut tried: Vec<(Vec<f64>, f64)> =
+            hypothesis.trials.iter().map(|values| (values.clone(), f64::INFINITY)).collect();
+        // The loosest first: where a limit costs much, tighter ones cost more.
+        for (values, cost) in tried.iter_mut().rev() {
+            *cost = self.cost(&hypothesis.machine(machine, values));
+            if is_too_tight(*cost) {
+                break;
+            }
+        }
         let best = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
         let (mut values, mut cost) = tried[best].clone();
-        let neutral = self.cost(machine);
         let acts = |at: usize| 1e-6 * neutral < (tried[at].1 - neutral).abs();
         if hypothesis.is_continuous {
             // Between the trials on both sides, by golden sections of the first parameter. Where no trial is
@@ -90,11 +97,14 @@ impl<'a> Evidence<'a> {
             };
             // What acts from a threshold on is flat before it: first a few points between, then sections.
             let between = |part: usize| low + (high - low) * part as f64 / (BETWEEN + 1) as f64;
-            let mut closest = (0, f64::INFINITY);
-            for part in 1..=BETWEEN {
+            let mut closest = (1, f64::INFINITY);
+            for part in (1..=BETWEEN).rev() {
                 let found = at(between(part), &mut values, &mut cost);
-                if found < closest.1 {
+                if found <= closest.1 {
                     closest = (part, found);
+                }
+                if is_too_tight(found) {
+                    break;
                 }
             }
             let (mut low, mut high) = (between(closest.0 - 1), between(closest.0 + 1));

@@ -4,7 +4,7 @@
 //! [`LONG`] is therefore looked at in windows of [`WINDOW`] s, evenly spread over [`BUDGET`] s of it, and around
 //! a few stops of each kind, from their line to the next one. Each window is a program of its own with the marks
 //! in it; the moves before and after it, [`MARGIN`] of them, are run and not compared, as nothing of the
-//! motion reaches further than a filter delay or a full stop. What was found is judged on the whole run.
+//! motion reaches further than a filter delay, a ramp or a full stop. What was found is judged on the whole run.
 //!
 //! Limits: a look-ahead that is longer than the margin looks less far; what happens once, outside of all
 //! windows and at no stop, is found by the rests alone.
@@ -15,7 +15,7 @@ use std::ops::Range;
 use crate::identification::alignment::{Alignment, Fix, Mark, Place};
 use crate::identification::calibration::Kind;
 use crate::identification::fit::Run;
-use crate::simulation::toolpath::{PathMode, Stop, Toolpath};
+use crate::simulation::toolpath::{Motion, PathMode, Segment, Stop, Toolpath};
 
 /// A run is long that lasts so many seconds, or has so many segments.
 const LONG: (f64, usize) = (300.0, 8_000);
@@ -23,8 +23,8 @@ const LONG: (f64, usize) = (300.0, 8_000);
 const BUDGET: f64 = 180.0;
 /// Length of a window, s.
 const WINDOW: f64 = 7.5;
-/// Segments before and after a window.
-const MARGIN: usize = 40;
+/// Segments before and after a window, and after how many seconds of programmed motion fewer are enough.
+const MARGIN: (usize, f64) = (40, 4.0);
 /// Stops of a kind that are looked at, and for how many marks around them.
 const STOPS: (usize, usize) = (4, 6);
 /// The fewest marks that are a window.
@@ -93,6 +93,19 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
     merged.into_iter().filter(|window| FEWEST <= window.len()).filter_map(|window| cut(run, window)).collect()
 }
 
+/// How many of these segments, from a window on, are enough of a margin.
+fn enough<'a>(segments: impl Iterator<Item = &'a Segment>) -> usize {
+    let mut seconds = 0.0;
+    let mut is_missing = |segment: &Segment| {
+        let is_near = seconds < MARGIN.1;
+        if let Motion::Feed { feedrate } = segment.motion {
+            seconds += segment.length / feedrate;
+        }
+        is_near
+    };
+    segments.take(MARGIN.0).take_while(|segment| is_missing(segment)).count()
+}
+
 /// A window of marks as a run of its own.
 fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let Run { toolpath, alignment, overrides } = run;
@@ -107,8 +120,10 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
         Place::Along(distance) => distances.partition_point(|begin| *begin <= distance).saturating_sub(1),
     };
     let count = toolpath.segments.len();
-    let from = segment_of(marks.first()?.place).saturating_sub(MARGIN);
-    let to = (segment_of(marks.last()?.place) + 1 + MARGIN).min(count);
+    let first = segment_of(marks.first()?.place).min(count);
+    let last = (segment_of(marks.last()?.place) + 1).min(count);
+    let from = first - enough(toolpath.segments[..first].iter().rev());
+    let to = last + enough(toolpath.segments[last..].iter());
     if to <= from {
         return None;
     }

@@ -12,15 +12,16 @@
 //! | feedrate | feedrates differ no more with it than without it |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
-//! What stands for itself is taken in before all of them: feed holds, as `rests` finds them, and an override
-//! that `plateaus` reads off. A long run is searched in `excerpts` of it, and what was found is kept if it holds
+//! What stands for itself is taken in before all of them: an override that `plateaus` reads off, waits at functions
+//! as `waits` does, and feed holds, as `rests` finds them. A long run is searched in `excerpts` of it, and what was found is kept if it holds
 //! on the whole.
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
 //! back. Others of which the best cannot be told from the runs are its ambiguity.
 //!
-//! What is left is judged by itself: lost time that is larger than noise and than `LEFT` of the cycle time
-//! is unknown, and located.
+//! What is left is judged by itself: lost time that is larger than noise, than `LEFT` of the cycle time, and than
+//! what the machine file is known to be off by where it was calibrated, is unknown, and located. What the
+//! operator did is explained all the same where it is certain and more than what is left.
 
 mod crossed;
 mod evidence;
@@ -31,11 +32,13 @@ mod places;
 mod plateaus;
 mod regions;
 mod rests;
+mod waits;
 
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
 pub use plateaus::{Plateau, plateau};
 pub use regions::{Region, regions};
+pub use rests::feed_holds;
 
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::evidence::with_all;
@@ -70,6 +73,10 @@ const SAME: f64 = 6.0;
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
 const SWITCHES: [&str; 3] = ["feed_override", "rapid_override", "recorder_clock"];
+/// What an operator does.
+pub const OPERATOR: [&str; 3] = ["feed_override", "rapid_override", "feed_hold"];
+/// A confidence from which on a cause is certain.
+const CERTAIN: f64 = 0.9;
 /// Candidates that are refined by least squares.
 const REFINED: usize = 5;
 /// Causes named at most.
@@ -116,6 +123,8 @@ pub struct Diagnosis {
     pub causes: Vec<Cause>,
     /// Where simulation and recording differ, cause or no cause, run by run.
     pub regions: Vec<Region>,
+    /// Lost time that the causes leave, s, all runs together, and where most of it is.
+    pub left: (f64, Option<Region>),
     /// The machine with the causes.
     pub machine: Machine,
     /// Against the machine believed in, run by run.
@@ -135,6 +144,7 @@ pub struct Diagnosis {
 /// Diagnoses runs against the machine believed in. `progress` is told the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let mut library = library(machine, runs);
+    let not_excited = not_excited(&library);
     let before = compared(machine, runs);
     let mut messages = Vec::new();
     let form_before = form::error(machine, runs);
@@ -161,9 +171,16 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
             read_off.push((candidate, (Vec::new(), None, 1.0)));
         }
         let price = GAIN + (gates::sections(runs) as f64).ln();
+        let own = |gain: f64| (Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp());
+        let now = with_all(&start, &candidates_of(&read_off));
+        for (candidate, gain) in waits::at_functions(&now, runs, &library, price) {
+            let known = candidate.hypothesis.freed[0].key.clone();
+            library.retain(|other| other.freed.first().is_none_or(|freed| freed.key != known));
+            read_off.push((candidate, own(gain)));
+        }
         let now = with_all(&start, &candidates_of(&read_off));
         for (candidate, gain) in rests::feed_holds(&now, runs, price) {
-            let own = (Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp());
+            let own = own(gain);
             if looked.in_parts {
                 read_off.push((candidate, own));
             } else {
@@ -221,22 +238,34 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         alike: Vec::new(),
         held_out: None,
     }));
-    let regions = (0..runs.len()).flat_map(|run| regions(&before[run], runs[run].alignment, run)).collect();
+    let located = |side: &[Comparison]| -> Vec<Region> {
+        (0..runs.len()).flat_map(|run| regions(&side[run], runs[run].alignment, run)).collect()
+    };
     let left = regions::left(&after, runs);
+    let left_most = located(&after).into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()));
     let whole: f64 = after.iter().map(|comparison| comparison.whole.recorded).sum();
-    let is_left = 0 < rounds && LEFT * whole < left && LEAST < left;
+    let known_error = machine.cycle_time_error.map_or(0.0, f64::abs);
+    let is_left = 0 < rounds && LEFT.max(known_error) * whole < left && LEAST < left;
     if is_left && !causes.is_empty() {
         messages.push(format!("{left:.2} s of lost time are left that nothing in the library explains"));
+    } else if LEFT * whole < left && left <= known_error * whole {
+        messages.push(format!(
+            "{left:.2} s of lost time are left, which is no more than the {:.1} % that the machine file was off by \
+             where it was calibrated",
+            100.0 * known_error
+        ));
     }
+    let is_done = |cause: &&Cause| OPERATOR.contains(&cause.candidate.hypothesis.id);
+    let sure = causes.iter().filter(is_done).filter(|cause| CERTAIN <= cause.confidence);
+    let by_operator: f64 = sure.map(|cause| cause.seconds.abs()).sum();
     let verdict = match (causes.is_empty(), is_left) {
         (true, true) => Verdict::Unknown,
         (true, false) => Verdict::NothingMissing,
         _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
-        (false, true) if MUCH * regions::left(&before, runs) < left => Verdict::Unknown,
+        (false, true) if by_operator < left && MUCH * regions::left(&before, runs) < left => Verdict::Unknown,
         _ => Verdict::Explained,
     };
     progress(1.0);
-    let not_excited = not_excited(&library);
     let held_out = match &excerpts {
         Some(excerpts) if !all.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
         Some(_) => None,
@@ -245,7 +274,8 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     Diagnosis {
         verdict,
         causes,
-        regions,
+        regions: located(&before),
+        left: (left, left_most),
         machine: fitted,
         before,
         after,

@@ -13,6 +13,11 @@
 //!
 //! Rests of one visit of a line are one, where the longer one was.
 //!
+//! A machine that is polled may be met standing for a moment at a corner, at the bottom of a plunge or before a
+//! block that is not read yet; and what is seen once was so for less than two polls. There a rest is a hold
+//! only where feedrates were recorded that say nothing else for [`SAID`] polls, and it cost as much: one in
+//! which it may have begun, one in which it may have ended, and one that is certain.
+//!
 //! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
 //! be held each time; more rests than [`MOST`] are a property of the machine and not halts, but for those that
 //! are [`OUT`] times as long as usual.
@@ -39,6 +44,8 @@ const MOST: usize = 20;
 const OUT: f64 = 4.0;
 /// What a machine that stands says its feedrate is, at most, mm/s.
 const STILL: f64 = 0.2;
+/// For how many polls it must say so.
+const SAID: f64 = 3.0;
 /// Longest halt, s.
 const LONGEST: f64 = 3600.0;
 
@@ -96,12 +103,16 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         }
         // What still begins or ends it is part of it.
         let first = fixes[..from].partition_point(|fix| fix.time < fixes[from].time - ramp);
-        let last = to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp);
+        let last =
+            to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp.max(2.0 * poll));
         let at = 0.5 * (fixes[from].distance + fixes[to].distance);
         let rest = match run.alignment.method {
             Method::Positions => rest_at(run, &profile, at, short, lost(first, last)),
             // Where the recorder slept the machine went on: one that stands says so.
-            Method::Lines | Method::Feed if !stands_still(run, fixes[from].time, fixes[to].time + poll) => {
+            Method::Lines | Method::Feed
+                if stood(run, fixes[from].time, fixes[to].time + poll)
+                    .is_some_and(|seconds| seconds.min(lost(first, last)) < SAID * poll) =>
+            {
                 None
             }
             Method::Lines | Method::Feed => {
@@ -160,12 +171,22 @@ fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Op
     Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), begin: end(first), seconds })
 }
 
-/// Whether a reading of the feed between two times (s) is none, if any feed was recorded.
-fn stands_still(run: &Run, from: f64, to: f64) -> bool {
-    let Some(feed) = &run.alignment.feed else { return true };
+/// For how long at most, s, the readings of the feed that begin between two times (s) say without a break that
+/// the machine stands; none where no feed was recorded. A reading holds until the next one.
+fn stood(run: &Run, from: f64, to: f64) -> Option<f64> {
+    let feed = run.alignment.feed.as_ref()?;
     let first = feed.time.partition_point(|time| *time < from);
-    let readings = feed.time[first..].iter().zip(&feed.values[first..]);
-    readings.take_while(|(time, _)| **time <= to).any(|(_, value)| *value <= STILL)
+    let last = feed.time.partition_point(|time| *time <= to);
+    let (mut longest, mut since): (f64, Option<f64>) = (0.0, None);
+    for at in first..last {
+        let end = feed.time.get(at + 1).copied().unwrap_or(to);
+        if feed.values[at] <= STILL {
+            longest = longest.max(end - *since.get_or_insert(feed.time[at]));
+        } else {
+            since = None;
+        }
+    }
+    Some(longest)
 }
 
 /// The rest at a time of a recording that names lines but no positions: on the line that was named last, as a

@@ -76,6 +76,11 @@ impl Hypothesis {
         if self.variant.is_empty() { words } else { format!("{words} ({})", self.variant) }
     }
 
+    /// Whether it is a limit and nothing else, by which the machine is the slower the lower it is.
+    pub fn is_limit(&self) -> bool {
+        self.id.ends_with("_limit") && self.freed.len() == 1
+    }
+
     /// Whether it varies what another one fits beside its own parameter.
     pub fn is_fitted_beside(&self, other: &Hypothesis) -> bool {
         let beside = other.freed.iter().skip(1);

@@ -1,17 +1,13 @@
-//! Diagnosis of runs of real mills: what the operator did is found, and what nobody did is not.
-//!
-//! The data are not part of the project: they lie in `../shared/recordings/nist-hurco` or in the folder of that
-//! name under `TRUEFEED_RECORDINGS`, and the test says so and ends where they are absent. The logs are taken
-//! without the channels that say what the operator did. Origin of the data: NIST's smstestbed.
+//! Diagnosis: what the operator did is found, and what nobody did is not. The logs are taken without the
+//! channels that say what the operator did.
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
 
-use truefeed::identification::diagnosis::{Diagnosis, Plateau, diagnose, plateau};
-use truefeed::identification::fit::Recorded;
+use truefeed::identification::diagnosis::{Diagnosis, Plateau, diagnose, feed_holds, plateau};
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
-use truefeed::simulation::gcode::read;
-use truefeed::simulation::toolpath::trace;
+
+use crate::{recorded, recordings};
 
 /// What a calibration on other runs of the mill finds.
 const MACHINE: &str = r#"
@@ -31,30 +27,6 @@ spindle_start_s = 0.632
 spindle_stop_s = 0.069
 m_codes = { M1 = 6.95, M8 = 6.57, M9 = 0.97 }
 "#;
-
-/// What the tool is not to be told.
-const HIDDEN: [&str; 4] = ["|Feed_Override|", "|Rapid_Override|", "|Spindle_Override|", "|Program_Status|"];
-
-/// The folder of the recordings; none, with a word, where it is absent.
-fn recordings() -> Option<PathBuf> {
-    let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
-    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
-    let folder = all.join("nist-hurco");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there are no recordings at {}", folder.display());
-    None
-}
-
-fn recorded(folder: &Path, program: &str, run: &str, machine: &Machine) -> Recorded {
-    let file = |name: String| std::fs::read(folder.join(name)).expect("each run has its files");
-    let toolpath = trace(&read(&file(format!("programs/{program}.nc"))), machine);
-    let log = String::from_utf8(file(format!("runs/{run}.shdr"))).expect("logs are plain text");
-    let lines = log.lines().filter(|line| !HIDDEN.iter().any(|item| line.contains(item)));
-    let log: String = lines.map(|line| format!("{line}\n")).collect();
-    Recorded::new(toolpath, log.as_bytes(), machine).expect("it is of that program")
-}
 
 fn machine() -> Machine {
     machine_from_toml(MACHINE).expect("a machine file")
@@ -77,7 +49,7 @@ fn plateaus_tell_the_feed_override_without_a_model_of_the_motion() {
         ("box-op3", "box-op3-10", 1.0),
         ("plate-12", "plate-12", 1.0),
     ] {
-        let recorded = recorded(&folder, program, run, &rough);
+        let recorded = recorded(&folder, program, run, &rough, false);
         let Plateau { ratio: found, deviation } = plateau(&recorded.unswitched()).expect("it has plateaus");
         eprintln!("{run}: {found:.4} ± {deviation:.4}, switch at {ratio}");
         assert!((found - ratio).abs() < 0.003, "{run}: {found}");
@@ -88,7 +60,7 @@ fn plateaus_tell_the_feed_override_without_a_model_of_the_motion() {
 fn an_override_of_one_part_in_a_hundred_is_found_in_half_an_hour() {
     let Some(folder) = recordings() else { return };
     let machine = machine();
-    let recorded = recorded(&folder, "box-op1", "box-op1-07", &machine);
+    let recorded = recorded(&folder, "box-op1", "box-op1-07", &machine, false);
     let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
     let overrides = diagnosis.causes.iter().filter(|cause| cause.candidate.hypothesis.id == "feed_override");
     let ratios: Vec<f64> = overrides.map(|cause| cause.candidate.values[0]).collect();
@@ -101,10 +73,57 @@ fn an_override_of_one_part_in_a_hundred_is_found_in_half_an_hour() {
 fn nothing_is_laid_to_an_operator_who_did_nothing() {
     let Some(folder) = recordings() else { return };
     let machine = machine();
-    let recorded = recorded(&folder, "box-op3", "box-op3-07", &machine);
+    let recorded = recorded(&folder, "box-op3", "box-op3-07", &machine, false);
     let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
     eprintln!("{:?}", ids(&diagnosis));
     for id in ["feed_override", "rapid_override", "feed_hold"] {
         assert!(!ids(&diagnosis).contains(&id), "{:?}", ids(&diagnosis));
+    }
+}
+
+/// What the cost must fall by for each hold, as in a diagnosis of one run.
+const PRICE: f64 = 14.0;
+
+#[test]
+fn feed_holds_are_located_where_the_status_has_them() {
+    let Some(folder) = recordings() else { return };
+    let machine = machine();
+    let recorded = recorded(&folder, "plate-1", "plate-01", &machine, false);
+    let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
+    let seconds: BTreeMap<u32, f64> = (holds.iter())
+        .map(|(hold, _)| {
+            let line = hold.hypothesis.variant.trim_start_matches("line ").parse().expect("a line");
+            (line, hold.values[0])
+        })
+        .collect();
+    eprintln!("{seconds:?}");
+    // The channel of the status, which is not told here, has a hold on each of these lines.
+    let held = [15, 28, 253, 533, 2648, 2964, 2976];
+    for line in held {
+        assert!(
+            seconds.get(&line).is_some_and(|seconds| (5.0..30.0).contains(seconds)),
+            "{line}: {seconds:?}"
+        );
+    }
+    // The override stood at 0 on the line before some of them, which is another switch for the same.
+    let is_near = |line: &u32| held.iter().any(|held| *line <= *held && held - line <= 2);
+    assert!(seconds.keys().all(is_near), "{seconds:?}");
+}
+
+#[test]
+fn standing_for_a_poll_or_two_is_no_hold() {
+    let Some(folder) = recordings() else { return };
+    let machine = machine();
+    for (program, run) in [
+        ("box-op1", "box-op1-03"),
+        ("box-op1", "box-op1-06"),
+        ("box-op1", "box-op1-07"),
+        ("box-op3", "box-op3-06"),
+        ("plate-12", "plate-12"),
+    ] {
+        let recorded = recorded(&folder, program, run, &machine, false);
+        let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
+        let named: Vec<&str> = holds.iter().map(|(hold, _)| hold.hypothesis.variant.as_str()).collect();
+        assert!(named.is_empty(), "{run}: {named:?}");
     }
 }

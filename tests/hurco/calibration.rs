@@ -1,18 +1,13 @@
-//! Calibration on runs of real mills, and what it predicts of programs that it has not seen.
-//!
-//! The data are not part of the project: they lie in `../shared/recordings/nist-hurco` or in the folder of
-//! that name under `TRUEFEED_RECORDINGS`, and the test says so and ends where they are absent. The machine
-//! begins as three filters with rough numbers; nothing else of it is known. Origin of the data: NIST's smstestbed.
-
-use std::path::{Path, PathBuf};
+//! Calibration, and what it predicts of programs that it has not seen. The machine begins as three filters with
+//! rough numbers; nothing else of it is known.
 
 use truefeed::identification::calibration::calibrate;
 use truefeed::identification::comparison::{Comparison, compare};
 use truefeed::identification::fit::{Recorded, Run};
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
-use truefeed::simulation::gcode::read;
-use truefeed::simulation::toolpath::trace;
+
+use crate::{recorded, recordings};
 
 /// Three filters and a rapid rate.
 const MACHINE: &str = r#"
@@ -26,24 +21,6 @@ feed_mm_min = 42000
 [times]
 tool_change_s = 4.0
 "#;
-
-/// The folder of the recordings; none, with a word, where it is absent.
-fn recordings() -> Option<PathBuf> {
-    let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
-    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
-    let folder = all.join("nist-hurco");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there are no recordings at {}", folder.display());
-    None
-}
-
-fn recorded(folder: &Path, program: &str, run: &str, machine: &Machine) -> Recorded {
-    let file = |name: String| std::fs::read(folder.join(name)).expect("each run has its files");
-    let toolpath = trace(&read(&file(format!("programs/{program}.nc"))), machine);
-    Recorded::new(toolpath, &file(format!("runs/{run}.shdr")), machine).expect("it is of that program")
-}
 
 fn compared(run: &Run, machine: &Machine) -> Comparison {
     compare(run.toolpath, &run.plan(machine), run.alignment)
@@ -66,7 +43,7 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
         ("box-op3", "box-op3-06"),
         ("plate-12", "plate-12"),
     ]
-    .map(|(program, run)| recorded(&folder, program, run, &machine));
+    .map(|(program, run)| recorded(&folder, program, run, &machine, true));
     let runs: Vec<Run> = fitted.iter().map(Recorded::run).collect();
     let found = calibrate(&machine, &runs, &mut |_| {}).machine;
     for (program, run) in [
@@ -76,7 +53,7 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
         ("box-op1", "box-op1-12"),
         ("box-op2", "box-op2-13"),
     ] {
-        let other = recorded(&folder, program, run, &machine);
+        let other = recorded(&folder, program, run, &machine, true);
         let (whole, motion, feed) = error(&compared(&other.run(), &found));
         let programmed = compared(&other.run(), &found).feed.expect("feed moves were recorded");
         eprintln!(
@@ -96,10 +73,10 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
 fn a_short_program_predicts_another_one_of_its_machine() {
     let Some(folder) = recordings() else { return };
     let machine = machine_from_toml(MACHINE).expect("a machine file");
-    let fitted = recorded(&folder, "box-op3", "box-op3-06", &machine);
+    let fitted = recorded(&folder, "box-op3", "box-op3-06", &machine, true);
     let found = calibrate(&machine, &[fitted.run()], &mut |_| {}).machine;
     for (program, run) in [("box-op3", "box-op3-07"), ("box-op3", "box-op3-10"), ("box-op2", "box-op2-12")] {
-        let other = recorded(&folder, program, run, &machine);
+        let other = recorded(&folder, program, run, &machine, true);
         let [before, after] = [&machine, &found].map(|machine| compared(&other.run(), machine));
         let (was, is) = (error(&before), error(&after));
         eprintln!(
