@@ -18,21 +18,6 @@ const REACH: f64 = 8.0;
 /// The view from which the path begins to be turned, rad.
 const OBLIQUE: (f64, f64) = (-0.6, 0.55);
 
-/// The trail of a program as columns.
-#[wasm_bindgen(getter_with_clone)]
-pub struct TrailColumns {
-    /// X, Y and Z of each point in turn, mm.
-    pub points: Vec<f32>,
-    /// Distance of each point along the path, mm.
-    pub distance: Vec<f64>,
-}
-
-impl From<Trail> for TrailColumns {
-    fn from(trail: Trail) -> TrailColumns {
-        TrailColumns { points: trail.points.into_flattened(), distance: trail.distance }
-    }
-}
-
 /// What the colours of the path mean.
 #[wasm_bindgen(getter_with_clone)]
 pub struct Legend {

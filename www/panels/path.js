@@ -1,6 +1,6 @@
 // The path in space beside its program text, and the places that cost most; all linked with the charts.
 
-import { PathView } from '../pkg/truefeed.js'
+import { PathView } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { count, feedrate, millimetres, number, percent } from '../format.js'
