@@ -7,7 +7,7 @@ use wasm_bindgen::{Clamped, JsCast};
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
 
 use crate::plot::Programmed;
-use crate::plot::path::{self, Camera, Coloring, Drawing, Pace, Raster, Scene, Trail};
+use crate::plot::path::{self, Camera, Coloring, Drawing, Pace, Raster, Scene, Sheet, Trail};
 use crate::units::mm_per_min;
 
 /// Width of lines and length of dashes, pixels of the page.
@@ -147,6 +147,22 @@ impl PathView {
         let context: CanvasRenderingContext2d = context.unchecked_into();
         let image = ImageData::new_with_u8_clamped_array_and_sh(Clamped(&self.colors), width, height)?;
         context.put_image_data(&image, 0.0, 0.0)
+    }
+
+    /// What is in sight as SVG for a document, dark on white, with what the first and the last colour and the length of
+    /// `scale` are called.
+    pub fn svg(&self, first: String, last: String, scale: String) -> String {
+        let shades = path::palette(self.coloring.unwrap_or(Coloring::Loss), false);
+        path::svg_of_path(
+            &self.scene,
+            &Sheet {
+                camera: self.camera,
+                marked: self.marked,
+                inks: &path::ink(&shades, false),
+                ends: [first, last],
+                length: (self.camera.round_length(), scale),
+            },
+        )
     }
 
     /// Keeps the middle where it is in a picture of another size.
