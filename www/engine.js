@@ -186,6 +186,13 @@ export class Engine {
     this.prefer(whole)
   }
 
+  /** Makes a worker ready for the next request. */
+  warm() {
+    if (this.#worker) return
+    this.#worker = this.start()
+    this.#worker.postMessage(this.#module)
+  }
+
   /** Computes with another module from the next request on. @param {Compiled} module */
   prefer(module) {
     if (this.#module.isWhole || !module.isWhole) return

@@ -683,6 +683,7 @@ async function mountOthers() {
   // What these draw and compute with is there before they are.
   const [compiled] = await Promise.all([wholeModule(), whole()])
   engine.prefer(compiled)
+  engine.warm()
   const [breakdown, calibration, compare, cutting, diagnosis, path, quote] = await Promise.all([
     import('./panels/breakdown.js'),
     import('./panels/calibration.js'),
@@ -724,3 +725,5 @@ if (state.programs.length + state.recordings.length > 0) changed()
 update()
 exchange.fromAddress()
 document.documentElement.dataset.ready = 'true'
+// Who has read the page so far has a program at hand.
+whenIdle(() => engine.warm())

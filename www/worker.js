@@ -39,18 +39,29 @@ const LOADS = /** @type {const} */ ([
   'predictedRate',
 ])
 
+/** @type {Promise<void> | undefined} */
+let ready
+
+/** What comes without a verb is only there to be ready. */
 self.onmessage = async ({ data: { module, isWhole, verb, request } }) => {
   try {
-    // What the first module leaves out is asked of the whole alone (engine.js).
-    const script = isWhole ? import('./pkg/truefeed_whole.js') : import('./pkg/truefeed.js')
-    glue ??= /** @type {typeof glue} */ (await script)
-    await glue.default({ module_or_path: module })
+    ready ??= begin(module, isWhole)
+    await ready
+    if (verb === undefined) return
     await VERBS[/** @type {keyof typeof VERBS} */ (verb)](request)
     post({ type: 'done' }, [])
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error)
     post({ type: 'failure', message, bug: error instanceof WebAssembly.RuntimeError }, [])
   }
+}
+
+/** @param {WebAssembly.Module} module @param {boolean} isWhole */
+async function begin(module, isWhole) {
+  // What the first module leaves out is asked of the whole alone (engine.js).
+  const script = isWhole ? import('./pkg/truefeed_whole.js') : import('./pkg/truefeed.js')
+  glue = /** @type {typeof glue} */ (await script)
+  await glue.default({ module_or_path: module })
 }
 
 /** @param {SimulateRequest} request */
