@@ -146,7 +146,7 @@ export class Engine {
   /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
   async #run(verb, request, hear) {
     this.cancel()
-    if (LATER.has(verb)) await this.#load()
+    if (LATER.has(verb) && !this.#module.isWhole) await this.#load()
     try {
       await this.#attempt(verb, request, hear)
     } catch (error) {
