@@ -34,6 +34,17 @@
 /** What the module of the first visit leaves out: what reads a recording, a cutting job or the request of another page. */
 const LATER = new Set(['compare', 'calibrate', 'diagnose', 'cycleTimes', 'cut', 'quote'])
 
+/** A program of this size is sooner computed when the whole module, which is quicker, has come. */
+const LARGE_BYTES = 1_500_000
+
+/** @param {{program?: Blob | Uint8Array}} request */
+const sizeOf = ({ program }) => (program instanceof Blob ? program.size : (program?.length ?? 0))
+
+/** Without a network the small module does as well. @param {unknown} error */
+function unlessCancelled(error) {
+  if (error instanceof Ended && error.kind === 'cancelled') throw error
+}
+
 /** Why a run ended early. */
 export class Ended extends Error {
   /** @param {"cancelled" | "died" | "failed"} kind @param {string} message */
@@ -146,7 +157,10 @@ export class Engine {
   /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
   async #run(verb, request, hear) {
     this.cancel()
-    if (LATER.has(verb) && !this.#module.isWhole) await this.#load()
+    if (!this.#module.isWhole) {
+      if (LATER.has(verb)) await this.#load()
+      else if (LARGE_BYTES < sizeOf(request)) await this.#load().catch(unlessCancelled)
+    }
     try {
       await this.#attempt(verb, request, hear)
     } catch (error) {
