@@ -73,7 +73,7 @@ function make(size) {
 async function quoted() {
   /** @type {any} */
   const { Engine } = await import(/** @type {any} */ ('/engine.js'))
-  const module = await WebAssembly.compileStreaming(fetch('/pkg/truefeed_bg.wasm'))
+  const module = { module: await WebAssembly.compileStreaming(fetch('/pkg/truefeed_whole_bg.wasm')), isWhole: true }
   const request = JSON.stringify({ machine: {}, tolerances: [0.01], name: '' })
   const begin = performance.now()
   const { quote, refusal } = await new Engine(module).quote({ program: /** @type {any} */ (window).made, request }, () => {})

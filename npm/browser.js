@@ -1,7 +1,7 @@
 // The package in a browser: quotes in a worker, one after the other.
 
 import { Ended, Engine } from '../www/engine.js'
-import { compiledModule } from '../www/embed/module.js'
+import { wholeModule } from '../www/embed/module.js'
 import { QuoteError, bytesOf, refused, requestOf } from '../www/embed/request.js'
 
 export { QuoteError }
@@ -31,7 +31,7 @@ async function compute(program, machine, tolerances = [], options = {}) {
   const { signal, onProgress = () => {} } = options
   const cancelled = () => refused('cancelled', 'The quote was cancelled.')
   const question = { program: bytesOf(program), request: requestOf(machine, tolerances, options) }
-  engine ??= new Engine(await compiledModule())
+  engine ??= new Engine(await wholeModule())
   if (signal?.aborted) throw cancelled()
   const cancel = () => engine?.cancel()
   signal?.addEventListener('abort', cancel)

@@ -1,7 +1,7 @@
 // The package in Node: the module read from its file, quotes in the calling thread.
 
 import { readFile } from 'node:fs/promises'
-import init, { quoteProgram } from '../www/pkg/truefeed.js'
+import init, { quoteProgram } from '../www/pkg/truefeed_whole.js'
 import { QuoteError, bytesOf, refused, requestOf } from '../www/embed/request.js'
 
 export { QuoteError }
@@ -31,5 +31,5 @@ export async function quote(program, machine, tolerances = [], options = {}) {
 }
 
 async function start() {
-  await init({ module_or_path: await readFile(new URL('../www/pkg/truefeed_bg.wasm', import.meta.url)) })
+  await init({ module_or_path: await readFile(new URL('../www/pkg/truefeed_whole_bg.wasm', import.meta.url)) })
 }

@@ -1,7 +1,8 @@
 // Serves www/ on this machine only:  node scripts/serve.mjs [PORT]
 //
 // PORT (or $PORT) is used as given; without it, 8080 or the next free one. A browser asks every time whether a file is
-// another one, so that a reload shows the last build. Files go out with brotli or gzip, as from the servers of the world.
+// another one, so that a reload shows the last build. Files go out with brotli or gzip, as from the servers of the world: what
+// the build has compressed beside the file (scripts/compress.mjs), or else what is compressed here when it is first asked for.
 
 import { readFile, stat } from 'node:fs/promises'
 import { createServer } from 'node:http'
@@ -27,12 +28,15 @@ const TYPES = {
   '.webmanifest': 'application/manifest+json',
 }
 
+/** Brotli's last two steps take a second a megabyte for another tenth: they are for small files, and for the build. */
+const SMALL_BYTES = 100_000
+
 /**
- * The best first. Brotli's last two steps take seconds for another tenth, which a server does once and this one does not.
+ * The best first.
  * @type {Record<string, (bytes: Buffer) => Promise<Buffer>>}
  */
 const ENCODERS = {
-  br: (bytes) => promisify(brotliCompress)(bytes, { params: { [constants.BROTLI_PARAM_QUALITY]: 9 } }),
+  br: (bytes) => promisify(brotliCompress)(bytes, { params: { [constants.BROTLI_PARAM_QUALITY]: bytes.length < SMALL_BYTES ? 11 : 9 } }),
   gzip: (bytes) => promisify(gzip)(bytes, { level: 9 }),
 }
 
@@ -96,9 +100,19 @@ function compressed(path, version, encoding) {
   const key = `${encoding} ${path}`
   const former = kept.get(key)
   if (former?.version === version) return former.body
-  const body = readFile(path).then(ENCODERS[encoding])
+  const body = compressedByBuild(path, encoding).then((ready) => ready ?? readFile(path).then(ENCODERS[encoding]))
   kept.set(key, { version, body })
   return body
+}
+
+/** What the build has compressed, unless the file is another one since. @param {string} path @param {string} encoding */
+async function compressedByBuild(path, encoding) {
+  try {
+    const [file, ready] = await Promise.all([stat(path), stat(`${path}.${encoding}`)])
+    return file.mtimeMs <= ready.mtimeMs ? await readFile(`${path}.${encoding}`) : undefined
+  } catch {
+    return undefined
+  }
 }
 
 /**

@@ -5,19 +5,33 @@
 //! [`Chart`] and forwards pixels. What comes in is JSON text, which refuses unknown fields, and
 //! numbers; what goes out are the shapes of [`project`], results as objects, and columns as typed
 //! arrays with buffers of their own, so that they can be transferred. No arithmetic of units or scales is left to JavaScript.
+//!
+//! Two modules are made of it: the whole, and with `--cfg first_visit` what there must be before the first chart. What the
+//! first leaves out the page asks of the whole, which it fetches meanwhile.
 
 #![deny(clippy::unwrap_used)]
 
 mod canvas;
 mod chart;
+#[cfg(not(first_visit))]
 mod cutting;
+#[cfg(not(first_visit))]
 mod diagnosed;
+#[cfg(not(first_visit))]
+mod documents;
 mod job;
-mod path;
+#[cfg(not(first_visit))]
 mod offered;
+#[cfg(not(first_visit))]
+mod path;
+#[cfg(not(first_visit))]
 mod quoted;
+#[cfg(not(first_visit))]
 mod recorded;
+mod settings;
 mod text;
+mod theme;
+#[cfg(not(first_visit))]
 mod tolerances;
 
 use wasm_bindgen::prelude::*;
@@ -25,7 +39,7 @@ use wasm_bindgen::prelude::*;
 use crate::identification::recording;
 use crate::machine::{USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
 use crate::plot::PALETTE;
-use crate::project::{self, faults_to_json, machine_from_form, motion_of_machine, toml_from_machine};
+use crate::project::{self, faults_to_json, machine_from_form, motion_of_machine};
 use crate::quote;
 
 /// Makes panics readable in the console.
@@ -56,12 +70,6 @@ pub fn faults(machine: &str) -> String {
 #[wasm_bindgen]
 pub fn edited(machine: &str, key: &str, value: &str) -> Option<String> {
     project::edited(machine, key, value)
-}
-
-/// The machine of a filled form as a machine file; none where the form has faults.
-#[wasm_bindgen(js_name = machineFile)]
-pub fn machine_file(machine: &str) -> Option<String> {
-    machine_from_form(machine).ok().map(|machine| toml_from_machine(&machine))
 }
 
 /// All that the simulation reads of the machine of a filled form, as text to be compared; none

@@ -29,8 +29,21 @@
  * @property {(column: Column, run: Run) => void} run
  */
 
-/** What the module of the first visit leaves out: what reads a recording or a cutting job. */
-const LATER = new Set(['compare', 'calibrate', 'diagnose', 'cycleTimes', 'cut'])
+/** @import { Compiled } from "./embed/module.js" */
+
+/** What the module of the first visit leaves out: what reads a recording, a cutting job or the request of another page. */
+const LATER = new Set(['compare', 'calibrate', 'diagnose', 'cycleTimes', 'cut', 'quote'])
+
+/** A program of this size is sooner computed when the whole module, which is quicker, has come. */
+const LARGE_BYTES = 1_500_000
+
+/** @param {{program?: Blob | Uint8Array}} request */
+const sizeOf = ({ program }) => (program instanceof Blob ? program.size : (program?.length ?? 0))
+
+/** Without a network the small module does as well. @param {unknown} error */
+function unlessCancelled(error) {
+  if (error instanceof Ended && error.kind === 'cancelled') throw error
+}
 
 /** Why a run ended early. */
 export class Ended extends Error {
@@ -46,14 +59,16 @@ export class Engine {
   #worker = null
   /** @type {((reason: Ended) => void) | null} */
   #reject = null
+  /** Whether the worker holds another module than the next one will. */
+  #isOutdated = false
 
-  /** What the worker holds. @type {WebAssembly.Module} */
+  /** What the worker holds, or the next one will. @type {Compiled} */
   #module
 
   /**
-   * @param {WebAssembly.Module} module
+   * @param {Compiled} module
    * @param {() => Worker} start  makes the worker
-   * @param {() => Promise<WebAssembly.Module>} whole  fetches the whole module
+   * @param {() => Promise<Compiled>} whole  fetches the whole module
    */
   constructor(
     module,
@@ -142,7 +157,10 @@ export class Engine {
   /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
   async #run(verb, request, hear) {
     this.cancel()
-    if (LATER.has(verb)) await this.#load()
+    if (!this.#module.isWhole) {
+      if (LATER.has(verb)) await this.#load()
+      else if (LARGE_BYTES < sizeOf(request)) await this.#load().catch(unlessCancelled)
+    }
     try {
       await this.#attempt(verb, request, hear)
     } catch (error) {
@@ -162,10 +180,11 @@ export class Engine {
         if (data.type === 'failure') this.#end(data.bug ? 'died' : 'failed', data.message)
         else if (data.type === 'done') {
           this.#reject = null
+          if (this.#isOutdated) this.#replace()
           resolve(undefined)
         } else hear(data)
       }
-      worker.postMessage({ module: this.#module, verb, request })
+      worker.postMessage({ ...this.#module, verb, request })
     })
   }
 
@@ -178,8 +197,27 @@ export class Engine {
       })
     })
     this.#reject = null
-    if (this.#module === whole) return
-    this.#module = whole
+    this.prefer(whole)
+  }
+
+  /** Makes a worker ready for the next request. */
+  warm() {
+    if (this.#worker) return
+    this.#worker = this.start()
+    this.#worker.postMessage(this.#module)
+  }
+
+  /** Computes with another module from the next request on. @param {Compiled} module */
+  prefer(module) {
+    if (this.#module.isWhole || !module.isWhole) return
+    this.#module = module
+    if (this.#reject) this.#isOutdated = true
+    else this.#replace()
+  }
+
+  /** Ends a worker that does nothing, for one with the module of now. */
+  #replace() {
+    this.#isOutdated = false
     this.#worker?.terminate()
     this.#worker = null
   }
@@ -196,8 +234,7 @@ export class Engine {
 
   /** @param {"cancelled" | "died" | "failed"} kind @param {string} message */
   #end(kind, message) {
-    this.#worker?.terminate()
-    this.#worker = null
+    this.#replace()
     this.#reject?.(new Ended(kind, message))
     this.#reject = null
   }

@@ -69,6 +69,15 @@ export const figures = (value) => four.format(value)
 /** A number as it is typed: all its digits, none set apart. @param {number} value */
 export const typed = (value) => plain.format(value)
 
+/** A number on the axis of a chart, with so many decimals at most. @param {number} value @param {number} count */
+export function axis(value, count) {
+  const format = axes[count] ?? (axes[count] = new Intl.NumberFormat(LOCALE, { maximumFractionDigits: count }))
+  return format.format(value + 0).replace('-', '−')
+}
+
+/** @type {Intl.NumberFormat[]} */
+const axes = []
+
 /** What an input says, as a number; NaN where it is none. A comma is a decimal comma: inputs set no digits apart. @param {string} written */
 export function parsed(written) {
   const text = written.trim().replace(',', '.').replace('−', '-')

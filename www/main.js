@@ -5,37 +5,30 @@ import init, {
   edited,
   faults,
   form as formOfModule,
-  materials,
   mostCurves,
   motionOf,
+  setNumbers,
   settingsFromText,
   settingsText,
   termFaults,
   termsForm,
   toleranceLabel,
   usualTolerances,
-  valuesOfFile,
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
 import { confinedWorker } from './confined.js'
-import { compiledModule, compiledOnce } from './embed/module.js'
+import { firstModule, wholeModule } from './embed/module.js'
 import { Ended, Engine } from './engine.js'
+import { axis } from './format.js'
 import { linesOf } from './lines.js'
 import { History } from './history.js'
 import { freeName, keptMachine, loadMachines, saveMachines } from './machines.js'
-import * as breakdownPanel from './panels/breakdown.js'
 import * as chartPanel from './panels/chart.js'
-import * as comparePanel from './panels/compare.js'
-import * as cuttingPanel from './panels/cutting.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
 import * as historyPanel from './panels/history.js'
 import * as machinePanel from './panels/machine.js'
-import * as pathPanel from './panels/path.js'
 import * as programPanel from './panels/program.js'
-import * as calibrationPanel from './panels/calibration.js'
-import * as diagnosisPanel from './panels/diagnosis.js'
 import * as progressPanel from './panels/progress.js'
-import * as quotePanel from './panels/quote.js'
 import * as recordingPanel from './panels/recording.js'
 import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
@@ -43,6 +36,7 @@ import * as tolerancesPanel from './panels/tolerances.js'
 import { pairs, recordingOf, usable } from './recordings.js'
 import { loadSession, saveSession } from './session.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
+import { whole } from './whole.js'
 
 /** @import { Column, Form, MachineForm, Outcome, Place, Program, Recording, State, Value, Values } from "./types.js" */
 
@@ -59,11 +53,10 @@ function fail(message) {
 window.addEventListener('error', ({ message }) => fail(`Something went wrong: ${message}.`))
 window.addEventListener('unhandledrejection', ({ reason }) => fail(`Something went wrong: ${reason}.`))
 
-const module = await compiledModule()
-await init({ module_or_path: module })
-const wholeModule = compiledOnce(new URL('pkg/truefeed_whole_bg.wasm', import.meta.url))
-const newEngine = () => new Engine(module, confinedWorker, wholeModule)
-const engine = newEngine()
+const first = await firstModule()
+await init({ module_or_path: first.module })
+setNumbers(axis)
+const engine = new Engine(first, confinedWorker, wholeModule)
 
 /** @type {Form} */
 const form = JSON.parse(formOfModule())
@@ -195,11 +188,13 @@ export const actions = {
     actions.setMachine(state.machine.preset, values)
   },
   /** A program, its machine and a recording in which something is concealed. @param {{machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}} sample */
-  addSample({ machine, program, recording }) {
+  async addSample({ machine, program, recording }) {
+    const { valuesOfFile } = await whole()
     state.sample ??= now()
     actions.setMachine(state.machine.preset, JSON.parse(valuesOfFile(machine)))
     actions.addPrograms([program])
     actions.addRecordings([recording])
+    second().then(() => element('diagnosis').querySelector('button')?.focus())
   },
   /** Takes the machine back that was there before the sample. */
   undoSample() {
@@ -276,7 +271,8 @@ export const actions = {
     return adopt({ ...values, name: freeName(String(values.name), form.presets) })
   },
   /** Keeps the machine of a file; throws what is wrong with it. @param {string} text */
-  importMachine(text) {
+  async importMachine(text) {
+    const { valuesOfFile } = await whole()
     const values = /** @type {Values} */ (JSON.parse(valuesOfFile(text)))
     return adopt({ ...values, name: freeName(String(values.name), form.presets) })
   },
@@ -316,7 +312,7 @@ export const actions = {
   },
   /** @param {Pick<Place, 'distance_mm'>} place */
   show(place) {
-    path.keep(place.distance_mm)
+    second().then(({ path }) => path.keep(place.distance_mm))
     chart.show(place)
   },
   /** Shows a stretch of the path (mm) in the charts, where they are. @param {[number, number]} stretch */
@@ -535,11 +531,15 @@ async function simulate(program, motion) {
     program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held, /** @type {any} */ trail) {
       outcome = { motion, summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
       // What was computed for another machine stays in sight until all is there.
-      if (!isForOther) program.outcome = outcome
+      if (isForOther) return
+      program.outcome = outcome
+      // What is programmed can be drawn before anything is simulated.
+      update()
     },
     run(/** @type {Column} */ column, /** @type {any} */ run) {
       outcome?.runs.set(column, run)
       update()
+      whenIdle(second)
     },
   }
   try {
@@ -650,10 +650,10 @@ function take(calibration) {
 
 const progress = progressPanel.mount(element('progress'), actions)
 const chart = chartPanel.mount(element('chart'))
-const path = pathPanel.mount(element('path'), actions)
 const exchange = settingsPanel.mount(element('settings'), element('notice'), actions)
 const recordings = recordingPanel.mount(element('recording'), actions)
 const tolerances = tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions)
+/** @type {{update(state: State): void}[]} */
 const panels = [
   progress,
   historyPanel.mount(element('history'), history, actions),
@@ -662,17 +662,57 @@ const panels = [
   tolerances,
   resultsPanel.mount(element('results'), form, actions),
   chart,
-  comparePanel.mount(element('compare'), new Engine(module, confinedWorker), form, actions),
-  path,
   recordings,
-  calibrationPanel.mount(element('calibration'), actions),
-  diagnosisPanel.mount(element('diagnosis'), newEngine(), actions),
-  breakdownPanel.mount(element('breakdown'), actions),
-  quotePanel.mount(element('quote'), form, actions),
   exchange,
-  cuttingPanel.mount(element('cutting'), newEngine(), JSON.parse(materials()), actions),
   diagnosticsPanel.mount(element('diagnostics')),
 ]
+
+/** The panels that can wait for the first chart. @type {Promise<{path: ReturnType<typeof import("./panels/path.js").mount>}> | undefined} */
+let others
+
+/** Mounts what can wait, once, with the whole module; from then on that computes as well. */
+function second() {
+  others ??= mountOthers().catch((error) => {
+    others = undefined
+    throw error
+  })
+  return others
+}
+
+async function mountOthers() {
+  // What these draw and compute with is there before they are.
+  const [compiled] = await Promise.all([wholeModule(), whole()])
+  engine.prefer(compiled)
+  engine.warm()
+  const [breakdown, calibration, compare, cutting, diagnosis, path, quote] = await Promise.all([
+    import('./panels/breakdown.js'),
+    import('./panels/calibration.js'),
+    import('./panels/compare.js'),
+    import('./panels/cutting.js'),
+    import('./panels/diagnosis.js'),
+    import('./panels/path.js'),
+    import('./panels/quote.js'),
+  ])
+  const newEngine = () => new Engine(compiled, confinedWorker, wholeModule)
+  const own = { path: path.mount(element('path'), actions) }
+  panels.push(
+    compare.mount(element('compare'), newEngine(), form, actions),
+    own.path,
+    calibration.mount(element('calibration'), actions),
+    diagnosis.mount(element('diagnosis'), newEngine(), actions),
+    breakdown.mount(element('breakdown'), actions),
+    quote.mount(element('quote'), form, actions),
+    cutting.mount(element('cutting'), newEngine(), actions),
+  )
+  update()
+  document.documentElement.dataset.whole = 'true'
+  return own
+}
+
+/** Does something when the page has drawn and has nothing else to do. @param {() => void} what */
+function whenIdle(what) {
+  requestAnimationFrame(() => setTimeout(what))
+}
 
 function update() {
   saveSession(state)
@@ -685,3 +725,5 @@ if (state.programs.length + state.recordings.length > 0) changed()
 update()
 exchange.fromAddress()
 document.documentElement.dataset.ready = 'true'
+// Who has read the page so far has a program at hand.
+whenIdle(() => engine.warm())

@@ -11,12 +11,13 @@ const settled = new Promise((done) => {
 
 /** @param {ServiceWorkerContainer} workers */
 async function keep(workers) {
+  // What it fetches to keep does not stand in the way of what is looked at first.
+  await settled
   const registration = await workers.register('sw.js', { updateViaCache: 'none' })
   if (registration.waiting) {
     // The page begins again with what it had, which is kept. It waits for its own files first: Chromium forgets the
     // change where one is asked for at the same moment, and the new version waits for the load after.
     workers.addEventListener('controllerchange', () => location.reload(), { once: true })
-    await settled
     registration.waiting?.postMessage('update')
   }
   await workers.ready

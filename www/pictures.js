@@ -11,14 +11,14 @@ const RATIO = 2
  * @param {HTMLElement} toolbar
  * @param {string} name  of the file
  * @param {string} title  of the chart, for those who do not see it
- * @param {() => string | undefined} svg
+ * @param {() => string | undefined | Promise<string | undefined>} svg
  */
 export function offerPictures(toolbar, name, title, svg) {
   const button = (/** @type {string} */ kind, /** @type {(text: string) => void} */ save) => {
     const element = make('button', { type: 'button', className: 'picture', title: `Save the chart as ${kind}` }, kind)
     element.setAttribute('aria-label', `Save ${title} as ${kind}`)
-    element.addEventListener('click', () => {
-      const text = svg()
+    element.addEventListener('click', async () => {
+      const text = await svg()
       if (text) save(text)
     })
     return element

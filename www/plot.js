@@ -3,9 +3,13 @@
 
 import { find, make } from './dom.js'
 import { offerPictures } from './pictures.js'
+import { whole } from './whole.js'
 
 /** @import { Place } from "./types.js" */
 /** @import { Chart, Pointer } from "./pkg/truefeed.js" */
+/** @import { Chart as WholeChart } from "./pkg/truefeed_whole.js" */
+
+/** A chart of either module. @typedef {Chart | WholeChart} Filled */
 
 const WHEEL = 1.0015
 const ZOOM = 1.6
@@ -79,10 +83,11 @@ export function join(plot) {
  * @param {object} content
  * @param {() => boolean} content.isShown  whether there is something to draw
  * @param {(pointer: Pointer) => Node[]} content.words  what the read-out says
+ * @param {(chart: Filled) => void} content.fill  puts into a new chart what this one shows
  * @param {(pointer: Pointer) => void} [content.chosen]  a place was clicked on
  * @returns {Plot}
  */
-export function mountPlot(root, chart, { isShown, words, chosen }) {
+export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
   const plot = find(root, '.plot')
   const canvas = /** @type {HTMLCanvasElement} */ (find(root, 'canvas'))
   const cross = find(root, '.cross')
@@ -93,7 +98,16 @@ export function mountPlot(root, chart, { isShown, words, chosen }) {
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
 
   const title = plot.getAttribute('aria-label') ?? 'the chart'
-  offerPictures(find(root, '.tools'), root.id || 'chart', title, () => chart.svgInSight(canvas.clientWidth, canvas.clientHeight))
+  offerPictures(find(root, '.tools'), root.id || 'chart', title, async () => {
+    // The module of the first visit draws on no paper.
+    const { Chart } = await whole()
+    const twin = new Chart()
+    fill(twin)
+    twin.setView(chart.view())
+    const svg = twin.svgInSight(canvas.clientWidth, canvas.clientHeight)
+    twin.free()
+    return svg
+  })
 
   let frame = 0
   let readAt = NaN

@@ -1,12 +1,13 @@
 // Gives files to the user.
 
-import { machineFile } from './pkg/truefeed.js'
 import { make } from './dom.js'
+import { whole } from './whole.js'
 
 /** @import { Values } from "./types.js" */
 
 /** @param {Values} values */
-export function saveMachine(values) {
+export async function saveMachine(values) {
+  const { machineFile } = await whole()
   saveFile(machineFile(JSON.stringify(values)) ?? '', 'application/toml', 'machine.toml')
 }
 

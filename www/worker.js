@@ -1,17 +1,9 @@
 // Simulates, compares, calibrates and diagnoses in the background: one request in, messages out, columns transferred.
 
-import init, {
-  Job,
-  ProgramText,
-  Runs,
-  compareRecording,
-  computeCutting,
-  cycleTime,
-  quoteText,
-  toleranceLabel,
-} from './pkg/truefeed.js'
-
 /** @import { CalibrateRequest, CompareRequest, CutRequest, QuoteRequest, SimulateRequest, TimesOverRequest, TimesRequest } from "./engine.js" */
+
+/** The functions of the module that is here, which all requests to one worker have. @type {typeof import("./pkg/truefeed_whole.js")} */
+let glue
 
 const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, timesOver, cut, quote }
 const MATCHED = /** @type {const} */ ([
@@ -47,9 +39,15 @@ const LOADS = /** @type {const} */ ([
   'predictedRate',
 ])
 
-self.onmessage = async ({ data: { module, verb, request } }) => {
+/** @type {Promise<void> | undefined} */
+let ready
+
+/** What comes without a verb is only there to be ready. */
+self.onmessage = async ({ data: { module, isWhole, verb, request } }) => {
   try {
-    await init({ module_or_path: module })
+    ready ??= begin(module, isWhole)
+    await ready
+    if (verb === undefined) return
     await VERBS[/** @type {keyof typeof VERBS} */ (verb)](request)
     post({ type: 'done' }, [])
   } catch (error) {
@@ -58,11 +56,19 @@ self.onmessage = async ({ data: { module, verb, request } }) => {
   }
 }
 
+/** @param {WebAssembly.Module} module @param {boolean} isWhole */
+async function begin(module, isWhole) {
+  // What the first module leaves out is asked of the whole alone (engine.js).
+  const script = isWhole ? import('./pkg/truefeed_whole.js') : import('./pkg/truefeed.js')
+  glue = /** @type {typeof glue} */ (await script)
+  await glue.default({ module_or_path: module })
+}
+
 /** @param {SimulateRequest} request */
 async function simulate({ program, machine, dialect, columns, labels }) {
   const of = columns.length + 1
   stage('Reading the program', 0, of)
-  const job = new Job(await textOf(program), machine, dialect ?? undefined)
+  const job = new glue.Job(await textOf(program), machine, dialect ?? undefined)
   const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
   const held = job.tolerances()
   const trail = plain(job.trail(), ['points', 'distance'])
@@ -83,7 +89,7 @@ async function simulate({ program, machine, dialect, columns, labels }) {
 /** @param {CompareRequest} request */
 async function compare({ program, machine, dialect, recording }) {
   stage('Comparing the recording', 0, 1)
-  const { report, refusal, columns } = compareRecording(await bytesOf(program), machine, dialect ?? undefined, recording)
+  const { report, refusal, columns } = glue.compareRecording(await bytesOf(program), machine, dialect ?? undefined, recording)
   const curves = plain(columns, [...MATCHED])
   post({ type: 'compared', report, refusal, columns: curves }, Object.values(curves))
 }
@@ -92,7 +98,7 @@ async function compare({ program, machine, dialect, recording }) {
 async function cut({ program, machine, dialect, tolerance, job }) {
   const progress = (/** @type {number} */ part) => stage('Computing forces', part, 1)
   progress(0)
-  const { summary, columns } = computeCutting(await bytesOf(program), machine, dialect ?? undefined, tolerance ?? undefined, job, progress)
+  const { summary, columns } = glue.computeCutting(await bytesOf(program), machine, dialect ?? undefined, tolerance ?? undefined, job, progress)
   const loads = plain(columns, [...LOADS])
   post({ type: 'cut', summary, columns: loads }, Object.values(loads))
 }
@@ -101,8 +107,8 @@ async function cut({ program, machine, dialect, tolerance, job }) {
 async function quote({ program, request }) {
   const text = await textOf(program)
   try {
-    const quote = quoteText(text, request, (/** @type {number} */ part) => stage('Simulating', part, 1))
-    post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => toleranceLabel(run.tolerance_mm)) }, [])
+    const quote = glue.quoteText(text, request, (/** @type {number} */ part) => stage('Simulating', part, 1))
+    post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => glue.toleranceLabel(run.tolerance_mm)) }, [])
   } catch (refusal) {
     // A refused request leaves the worker as it is; anything else is a fault of it.
     if (typeof refusal !== 'string') throw refusal
@@ -141,19 +147,19 @@ const stageAt = (part) => (part < 1 ? 'Diagnosing: trying what could have been l
 /** @param {TimesRequest} request */
 async function cycleTimes({ program, dialect, machines }) {
   const bytes = await bytesOf(program)
-  post({ type: 'times', times: machines.map((machine) => cycleTime(bytes, machine, dialect ?? undefined)) }, [])
+  post({ type: 'times', times: machines.map((machine) => glue.cycleTime(bytes, machine, dialect ?? undefined)) }, [])
 }
 
 /** @param {TimesOverRequest} request */
 async function timesOver({ program, machine, dialect, columns }) {
-  const job = new Job(await textOf(program), machine, dialect ?? undefined)
+  const job = new glue.Job(await textOf(program), machine, dialect ?? undefined)
   for (const column of columns) post({ type: 'time', column, time: job.cycleTime(column ?? undefined) }, [])
   job.free()
 }
 
 /** All runs of a machine, read. @param {string} machine @param {CalibrateRequest["runs"]} runs @param {number} of */
 async function collected(machine, runs, of) {
-  const all = new Runs(machine)
+  const all = new glue.Runs(machine)
   for (const [index, { name, program, dialect, recording }] of runs.entries()) {
     stage(`Reading ${name}`, index, of)
     all.add(name, await bytesOf(program), dialect ?? undefined, recording)
@@ -164,7 +170,7 @@ async function collected(machine, runs, of) {
 /** The text of a program in the memory of the module, where a file goes piece by piece. @param {Blob | Uint8Array} program */
 async function textOf(program) {
   const file = program instanceof Blob ? program : new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (program)])
-  const text = new ProgramText(file.size)
+  const text = new glue.ProgramText(file.size)
   const reader = file.stream().getReader()
   for (let piece = await reader.read(); piece.value; piece = await reader.read()) text.push(piece.value)
   return text

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::plot::feed_panel::{self, programmed_width};
-use crate::plot::panel::{Borders, FONT, FONT_SIZE, Look, grouped};
+use crate::plot::panel::{Borders, FONT, FONT_SIZE, Look, axis_number};
 use crate::plot::{FeedChart, Frame, Theme, View, error_panel, lost_panel};
 use crate::units::mm_per_min;
 
@@ -29,7 +29,7 @@ pub fn draw<B: DrawingBackend>(
 ) -> Result<Frame, Failure<B>> {
     let (low, high) = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
     let least = if chart.lost.is_some() { 6 } else { 5 };
-    let label_characters = grouped(high, high - low).chars().count().max(least);
+    let label_characters = axis_number(theme, high, high - low).chars().count().max(least);
     let look = Look { theme: *theme, scale, label_characters };
     let root = backend.into_drawing_area();
     root.fill(&theme.background)?;

@@ -11,7 +11,7 @@ use crate::plot::Theme;
 use crate::plot::View;
 use crate::plot::decimate::{clipped, decimated};
 use crate::plot::draw::Failure;
-use crate::plot::panel::{Axes, Look, borders, grouped};
+use crate::plot::panel::{Axes, Look, axis_number, borders};
 use crate::units::{mm_per_min, watts_of_n_mm_per_s};
 
 /// Room above the largest value, as a part of it.
@@ -117,7 +117,7 @@ pub fn draw_loads<B: DrawingBackend>(
         (&chart.removal_rate, "Removal (cm³/min)", Some("Distance along the path (mm)")),
     ];
     let tops = panels.map(|(curves, ..)| top(&chart.distance, curves, distance));
-    let characters = tops.map(|top| grouped(top, top).chars().count());
+    let characters = tops.map(|top| axis_number(theme, top, top).chars().count());
     let look = Look { theme: *theme, scale, label_characters: characters.into_iter().fold(5, usize::max) };
     for ((area, (curves, title, distance_title)), top) in
         root.split_evenly((panels.len(), 1)).iter().zip(panels).zip(tops)

@@ -78,7 +78,8 @@ impl Look {
         let (width, height) = context.plotting_area().dim_in_pixel();
         let labels =
             |pixels: u32, spacing: f64| ((f64::from(pixels) / (spacing * self.scale)) as usize).clamp(2, 12);
-        let number = |(low, high): (f64, f64)| move |value: &f64| grouped(*value, high - low);
+        let theme = &self.theme;
+        let number = |(low, high): (f64, f64)| move |value: &f64| axis_number(theme, *value, high - low);
         let (distance, value) = (number(axes.distance), number(axes.value));
         let mut mesh = context.configure_mesh();
         mesh.x_labels(labels(width, 105.0))
@@ -106,21 +107,10 @@ pub(crate) fn borders<B: DrawingBackend>(context: &Context<B>) -> Borders {
     Borders { x: ends(x), y: ends(y) }
 }
 
-/// A number with as many decimals as an axis over `span` needs, thousands set apart.
-pub(crate) fn grouped(value: f64, span: f64) -> String {
+/// A number with as many decimals as an axis over `span` needs.
+pub(crate) fn axis_number(theme: &Theme, value: f64, span: f64) -> String {
     let decimals = (1.5 - span.log10()).ceil().clamp(0.0, 9.0) as usize;
-    let text = format!("{:.decimals$}", value + 0.0);
-    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
-    let (sign, digits) = whole.strip_prefix('-').map_or(("", whole), |digits| ("−", digits));
-    let mut out = sign.to_string();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && digits.len() > 4 && (digits.len() - place) % 3 == 0 {
-            out.push('\u{202f}');
-        }
-        out.push(digit);
-    }
-    let fraction = fraction.trim_end_matches('0');
-    if fraction.is_empty() { out } else { format!("{out}.{fraction}") }
+    (theme.numbers)(value, decimals)
 }
 
 #[cfg(test)]
@@ -129,10 +119,10 @@ mod tests {
 
     #[test]
     fn numbers_on_axes_are_short_and_grouped() {
-        assert_eq!(grouped(12000.0, 12000.0), "12\u{202f}000");
-        assert_eq!(grouped(1500.0, 2000.0), "1500");
-        assert_eq!(grouped(0.5, 2.0), "0.5");
-        assert_eq!(grouped(0.0, 2.0), "0");
-        assert_eq!(grouped(123.456, 0.01), "123.456");
+        assert_eq!(axis_number(&Theme::LIGHT, 12000.0, 12000.0), "12\u{202f}000");
+        assert_eq!(axis_number(&Theme::LIGHT, 1500.0, 2000.0), "1500");
+        assert_eq!(axis_number(&Theme::LIGHT, 0.5, 2.0), "0.5");
+        assert_eq!(axis_number(&Theme::LIGHT, 0.0, 2.0), "0");
+        assert_eq!(axis_number(&Theme::LIGHT, 123.456, 0.01), "123.456");
     }
 }

@@ -1,4 +1,4 @@
-//! A chart as a picture that stands in a document: SVG text, dark on white, everything in sight.
+//! A chart as a picture that stands in a document: SVG text.
 
 use plotters::prelude::SVGBackend;
 use plotters_backend::{
@@ -8,24 +8,24 @@ use plotters_backend::{
 use crate::plot::{FeedChart, LoadChart, Theme, ToleranceChart, View, draw, draw_loads, draw_tolerances};
 
 /// The whole chart as SVG of this width and height (pixels of the page); none where it cannot be drawn.
-pub fn svg(chart: &FeedChart, size: (u32, u32)) -> Option<String> {
-    svg_of_view(chart, chart.full_view(false), size)
+pub fn svg(chart: &FeedChart, theme: &Theme, size: (u32, u32)) -> Option<String> {
+    svg_of_view(chart, chart.full_view(false), theme, size)
 }
 
 /// What is in sight of a chart, as [`svg`].
-pub fn svg_of_view(chart: &FeedChart, view: View, size: (u32, u32)) -> Option<String> {
-    picture(size, |backend| draw(chart, view, &Theme::LIGHT, 1.0, backend).is_ok())
+pub fn svg_of_view(chart: &FeedChart, view: View, theme: &Theme, size: (u32, u32)) -> Option<String> {
+    picture(size, |backend| draw(chart, view, theme, 1.0, backend).is_ok())
 }
 
 /// A chart of cutting loads over all of the path, as [`svg`].
-pub fn svg_of_loads(chart: &LoadChart, size: (u32, u32)) -> Option<String> {
+pub fn svg_of_loads(chart: &LoadChart, theme: &Theme, size: (u32, u32)) -> Option<String> {
     let span = chart.span();
-    picture(size, |backend| draw_loads(chart, span, &Theme::LIGHT, 1.0, backend).is_ok())
+    picture(size, |backend| draw_loads(chart, span, theme, 1.0, backend).is_ok())
 }
 
 /// A chart of cycle time over tolerance, as [`svg`].
-pub fn svg_of_tolerances(chart: &ToleranceChart, size: (u32, u32)) -> Option<String> {
-    picture(size, |backend| draw_tolerances(chart, &Theme::LIGHT, 1.0, backend).is_ok())
+pub fn svg_of_tolerances(chart: &ToleranceChart, theme: &Theme, size: (u32, u32)) -> Option<String> {
+    picture(size, |backend| draw_tolerances(chart, theme, 1.0, backend).is_ok())
 }
 
 fn picture(size: (u32, u32), draw: impl FnOnce(Letters) -> bool) -> Option<String> {

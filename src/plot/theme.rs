@@ -1,9 +1,9 @@
-//! The colours of a picture, on light and on dark ground.
+//! The colours of a picture, on light and on dark ground, and how it writes numbers.
 
 use plotters::style::RGBColor;
 
-/// Colours of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Colours of a picture and its numbers.
+#[derive(Clone, Copy, Debug)]
 pub struct Theme {
     /// Behind everything.
     pub background: RGBColor,
@@ -19,6 +19,8 @@ pub struct Theme {
     pub programmed: RGBColor,
     /// Curves in their order.
     pub curves: [RGBColor; PALETTE],
+    /// Writes a number with so many decimals at most.
+    pub numbers: fn(f64, usize) -> String,
 }
 
 /// How many curves have a colour of their own.
@@ -42,6 +44,7 @@ impl Theme {
             RGBColor(230, 159, 0),
             RGBColor(86, 180, 233),
         ],
+        numbers: grouped,
     };
 
     /// Light on dark, the same colours in an order that begins with the light ones.
@@ -60,5 +63,22 @@ impl Theme {
             RGBColor(240, 228, 66),
             RGBColor(213, 94, 0),
         ],
+        numbers: grouped,
     };
+}
+
+/// A number with so many decimals at most, thousands set apart by a thin space.
+fn grouped(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value + 0.0);
+    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+    let (sign, digits) = whole.strip_prefix('-').map_or(("", whole), |digits| ("−", digits));
+    let mut out = sign.to_string();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && digits.len() > 4 && (digits.len() - place) % 3 == 0 {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    let fraction = fraction.trim_end_matches('0');
+    if fraction.is_empty() { out } else { format!("{out}.{fraction}") }
 }

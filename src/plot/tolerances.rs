@@ -9,7 +9,7 @@ use plotters::prelude::*;
 
 use crate::machine::{checked_tolerance, tolerance_label};
 use crate::plot::draw::Failure;
-use crate::plot::panel::{Axes, Context, FONT, FONT_SIZE, Look, borders, grouped};
+use crate::plot::panel::{Axes, Context, FONT, FONT_SIZE, Look, axis_number, borders};
 use crate::plot::{Theme, rows_around};
 
 /// The tolerances the lines are computed for, from the least to the largest, mm.
@@ -127,7 +127,7 @@ pub fn draw_tolerances<B: DrawingBackend>(
     backend: B,
 ) -> Result<ToleranceFrame, Failure<B>> {
     let (decades, time) = (decades(chart), times(chart));
-    let characters = grouped(time.1, time.1 - time.0).chars().count() + 1;
+    let characters = axis_number(theme, time.1, time.1 - time.0).chars().count() + 1;
     let look = Look { theme: *theme, scale, label_characters: characters.max(5) };
     let root = backend.into_drawing_area();
     root.fill(&theme.background)?;
@@ -177,7 +177,7 @@ fn mesh<B: DrawingBackend>(look: &Look, context: &mut Context<B>, axes: &Axes) -
         }
     }
     let font = (FONT, look.points(FONT_SIZE)).into_font().color(&text);
-    let number = |value: &f64| grouped(*value, axes.value.1 - axes.value.0);
+    let number = |value: &f64| axis_number(&look.theme, *value, axes.value.1 - axes.value.0);
     let rows = f64::from(context.plotting_area().dim_in_pixel().1) / (28.0 * look.scale);
     context
         .configure_mesh()

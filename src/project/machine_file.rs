@@ -87,17 +87,18 @@ fn by_table() -> Vec<&'static Parameter> {
     rows
 }
 
-/// All that the simulation reads of a machine, as text: machines with the same text move alike,
-/// whatever they are called and cost.
+/// All that the simulation reads of a machine, as text to be compared: machines with the same text move
+/// alike, whatever they are called and cost.
 pub fn motion_of_machine(machine: &Machine) -> String {
     let neutral = Machine::default();
-    toml_from_machine(&Machine {
+    let machine = Machine {
         name: neutral.name,
         provenance: neutral.provenance,
         cycle_time_error: neutral.cycle_time_error,
         rates: neutral.rates,
         ..machine.clone()
-    })
+    };
+    PARAMETERS.iter().map(|row| format!("{:?} ", written(&machine, row))).collect()
 }
 
 fn toml_value(value: &Written) -> String {

@@ -9,11 +9,12 @@ use web_sys::HtmlCanvasElement;
 use crate::machine::tolerance_label;
 use crate::plot::{
     Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Reading, Stretch, Theme, View,
-    draw, svg, svg_of_view,
+    draw,
 };
 use crate::simulation::contour::ContourErrors;
 use crate::units::mm_per_min;
 use crate::web::canvas::Canvas;
+use crate::web::theme::theme;
 
 /// The contour error read out is the largest this near to the pointer, pixels.
 const REACH: f64 = 4.0;
@@ -21,12 +22,12 @@ const REACH: f64 = 4.0;
 /// A chart of feedrate and contour error over distance.
 #[wasm_bindgen]
 pub struct Chart {
-    chart: FeedChart,
+    pub(super) chart: FeedChart,
     /// The same over time, where that is shown.
     timed: Option<FeedChart>,
     with_rapids: bool,
     dark: bool,
-    view: View,
+    pub(super) view: View,
     frame: Frame,
     scale: f64,
 }
@@ -205,15 +206,18 @@ impl Chart {
         Ok(())
     }
 
-    /// The whole as SVG for a document, dark on white; none where it cannot be drawn.
-    pub fn svg(&self, width: u32, height: u32) -> Option<String> {
-        svg(&self.chart, (width, height))
+    /// What is in sight: first and last on the abscissa, then on the ordinate.
+    pub fn view(&self) -> Vec<f64> {
+        let View { distance, feedrate } = self.view;
+        vec![distance.0, distance.1, feedrate.0, feedrate.1]
     }
 
-    /// What is in sight as SVG for a document, dark on white; none where it cannot be drawn.
-    #[wasm_bindgen(js_name = svgInSight)]
-    pub fn svg_in_sight(&self, width: u32, height: u32) -> Option<String> {
-        svg_of_view(self.shown(), self.view, (width, height))
+    /// Shows what another chart of the same shows.
+    #[wasm_bindgen(js_name = setView)]
+    pub fn set_view(&mut self, view: &[f64]) {
+        if let &[left, right, bottom, top] = view {
+            self.view = View { distance: (left, right), feedrate: (bottom, top) };
+        }
     }
 
     /// Shows everything.
@@ -328,7 +332,7 @@ impl Chart {
     }
 
     /// What is drawn.
-    fn shown(&self) -> &FeedChart {
+    pub(super) fn shown(&self) -> &FeedChart {
         self.timed.as_ref().unwrap_or(&self.chart)
     }
 
@@ -346,6 +350,6 @@ impl Chart {
     }
 
     fn theme(&self) -> Theme {
-        if self.dark { Theme::DARK } else { Theme::LIGHT }
+        theme(self.dark)
     }
 }

@@ -5,7 +5,7 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::cutting::{engagement_told, programmed_and_predicted};
-use crate::plot::{LoadChart, LoadCurves, Theme, draw_loads, svg_of_loads};
+use crate::plot::{LoadChart, LoadCurves, draw_loads, svg_of_loads};
 use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
@@ -15,6 +15,7 @@ use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::trace;
 use crate::web::canvas::Canvas;
 use crate::web::job::object;
+use crate::web::theme::theme;
 
 /// A cutting job to begin with, as text.
 #[wasm_bindgen(js_name = exampleCutting)]
@@ -165,15 +166,15 @@ impl LoadPicture {
         to: f64,
     ) -> Result<Vec<f64>, String> {
         let backend = Canvas::sized(canvas, width, height, ratio)?;
-        let theme = if dark { Theme::DARK } else { Theme::LIGHT };
-        let (left, right) = draw_loads(&self.chart, (from, to.max(from + 1e-3)), &theme, ratio, backend)
-            .map_err(|error| error.to_string())?;
+        let (left, right) =
+            draw_loads(&self.chart, (from, to.max(from + 1e-3)), &theme(dark), ratio, backend)
+                .map_err(|error| error.to_string())?;
         Ok(vec![left / ratio, right / ratio])
     }
 
     /// The same as SVG for a document, dark on white; none where it cannot be drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
-        svg_of_loads(&self.chart, (width, height))
+        svg_of_loads(&self.chart, &theme(false), (width, height))
     }
 
     /// The loads at a distance (mm), as rows of programmed and predicted: force, power, removal rate.

@@ -7,9 +7,7 @@ use wasm_bindgen::prelude::*;
 use crate::identification::diagnosis::diagnose;
 use crate::identification::fit::{Recorded, Run};
 use crate::plot::FeedChart;
-use crate::project::{
-    DiagnosisReport, diagnosis_chart, machine_from_form, machine_from_toml, machine_values,
-};
+use crate::project::{DiagnosisReport, diagnosis_chart, machine_from_form};
 use crate::quote::quote;
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
@@ -104,12 +102,6 @@ impl Runs {
             runs: charts.into_iter().map(DiagnosedColumns::from).collect(),
         }))
     }
-}
-
-/// The values of a machine file in the form, as JSON; throws what is wrong with the file.
-#[wasm_bindgen(js_name = valuesOfFile)]
-pub fn values_of_file(text: &str) -> Result<String, String> {
-    machine_from_toml(text).map(|machine| machine_values(&machine)).map_err(|fault| fault.to_string())
 }
 
 /// The cycle time (s) of a program on the machine of a filled form, at the program's own tolerances or else

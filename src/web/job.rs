@@ -15,7 +15,6 @@ use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::{Dialect, Options};
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::toolpath::{Toolpath, trace};
-use crate::web::path::TrailColumns;
 use crate::web::text::ProgramText;
 
 /// A program traced on a machine, ready to be simulated.
@@ -145,4 +144,19 @@ pub struct Steps {
     pub rapid: Vec<u8>,
     /// Line of the program.
     pub line: Vec<u32>,
+}
+
+/// The trail of a program as columns.
+#[wasm_bindgen(getter_with_clone)]
+pub struct TrailColumns {
+    /// X, Y and Z of each point in turn, mm.
+    pub points: Vec<f32>,
+    /// Distance of each point along the path, mm.
+    pub distance: Vec<f64>,
+}
+
+impl From<Trail> for TrailColumns {
+    fn from(trail: Trail) -> TrailColumns {
+        TrailColumns { points: trail.points.into_flattened(), distance: trail.distance }
+    }
 }

@@ -7,7 +7,7 @@ use wasm_bindgen::{Clamped, JsCast};
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
 
 use crate::plot::Programmed;
-use crate::plot::path::{self, Camera, Coloring, Drawing, Pace, Raster, Scene, Trail};
+use crate::plot::path::{self, Camera, Coloring, Drawing, Pace, Raster, Scene, Sheet, Trail};
 use crate::units::mm_per_min;
 
 /// Width of lines and length of dashes, pixels of the page.
@@ -17,21 +17,6 @@ const DASH: f64 = 5.0;
 const REACH: f64 = 8.0;
 /// The view from which the path begins to be turned, rad.
 const OBLIQUE: (f64, f64) = (-0.6, 0.55);
-
-/// The trail of a program as columns.
-#[wasm_bindgen(getter_with_clone)]
-pub struct TrailColumns {
-    /// X, Y and Z of each point in turn, mm.
-    pub points: Vec<f32>,
-    /// Distance of each point along the path, mm.
-    pub distance: Vec<f64>,
-}
-
-impl From<Trail> for TrailColumns {
-    fn from(trail: Trail) -> TrailColumns {
-        TrailColumns { points: trail.points.into_flattened(), distance: trail.distance }
-    }
-}
 
 /// What the colours of the path mean.
 #[wasm_bindgen(getter_with_clone)]
@@ -162,6 +147,22 @@ impl PathView {
         let context: CanvasRenderingContext2d = context.unchecked_into();
         let image = ImageData::new_with_u8_clamped_array_and_sh(Clamped(&self.colors), width, height)?;
         context.put_image_data(&image, 0.0, 0.0)
+    }
+
+    /// What is in sight as SVG for a document, dark on white, with what the first and the last colour and the length of
+    /// `scale` are called.
+    pub fn svg(&self, first: String, last: String, scale: String) -> String {
+        let shades = path::palette(self.coloring.unwrap_or(Coloring::Loss), false);
+        path::svg_of_path(
+            &self.scene,
+            &Sheet {
+                camera: self.camera,
+                marked: self.marked,
+                inks: &path::ink(&shades, false),
+                ends: [first, last],
+                length: (self.camera.round_length(), scale),
+            },
+        )
     }
 
     /// Keeps the middle where it is in a picture of another size.

@@ -6,7 +6,7 @@ use wasm_bindgen::prelude::*;
 use crate::project::{Prediction, QuoteRequest, RequestError};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
-use crate::simulation::gcode::{Options, Program, read_with};
+use crate::simulation::gcode::Options;
 use crate::simulation::toolpath::trace;
 use crate::web::job::object;
 use crate::web::text::ProgramText;
@@ -14,25 +14,17 @@ use crate::web::text::ProgramText;
 /// Quotes a program as a request in JSON asks for ([`QuoteRequest`]): what `predict --json` prints, as
 /// an object. `progress` is called with the part done. Throws a refusal as JSON: kind, message and faults.
 #[wasm_bindgen(js_name = quoteProgram)]
-pub fn quote_program(program: &[u8], request: &str, progress: &Function) -> Result<JsValue, JsValue> {
-    quoted(|options| read_with(program, options), request, progress)
+pub fn quote_program(program: Vec<u8>, request: &str, progress: &Function) -> Result<JsValue, JsValue> {
+    quote_text(program.into(), request, progress)
 }
 
 /// The same for a text that came piece by piece.
 #[wasm_bindgen(js_name = quoteText)]
 pub fn quote_text(program: ProgramText, request: &str, progress: &Function) -> Result<JsValue, JsValue> {
-    quoted(|options| program.read(options), request, progress)
-}
-
-fn quoted(
-    read: impl FnOnce(&Options) -> Program,
-    request: &str,
-    progress: &Function,
-) -> Result<JsValue, JsValue> {
     let refused = |error: RequestError| JsValue::from(error.to_json());
     let QuoteRequest { name, machine, tolerances, dialect } =
         QuoteRequest::from_json(request).map_err(refused)?;
-    let toolpath = trace(&read(&Options { dialect, ..Options::default() }), &machine);
+    let toolpath = trace(&program.read(&Options { dialect, ..Options::default() }), &machine);
     let of = tolerances.len() as f64;
     let quotes = tolerances.iter().enumerate().map(|(index, &tolerance)| {
         // What a listener throws is its own affair.

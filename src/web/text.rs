@@ -26,6 +26,12 @@ impl ProgramText {
     }
 }
 
+impl From<Vec<u8>> for ProgramText {
+    fn from(bytes: Vec<u8>) -> ProgramText {
+        ProgramText { bytes }
+    }
+}
+
 impl ProgramText {
     /// Reads the program; its text is given back before the path takes room.
     pub(super) fn read(self, options: &Options) -> Program {

@@ -4,9 +4,10 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::plot::{
-    self, Mark, Theme, TimeCurve, ToleranceChart, ToleranceFrame, draw_tolerances, svg_of_tolerances,
+    self, Mark, TimeCurve, ToleranceChart, ToleranceFrame, draw_tolerances, svg_of_tolerances,
 };
 use crate::web::canvas::Canvas;
+use crate::web::theme::theme;
 
 /// The tolerances a curve is computed for, mm.
 #[wasm_bindgen(js_name = curveTolerances)]
@@ -51,16 +52,15 @@ impl TolerancePicture {
         dark: bool,
     ) -> Result<(), String> {
         let backend = Canvas::sized(canvas, width, height, ratio)?;
-        let theme = if dark { Theme::DARK } else { Theme::LIGHT };
         let frame =
-            draw_tolerances(&self.chart, &theme, ratio, backend).map_err(|error| error.to_string())?;
+            draw_tolerances(&self.chart, &theme(dark), ratio, backend).map_err(|error| error.to_string())?;
         (self.frame, self.scale) = (Some(frame), ratio);
         Ok(())
     }
 
     /// As SVG for a document, dark on white; none where it cannot be drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
-        svg_of_tolerances(&self.chart, (width, height))
+        svg_of_tolerances(&self.chart, &theme(false), (width, height))
     }
 
     /// The tolerance (mm) at a pixel column; none outside the plotting area.

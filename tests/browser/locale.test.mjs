@@ -1,6 +1,7 @@
 // Numbers are written as the user's language does and read as they are written; texts stay English.
 
 import assert from 'node:assert/strict'
+import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
 import { test } from 'node:test'
 import { openPage } from './harness.mjs'
@@ -26,6 +27,11 @@ for (const [locale, time, constant] of [
       await computed(page)
       const cells = await page.$$eval('#results tbody tr:first-child td:nth-of-type(2)', (all) => all.map((cell) => cell.textContent))
       assert.match(cells[0], time)
+      // So are the numbers of the charts.
+      const [download] = await Promise.all([page.waitForEvent('download'), page.click('#chart .picture >> nth=0')])
+      const numbers = readFileSync(await download.path(), 'utf8').match(/(?<=>\s*)[\d.,\s\u00a0\u202f]+(?=\s*<\/text>)/g).map((number) => number.trim())
+      const written = (value) => new Intl.NumberFormat(new Intl.Locale(locale, { numberingSystem: 'latn' })).format(value)
+      assert.ok(numbers.includes(written(2000)) || numbers.includes(written(1000)), numbers.join(' | '))
       const before = await page.textContent('#results tbody')
 
       // What is shown is what is read: typed again, nothing changes; half of it, the time does.

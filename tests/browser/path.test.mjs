@@ -190,8 +190,10 @@ pageTest('the view turns, moves and zooms by pointer and keys, and comes back', 
 })
 
 pageTest('with a recording the path shows where time was lost', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
   assert.equal(await page.locator('#path .by option').count(), 2)
-  await page.click('#welcome .concealed')
+  await page.click('#recording .concealed')
   await page.waitForSelector('#recording .sentence:not(.refused)', { timeout: 120_000 })
   await computed(page)
   await page.locator('#path .space').evaluate((space) => space.scrollIntoView({ block: 'center' }))

@@ -123,8 +123,7 @@ pageTest('on paper is the quote alone, with its chart', async ({ page }) => {
 pageTest('every chart leaves as SVG and PNG', async ({ page }) => {
   await page.click('#welcome .sample')
   await computed(page)
-  // The path is no chart: it is drawn pixel by pixel.
-  const toolbars = await page.$$eval('[role=toolbar]:not(#path *)', (all) => all.map((tools) => tools.querySelectorAll('.picture').length))
+  const toolbars = await page.$$eval('[role=toolbar]', (all) => all.map((tools) => tools.querySelectorAll('.picture').length))
   assert.deepEqual(toolbars, toolbars.map(() => 2))
   const svg = await downloaded(page, '#chart .picture >> nth=0')
   assert.equal(svg.name, 'chart.svg')
@@ -135,6 +134,16 @@ pageTest('every chart leaves as SVG and PNG', async ({ page }) => {
   // What is in sight: a stretch is another picture.
   await page.click('#chart [data-do="in"]')
   assert.notDeepEqual((await downloaded(page, '#chart .picture >> nth=0')).bytes, svg.bytes)
+
+  await page.locator('#path').scrollIntoViewIfNeeded()
+  await page.waitForSelector('#path .places tbody tr')
+  const path = await downloaded(page, '#path .picture >> nth=0')
+  assert.equal(path.name, 'path.svg')
+  // The colours of the legend are there, its ends and the length beside it as well.
+  const text = path.bytes.toString()
+  assert.ok(4 < new Set(text.match(/<path stroke="#[0-9a-f]{6}"/g)).size, 'the path has colours')
+  assert.match(text, /mm\/min<.* mm<\/text>/s)
+  assert.ok(5000 < (await downloaded(page, '#path .picture >> nth=1')).bytes.length)
 })
 
 for (const [width, scheme] of [[360, 'light'], [360, 'dark'], [1280, 'light'], [1280, 'dark']]) {

@@ -38,16 +38,17 @@ export function pageTest(name, body, { viewport, skip = false } = {}) {
   })
 }
 
-/** Waits until every row of the table is of the machine and program in sight. */
-export async function computed(page) {
+/** Waits until every row of the table is of the machine and program in sight, and the panels that come later are there. */
+export async function computed(page, { later = true } = {}) {
   await page.waitForFunction(
-    () => {
+    (later) => {
+      if (later && !document.documentElement.dataset.whole) return false
       const rows = [...document.querySelectorAll('#results tbody tr')]
       const stale = document.querySelector('.stale') || !document.querySelector('#progress')?.hidden
       const chips = document.querySelectorAll('.chip').length
       return !stale && rows.length === chips && rows.every((row) => row.querySelector('data'))
     },
-    null,
+    later,
     { timeout: 120_000 },
   )
 }

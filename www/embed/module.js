@@ -1,9 +1,19 @@
-// The WebAssembly module of a first visit, fetched and compiled once for all that is on a page.
+// The two WebAssembly modules, each fetched and compiled once for all that is on a page, when it is first asked for: the small
+// one of a first visit, and the whole, which is quicker.
 
-export const compiledModule = compiledOnce(new URL('../pkg/truefeed_bg.wasm', import.meta.url))
+/** A module, and which. @typedef {{module: WebAssembly.Module, isWhole: boolean}} Compiled */
 
-/** What gets the module of an address, when it is first asked for. @param {URL} address @returns {() => Promise<WebAssembly.Module>} */
-export function compiledOnce(address) {
+const first = compiledOnce(new URL('../pkg/truefeed_bg.wasm', import.meta.url))
+const whole = compiledOnce(new URL('../pkg/truefeed_whole_bg.wasm', import.meta.url))
+
+/** @returns {Promise<Compiled>} */
+export const firstModule = async () => ({ module: await first(), isWhole: false })
+
+/** @returns {Promise<Compiled>} */
+export const wholeModule = async () => ({ module: await whole(), isWhole: true })
+
+/** @param {URL} address @returns {() => Promise<WebAssembly.Module>} */
+function compiledOnce(address) {
   /** @type {Promise<WebAssembly.Module> | undefined} */
   let compiled
   return () => {

@@ -3,7 +3,7 @@
 import { make } from '../dom.js'
 import { Engine } from '../engine.js'
 import * as show from '../format.js'
-import { compiledModule } from './module.js'
+import { wholeModule } from './module.js'
 import { QuoteError, bytesOf, refusalOf, refused, requestOf } from './request.js'
 import { sheetOfQuote } from './sheet.js'
 
@@ -162,7 +162,7 @@ export class QuoteElement extends HTMLElement {
       const request = requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect })
       const program = this.#program ?? (await this.#fetched())
       if (program.length > MOST_BYTES) throw tooLarge()
-      const module = await compiledModule()
+      const module = await wholeModule()
       heed()
       this.#engine ??= new Engine(module, QuoteElement.startWorker)
       const { quote, refusal, labels } = await this.#engine.quote({ program, request }, (_, part) => {

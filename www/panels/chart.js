@@ -6,7 +6,8 @@ import { find, make } from '../dom.js'
 import { feedrate, millimetres, clock, seconds } from '../format.js'
 import { mountPlot } from '../plot.js'
 
-/** @import { Held, Outcome, Place, Program, State } from "../types.js" */
+/** @import { Filled } from "../plot.js" */
+/** @import { Column, Held, Outcome, Place, Program, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 /** @param {HTMLElement} root */
@@ -22,11 +23,17 @@ export function mount(root) {
   let filled = []
   /** @type {Outcome | null | undefined} */
   let outcome
+  /** @type {Column[]} */
+  let columns = []
   /** The path that the view fits: its program and its length. @type {string | undefined} */
   let fitted
   const plot = mountPlot(root, chart, {
     isShown: () => Boolean(outcome),
     words: (pointer) => words(pointer, program, over.value === 'time'),
+    fill(twin) {
+      if (outcome) fill(twin, outcome)
+      twin.setStacked(stack.checked)
+    },
   })
   dark.addEventListener('change', colors)
   const over = /** @type {HTMLSelectElement} */ (find(root, '.over'))
@@ -42,15 +49,19 @@ export function mount(root) {
     plot.redraw()
   })
 
-  /** Adds the curve of the program's own tolerances. @param {Held[]} held */
-  function addProgrammed(held) {
+  /** Puts program and curves into a chart. @param {Filled} chart @param {Outcome} outcome */
+  function fill(chart, { steps: { end, feedrate, rapid, line }, held, runs }) {
+    chart.program(end, feedrate, rapid, line)
     const part = (/** @type {(part: Held) => number} */ of) => Float64Array.from(held, of)
-    chart.addProgrammed(
-      columnLabel(null),
-      part(({ distance_mm: [from] }) => from),
-      part(({ distance_mm: [, to] }) => to),
-      part(({ tolerance_mm: tolerance }) => tolerance),
-    )
+    for (const column of columns) {
+      if (column === null) {
+        const [from, to] = [part(({ distance_mm: [from] }) => from), part(({ distance_mm: [, to] }) => to)]
+        chart.addProgrammed(columnLabel(null), from, to, part(({ tolerance_mm: tolerance }) => tolerance))
+      } else chart.add(column)
+      const curve = runs.get(column)?.columns
+      if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arc)
+    }
+    if (over.value === 'time') chart.setOverTime(true)
   }
 
   /** Gives the colours of the chart to chips, table and read-out. */
@@ -74,28 +85,20 @@ export function mount(root) {
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
       outcome = program?.outcome
-      const columns = columnsOf(state, outcome)
+      columns = columnsOf(state, outcome)
       const runs = columns.filter((column) => outcome?.runs.has(column))
       empty.hidden = Boolean(outcome)
       empty.textContent = state.progress ? 'Computing …' : 'Not computed yet.'
       canvas.hidden = !outcome
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
-      const fill = [program, outcome, ...columns, ...runs]
-      if (fill.length === filled.length && fill.every((value, index) => value === filled[index])) return
-      filled = fill
+      const now = [program, outcome, ...columns, ...runs]
+      if (now.length === filled.length && now.every((value, index) => value === filled[index])) return
+      filled = now
       plot.hide()
       if (!outcome) return
-      const { end, feedrate, rapid, line } = outcome.steps
-      chart.program(end, feedrate, rapid, line)
-      for (const column of columns) {
-        if (column === null) addProgrammed(outcome.held)
-        else chart.add(column)
-        const curve = outcome.runs.get(column)?.columns
-        if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arc)
-      }
-      if (over.value === 'time') chart.setOverTime(true)
+      fill(chart, outcome)
       // A path of another length has no use for the view of the former one.
-      const path = `${program?.id} ${end.at(-1)}`
+      const path = `${program?.id} ${outcome.steps.end.at(-1)}`
       plot.fit(fitted !== path)
       fitted = path
     },

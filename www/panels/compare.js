@@ -1,7 +1,7 @@
 // Side by side: the tolerances as columns, on this machine and on another one, and below them the cycle time over
 // the tolerance. A click on the line adds a tolerance.
 
-import { TolerancePicture, curveTolerances, deviationLabel, price, toleranceLabel } from '../pkg/truefeed.js'
+import { TolerancePicture, curveTolerances, deviationLabel, price, toleranceLabel } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { clock, difference, money, percent, seconds } from '../format.js'

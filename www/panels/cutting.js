@@ -1,7 +1,7 @@
 // Cutting forces, on request: a cutting job as text, peaks by the programmed and by the predicted feedrate, remarks, where
 // the feedrate could be higher, and the loads over the distance, with the cursor and the view of the other charts.
 
-import { LoadPicture, exampleCutting } from '../pkg/truefeed.js'
+import { LoadPicture, exampleCutting, materials as materialsText } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make, scroll } from '../dom.js'
 import { Ended } from '../engine.js'
@@ -40,10 +40,11 @@ const PEAKS = [
 /**
  * @param {HTMLElement} root
  * @param {Engine} engine  of its own, so that it does not end a simulation
- * @param {(CutMaterial & {word: string})[]} materials
  * @param {{show(place: Pick<Place, "distance_mm">): void, setCut(cut: Cut | null): void}} actions
  */
-export function mount(root, engine, materials, actions) {
+export function mount(root, engine, actions) {
+  /** @type {(CutMaterial & {word: string})[]} */
+  const materials = JSON.parse(materialsText())
   const job = /** @type {HTMLTextAreaElement} */ (find(root, 'textarea'))
   const compute = /** @type {HTMLButtonElement} */ (find(root, '.compute'))
   const chosen = /** @type {HTMLSelectElement} */ (find(root, 'select'))

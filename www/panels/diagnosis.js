@@ -1,7 +1,7 @@
 // The diagnosis: what was left out of the machine. A sentence first, then before and after, where, why, how sure, what
 // else it could be, and what the machine would be with it.
 
-import { Chart, lostLabel, markOfChart } from '../pkg/truefeed.js'
+import { Chart, lostLabel, markOfChart } from '../pkg/truefeed_whole.js'
 import { Ended } from '../engine.js'
 import { find, make, scroll } from '../dom.js'
 import { count, difference, feedrate, seconds } from '../format.js'
@@ -12,13 +12,12 @@ import { headOf, lineOf } from './chart.js'
 
 /** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Values } from "../types.js" */
 /** @import { Engine } from "../engine.js" */
-/** @import { Pointer } from "../pkg/truefeed.js" */
+/** @import { Filled } from "../plot.js" */
+/** @import { Pointer } from "../pkg/truefeed_whole.js" */
 
 const NAMES = ['recorded', 'simulated before', 'simulated after']
 /** Size of a chart in the report, pixels. */
 const REPORT_PX = /** @type {const} */ ([1040, 560])
-const FOLDER = 'samples/'
-const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'standin.toml' }
 
 /**
  * @typedef {object} Actions
@@ -26,7 +25,6 @@ const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'stan
  * @property {() => void} useDiagnosis
  * @property {() => void} undoDiagnosis
  * @property {(values: Values) => void} tryValues
- * @property {(sample: {machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}) => void} addSample
  * @property {() => void} undoSample
  */
 
@@ -51,6 +49,10 @@ export function mount(root, engine, actions) {
   const plot = mountPlot(root, chart, {
     isShown: () => Boolean(shown && shown.runs.length > 0),
     words: (pointer) => words(pointer, shown?.runs[run].program),
+    fill(twin) {
+      const columns = shown?.runs[run].columns
+      if (columns) fillChart(twin, columns)
+    },
     chosen(pointer) {
       chosen.hidden = false
       const head = headOf(pointer.distance, pointer.programmed, pointer.rapid)
@@ -60,17 +62,6 @@ export function mount(root, engine, actions) {
   start.addEventListener('click', () => actions.diagnose())
   find(restore, 'button').addEventListener('click', () => actions.undoSample())
   runs.addEventListener('change', () => draw(Number(runs.value)))
-  for (const button of document.querySelectorAll('.concealed')) {
-    button.addEventListener('click', async () => {
-      const [program, recording, machine] = await Promise.all([SAMPLE.program, SAMPLE.recording, SAMPLE.machine].map(fetched))
-      actions.addSample({
-        machine: new TextDecoder().decode(machine),
-        program: { name: SAMPLE.program, file: new Blob([program]) },
-        recording: { name: SAMPLE.recording, bytes: recording },
-      })
-      start.focus()
-    })
-  }
 
   /** Draws one of the runs. @param {number} index */
   function draw(index) {
@@ -197,7 +188,7 @@ export function mount(root, engine, actions) {
   }
 }
 
-/** Gives a chart the curves of a run. @param {Chart} chart @param {DiagnosedColumns} columns */
+/** Gives a chart the curves of a run. @param {Filled} chart @param {DiagnosedColumns} columns */
 function fillChart(chart, columns) {
   const none = new Float64Array()
   chart.program(columns.end, columns.feedrate, columns.rapid, columns.line)
@@ -218,12 +209,6 @@ function withCharts(html, runs) {
   }, html)
   chart.free()
   return whole
-}
-
-/** A file of the sample. @param {string} name */
-async function fetched(name) {
-  const response = await fetch(new URL(`../${FOLDER}${name}`, import.meta.url))
-  return new Uint8Array(await response.arrayBuffer())
 }
 
 /** What the chart says about one distance. @param {Pointer} pointer @param {import("../types.js").Program | undefined} program */

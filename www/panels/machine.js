@@ -26,7 +26,7 @@ const BASIC = [
  * @property {() => () => void} keepMachine
  * @property {() => () => void} duplicateMachine
  * @property {() => () => void} removeMachine
- * @property {(text: string) => () => void} importMachine
+ * @property {(text: string) => Promise<() => void>} importMachine
  */
 
 /** @param {HTMLElement} root @param {Form} form @param {Actions} actions */
@@ -59,7 +59,7 @@ export function mount(root, form, actions) {
     const text = await chosen.text()
     file.value = ''
     try {
-      const putBack = actions.importMachine(text)
+      const putBack = await actions.importMachine(text)
       fault.textContent = ''
       undo.offer(`${chosen.name} loaded and kept in this browser.`, putBack)
     } catch (reason) {

@@ -1,10 +1,11 @@
 // The path in space beside its program text, and the places that cost most; all linked with the charts.
 
-import { PathView } from '../pkg/truefeed.js'
+import { PathView } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
-import { count, feedrate, millimetres, number, percent } from '../format.js'
+import { count, feedrate, figures, millimetres, number, percent } from '../format.js'
 import { mountListing } from '../listing.js'
+import { offerPictures } from '../pictures.js'
 import { link } from '../plot.js'
 import { recordingOf } from '../recordings.js'
 import { lineOf } from './chart.js'
@@ -70,6 +71,11 @@ export function mount(root, actions) {
       const line = view.lineAt(distance)
       if (line !== undefined) chooseLine(line)
     },
+  })
+
+  offerPictures(find(root, '.tools'), 'path', 'the path', () => {
+    const [length] = view.scale()
+    return outcome ? view.svg(...ends(), lengthLabel(length)) : undefined
   })
 
   /** @type {Program | undefined} */
@@ -150,7 +156,7 @@ export function mount(root, actions) {
     )
     const [length, width] = view.scale()
     scale.style.width = `${width}px`
-    scale.textContent = `${Number(length.toPrecision(1))} mm`
+    scale.textContent = lengthLabel(length)
   }
 
   /** @param {HTMLElement} element @param {number} distance */
@@ -426,8 +432,15 @@ export function mount(root, actions) {
     redraw()
   }
 
+  /** What the first and the last colour stand for. @returns {[string, string]} */
+  function ends() {
+    const { ends, unit } = view.legend()
+    const [first, last] = [...ends].map((end) => `${unit === 'mm/min' ? count(end) : number(end)} ${unit}`)
+    return [first, last]
+  }
+
   function fillLegend() {
-    const { colors, ends, unit } = view.legend()
+    const { colors } = view.legend()
     const title = COLORS.find(([value]) => value === by.value)?.[2] ?? ''
     const ramp = make(
       'span',
@@ -439,10 +452,10 @@ export function mount(root, actions) {
       }),
     )
     ramp.setAttribute('aria-hidden', 'true')
-    const [first, last] = unit === 'mm/min' ? [...ends].map((end) => count(end)) : [...ends].map((end) => number(end))
+    const [first, last] = ends()
     const rapids = make('span', { className: 'dashes' })
     rapids.setAttribute('aria-hidden', 'true')
-    legend.replaceChildren(make('span', {}, `${title}:`), make('span', {}, `${first} ${unit}`), ramp, make('span', {}, `${last} ${unit}`), rapids, make('span', {}, 'rapid'))
+    legend.replaceChildren(make('span', {}, `${title}:`), make('span', {}, first), ramp, make('span', {}, last), rapids, make('span', {}, 'rapid'))
   }
 
   /** @param {Column} column */
@@ -509,6 +522,9 @@ export function mount(root, actions) {
     },
   }
 }
+
+/** A round length. @param {number} length  mm */
+const lengthLabel = (length) => `${figures(length)} mm`
 
 /** Gives a choice its options and keeps what is chosen. @param {HTMLSelectElement} select @param {string[][]} all  value and title */
 function options(select, all) {

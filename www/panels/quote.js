@@ -1,6 +1,6 @@
 // The quote: terms on one side, the price with all it is made of on the other, and its documents. All arithmetic is Rust's.
 
-import { Chart, Offered, termsForm } from '../pkg/truefeed.js'
+import { Chart, Offered, termsForm } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { field, same } from '../field.js'

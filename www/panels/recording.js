@@ -8,10 +8,13 @@ import { programOf, recordingOf } from '../recordings.js'
 import { headOf, lineOf } from './chart.js'
 import { bytesOf } from './program.js'
 
+/** @import { Filled } from "../plot.js" */
 /** @import { ComparisonReport, Place, Program, Recording, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 const UNDO_MS = 10_000
+/** A program, its machine and a recording in which something is concealed. */
+const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'standin.toml' }
 const NAMES = ['recorded', 'simulated']
 
 /**
@@ -21,6 +24,7 @@ const NAMES = ['recorded', 'simulated']
  * @property {(id: number, program: number) => void} setProgramOf
  * @property {(id: number, used: boolean) => void} setUsed
  * @property {(id: number) => () => void} removeRecording
+ * @property {(sample: {machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}) => Promise<void>} addSample
  */
 
 /** @param {HTMLElement} root @param {Actions} actions */
@@ -49,6 +53,7 @@ export function mount(root, actions) {
   const plot = mountPlot(root, chart, {
     isShown: () => Boolean(recording?.match?.report),
     words: (pointer) => words(pointer, program),
+    fill: (twin) => fillChart(twin),
     chosen(pointer) {
       chosen.hidden = false
       chosen.replaceChildren(headOf(pointer.distance, pointer.programmed, pointer.rapid), ...lineOf(pointer.line, program))
@@ -60,6 +65,16 @@ export function mount(root, actions) {
     input.value = ''
     if (files.length > 0) actions.addRecordings(files)
   })
+  for (const button of document.querySelectorAll('.concealed')) {
+    button.addEventListener('click', async () => {
+      const [program, recording, machine] = await Promise.all([SAMPLE.program, SAMPLE.recording, SAMPLE.machine].map(fetched))
+      actions.addSample({
+        machine: new TextDecoder().decode(machine),
+        program: { name: SAMPLE.program, file: new Blob([program]) },
+        recording: { name: SAMPLE.recording, bytes: recording },
+      })
+    })
+  }
   find(undo, 'button').addEventListener('click', () => {
     undo.hidden = true
     putBack()
@@ -127,6 +142,15 @@ export function mount(root, actions) {
       make('p', { className: 'facts' }, [report.aligned, ...report.measures].join(' ')),
       ...remarks(report.remarks),
     )
+    fillChart(chart)
+    plot.fit(true)
+    tables.replaceChildren(partsTable(report), stretchesTable(report, plot.show))
+  }
+
+  /** Puts the comparison in sight into a chart. @param {Filled} chart */
+  function fillChart(chart) {
+    const columns = recording?.match?.columns
+    if (!columns || !program?.outcome) return
     const { end, feedrate: feed, rapid, line } = program.outcome.steps
     const none = new Float64Array()
     chart.program(end, feed, rapid, line)
@@ -136,8 +160,6 @@ export function mount(root, actions) {
       else chart.fill(columns.simulatedDistance, columns.simulatedFeedrate, columns.simulatedTime, none, none)
     }
     chart.showLost(columns.lostDistance, columns.lostSeconds)
-    plot.fit(true)
-    tables.replaceChildren(partsTable(report), stretchesTable(report, plot.show))
   }
 
   return {
@@ -167,6 +189,12 @@ export function mount(root, actions) {
       else if (recording) answer.replaceChildren(make('p', { className: 'empty' }, 'Comparing …'))
     },
   }
+}
+
+/** A file of the sample. @param {string} name */
+async function fetched(name) {
+  const response = await fetch(new URL(`../samples/${name}`, import.meta.url))
+  return new Uint8Array(await response.arrayBuffer())
 }
 
 /** One line on how a recording stands. @param {Recording} entry @param {State} state */

@@ -11,8 +11,9 @@ use anyhow::{Context, Result};
 
 const LIST: &str = "files.js";
 
-/// What a visitor does not need: the worker that keeps the files and its list, and types.
-const LEFT_OUT: [&str; 3] = ["sw.js", LIST, ".d.ts"];
+/// What a visitor does not need: the worker that keeps the files and its list, types, and what a server sends in the place
+/// of the file itself.
+const LEFT_OUT: [&str; 4] = ["sw.js", LIST, ".d.ts", ".br"];
 
 /// Lists the files of the page that holds the folder `package`, and writes the list there.
 pub fn write(package: &Path) -> Result<()> {

@@ -3,17 +3,17 @@
 //! Settings stand in `wasm-pack.toml` of the current directory ([`Settings`]). Three tools do the
 //! work: Cargo compiles, `wasm-bindgen-cli-support` writes the bindings, and `wasm-opt` of npm's
 //! `binaryen` optimises. (Debian's `wasm-opt` 108 reports success and writes a module that
-//! browsers refuse.) The package has two modules: the whole one, and what a first visit needs of it ([`later`]).
+//! browsers refuse.) The package has two modules, each with a script of its own: what a first visit needs, made small, and
+//! the whole, made quick. In the end each file is compressed once, as well as it can be (`scripts/compress.mjs`).
 //!
 //! The package is made beside its place and then moved there, so that a failed build leaves the
 //! previous one, and no file of the previous one stays. In the end the list of the page's files is
 //! written, from which it works without a network ([`files`]).
 
 mod files;
-mod later;
 
 use std::env;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -28,23 +28,32 @@ use wasm_bindgen_cli_support::Bindgen;
 const SETTINGS: &str = "wasm-pack.toml";
 const WASM_TARGET: &str = "wasm32-unknown-unknown";
 const WASM_OPT: &str = "node_modules/binaryen/bin/wasm-opt";
+const COMPRESS: &str = "scripts/compress.mjs";
 
 /// What `wasm-pack.toml` says; every key is required and no other is known.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct Settings {
-    /// Cargo profile.
-    profile: String,
     /// How JavaScript loads the package.
     target: Target,
     /// Where the package goes; its previous content is replaced.
     out_dir: PathBuf,
-    /// File name of the package, without extension.
-    out_name: String,
     /// Flags for rustc. They replace those of the environment, so that the file says all.
     rustflags: Vec<String>,
-    /// Classes and functions that the module of a first visit leaves out.
-    later: Vec<String>,
+    /// The modules of the package.
+    module: Vec<Module>,
+}
+
+/// One module with its script.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct Module {
+    /// File name, without extension.
+    out_name: String,
+    /// Cargo profile.
+    profile: String,
+    /// What the crate is told by `--cfg`, and no other crate.
+    cfg: Vec<String>,
     /// Arguments of `wasm-opt`; none leaves it out.
     wasm_opt: Vec<String>,
 }
@@ -72,27 +81,24 @@ fn build() -> Result<()> {
     let text = fs::read_to_string(SETTINGS).with_context(|| format!("cannot read {SETTINGS}"))?;
     let settings: Settings = toml::from_str(&text).context(SETTINGS)?;
 
-    println!("compiling for {WASM_TARGET}, profile {}", settings.profile);
-    let module = compile(&settings)?;
-
-    println!("writing the bindings");
     let package = settings.out_dir.with_extension("new");
     remove_if_there(&package)?;
-    write_bindings(&settings, &module, &package)?;
-
-    let first = package.join(format!("{}_bg.wasm", settings.out_name));
-    let whole = package.join(format!("{}_whole_bg.wasm", settings.out_name));
-    fs::rename(&first, &whole).context("cannot rename the module")?;
-    println!("  {}", size(&whole)?);
-    if !settings.wasm_opt.is_empty() {
-        println!("optimising: wasm-opt {}", settings.wasm_opt.join(" "));
-        optimise(&whole, &settings.wasm_opt)?;
-        println!("  {}", size(&whole)?);
+    for module in &settings.module {
+        println!("{}: compiling for {WASM_TARGET}, profile {}", module.out_name, module.profile);
+        let compiled = compile(&settings, module)?;
+        println!("writing the bindings");
+        write_bindings(&settings, module, &compiled, &package)?;
+        let wasm = package.join(format!("{}_bg.wasm", module.out_name));
+        println!("  {}", size(&wasm)?);
+        if !module.wasm_opt.is_empty() {
+            println!("optimising: wasm-opt {}", module.wasm_opt.join(" "));
+            optimise(&wasm, &module.wasm_opt)?;
+            println!("  {}", size(&wasm)?);
+        }
+        leave_out_comments(&package.join(format!("{}.js", module.out_name)))?;
     }
-    // After the optimiser, which takes long enough once.
-    println!("leaving out what is asked for later");
-    later::leave_out(&whole, &first, &settings.later)?;
-    println!("  {}", size(&first)?);
+    println!("compressing");
+    run_node(COMPRESS, [&package])?;
 
     remove_if_there(&settings.out_dir)?;
     fs::rename(&package, &settings.out_dir)
@@ -103,17 +109,19 @@ fn build() -> Result<()> {
 }
 
 /// Compiles the library and returns the path of its WebAssembly module, as Cargo reports it.
-fn compile(settings: &Settings) -> Result<PathBuf> {
+fn compile(settings: &Settings, module: &Module) -> Result<PathBuf> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
     let output = Command::new(cargo)
-        .args(["build", "--lib", "--target", WASM_TARGET])
-        .args(["--profile", &settings.profile])
+        .args(["rustc", "--lib", "--crate-type", "cdylib", "--target", WASM_TARGET])
+        .args(["--profile", &module.profile])
         .arg("--message-format=json-render-diagnostics")
+        .arg("--")
+        .args(module.cfg.iter().flat_map(|cfg| ["--cfg", cfg]))
         .env("CARGO_ENCODED_RUSTFLAGS", settings.rustflags.join("\x1f"))
         .stderr(Stdio::inherit())
         .output()
         .context("cannot run cargo")?;
-    ensure!(output.status.success(), "cargo build failed");
+    ensure!(output.status.success(), "cargo failed");
 
     let messages = String::from_utf8(output.stdout).context("cargo's messages are not UTF-8")?;
     for line in messages.lines() {
@@ -130,14 +138,14 @@ fn compile(settings: &Settings) -> Result<PathBuf> {
 }
 
 /// Writes the module and its JavaScript and TypeScript sides into the folder `package`.
-fn write_bindings(settings: &Settings, module: &Path, package: &Path) -> Result<()> {
+fn write_bindings(settings: &Settings, module: &Module, compiled: &Path, package: &Path) -> Result<()> {
     let mut bindgen = Bindgen::new();
     match settings.target {
         Target::Web => bindgen.web(true)?,
     };
     bindgen
-        .input_path(module)
-        .out_name(&settings.out_name)
+        .input_path(compiled)
+        .out_name(&module.out_name)
         .typescript(true)
         // Without an argument, `init()` then finds the module beside the script.
         .omit_default_module_path(false)
@@ -149,16 +157,33 @@ fn write_bindings(settings: &Settings, module: &Path, package: &Path) -> Result<
 fn optimise(wasm: &Path, arguments: &[String]) -> Result<()> {
     ensure!(Path::new(WASM_OPT).exists(), "{WASM_OPT} is missing; run scripts/setup first");
     let optimised = wasm.with_extension("optimised");
-    let status = Command::new("node")
-        .arg(WASM_OPT)
-        .args(arguments)
-        .arg(wasm)
-        .arg("-o")
-        .arg(&optimised)
-        .status()
-        .context("cannot run node")?;
-    ensure!(status.success(), "wasm-opt failed");
+    let paths = [wasm.as_os_str(), "-o".as_ref(), optimised.as_os_str()];
+    run_node(WASM_OPT, arguments.iter().map(|argument| argument.as_ref()).chain(paths))?;
     fs::rename(&optimised, wasm).context("cannot replace the module")
+}
+
+/// Runs a script with Node.
+fn run_node<A: AsRef<OsStr>>(script: &str, arguments: impl IntoIterator<Item = A>) -> Result<()> {
+    let status = Command::new("node").arg(script).args(arguments).status().context("cannot run node")?;
+    ensure!(status.success(), "{script} failed");
+    Ok(())
+}
+
+/// Leaves the comments out of a script of wasm-bindgen, which has the same ones in the types beside it.
+fn leave_out_comments(script: &Path) -> Result<()> {
+    let text = fs::read_to_string(script).with_context(|| format!("cannot read {}", script.display()))?;
+    let mut kept = String::with_capacity(text.len());
+    let mut is_inside = false;
+    for line in text.lines() {
+        let code = line.trim_start();
+        is_inside |= code.starts_with("/**");
+        if !is_inside && !code.is_empty() {
+            kept.push_str(code);
+            kept.push('\n');
+        }
+        is_inside &= !code.ends_with("*/");
+    }
+    fs::write(script, kept).with_context(|| format!("cannot write {}", script.display()))
 }
 
 /// Size of a file on disk and on its way to a browser.

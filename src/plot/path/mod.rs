@@ -12,12 +12,14 @@
 mod camera;
 mod palette;
 mod raster;
+mod svg;
 #[cfg(test)]
 mod tests;
 
 pub use camera::Camera;
 pub use palette::{ink, palette};
 pub use raster::{Drawing, Raster, raster};
+pub use svg::{Sheet, svg_of_path};
 
 use crate::plot::Programmed;
 use crate::simulation::profile::Samples;

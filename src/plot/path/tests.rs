@@ -174,3 +174,41 @@ fn lines_far_outside_cost_nothing_and_break_nothing() {
     let raster = drawn(&scene, camera);
     assert_eq!(raster.size(), (100, 100));
 }
+
+/// The picture of a scene as SVG.
+fn sheet(scene: &Scene, marked: Option<(f64, f64)>) -> String {
+    let inks = ink(&palette(Coloring::Loss, false), false);
+    let camera = seen(scene, 0.0, FRAC_PI_2);
+    let ends = ["0 %".to_string(), "100 %".to_string()];
+    svg_of_path(scene, &Sheet { camera, marked, inks: &inks, ends, length: (10.0, "< 10 mm".to_string()) })
+}
+
+#[test]
+fn a_document_shows_each_rank_in_its_colour_and_what_is_marked() {
+    let scene = scene(Coloring::Loss);
+    let inks = ink(&palette(Coloring::Loss, false), false);
+    let text = sheet(&scene, Some((20.0, 30.0)));
+    let document = roxmltree::Document::parse(&text).expect("it is XML");
+    let strokes: Vec<_> = document.descendants().filter_map(|node| node.attribute("stroke")).collect();
+    let hex = |RGBColor(r, g, b): RGBColor| format!("#{r:02x}{g:02x}{b:02x}");
+    for &rank in scene.rank.iter().take(scene.points.len() - 1) {
+        assert!(strokes.contains(&&*hex(inks[usize::from(rank)].expect("a rank has a colour"))), "{rank}");
+    }
+    let mark = hex(inks[usize::from(MARKED)].expect("the mark has a colour"));
+    assert_eq!(strokes.iter().filter(|stroke| **stroke == mark).count(), 1);
+    assert!(!sheet(&scene, None).contains(&mark));
+    assert!(text.contains("&lt; 10 mm"));
+}
+
+#[test]
+fn a_document_grows_with_what_is_seen_and_not_with_the_program() {
+    let line = |points: usize| {
+        let points: Vec<_> =
+            (0..=points).map(|index| [100.0 * index as f32 / points as f32, 0.0, 0.0]).collect();
+        let distance = points.iter().map(|point| f64::from(point[0])).collect();
+        let rank = vec![FIRST_SHADE; points.len()];
+        Scene { points, distance, rank }
+    };
+    let (few, many) = (sheet(&line(1_000), None).len(), sheet(&line(100_000), None).len());
+    assert!(many < 2 * few, "{few} and {many} bytes");
+}

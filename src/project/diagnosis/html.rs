@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use crate::identification::diagnosis::diagnose;
     use crate::identification::fit::{Recorded, Run};
-    use crate::plot::svg;
+    use crate::plot::{Theme, svg};
     use crate::project::{diagnosis_chart, machine_from_toml};
     use crate::simulation::gcode::read;
     use crate::simulation::toolpath::trace;
@@ -170,7 +170,7 @@ mod tests {
         let name = "a <b> & \"c\".csv".to_string();
         let report = DiagnosisReport::new(&diagnosis, &[name]).beside(&machine);
         let chart = diagnosis_chart(&diagnosis, &machine, &runs, 0).expect("there is a run");
-        let picture = svg(&chart, (1040, 560)).expect("it can be drawn");
+        let picture = svg(&chart, &Theme::LIGHT, (1040, 560)).expect("it can be drawn");
         let html = report.to_html(&[picture]);
         let (first, rest) = html.split_once('\n').expect("it has lines");
         assert_eq!(first, "<!doctype html>");

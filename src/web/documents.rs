@@ -1,0 +1,34 @@
+//! What is given away as a file: charts as SVG, the machine; and the machine of a file.
+
+use wasm_bindgen::prelude::*;
+
+use crate::plot::{Theme, svg, svg_of_view};
+use crate::project::{machine_from_form, machine_from_toml, machine_values, toml_from_machine};
+use crate::web::chart::Chart;
+use crate::web::theme::theme;
+
+#[wasm_bindgen]
+impl Chart {
+    /// The whole as SVG for a document, dark on white; none where it cannot be drawn.
+    pub fn svg(&self, width: u32, height: u32) -> Option<String> {
+        svg(&self.chart, &Theme::LIGHT, (width, height))
+    }
+
+    /// What is in sight as SVG for a document, dark on white; none where it cannot be drawn.
+    #[wasm_bindgen(js_name = svgInSight)]
+    pub fn svg_in_sight(&self, width: u32, height: u32) -> Option<String> {
+        svg_of_view(self.shown(), self.view, &theme(false), (width, height))
+    }
+}
+
+/// The machine of a filled form as a machine file; none where the form has faults.
+#[wasm_bindgen(js_name = machineFile)]
+pub fn machine_file(machine: &str) -> Option<String> {
+    machine_from_form(machine).ok().map(|machine| toml_from_machine(&machine))
+}
+
+/// The values of a machine file in the form, as JSON; throws what is wrong with the file.
+#[wasm_bindgen(js_name = valuesOfFile)]
+pub fn values_of_file(text: &str) -> Result<String, String> {
+    machine_from_toml(text).map(|machine| machine_values(&machine)).map_err(|fault| fault.to_string())
+}
