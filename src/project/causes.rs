@@ -214,9 +214,11 @@ pub fn known(id: &str) -> Known {
             |p, lines, _| {
                 let code = word(p, "code");
                 let what = if code.is_empty() { at_lines(lines) } else { format!("at {code}") };
+                let seconds = p.get("seconds").and_then(Value::as_f64).unwrap_or(f64::NAN);
+                let more = if seconds < 0.0 { "less" } else { "more" };
                 format!(
-                    "The machine waits {} s more than the machine file says {what}.",
-                    number(p, "seconds")
+                    "The machine waits {} s {more} than the machine file says {what}.",
+                    three(seconds.abs())
                 )
             },
             "",

@@ -77,6 +77,8 @@ const SWITCHES: [&str; 3] = ["feed_override", "rapid_override", "recorder_clock"
 pub const OPERATOR: [&str; 3] = ["feed_override", "rapid_override", "feed_hold"];
 /// A confidence from which on a cause is certain.
 const CERTAIN: f64 = 0.9;
+/// A cause that is less sure than this is not named.
+const UNSURE: f64 = 0.1;
 /// Candidates that are refined by least squares.
 const REFINED: usize = 5;
 /// Causes named at most.
@@ -454,7 +456,7 @@ fn next_cause(
     let alike: Vec<String> = alike.into_iter().collect();
     let share = held_out.as_ref().map_or(1.0, HeldOut::share);
     let confidence = (1.0 - (-(gain - price) / 20.0).exp()) * share / (1.0 + alike.len() as f64);
-    Some(Found { candidate, others, alike, held_out, confidence })
+    (UNSURE <= confidence).then_some(Found { candidate, others, alike, held_out, confidence })
 }
 
 /// Whether a setting is found at the value that the machine file has, within what a calibration is sure of.

@@ -17,9 +17,11 @@ use crate::machine::Machine;
 
 /// A wait that is off by less, s, is within what a poll shows.
 const LEAST: f64 = 0.1;
+/// By how much more than its price each must be worth it: a median of few visits is not one of the machine.
+const SURE: f64 = 20.0;
 
 /// The waits of polled runs that a machine has otherwise, all at once, each with what the cost falls by because
-/// of it, where that is more than the price.
+/// of it, where that is well more than the price.
 pub fn at_functions(
     base: &Machine,
     runs: &[Run],
@@ -55,7 +57,7 @@ pub fn at_functions(
         let Some(least) = (0..all.len()).min_by(|a, b| gains[*a].total_cmp(&gains[*b])) else {
             return Vec::new();
         };
-        if price < gains[least] {
+        if price + SURE < gains[least] {
             return all.into_iter().zip(gains).collect();
         }
         all.remove(least);

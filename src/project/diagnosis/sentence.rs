@@ -5,7 +5,7 @@ use crate::project::comparison::seconds;
 use crate::project::diagnosis::CauseRow;
 
 /// Lines of halts that are named.
-const NAMED: usize = 8;
+const NAMED: usize = 12;
 
 /// The diagnosis in a few words.
 pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
