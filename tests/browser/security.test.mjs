@@ -190,7 +190,7 @@ test('after one visit the page loads and quotes without a network', { timeout: 1
   }
 })
 
-test('a new version is taken when the page is loaded again', { timeout: 120_000 }, async () => {
+test('a new version is taken when the page is loaded again', { timeout: 240_000 }, async () => {
   const folder = join(scratch, 'www')
   cpSync(join(ROOT, 'www'), folder, { recursive: true })
   const server = await serve(0, [folder])
@@ -211,7 +211,7 @@ test('a new version is taken when the page is loaded again', { timeout: 120_000 
       while (!registration.waiting) await new Promise((done) => setTimeout(done, 50))
     })
     // On a busy machine the browser may put the change off once, to the next load.
-    const isNewer = () => page.waitForFunction(() => document.querySelector('h1')?.textContent === 'Truefeed, newer', null, { timeout: 60_000 })
+    const isNewer = () => page.waitForFunction(() => document.querySelector('h1')?.textContent === 'Truefeed, newer', null, { timeout: 40_000 })
     await page.reload()
     await isNewer().catch(async () => {
       await page.reload()
