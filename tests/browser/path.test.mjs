@@ -216,7 +216,7 @@ pageTest('hundreds of thousands of blocks stay fluid', async ({ page }) => {
     lines.push(`G1 X${x.toFixed(2)} Y${(row * 0.5).toFixed(2)} Z${(8 * Math.sin(x / 20) * Math.cos(row / 25)).toFixed(3)}`)
   }
   await page.setInputFiles('#files', { name: 'surface.nc', mimeType: 'text/plain', buffer: Buffer.from(lines.join('\n')) })
-  await page.waitForSelector('#path .places tbody tr', { timeout: 170_000, state: 'attached' }).catch(() => {})
+  await page.waitForSelector('html[data-whole]', { timeout: 170_000 })
   await page.locator('#path').scrollIntoViewIfNeeded()
   await page.waitForSelector('#path .places tbody tr', { timeout: 100_000 })
   await page.waitForSelector('#progress', { state: 'hidden', timeout: 150_000 })
