@@ -64,8 +64,11 @@ const LEFT: f64 = 2e-3;
 const WORSE: f64 = 1.03;
 /// What is left of what there was, from which on it is not explained.
 const MUCH: f64 = 0.25;
-/// Candidates whose cost is this close to the best's cannot be told from it.
+/// Candidates whose cost is this close to the best's cannot be told from it, over how much more than independent
+/// ones the residuals vary.
 const SAME: f64 = 6.0;
+/// What is farther from the best, as a part of what that leaves, is not looked at again.
+const NEAR: f64 = 1.0;
 /// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
@@ -163,7 +166,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         let price = GAIN + (gates::sections(runs) as f64).ln();
         let now = with_all(&start, &candidates_of(&read_off));
         for (candidate, gain) in rests::feed_holds(&now, runs, price) {
-            let own = (Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp());
+            let own = (Vec::new(), None, gain / (gain + price));
             if looked.in_parts {
                 read_off.push((candidate, own));
             } else {
@@ -186,6 +189,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     }
     let (named, details) = without_unnecessary(&base, &looked, named, details);
     let (named, details) = if looked.in_parts { held(&base, runs, named, details) } else { (named, details) };
+    let details = weighed(&base, runs, &named, details);
     let with_time = with_all(&base, &named);
     let mut drives = drives;
     if 0 < rounds {
@@ -224,7 +228,9 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let regions = (0..runs.len()).flat_map(|run| regions(&before[run], runs[run].alignment, run)).collect();
     let left = regions::left(&after, runs);
     let whole: f64 = after.iter().map(|comparison| comparison.whole.recorded).sum();
-    let is_left = 0 < rounds && LEFT * whole < left && LEAST < left;
+    // Beside what causes explain, what they leave is judged by that; else by what no cycle time shows.
+    let is_much = !causes.is_empty() && MUCH * regions::left(&before, runs) < left;
+    let is_left = 0 < rounds && LEAST < left && (is_much || LEFT * whole < left);
     if is_left && !causes.is_empty() {
         messages.push(format!("{left:.2} s of lost time are left that nothing in the library explains"));
     }
@@ -232,7 +238,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         (true, true) => Verdict::Unknown,
         (true, false) => Verdict::NothingMissing,
         _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
-        (false, true) if MUCH * regions::left(&before, runs) < left => Verdict::Unknown,
+        (false, true) if is_much => Verdict::Unknown,
         _ => Verdict::Explained,
     };
     progress(1.0);
@@ -315,6 +321,7 @@ struct Found {
     others: Vec<Candidate>,
     alike: Vec<String>,
     held_out: Option<HeldOut>,
+    /// At most; what the likelihood says of it is known when all causes are.
     confidence: f64,
 }
 
@@ -408,22 +415,20 @@ fn next_cause(
     if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
         return None;
     }
+    // The last digits of the others are those of the first guess, too.
+    let dispersion = last.dispersion(&with);
+    let fine_cost = refined[0].0.cost;
+    let near = (SAME * dispersion).max(NEAR * fine_cost);
     let alike = refined
         .iter()
         .skip(1)
-        .map(|(other, others)| {
-            let mut all = others.clone();
-            all.push(other.clone());
-            (other, last.cost(&with_all(base, &all)))
-        })
-        .filter(|(other, cost)| {
-            cost - candidate.cost < SAME && other.hypothesis.id != candidate.hypothesis.id
-        })
-        .map(|(other, _)| other.hypothesis.id.to_string())
+        .filter(|(other, _)| other.hypothesis.id != candidate.hypothesis.id && other.cost < fine_cost + near)
+        .map(|(other, others)| last.refined(base, other, others).0)
+        .filter(|other| other.cost - candidate.cost < SAME * dispersion)
+        .map(|other| other.hypothesis.id.to_string())
         .collect::<std::collections::BTreeSet<String>>();
     let alike: Vec<String> = alike.into_iter().collect();
-    let share = held_out.as_ref().map_or(1.0, HeldOut::share);
-    let confidence = (1.0 - (-(gain - price) / 20.0).exp()) * share / (1.0 + alike.len() as f64);
+    let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
     Some(Found { candidate, others, alike, held_out, confidence })
 }
 
@@ -456,6 +461,26 @@ fn is_at_bound(candidate: &Candidate) -> bool {
 
 /// What was named for a cause.
 type Details = (Vec<String>, Option<HeldOut>, f64);
+
+/// What was found for causes, with a confidence that also tells what the likelihood says of each beside the others: the
+/// odds are its gain to its price, the gain being worth less as residuals that are left are related.
+fn weighed(base: &Machine, runs: &[Run], named: &[Candidate], details: Vec<Details>) -> Vec<Details> {
+    if named.is_empty() {
+        return details;
+    }
+    let with = with_all(base, named);
+    let evidence = Evidence::of(runs, &with);
+    let (cost, dispersion) = (evidence.cost(&with), evidence.dispersion(&with));
+    let sections = (gates::sections(runs) as f64).ln();
+    let weigh = |(at, (alike, held_out, most)): (usize, Details)| {
+        let mut others = named.to_vec();
+        let own = others.remove(at);
+        let gain = (evidence.cost(&with_all(base, &others)) - cost).max(0.0) / dispersion;
+        let price = GAIN + own.values.len() as f64 * sections;
+        (alike, held_out, most * gain / (gain + price))
+    };
+    details.into_iter().enumerate().map(weigh).collect()
+}
 
 /// Takes back every cause that the others make unnecessary.
 fn without_unnecessary(

@@ -156,7 +156,10 @@ pub fn fit(
         freed.iter().zip(found.varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
     let covariance = uncertainty::covariance(&found, &clocks(runs, whitenings));
     let deviations = (0..freed.len())
-        .map(|at| freed[at].deviation(values[at], covariance[(at, at)].max(0.0).sqrt()))
+        .map(|at| {
+            let deviation = freed[at].deviation(values[at], covariance[(at, at)].max(0.0).sqrt());
+            deviation.hypot(freed[at].counted())
+        })
         .collect();
     let correlations = DMatrix::from_fn(freed.len(), freed.len(), |i, j| {
         let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();

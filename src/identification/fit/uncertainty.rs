@@ -10,7 +10,8 @@
 //! | what is left, where a value acts | the jackknife that leaves out one of so many contiguous blocks (H − H_g)⁻¹ g_g, at the length at which the values move most; a value that hangs on one block is told at shorter ones |
 //! | what no residual shows | the clock: (H⁻¹ JᵀW n)² σ², n the whitened trace of a clock that is off, σ what quartzes are off by |
 //!
-//! The variance of a value is the larger of the first two, plus the third. Sources: Efron and Tibshirani 1993,
+//! The variance of a value is the larger of the first two, plus the third. What lasts a time is also counted in cycles
+//! of the control, see [`Freed::counted`](crate::identification::fit::Freed::counted). Sources: Efron and Tibshirani 1993,
 //! Sect. 11.5 and 17; Flegal and Jones 2010 for batch means; ±50 ppm is the usual tolerance of quartzes.
 
 use nalgebra::{DMatrix, DVector};
@@ -46,7 +47,8 @@ pub fn dispersion(whitened: &[Vec<f64>]) -> f64 {
 
 /// Numbers of blocks.
 fn scales() -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(FEWEST_BLOCKS), |blocks| Some(2 * blocks)).take_while(|blocks| *blocks <= MOST_BLOCKS)
+    std::iter::successors(Some(FEWEST_BLOCKS), |blocks| Some(2 * blocks))
+        .take_while(|blocks| *blocks <= MOST_BLOCKS)
 }
 
 /// The covariance of what is varied; infinite on the diagonal of what the runs say nothing of. `clocks` are the
@@ -114,7 +116,8 @@ fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64
             let length = rows.div_ceil(blocks).max(1);
             for first in (0..rows).step_by(length) {
                 count += 1.0;
-                let within = |other: usize| if other == run { first..(first + length).min(rows) } else { 0..0 };
+                let within =
+                    |other: usize| if other == run { first..(first + length).min(rows) } else { 0..0 };
                 let part = Part::of(found, within);
                 let own = among(&part.normal, known);
                 let gradient = part.gradient.select_rows(known);
