@@ -153,3 +153,81 @@ fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let inverse = (scaled + ridge).cholesky()?.inverse();
     Some(DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of variance 1, the same every time.
+    fn noise(seed: &mut u64) -> f64 {
+        let uniform = (0..12).map(|_| {
+            *seed ^= *seed << 13;
+            *seed ^= *seed >> 7;
+            *seed ^= *seed << 17;
+            (*seed >> 11) as f64 / (1u64 << 53) as f64
+        });
+        uniform.sum::<f64>() - 6.0
+    }
+
+    /// Two values, one that acts everywhere and one in one place, fitted to residuals of which neighbours are related
+    /// by `related`: how many deviations each is off, and by how much its deviation is larger than the plain one.
+    fn fitted(related: f64, seed: &mut u64) -> Vec<(f64, f64)> {
+        let count = 2000;
+        let jacobian = DMatrix::from_fn(count, 2, |row, column| match column {
+            0 => (0.003 * row as f64).sin(),
+            _ => f64::from(u8::from((1000..1100).contains(&row))),
+        });
+        let mut last = 0.0;
+        let residuals = DVector::from_fn(count, |_, _| {
+            last = related * last + (1.0 - related * related).sqrt() * 0.4 * noise(seed);
+            last
+        });
+        let normal = jacobian.tr_mul(&jacobian);
+        let plain = normal.clone().try_inverse().expect("two values that are apart");
+        let varied = -&plain * jacobian.tr_mul(&residuals);
+        let whitened = vec![(residuals + &jacobian * &varied).iter().copied().collect()];
+        let found = Minimum {
+            varied: varied.clone(),
+            whitened,
+            jacobians: vec![jacobian],
+            cost: 0.0,
+            converged: true,
+        };
+        let covariance = covariance(&found, &[vec![0.0; count]]);
+        let of = |at: usize| {
+            let deviation = covariance[(at, at)].sqrt();
+            (varied[at].abs() / deviation, deviation / (0.4 * plain[(at, at)].sqrt()))
+        };
+        (0..2).map(of).collect()
+    }
+
+    #[test]
+    fn the_truth_lies_where_nine_times_in_ten_it_should_though_neighbours_are_related() {
+        let mut seed = 11;
+        for (related, larger) in [(0.0, 4.0), (0.95, f64::INFINITY)] {
+            let all: Vec<_> = (0..200).map(|_| fitted(related, &mut seed)).collect();
+            for value in 0..2 {
+                let within = all.iter().filter(|fitted| fitted[value].0 < 1.645).count();
+                assert!((150..=200).contains(&within), "value {value} related {related}: {within} of 200");
+                let most = all.iter().map(|fitted| fitted[value].1).fold(0.0, f64::max);
+                assert!(most < larger, "value {value} related {related}: {most} times the plain deviation");
+            }
+        }
+    }
+
+    #[test]
+    fn a_clock_that_is_off_moves_what_goes_with_time() {
+        let count = 1000;
+        let jacobian = DMatrix::from_element(count, 1, -0.1);
+        let found = Minimum {
+            varied: DVector::zeros(1),
+            whitened: vec![vec![0.0; count]],
+            jacobians: vec![jacobian],
+            cost: 0.0,
+            converged: true,
+        };
+        let deviation = |trace: f64| covariance(&found, &[vec![trace; count]])[(0, 0)].sqrt();
+        let (without, with) = (deviation(0.0), deviation(1e6));
+        assert!((with - without.hypot(CLOCK * 1e7)).abs() < 1e-6 * with, "{without} {with}");
+    }
+}
