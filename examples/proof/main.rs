@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 use truefeed::identification::diagnosis::diagnose;
 use truefeed::identification::fit::{Recorded, RecordedError};
 use truefeed::machine::Machine;
-use truefeed::plot::svg;
+use truefeed::plot::{Theme, svg};
 use truefeed::project::{DiagnosisReport, diagnosis_chart, machine_from_toml};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::toolpath::trace;
@@ -87,7 +87,7 @@ fn one(case: &Path, out: &Path) -> Result<(), Refusal> {
             let diagnosis = diagnose(&machine, std::slice::from_ref(&run), &mut |_| {});
             let report = DiagnosisReport::new(&diagnosis, &["recording.csv".into()]);
             let chart = diagnosis_chart(&diagnosis, &machine, std::slice::from_ref(&run), 0);
-            if let Some(picture) = chart.and_then(|chart| svg(&chart, CHART)) {
+            if let Some(picture) = chart.and_then(|chart| svg(&chart, &Theme::LIGHT, CHART)) {
                 std::fs::write(out.join("chart.svg"), picture)?;
             }
             let second = case.join("transfer");

@@ -153,7 +153,7 @@ pub fn conceal(
         }
         "junction_rule" => {
             physics.axis_step = 20.0 / k;
-            json!({"rule": "axis_velocity_step", "value": physics.axis_step})
+            json!({"rule": "axis_velocity_step", "value": 60.0 * physics.axis_step})
         }
         // The sharper half of the corners at k = 1, nearly all at 10.
         "exact_stop" => {

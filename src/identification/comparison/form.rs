@@ -72,21 +72,10 @@ impl Form {
             let (mut along, mut speed, mut squares) = (0.0, 0.0, 0.0);
             let mut row = 0;
             for (time, position) in &self.rows {
-                let time = time - delay;
-                let (there, velocity) = at(&actual, time, &mut row);
-                let (mut all, mut forward, mut own) = (0.0, 0.0, 0.0);
-                for axis in (0..3).filter(|axis| self.recorded[*axis]) {
-                    let difference = position[axis] - there[axis];
-                    all += difference * difference;
-                    forward += difference * velocity[axis];
-                    own += velocity[axis] * velocity[axis];
-                }
+                let (forward, own, square) = self.difference(&actual, time - delay, position, &mut row);
                 along += forward;
                 speed += own;
-                // What lies along the motion counts as far as the stamps are worth it.
-                let ahead = if 0.0 < own { forward * forward / own } else { 0.0 };
-                let certain = self.noise * self.noise;
-                squares += (all - ahead).max(0.0) + ahead * certain / (certain + own * STAMPS * STAMPS);
+                squares += square;
             }
             let found = f64::sqrt(squares / self.rows.len().max(1) as f64);
             if found < rms {
@@ -99,6 +88,40 @@ impl Form {
             delay -= step;
         }
         (rms, best)
+    }
+
+    /// The squares of which `error` takes the root of the mean, mm², in so many contiguous parts of the recording.
+    pub fn parts(&self, machine: &Machine, count: usize) -> Vec<f64> {
+        let (_, delay) = self.error(machine);
+        let actual = actual_motion(&self.samples, machine);
+        let mut row = 0;
+        let mut square =
+            |(time, position): &(f64, [f64; 3])| self.difference(&actual, time - delay, position, &mut row).2;
+        let parts = self.rows.chunks(self.rows.len().div_ceil(count).max(1));
+        parts.map(|part| part.iter().map(&mut square).sum()).collect()
+    }
+
+    /// Of a position to that of a table at a time: e·v, v·v, and the square that counts.
+    fn difference(
+        &self,
+        actual: &Samples,
+        time: f64,
+        position: &[f64; 3],
+        row: &mut usize,
+    ) -> (f64, f64, f64) {
+        let (there, velocity) = at(actual, time, row);
+        let (mut all, mut forward, mut own) = (0.0, 0.0, 0.0);
+        for axis in (0..3).filter(|axis| self.recorded[*axis]) {
+            let difference = position[axis] - there[axis];
+            all += difference * difference;
+            forward += difference * velocity[axis];
+            own += velocity[axis] * velocity[axis];
+        }
+        // What lies along the motion counts as far as the stamps are worth it.
+        let ahead = if 0.0 < own { forward * forward / own } else { 0.0 };
+        let certain = self.noise * self.noise;
+        let square = (all - ahead).max(0.0) + ahead * certain / (certain + own * STAMPS * STAMPS);
+        (forward, own, square)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the runs say of a machine, in one number: the cost of the whitened residuals.
 
-use crate::identification::fit::{Fit, HARDLY, Run, Whitening, fit, huber};
+use crate::identification::fit::{Fit, HARDLY, Run, Whitening, dispersion, fit, huber};
 use crate::identification::hypotheses::Hypothesis;
 use crate::machine::Machine;
 
@@ -57,6 +57,11 @@ impl<'a> Evidence<'a> {
     /// The cost of a machine.
     pub fn cost(&self, machine: &Machine) -> f64 {
         self.whitened(machine).iter().flatten().map(|value| huber(*value)).sum()
+    }
+
+    /// By how much more than independent ones the residuals that a machine leaves vary: costs are that much less worth.
+    pub fn dispersion(&self, machine: &Machine) -> f64 {
+        dispersion(&self.whitened(machine))
     }
 
     /// A hypothesis at the best of its trials, and between them where that means something.
@@ -123,7 +128,10 @@ impl<'a> Evidence<'a> {
                 }
             }
         }
-        let deviations = vec![f64::NAN; values.len()];
+        let mut deviations = vec![f64::NAN; values.len()];
+        if !hypothesis.is_continuous {
+            deviations[0] = between_trials(&hypothesis.trials, best);
+        }
         Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost })
     }
 
@@ -160,6 +168,18 @@ impl<'a> Evidence<'a> {
         };
         let own = take(candidate);
         (own, with.iter().map(take).collect())
+    }
+}
+
+/// The standard deviation of a first parameter that is known to be nearer to a trial than to those beside it.
+fn between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
+    let value = trials[at][0];
+    let apart = |other: Option<&Vec<f64>>| other.map(|other| 0.5 * (other[0] - value).abs());
+    let before = apart(at.checked_sub(1).and_then(|before| trials.get(before)));
+    let (below, above) = (before, apart(trials.get(at + 1)));
+    match (below.or(above), above.or(below)) {
+        (Some(below), Some(above)) => (below + above) / 12f64.sqrt(),
+        _ => f64::NAN,
     }
 }
 

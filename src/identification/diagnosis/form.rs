@@ -12,12 +12,17 @@ use crate::machine::Machine;
 
 /// What is explained whole leaves so many standard deviations of the noise, or so many mm.
 const WHOLE: (f64, f64) = (4.0, 0.01);
+/// The same of what is looked at beside causes of time: a simulation without drives is that close.
+const SEEN: (f64, f64) = (4.0, 2e-3);
 /// A cause of form must take this part of the error away.
 const WORTH: f64 = 0.35;
 /// And be larger than this, mm.
 const LEAST: f64 = 2e-3;
 /// Rounds of golden sections, and sections in each.
 const ROUNDS: (usize, usize) = (3, 7);
+/// Parts of a recording that are independent, and the step at which it is seen what each says of a value.
+const PARTS: usize = 16;
+const STEP: f64 = 2e-3;
 /// Causes of form that are searched between their trials.
 const REFINED: usize = 2;
 
@@ -54,9 +59,10 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
         return Vec::new();
     }
     let noise = runs.iter().filter_map(|run| run.alignment.track.as_ref()).map(|track| track.noise);
-    let floor = (WHOLE.0 * noise.fold(0.0, f64::max)).max(WHOLE.1);
+    let (times, least) = if whole { WHOLE } else { SEEN };
+    let floor = (times * noise.fold(0.0, f64::max)).max(least);
     let before = rms(&forms, machine);
-    if before < LEAST.max(1.2 * floor) && before < floor {
+    if before < floor {
         return Vec::new();
     }
     let mut current = machine.clone();
@@ -140,17 +146,28 @@ fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate
             widths[place] *= 0.3;
         }
     }
-    // The curvature of the error says how well the values are known.
-    let count: f64 = 2000.0;
+    // By how much the value would be another, were one part of the recording left out or another one there.
+    let parts = |values: &[f64]| -> Vec<f64> {
+        let machine = hypothesis.machine(machine, values);
+        forms.iter().flat_map(|form| form.parts(&machine, PARTS)).collect()
+    };
+    let here = parts(&values);
     let deviations = hypothesis.freed.iter().enumerate().map(|(place, freed)| {
-        let step = 0.05;
         let beside = |sign: f64| {
             let mut there = values.clone();
-            there[place] = freed.outward(freed.inward(values[place]) + sign * step);
-            error(&there).powi(2)
+            there[place] = freed.outward(freed.inward(values[place]) + sign * STEP);
+            parts(&there)
         };
-        let curvature = (beside(1.0) + beside(-1.0) - 2.0 * least * least) / (step * step);
-        let varied = (2.0 * least * least / (count * curvature.max(1e-30))).sqrt();
+        let (below, above) = (beside(-1.0), beside(1.0));
+        let count = here.len() as f64;
+        let slopes: Vec<f64> =
+            below.iter().zip(&above).map(|(below, above)| (above - below) / (2.0 * STEP)).collect();
+        let mean = slopes.iter().sum::<f64>() / count;
+        let scatter =
+            slopes.iter().map(|slope| (slope - mean).powi(2)).sum::<f64>() * count / (count - 1.0).max(1.0);
+        let bend = |at: usize| (below[at] + above[at] - 2.0 * here[at]) / (STEP * STEP);
+        let curvature = (0..here.len()).map(bend).sum::<f64>();
+        let varied = if 0.0 < curvature { scatter.sqrt() / curvature } else { 1.0 };
         freed.deviation(values[place], varied.min(1.0))
     });
     let deviations = deviations.collect();

@@ -67,8 +67,11 @@ const LEFT: f64 = 2e-3;
 const WORSE: f64 = 1.03;
 /// What is left of what there was, from which on it is not explained.
 const MUCH: f64 = 0.25;
-/// Candidates whose cost is this close to the best's cannot be told from it.
+/// Candidates whose cost is this close to the best's cannot be told from it, over how much more than independent
+/// ones the residuals vary.
 const SAME: f64 = 6.0;
+/// What is farther from the best, as a part of what that leaves, is not looked at again.
+const NEAR: f64 = 1.0;
 /// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
@@ -173,7 +176,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
             read_off.push((candidate, (Vec::new(), None, 1.0)));
         }
         let price = GAIN + (gates::sections(runs) as f64).ln();
-        let own = |gain: f64| (Vec::new(), None, 1.0 - (-(gain - price) / 20.0).exp());
+        let own = |gain: f64| (Vec::new(), None, odds(gain, price));
         let now = with_all(&start, &candidates_of(&read_off));
         for (candidate, gain) in waits::at_functions(&now, runs, &library, price) {
             let known = candidate.hypothesis.freed[0].key.clone();
@@ -205,6 +208,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     }
     let (named, details) = without_unnecessary(&base, &looked, named, details);
     let (named, details) = if looked.in_parts { held(&base, runs, named, details) } else { (named, details) };
+    let details = weighed(&base, runs, &named, details);
     let with_time = with_all(&base, &named);
     let mut drives = drives;
     if 0 < rounds {
@@ -247,7 +251,9 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let left_most = located(&after).into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()));
     let whole: f64 = after.iter().map(|comparison| comparison.whole.recorded).sum();
     let known_error = machine.cycle_time_error.map_or(0.0, f64::abs);
-    let is_left = 0 < rounds && LEFT.max(known_error) * whole < left && LEAST < left;
+    // Beside what causes explain, what they leave is judged by that; else by what no cycle time shows.
+    let is_much = !causes.is_empty() && MUCH * regions::left(&before, runs) < left;
+    let is_left = 0 < rounds && LEAST.max(known_error * whole) < left && (is_much || LEFT * whole < left);
     if is_left && !causes.is_empty() {
         messages.push(format!("{left:.2} s of lost time are left that nothing in the library explains"));
     } else if LEFT * whole < left && left <= known_error * whole {
@@ -264,7 +270,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         (true, true) => Verdict::Unknown,
         (true, false) => Verdict::NothingMissing,
         _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
-        (false, true) if by_operator < left && MUCH * regions::left(&before, runs) < left => Verdict::Unknown,
+        (false, true) if by_operator < left && is_much => Verdict::Unknown,
         _ => Verdict::Explained,
     };
     progress(1.0);
@@ -347,6 +353,7 @@ struct Found {
     others: Vec<Candidate>,
     alike: Vec<String>,
     held_out: Option<HeldOut>,
+    /// At most; what the likelihood says of it is known when all causes are.
     confidence: f64,
 }
 
@@ -440,29 +447,38 @@ fn next_cause(
     if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
         return None;
     }
+    // The last digits of the others are those of the first guess, too.
+    let dispersion = last.dispersion(&with);
+    let fine_cost = refined[0].0.cost;
+    let near = (SAME * dispersion).max(NEAR * fine_cost);
     let alike = refined
         .iter()
         .skip(1)
-        .map(|(other, others)| {
-            let mut all = others.clone();
-            all.push(other.clone());
-            (other, last.cost(&with_all(base, &all)))
-        })
-        .filter(|(other, cost)| {
-            cost - candidate.cost < SAME && other.hypothesis.id != candidate.hypothesis.id
-        })
-        .map(|(other, _)| other.hypothesis.id.to_string())
+        .filter(|(other, _)| other.hypothesis.id != candidate.hypothesis.id && other.cost < fine_cost + near)
+        .map(|(other, others)| last.refined(base, other, others).0)
+        .filter(|other| other.cost - candidate.cost < SAME * dispersion)
+        .map(|other| other.hypothesis.id.to_string())
         .collect::<std::collections::BTreeSet<String>>();
     let alike: Vec<String> = alike.into_iter().collect();
-    let share = held_out.as_ref().map_or(1.0, HeldOut::share);
-    let confidence = (1.0 - (-(gain - price) / 20.0).exp()) * share / (1.0 + alike.len() as f64);
-    (UNSURE <= confidence).then_some(Found { candidate, others, alike, held_out, confidence })
+    let most = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
+    let is_sure = UNSURE <= most * odds(gain / dispersion, price);
+    is_sure.then_some(Found { candidate, others, alike, held_out, confidence: most })
+}
+
+/// How sure a gain of likelihood makes, beside its price.
+fn odds(gain: f64, price: f64) -> f64 {
+    gain / (gain + price)
 }
 
 /// Whether a setting is found at the value that the machine file has, within what a calibration is sure of.
 fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
     let hypothesis = &candidate.hypothesis;
     let [freed] = &hypothesis.freed[..] else { return false };
+    // Filters of other lengths but the same delay are seen by the sum of their squares, which is that of a constant
+    // longer by the square of the spread, as a part of it.
+    if hypothesis.id == "unequal_filters" && candidate.values[0].powi(2) < BELIEVED {
+        return true;
+    }
     let believed = freed.of(machine).filter(|value| 0.0 < *value);
     !SWITCHES.contains(&hypothesis.id)
         && hypothesis.is_continuous
@@ -488,6 +504,26 @@ fn is_at_bound(candidate: &Candidate) -> bool {
 
 /// What was named for a cause.
 type Details = (Vec<String>, Option<HeldOut>, f64);
+
+/// What was found for causes, with a confidence that also tells what the likelihood says of each beside the others: the
+/// odds are its gain to its price, the gain being worth less as residuals that are left are related.
+fn weighed(base: &Machine, runs: &[Run], named: &[Candidate], details: Vec<Details>) -> Vec<Details> {
+    if named.is_empty() {
+        return details;
+    }
+    let with = with_all(base, named);
+    let evidence = Evidence::of(runs, &with);
+    let (cost, dispersion) = (evidence.cost(&with), evidence.dispersion(&with));
+    let sections = (gates::sections(runs) as f64).ln();
+    let weigh = |(at, (alike, held_out, most)): (usize, Details)| {
+        let mut others = named.to_vec();
+        let own = others.remove(at);
+        let gain = (evidence.cost(&with_all(base, &others)) - cost).max(0.0) / dispersion;
+        let price = GAIN + own.values.len() as f64 * sections;
+        (alike, held_out, most * odds(gain, price))
+    };
+    details.into_iter().enumerate().map(weigh).collect()
+}
 
 /// Takes back every cause that the others make unnecessary.
 fn without_unnecessary(

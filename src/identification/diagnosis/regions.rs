@@ -37,8 +37,16 @@ pub struct Region {
 pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
     let mut deviations: Vec<f64> = alignment.marks.iter().map(|mark| mark.deviation).collect();
     let noise = crate::identification::alignment::median(&mut deviations).max(1e-4);
+    // Close to a stop, where hardly anything moves, times are known less well.
+    let marks = &alignment.marks;
+    let deviation = |time: f64| {
+        let after = marks.partition_point(|mark| mark.time < time).min(marks.len().saturating_sub(1));
+        let beside = [marks.get(after.saturating_sub(1)), marks.get(after)];
+        beside.into_iter().flatten().map(|mark| mark.deviation).fold(noise, f64::max)
+    };
     let mut found: Vec<(usize, usize)> = Vec::new();
     for (at, visit) in comparison.lost.iter().enumerate() {
+        let noise = deviation(visit.recorded.start).max(deviation(visit.recorded.end));
         if visit.seconds().abs() < (SEEN * noise).max(LEAST) {
             continue;
         }

@@ -7,6 +7,9 @@ use std::sync::Arc;
 
 use crate::machine::{Access, Machine, parameter};
 
+/// A cycle of interpolation, s: controls have 1 to 4 ms.
+const CYCLE: f64 = 2e-3;
+
 /// How a parameter is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
@@ -110,6 +113,14 @@ impl Freed {
             Scale::Ratio => value * deviation,
             Scale::Difference => deviation,
         }
+    }
+
+    /// What it may be off by whatever the runs say, as a standard deviation, core units: what lasts a time a control
+    /// counts in cycles that nobody wrote into the machine file.
+    pub fn counted(&self) -> f64 {
+        let is_counted =
+            ["halts.", "times.", "interpolator.block_time"].iter().any(|key| self.key.starts_with(key));
+        if is_counted { CYCLE / 12f64.sqrt() } else { 0.0 }
     }
 
     /// The step of a difference quotient in what is varied.

@@ -10,19 +10,20 @@
 //! everything else (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients, a
 //! parameter at its bound standing still.
 //!
-//! Uncertainties are those of the sandwich estimator over contiguous sections, (JᵀWJ)⁻¹ (Σ g gᵀ) (JᵀWJ)⁻¹
-//! with g the gradient of a section: sections may be related within, not with each other, and more samples
-//! of the same motion make nothing more certain.
+//! Uncertainties are those of `uncertainty`: neighbours may be related, and more samples of the same motion make
+//! nothing more certain.
 
 mod freed;
 mod minimise;
 mod recorded;
+mod uncertainty;
 mod whitened;
 
 use nalgebra::DMatrix;
 
 pub use freed::{Freed, Scale};
 pub use recorded::{Recorded, RecordedError};
+pub use uncertainty::dispersion;
 pub use whitened::Whitening;
 
 use crate::identification::alignment::{Alignment, Place, times_at_marks};
@@ -35,8 +36,6 @@ use crate::simulation::toolpath::Toolpath;
 
 /// The part of the cost that is hardly worth a step.
 pub const HARDLY: f64 = 1e-4;
-/// Sections a run is cut into for the uncertainties.
-const SECTIONS: usize = 16;
 
 /// A program with the recording of one of its runs.
 #[derive(Clone)]
@@ -155,9 +154,12 @@ pub fn fit(
     let found = minimise::minimise(machine, runs, freed, whitenings, hardly, progress);
     let values: Vec<f64> =
         freed.iter().zip(found.varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
-    let covariance = covariance(&found);
+    let covariance = uncertainty::covariance(&found, &clocks(runs, whitenings));
     let deviations = (0..freed.len())
-        .map(|at| freed[at].deviation(values[at], covariance[(at, at)].max(0.0).sqrt()))
+        .map(|at| {
+            let deviation = freed[at].deviation(values[at], covariance[(at, at)].max(0.0).sqrt());
+            deviation.hypot(freed[at].counted())
+        })
         .collect();
     let correlations = DMatrix::from_fn(freed.len(), freed.len(), |i, j| {
         let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
@@ -180,6 +182,16 @@ pub fn fit(
     }
 }
 
+/// What a recorder's clock that is off leaves of each run, whitened, for a rate that is off by 1.
+fn clocks(runs: &[Run], whitenings: &[Whitening]) -> Vec<Vec<f64>> {
+    let of_run = |(run, whitening): (&Run, &Whitening)| {
+        let marks = &run.alignment.marks;
+        let begin = marks.first().map_or(0.0, |mark| mark.time);
+        whitening.apply(&marks.iter().map(|mark| mark.time - begin).collect::<Vec<f64>>())
+    };
+    runs.iter().zip(whitenings).map(of_run).collect()
+}
+
 /// A machine with these values of what is freed, core units.
 pub fn with(machine: &Machine, freed: &[Freed], values: &[f64]) -> Machine {
     let mut machine = machine.clone();
@@ -187,50 +199,4 @@ pub fn with(machine: &Machine, freed: &[Freed], values: &[f64]) -> Machine {
         freed.apply(&mut machine, *value);
     }
     machine
-}
-
-/// The covariance of what is varied; infinite on the diagonal of what the runs say nothing of.
-fn covariance(found: &minimise::Minimum) -> DMatrix<f64> {
-    let count = found.varied.len();
-    let mut normal = DMatrix::zeros(count, count);
-    let mut spread = DMatrix::zeros(count, count);
-    for (whitened, jacobian) in found.whitened.iter().zip(&found.jacobians) {
-        let length = whitened.len().div_ceil(SECTIONS).max(1);
-        for first in (0..whitened.len()).step_by(length) {
-            let last = (first + length).min(whitened.len());
-            let mut gradient = nalgebra::DVector::zeros(count);
-            for (row, value) in whitened.iter().enumerate().take(last).skip(first) {
-                let weight = minimise::weight(*value);
-                let slope = jacobian.row(row).transpose();
-                gradient += weight * value * &slope;
-                normal += weight * &slope * slope.transpose();
-            }
-            spread += &gradient * gradient.transpose();
-        }
-    }
-    let known: Vec<usize> = (0..count).filter(|at| 1e-9 < normal[(*at, *at)]).collect();
-    let part = normal.select_rows(&known).select_columns(&known);
-    let mut covariance = DMatrix::from_diagonal_element(count, count, f64::INFINITY);
-    covariance.fill_lower_triangle(0.0, 1);
-    covariance.fill_upper_triangle(0.0, 1);
-    let scale = part.diagonal().map(|own| 1.0 / own.sqrt());
-    let scaled = DMatrix::from_fn(known.len(), known.len(), |i, j| part[(i, j)] * scale[i] * scale[j]);
-    let ridge = DMatrix::identity(known.len(), known.len()) * 1e-12;
-    if let Some(factor) = (scaled + ridge).cholesky() {
-        let inverse = factor.inverse();
-        let inverse =
-            DMatrix::from_fn(known.len(), known.len(), |i, j| inverse[(i, j)] * scale[i] * scale[j]);
-        let own = spread.select_rows(&known).select_columns(&known);
-        let sandwich = &inverse * own * &inverse;
-        for (i, &row) in known.iter().enumerate() {
-            for (j, &column) in known.iter().enumerate() {
-                // Few sections say little of their own spread; the plain estimate is the least.
-                covariance[(row, column)] = match i == j {
-                    true => sandwich[(i, j)].max(inverse[(i, j)]),
-                    false => sandwich[(i, j)],
-                };
-            }
-        }
-    }
-    covariance
 }

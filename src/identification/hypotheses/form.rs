@@ -30,9 +30,9 @@ pub fn hypotheses(runs: &[Run]) -> Vec<Hypothesis> {
         is_continuous: true,
         report,
     }];
-    // Vibrations that the recorder cannot show are not looked for: a tenth of the sampling rate at most.
+    // Vibrations that the recorder cannot show are not looked for: a little less than half the sampling rate at most.
     let interval = runs.iter().filter_map(|run| run.alignment.track.as_ref()).map(|track| track.interval);
-    let highest = 0.25 / interval.fold(f64::INFINITY, f64::min);
+    let highest = 0.45 / interval.fold(f64::INFINITY, f64::min);
     for axis in axes {
         let name = AXES[axis];
         let word = move || ("axis", Reported::Word(name.to_string()));

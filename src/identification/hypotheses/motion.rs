@@ -48,7 +48,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     }
     all.extend(junctions(machine));
     all.extend(planners(machine));
-    all.push(smoothing(machine));
+    all.push(smoothing(machine, runs));
     all.extend(overrides(machine, &demand));
     all.extend(blocks(runs));
     all.push(single(
@@ -161,6 +161,20 @@ fn filters(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
         |value| vec![("time_constant_s", Reported::Number(value))],
     )];
     // Another order has the same delay in all, or it would be another constant as well.
+    // As many more or fewer of the same length, or of another one with the same delay in all.
+    let orders: Vec<f64> = (1..=4).filter(|other| *other != order).map(|other| other as f64).collect();
+    let freed = Freed::new(
+        "interpolator.filters",
+        order as f64,
+        (1.0, 4.0),
+        Scale::Difference,
+        move |machine, value| machine.interpolator.filters = value.round().clamp(1.0, 4.0) as usize,
+    );
+    let found = single("filter_order", Some(freed), orders.clone(), |value| {
+        vec![("filters", Reported::Number(value.round()))]
+    });
+    let variant = "each as long".to_string();
+    all.push(found.map(|hypothesis| Hypothesis { is_continuous: false, variant, ..hypothesis }));
     let of_order = Freed::new(
         "interpolator.filters",
         order as f64,
@@ -173,7 +187,6 @@ fn filters(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
             machine.interpolator.time_constants = TimeConstants::Equal(delay / other);
         },
     );
-    let orders: Vec<f64> = (1..=4).filter(|other| *other != order).map(|other| other as f64).collect();
     all.push(
         single("filter_order", Some(of_order), orders, |value| {
             vec![("filters", Reported::Number(value.round()))]
@@ -198,9 +211,12 @@ fn filters(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
                 machine.interpolator.time_constants = TimeConstants::Unequal(split(spread));
             },
         );
-        all.push(single("unequal_filters", Some(freed), vec![0.15, 0.3, 0.45, 0.6, 0.8], move |spread| {
-            vec![("time_constants_s", Reported::List(split(spread)))]
-        }));
+        all.push(single(
+            "unequal_filters",
+            Some(freed),
+            vec![0.04, 0.08, 0.15, 0.3, 0.45, 0.6, 0.8],
+            move |spread| vec![("time_constants_s", Reported::List(split(spread)))],
+        ));
     }
     let jerk = demand.feedrate / (constant * constant);
     let freed = Freed::new(
@@ -253,18 +269,41 @@ fn arcs(machine: &Machine) -> Option<Hypothesis> {
     found.map(|hypothesis| Hypothesis { variant: "arcs".to_string(), ..hypothesis })
 }
 
-/// Lines that the control runs as one; the controls that are known to have the junctions of LinuxCNC. It
-/// acts by whole lines, so that between two distances may lie nothing.
-fn smoothing(machine: &Machine) -> Option<Hypothesis> {
-    if machine.interpolator.junction != Junction::AccelerationBlend {
-        return None;
-    }
+/// Lines that the control runs as one. It acts by whole lines, so that between two distances may lie nothing; the
+/// controls that are known to have the junctions of LinuxCNC do it by themselves, and may be kept from it.
+fn smoothing(machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
     let freed = Freed::number("interpolator.path_smoothing_mm", 0.02, (0.0, 10.0), Scale::Difference);
-    let mut trials = vec![0.0];
-    trials.extend(ratios(1e-3, 1.0, 31));
+    let trials = match machine.interpolator.junction {
+        Junction::AccelerationBlend => std::iter::once(0.0).chain(ratios(1e-3, 1.0, 31)).collect(),
+        _ => {
+            let least = least_joint(runs);
+            if WIDEST_JOINT < least {
+                return None;
+            }
+            ratios(least.max(1e-3), WIDEST_JOINT, 14)
+        }
+    };
     let found =
         single("path_smoothing", freed, trials, |value| vec![("tolerance_mm", Reported::Number(value))]);
     found.map(|hypothesis| Hypothesis { is_continuous: false, ..hypothesis })
+}
+
+/// Joints of lines that are farther from the line past them than this are corners that no control smooths, mm.
+const WIDEST_JOINT: f64 = 0.3;
+
+/// How far the joint of two feed moves along lines is from the line past it, mm, where it is least but not nothing.
+fn least_joint(runs: &[Run]) -> f64 {
+    let pairs = runs.iter().flat_map(|run| run.toolpath.segments.windows(2));
+    let joints = pairs.filter_map(|pair| {
+        let is_cut = |at: usize| pair[at].curve == Curve::Line && pair[at].motion != Motion::Rapid;
+        if !is_cut(0) || !is_cut(1) || pair[0].motion != pair[1].motion || pair[0].exact_stop {
+            return None;
+        }
+        let (before, after) = (pair[0].length * pair[0].tangent(0.0), pair[1].length * pair[1].tangent(0.0));
+        let past = before + after;
+        Some(before.cross(&after).norm() / past.norm()).filter(|joint| 1e-6 < *joint)
+    });
+    joints.fold(f64::INFINITY, f64::min)
 }
 
 fn junctions(machine: &Machine) -> Vec<Option<Hypothesis>> {

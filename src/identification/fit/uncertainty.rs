@@ -1,0 +1,233 @@
+//! How far values may be off.
+//!
+//! Least squares believe that the whitened residuals ν are independent with variance 1. What a model leaves is not:
+//! it goes on for a while, and the recorder's clock is as good as its quartz. Three things are therefore added up,
+//! with J the derivatives of ν, W its weights and H = JᵀWJ:
+//!
+//! | what | how |
+//! |---|---|
+//! | what is left, as far as it is seen | H⁻¹ ĉ, with ĉ the variance of the sums of ν over contiguous blocks over that of independent ones, at the length of block where it is largest (batch means) |
+//! | what is left, where a value acts | the jackknife that leaves out one of so many contiguous blocks (H − H_g)⁻¹ g_g, at the length at which the values move most; a value that hangs on one block is told at shorter ones |
+//! | what no residual shows | the clock: (H⁻¹ JᵀW n)² σ², n the whitened trace of a clock that is off, σ what quartzes are off by |
+//!
+//! The variance of a value is the larger of the first two, plus the third. What lasts a time is also counted in cycles
+//! of the control, see [`Freed::counted`](crate::identification::fit::Freed::counted). Sources: Efron and Tibshirani 1993,
+//! Sect. 11.5 and 17; Flegal and Jones 2010 for batch means; ±50 ppm is the usual tolerance of quartzes.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::identification::fit::minimise::{Minimum, weight};
+
+/// Standard deviation of a clock's rate: that of an even spread of ±50 ppm.
+const CLOCK: f64 = 2.9e-5;
+/// Most blocks a run is cut into; each further length is twice the one before.
+const MOST_BLOCKS: usize = 512;
+/// Fewest blocks a run is cut into.
+const FEWEST_BLOCKS: usize = 8;
+/// A value that has so much of its information in one block is not told without it.
+const ALONE: f64 = 0.5;
+/// Least information on what is varied that is any.
+const KNOWN: f64 = 1e-9;
+
+/// By how much the variance of the sums of whitened residuals over blocks exceeds that of independent ones, at the
+/// length of block at which it does most; 1 at least.
+pub fn dispersion(whitened: &[Vec<f64>]) -> f64 {
+    let of = |blocks: usize| {
+        let (mut squares, mut expected) = (0.0, 0.0);
+        for run in whitened {
+            for block in run.chunks(run.len().div_ceil(blocks).max(1)) {
+                squares += block.iter().map(|value| weight(*value) * value).sum::<f64>().powi(2);
+                expected += block.iter().map(|value| weight(*value)).sum::<f64>();
+            }
+        }
+        if 0.0 < expected { squares / expected } else { 1.0 }
+    };
+    scales().map(of).fold(1.0, f64::max)
+}
+
+/// Numbers of blocks.
+fn scales() -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(FEWEST_BLOCKS), |blocks| Some(2 * blocks))
+        .take_while(|blocks| *blocks <= MOST_BLOCKS)
+}
+
+/// The covariance of what is varied; infinite on the diagonal of what the runs say nothing of. `clocks` are the
+/// whitened traces of a clock that is off, run by run.
+pub fn covariance(found: &Minimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
+    let count = found.varied.len();
+    let all = Part::of(found, |run| 0..found.whitened[run].len());
+    let known: Vec<usize> = (0..count).filter(|at| KNOWN < all.normal[(*at, *at)]).collect();
+    let mut covariance = DMatrix::from_diagonal_element(count, count, f64::INFINITY);
+    covariance.fill_lower_triangle(0.0, 1);
+    covariance.fill_upper_triangle(0.0, 1);
+    let normal = among(&all.normal, &known);
+    let Some(inverse) = inverse(&normal) else { return covariance };
+    let plain = &inverse * dispersion(&found.whitened);
+    let moved = jackknife(found, &known, &normal);
+    let mut clock = DVector::zeros(count);
+    for ((whitened, jacobian), trace) in found.whitened.iter().zip(&found.jacobians).zip(clocks) {
+        for (row, (value, trace)) in whitened.iter().zip(trace).enumerate() {
+            clock += weight(*value) * trace * jacobian.row(row).transpose();
+        }
+    }
+    let clock = CLOCK * &inverse * clock.select_rows(&known);
+    let own = |at: usize| plain[(at, at)].max(moved[at]).sqrt();
+    for (i, &row) in known.iter().enumerate() {
+        for (j, &column) in known.iter().enumerate() {
+            let related = plain[(i, j)] / (plain[(i, i)] * plain[(j, j)]).sqrt();
+            covariance[(row, column)] = related * own(i) * own(j) + clock[i] * clock[j];
+        }
+    }
+    covariance
+}
+
+/// Information and gradient of a part of the runs.
+struct Part {
+    normal: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+impl Part {
+    fn of(found: &Minimum, rows: impl Fn(usize) -> std::ops::Range<usize>) -> Part {
+        let count = found.varied.len();
+        let mut part = Part { normal: DMatrix::zeros(count, count), gradient: DVector::zeros(count) };
+        for (run, (whitened, jacobian)) in found.whitened.iter().zip(&found.jacobians).enumerate() {
+            for row in rows(run) {
+                let value = whitened[row];
+                let slope = jacobian.row(row).transpose();
+                part.gradient += weight(value) * value * &slope;
+                part.normal += weight(value) * &slope * slope.transpose();
+            }
+        }
+        part
+    }
+}
+
+/// The largest variance of each known value by leaving out blocks, over all lengths at which it is told without any
+/// one of them.
+fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64> {
+    let mut largest = vec![0.0; known.len()];
+    for blocks in scales() {
+        let mut squares = vec![0.0; known.len()];
+        let mut alone = vec![false; known.len()];
+        let mut count = 0.0;
+        for run in 0..found.whitened.len() {
+            let rows = found.whitened[run].len();
+            let length = rows.div_ceil(blocks).max(1);
+            for first in (0..rows).step_by(length) {
+                count += 1.0;
+                let within =
+                    |other: usize| if other == run { first..(first + length).min(rows) } else { 0..0 };
+                let part = Part::of(found, within);
+                let own = among(&part.normal, known);
+                let gradient = part.gradient.select_rows(known);
+                for at in 0..known.len() {
+                    alone[at] |= ALONE * normal[(at, at)] < own[(at, at)];
+                }
+                let Some(without) = inverse(&(normal - own)) else { continue };
+                for (square, moved) in squares.iter_mut().zip((without * gradient).iter()) {
+                    *square += moved * moved;
+                }
+            }
+        }
+        for at in (0..known.len()).filter(|at| !alone[*at]) {
+            largest[at] = f64::max(largest[at], squares[at] * (count - 1.0) / f64::max(count, 1.0));
+        }
+    }
+    largest
+}
+
+fn among(normal: &DMatrix<f64>, known: &[usize]) -> DMatrix<f64> {
+    normal.select_rows(known).select_columns(known)
+}
+
+/// The inverse, by way of one with 1 on its diagonal; none where it has none.
+fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let count = normal.nrows();
+    if (0..count).any(|at| normal[(at, at)] <= 0.0) {
+        return None;
+    }
+    let scale = normal.diagonal().map(|own| 1.0 / own.sqrt());
+    let scaled = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] * scale[i] * scale[j]);
+    let ridge = DMatrix::identity(count, count) * 1e-12;
+    let inverse = (scaled + ridge).cholesky()?.inverse();
+    Some(DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of variance 1, the same every time.
+    fn noise(seed: &mut u64) -> f64 {
+        let uniform = (0..12).map(|_| {
+            *seed ^= *seed << 13;
+            *seed ^= *seed >> 7;
+            *seed ^= *seed << 17;
+            (*seed >> 11) as f64 / (1u64 << 53) as f64
+        });
+        uniform.sum::<f64>() - 6.0
+    }
+
+    /// Two values, one that acts everywhere and one in one place, fitted to residuals of which neighbours are related
+    /// by `related`: how many deviations each is off, and by how much its deviation is larger than the plain one.
+    fn fitted(related: f64, seed: &mut u64) -> Vec<(f64, f64)> {
+        let count = 2000;
+        let jacobian = DMatrix::from_fn(count, 2, |row, column| match column {
+            0 => (0.003 * row as f64).sin(),
+            _ => f64::from(u8::from((1000..1100).contains(&row))),
+        });
+        let mut last = 0.0;
+        let residuals = DVector::from_fn(count, |_, _| {
+            last = related * last + (1.0 - related * related).sqrt() * 0.4 * noise(seed);
+            last
+        });
+        let normal = jacobian.tr_mul(&jacobian);
+        let plain = normal.clone().try_inverse().expect("two values that are apart");
+        let varied = -&plain * jacobian.tr_mul(&residuals);
+        let whitened = vec![(residuals + &jacobian * &varied).iter().copied().collect()];
+        let found = Minimum {
+            varied: varied.clone(),
+            whitened,
+            jacobians: vec![jacobian],
+            cost: 0.0,
+            converged: true,
+        };
+        let covariance = covariance(&found, &[vec![0.0; count]]);
+        let of = |at: usize| {
+            let deviation = covariance[(at, at)].sqrt();
+            (varied[at].abs() / deviation, deviation / (0.4 * plain[(at, at)].sqrt()))
+        };
+        (0..2).map(of).collect()
+    }
+
+    #[test]
+    fn the_truth_lies_where_nine_times_in_ten_it_should_though_neighbours_are_related() {
+        let mut seed = 11;
+        for (related, larger) in [(0.0, 4.0), (0.95, f64::INFINITY)] {
+            let all: Vec<_> = (0..200).map(|_| fitted(related, &mut seed)).collect();
+            for value in 0..2 {
+                let within = all.iter().filter(|fitted| fitted[value].0 < 1.645).count();
+                assert!((150..=200).contains(&within), "value {value} related {related}: {within} of 200");
+                let most = all.iter().map(|fitted| fitted[value].1).fold(0.0, f64::max);
+                assert!(most < larger, "value {value} related {related}: {most} times the plain deviation");
+            }
+        }
+    }
+
+    #[test]
+    fn a_clock_that_is_off_moves_what_goes_with_time() {
+        let count = 1000;
+        let jacobian = DMatrix::from_element(count, 1, -0.1);
+        let found = Minimum {
+            varied: DVector::zeros(1),
+            whitened: vec![vec![0.0; count]],
+            jacobians: vec![jacobian],
+            cost: 0.0,
+            converged: true,
+        };
+        let deviation = |trace: f64| covariance(&found, &[vec![trace; count]])[(0, 0)].sqrt();
+        let (without, with) = (deviation(0.0), deviation(1e6));
+        assert!((with - without.hypot(CLOCK * 1e7)).abs() < 1e-6 * with, "{without} {with}");
+    }
+}
