@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use truefeed::identification::diagnosis::{Diagnosis, diagnose};
+use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
 use truefeed::identification::fit::{Recorded, simulate};
 use truefeed::identification::probe::{Probe, ProbeError, SPACE, probe_all, probe_between};
 use truefeed::machine::{Machine, parameter};
@@ -83,6 +83,7 @@ fn names(pair: [&str; 2], concealed: &[(&str, &str, f64)]) {
         let diagnosis = diagnosed(&probe.program, &believed, &truth);
         let found: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.id).collect();
         assert_eq!(found.first(), Some(&id), "{id} {value}: {found:?} {:?}", diagnosis.verdict);
+        assert_ne!(diagnosis.verdict, Verdict::Unknown, "{id} {value} is all there is: {found:?}");
     }
 }
 
@@ -175,5 +176,8 @@ fn what_cannot_be_separated_is_refused_with_a_reason() {
         if nearest == "corner_tolerance"));
     assert!(matches!(refused("backlash", "backlash"), ProbeError::Same(_)));
     assert!(matches!(refused("feed_hold", "backlash"), ProbeError::Unprovoked { .. }));
-    assert!(matches!(refused("path_smoothing", "backlash"), ProbeError::Hidden("path_smoothing")));
+    let mut one_filter = machine.clone();
+    one_filter.interpolator.filters = 1;
+    let refused = probe_between(&one_filter, ["unequal_filters", "backlash"]).expect_err("refused");
+    assert!(matches!(refused, ProbeError::Hidden("unequal_filters")), "{refused}");
 }

@@ -27,7 +27,9 @@ mod stops;
 mod visited;
 mod travelled;
 
+use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 use thiserror::Error;
 
 pub use crate::identification::alignment::driven::times_at_marks;
@@ -108,11 +110,38 @@ pub struct Alignment {
     /// Root mean square of the distance from the path, mm; none without positions.
     pub spread: Option<f64>,
     /// The recorded positions in the program's coordinates, where there are any.
-    pub track: Option<std::sync::Arc<Track>>,
+    pub track: Option<Arc<Track>>,
     /// The feed that was recorded, where there is any and its unit is known.
     pub feed: Option<Channel<f64>>,
     /// What was assumed or repaired, for people.
     pub remarks: Vec<String>,
+}
+
+impl Alignment {
+    /// The same with the stamps of a clock that is right, where the recorder's says `ratio` seconds for each.
+    pub fn by_right_clock(&self, ratio: f64) -> Cow<'_, Alignment> {
+        if ratio == 1.0 {
+            return Cow::Borrowed(self);
+        }
+        let mut own = self.clone();
+        own.run = own.run.start / ratio..own.run.end / ratio;
+        own.poll = own.poll.map(|poll| poll / ratio);
+        own.fixes.iter_mut().for_each(|fix| fix.time /= ratio);
+        for mark in &mut own.marks {
+            mark.time /= ratio;
+            mark.deviation /= ratio;
+        }
+        let right = |times: &[f64]| times.iter().map(|time| time / ratio).collect();
+        own.track = own.track.map(|track| {
+            let (time, interval) = (right(&track.time), track.interval / ratio);
+            Arc::new(Track { time, interval, ..(*track).clone() })
+        });
+        own.feed = own.feed.map(|feed| {
+            let time: Vec<f64> = right(&feed.time);
+            Channel { time: time.into(), ..feed }
+        });
+        Cow::Owned(own)
+    }
 }
 
 /// Why a recording cannot be laid on a program.

@@ -41,7 +41,7 @@ const FROM_AFAR: f64 = 8.0;
 const FINEST: f64 = 2e-4;
 
 /// Positions of all axes at common stamps.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Track {
     /// Stamps, s, ascending.
     pub time: Vec<f64>,

@@ -46,10 +46,7 @@ pub fn crossed(machine: &Machine, base: &Machine, named: &[Candidate], runs: &[R
         let fitted = with_all(base, &all);
         for (machine, sum) in [machine, &fitted].into_iter().zip(&mut sums) {
             for run in runs {
-                let plan = run.plan(machine);
-                let lost = compare(run.toolpath, &plan, run.alignment).lost;
-                let held = |time: f64| is_held(run, time);
-                sum.add(feed_error_during(run.toolpath, &plan, run.alignment, &lost, &held));
+                sum.add(feed_error(machine, run, &|time| is_held(run, time)));
             }
         }
     }
@@ -66,13 +63,20 @@ pub fn outside(
     let mut sums = [Sum::default(); 2];
     for (machine, sum) in [machine, fitted].into_iter().zip(&mut sums) {
         for (run, excerpts) in runs.iter().zip(excerpts) {
-            let plan = run.plan(machine);
-            let lost = compare(run.toolpath, &plan, run.alignment).lost;
             let held = |time: f64| !excerpts.iter().any(|excerpt| excerpt.time().contains(&time));
-            sum.add(feed_error_during(run.toolpath, &plan, run.alignment, &lost, &held));
+            sum.add(feed_error(machine, run, &held));
         }
     }
     sums[0].rms().zip(sums[1].rms()).map(|(before, after)| Crossed { before, after })
+}
+
+/// How far feedrates differ at the times, of the recorder's clock, that are `held`.
+fn feed_error(machine: &Machine, run: &Run, held: &dyn Fn(f64) -> bool) -> Option<FeedError> {
+    let clock = machine.recorder.clock_ratio;
+    let alignment = run.alignment.by_right_clock(clock);
+    let plan = run.plan(machine);
+    let lost = compare(run.toolpath, &plan, &alignment).lost;
+    feed_error_during(run.toolpath, &plan, &alignment, &lost, &|time| held(clock * time))
 }
 
 /// Squares, weighted by the way they were taken over.

@@ -40,6 +40,9 @@ pub use plateaus::{Plateau, plateau};
 pub use regions::{Region, regions};
 pub use rests::feed_holds;
 
+use std::borrow::Cow;
+
+use crate::identification::alignment::Alignment;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
@@ -244,15 +247,16 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         alike: Vec::new(),
         held_out: None,
     }));
-    let located = |side: &[Comparison]| -> Vec<Region> {
-        (0..runs.len()).flat_map(|run| regions(&side[run], runs[run].alignment, run)).collect()
+    let located = |side: &[Comparison], machine: &Machine| -> Vec<Region> {
+        (0..runs.len()).flat_map(|run| regions(&side[run], &by_clock(&runs[run], machine), run)).collect()
     };
-    let left = regions::left(&after, runs);
-    let left_most = located(&after).into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()));
+    let left = regions::left(&after, runs, &fitted);
+    let left_most =
+        located(&after, &fitted).into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()));
     let whole: f64 = after.iter().map(|comparison| comparison.whole.recorded).sum();
     let known_error = machine.cycle_time_error.map_or(0.0, f64::abs);
     // Beside what causes explain, what they leave is judged by that; else by what no cycle time shows.
-    let is_much = !causes.is_empty() && MUCH * regions::left(&before, runs) < left;
+    let is_much = !causes.is_empty() && MUCH * regions::left(&before, runs, machine) < left;
     let is_left = 0 < rounds && LEAST.max(known_error * whole) < left && (is_much || LEFT * whole < left);
     if is_left && !causes.is_empty() {
         messages.push(format!("{left:.2} s of lost time are left that nothing in the library explains"));
@@ -282,7 +286,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     Diagnosis {
         verdict,
         causes,
-        regions: located(&before),
+        regions: located(&before, machine),
         left: (left, left_most),
         machine: fitted,
         before,
@@ -295,7 +299,12 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
 }
 
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
-    runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
+    runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), &by_clock(run, machine))).collect()
+}
+
+/// Where the machine was by a clock that is right, if the recorder's is the one that a machine file says.
+fn by_clock<'a>(run: &'a Run, machine: &Machine) -> Cow<'a, Alignment> {
+    run.alignment.by_right_clock(machine.recorder.clock_ratio)
 }
 
 fn candidates_of(read_off: &[(Candidate, Details)]) -> Vec<Candidate> {

@@ -130,10 +130,11 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
     ranges
 }
 
-/// Lost time that is left, s: what the residual still wanders from end to end and between.
-pub fn left(comparisons: &[Comparison], runs: &[Run]) -> f64 {
+/// Lost time that is left on a machine, s: what the residual still wanders from end to end and between.
+pub fn left(comparisons: &[Comparison], runs: &[Run], machine: &Machine) -> f64 {
     let of_run = |(comparison, run): (&Comparison, &Run)| {
-        let regions = regions(comparison, run.alignment, 0);
+        let alignment = run.alignment.by_right_clock(machine.recorder.clock_ratio);
+        let regions = regions(comparison, &alignment, 0);
         let located: f64 = regions.iter().map(|region| region.seconds.abs()).sum();
         let whole = (comparison.whole.recorded - comparison.whole.simulated).abs();
         located.max(whole)
