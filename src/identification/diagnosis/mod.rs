@@ -23,6 +23,7 @@
 //! what the machine file is known to be off by where it was calibrated, is unknown, and located. What the
 //! operator did is explained all the same where it is certain and more than what is left.
 
+mod confidence;
 mod crossed;
 mod evidence;
 mod excerpts;
@@ -44,6 +45,7 @@ use std::borrow::Cow;
 
 use crate::identification::alignment::Alignment;
 use crate::identification::comparison::{Comparison, compare};
+use crate::identification::diagnosis::confidence::{odds, weighed};
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
@@ -474,11 +476,6 @@ fn next_cause(
     is_sure.then_some(Found { candidate, others, alike, held_out, confidence: most })
 }
 
-/// How sure a gain of likelihood makes, beside its price.
-fn odds(gain: f64, price: f64) -> f64 {
-    gain / (gain + price)
-}
-
 /// Whether a setting is found at the value that the machine file has, within what a calibration is sure of.
 fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
     let hypothesis = &candidate.hypothesis;
@@ -513,26 +510,6 @@ fn is_at_bound(candidate: &Candidate) -> bool {
 
 /// What was named for a cause.
 type Details = (Vec<String>, Option<HeldOut>, f64);
-
-/// What was found for causes, with a confidence that also tells what the likelihood says of each beside the others: the
-/// odds are its gain to its price, the gain being worth less as residuals that are left are related.
-fn weighed(base: &Machine, runs: &[Run], named: &[Candidate], details: Vec<Details>) -> Vec<Details> {
-    if named.is_empty() {
-        return details;
-    }
-    let with = with_all(base, named);
-    let evidence = Evidence::of(runs, &with);
-    let (cost, dispersion) = (evidence.cost(&with), evidence.dispersion(&with));
-    let sections = (gates::sections(runs) as f64).ln();
-    let weigh = |(at, (alike, held_out, most)): (usize, Details)| {
-        let mut others = named.to_vec();
-        let own = others.remove(at);
-        let gain = (evidence.cost(&with_all(base, &others)) - cost).max(0.0) / dispersion;
-        let price = GAIN + own.values.len() as f64 * sections;
-        (alike, held_out, most * odds(gain, price))
-    };
-    details.into_iter().enumerate().map(weigh).collect()
-}
 
 /// Takes back every cause that the others make unnecessary.
 fn without_unnecessary(

@@ -1,0 +1,38 @@
+//! How sure a cause is: the odds of what it gains in likelihood to the price of its parameters,
+//!
+//! ```text
+//! confidence = most · g / (g + price)        g = gain / dispersion
+//! ```
+//!
+//! with the dispersion of the residuals that are left, since related ones say less than independent ones, and
+//! `most` what the stretches that were held out and the causes that are alike allow.
+
+use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::{Candidate, Details, Evidence, GAIN, gates};
+use crate::identification::fit::Run;
+use crate::machine::Machine;
+
+/// How sure a gain of likelihood makes, beside its price.
+pub fn odds(gain: f64, price: f64) -> f64 {
+    gain / (gain + price)
+}
+
+/// What was found for causes, with a confidence that also tells what the likelihood says of each beside the others: the
+/// odds are its gain to its price, the gain being worth less as residuals that are left are related.
+pub fn weighed(base: &Machine, runs: &[Run], named: &[Candidate], details: Vec<Details>) -> Vec<Details> {
+    if named.is_empty() {
+        return details;
+    }
+    let with = with_all(base, named);
+    let evidence = Evidence::of(runs, &with);
+    let (cost, dispersion) = (evidence.cost(&with), evidence.dispersion(&with));
+    let sections = (gates::sections(runs) as f64).ln();
+    let weigh = |(at, (alike, held_out, most)): (usize, Details)| {
+        let mut others = named.to_vec();
+        let own = others.remove(at);
+        let gain = (evidence.cost(&with_all(base, &others)) - cost).max(0.0) / dispersion;
+        let price = GAIN + own.values.len() as f64 * sections;
+        (alike, held_out, most * odds(gain, price))
+    };
+    details.into_iter().enumerate().map(weigh).collect()
+}
