@@ -45,7 +45,11 @@ export async function openPage({ path = '/', viewport = { width: 1280, height: 9
     /** @type {string[]} */
     const errors = []
     context.on('request', (request) => requests.push(request.url()))
-    context.on('requestfailed', (request) => errors.push(`${request.url()}: ${request.failure()?.errorText}`))
+    context.on('requestfailed', (request) => {
+      const why = request.failure()?.errorText
+      // What a reload breaks off is no fault: the rest of the page may still be on its way then.
+      if (why !== 'net::ERR_ABORTED') errors.push(`${request.url()}: ${why}`)
+    })
     context.on('console', (message) => {
       if (message.type() === 'error') errors.push(`${message.text()} (${message.location().url})`)
     })
