@@ -4,7 +4,7 @@
 //! that name under `TRUEFEED_RECORDINGS`, and the test says so and ends where they are absent. The machine
 //! has the settings the recordings were made with, none was fitted; for a run with a change it has the change.
 
-use std::path::PathBuf;
+mod shared;
 
 use truefeed::identification::alignment::align;
 use truefeed::identification::calibration::calibrate;
@@ -15,6 +15,8 @@ use truefeed::machine::{AXES, Machine};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::toolpath::trace;
+
+use crate::shared::recordings;
 
 /// The planner has no filters: 0.5 ms is half its period.
 const MACHINE: &str = r#"
@@ -56,21 +58,9 @@ const RUNS: [Change; 7] = [
     Change { run: "10", program: "2", words: AS_WRITTEN, machine: |m| m.overrides.rapid = 0.6 },
 ];
 
-/// The folder of the recordings; none, with a word, where it is absent.
-fn recordings() -> Option<PathBuf> {
-    let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
-    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
-    let folder = all.join("linuxcnc");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there are no recordings at {}", folder.display());
-    None
-}
-
 #[test]
 fn runs_take_the_time_and_have_the_feedrate_that_is_predicted() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = recordings("linuxcnc") else { return };
     for Change { run, program, words, machine: change } in RUNS {
         let file = |name: String| std::fs::read(folder.join(name)).expect("each run has its files");
         let mut machine = machine_from_toml(MACHINE).expect("a machine file");
@@ -94,7 +84,7 @@ fn runs_take_the_time_and_have_the_feedrate_that_is_predicted() {
 
 #[test]
 fn accelerations_are_found_from_one_run() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = recordings("linuxcnc") else { return };
     let file = |name: &str| std::fs::read(folder.join(name)).expect("each run has its files");
     let mut machine = machine_from_toml(MACHINE).expect("a machine file");
     machine.axes.iter_mut().for_each(|axis| axis.acceleration = 400.0);

@@ -1,6 +1,8 @@
 //! Readers of machine logs: one motion in every format, what is repaired and what refused, bytes of
 //! any kind, and the recordings that lie outside the repository.
 
+mod shared;
+
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +12,8 @@ use truefeed::identification::recording::{
 };
 use truefeed::machine::Machine;
 use truefeed::simulation::{gcode, toolpath};
+
+use crate::shared::recordings;
 
 /// Length of the motion in `tests/data/recordings`, mm.
 const PATH: f64 = 30.0;
@@ -493,18 +497,6 @@ fn noise_does_not_lengthen_the_path() {
     assert!((length / 200.0 - 1.0).abs() < 0.02, "{length}");
 }
 
-/// A folder of recordings outside the repository; none, with a word, where it is absent.
-fn shared(name: &str) -> Option<PathBuf> {
-    let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
-    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
-    let folder = all.join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there are no recordings at {}", folder.display());
-    None
-}
-
 fn file(path: PathBuf) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
@@ -517,7 +509,7 @@ fn program_length(path: PathBuf) -> f64 {
 
 #[test]
 fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
-    let Some(nist) = shared("nist-hurco") else { return };
+    let Some(nist) = recordings("nist-hurco") else { return };
     // Run, program, seconds as told beside the data.
     let runs = [
         ("box-op1-03", "box-op1", 1772.0),
@@ -562,7 +554,7 @@ fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
 
 #[test]
 fn the_stand_in_machines_tables_close() {
-    let Some(plant) = shared("plant") else { return };
+    let Some(plant) = recordings("plant") else { return };
     for case in 1..=20 {
         let folder = plant.join(format!("case-{case:02}"));
         let log = read(&file(folder.join("recording.csv"))).expect("reads");
@@ -580,7 +572,7 @@ fn the_stand_in_machines_tables_close() {
 
 #[test]
 fn a_controllers_tables_close_and_last_as_long_as_told() {
-    let Some(folder) = shared("linuxcnc") else { return };
+    let Some(folder) = recordings("linuxcnc") else { return };
     let answers: serde_json::Value =
         serde_json::from_slice(&file(folder.join("answers.json"))).expect("JSON");
     for (name, answer) in answers.as_object().expect("one entry a run") {
@@ -603,7 +595,7 @@ fn a_controllers_tables_close_and_last_as_long_as_told() {
 
 #[test]
 fn a_lathes_log_of_four_programs_comes_apart() {
-    let Some(folder) = shared("okuma-multus") else { return };
+    let Some(folder) = recordings("okuma-multus") else { return };
     let log = read(&file(folder.join("okuma.txt"))).expect("reads");
     check_laws("okuma", &log);
     let mut runs: Vec<(&str, f64)> = Vec::new();

@@ -5,7 +5,7 @@
 //! nothing is concealed that changes the time are compared here, by how long the machine moves. Of a
 //! real shop's program the trend is held.
 
-use std::path::PathBuf;
+mod shared;
 
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::project::machine_from_toml;
@@ -15,23 +15,13 @@ use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::trace;
 
+use crate::shared::recordings;
+
 /// Cases that conceal nothing (5, 6, 11), backlash (3), servo lag (8) and vibration (9).
 const CASES: [&str; 6] = ["case-03", "case-05", "case-06", "case-08", "case-09", "case-11"];
 
 /// A position this far from where it began or ended has left or not yet reached it, mm.
 const MOVED: f64 = 0.3;
-
-/// A folder of the recordings; none, with a word, where it is absent.
-fn recordings(name: &str) -> Option<PathBuf> {
-    let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
-    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
-    let folder = all.join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there are no recordings at {}", folder.display());
-    None
-}
 
 /// How long positions are away from both the first and the last one, s.
 fn moving_time(rows: &[(f64, [f64; 3])]) -> f64 {

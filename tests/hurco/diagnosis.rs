@@ -7,7 +7,8 @@ use truefeed::identification::diagnosis::{Diagnosis, Plateau, diagnose, feed_hol
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 
-use crate::{recorded, recordings};
+use crate::shared::recordings;
+use crate::{HURCO, recorded};
 
 /// What a calibration on other runs of the mill finds.
 const MACHINE: &str = r#"
@@ -38,7 +39,7 @@ fn ids(diagnosis: &Diagnosis) -> Vec<&str> {
 
 #[test]
 fn plateaus_tell_the_feed_override_without_a_model_of_the_motion() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = recordings(HURCO) else { return };
     let rough = Machine::default();
     for (program, run, ratio) in [
         ("box-op1", "box-op1-03", 1.01),
@@ -58,7 +59,7 @@ fn plateaus_tell_the_feed_override_without_a_model_of_the_motion() {
 
 #[test]
 fn an_override_of_one_part_in_a_hundred_is_found_in_half_an_hour() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = recordings(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "box-op1", "box-op1-07", &machine, false);
     let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
@@ -71,7 +72,7 @@ fn an_override_of_one_part_in_a_hundred_is_found_in_half_an_hour() {
 
 #[test]
 fn nothing_is_laid_to_an_operator_who_did_nothing() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = recordings(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "box-op3", "box-op3-07", &machine, false);
     let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
@@ -86,7 +87,7 @@ const PRICE: f64 = 14.0;
 
 #[test]
 fn feed_holds_are_located_where_the_status_has_them() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = recordings(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "plate-1", "plate-01", &machine, false);
     let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
@@ -112,7 +113,7 @@ fn feed_holds_are_located_where_the_status_has_them() {
 
 #[test]
 fn standing_for_a_poll_or_two_is_no_hold() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = recordings(HURCO) else { return };
     let machine = machine();
     for (program, run) in [
         ("box-op1", "box-op1-03"),

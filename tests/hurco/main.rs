@@ -6,28 +6,21 @@
 
 mod calibration;
 mod diagnosis;
+#[path = "../shared/mod.rs"]
+mod shared;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use truefeed::identification::fit::Recorded;
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::toolpath::trace;
 
+/// The folder of their recordings.
+const HURCO: &str = "nist-hurco";
+
 /// What a machine log says of the operator.
 const OPERATOR: [&str; 4] = ["|Feed_Override|", "|Rapid_Override|", "|Spindle_Override|", "|Program_Status|"];
-
-/// The folder of the recordings; none, with a word, where it is absent.
-fn recordings() -> Option<PathBuf> {
-    let named = std::env::var_os("TRUEFEED_RECORDINGS").map(PathBuf::from);
-    let all = named.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"));
-    let folder = all.join("nist-hurco");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there are no recordings at {}", folder.display());
-    None
-}
 
 /// A run of a program, with what its log says of the operator or without.
 fn recorded(folder: &Path, program: &str, run: &str, machine: &Machine, with_operator: bool) -> Recorded {
