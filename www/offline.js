@@ -11,14 +11,14 @@ const settled = new Promise((done) => {
 
 /** @param {ServiceWorkerContainer} workers */
 async function keep(workers) {
-  // What it fetches to keep does not stand in the way of what is looked at first.
+  // What it fetches to keep does not stand in the way of what is looked at first, and Chromium forgets the change to
+  // a new version where a file is asked for at the same moment.
   await settled
   const registration = await workers.register('sw.js', { updateViaCache: 'none' })
   if (registration.waiting) {
-    // The page begins again with what it had, which is kept. It waits for its own files first: Chromium forgets the
-    // change where one is asked for at the same moment, and the new version waits for the load after.
+    // The page begins again with what it had, which is kept.
     workers.addEventListener('controllerchange', () => location.reload(), { once: true })
-    registration.waiting?.postMessage('update')
+    registration.waiting.postMessage('update')
   }
   await workers.ready
   if (line) line.textContent = 'It works without a network.'
