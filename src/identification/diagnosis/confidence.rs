@@ -8,7 +8,7 @@
 //! `most` what the stretches that were held out and the causes that are alike allow.
 
 use crate::identification::diagnosis::evidence::with_all;
-use crate::identification::diagnosis::{Candidate, Details, Evidence, GAIN, gates};
+use crate::identification::diagnosis::{Candidate, Details, Evidence, gates};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -25,14 +25,11 @@ pub fn weighed(base: &Machine, runs: &[Run], named: &[Candidate], details: Vec<D
     }
     let with = with_all(base, named);
     let evidence = Evidence::of(runs, &with);
-    let (cost, dispersion) = (evidence.cost(&with), evidence.dispersion(&with));
-    let sections = (gates::sections(runs) as f64).ln();
-    let weigh = |(at, (alike, held_out, most)): (usize, Details)| {
-        let mut others = named.to_vec();
-        let own = others.remove(at);
-        let gain = (evidence.cost(&with_all(base, &others)) - cost).max(0.0) / dispersion;
-        let price = GAIN + own.values.len() as f64 * sections;
-        (alike, held_out, most * odds(gain, price))
+    let dispersion = evidence.dispersion(&with);
+    let gains = evidence.gains(base, named);
+    let weigh = |(((alike, held_out, most), own), gain): ((Details, &Candidate), f64)| {
+        let price = gates::price(runs, own.values.len());
+        (alike, held_out, most * odds(gain.max(0.0) / dispersion, price))
     };
-    details.into_iter().enumerate().map(weigh).collect()
+    details.into_iter().zip(named).zip(gains).map(weigh).collect()
 }

@@ -73,7 +73,7 @@ pub fn outside(
 /// How far feedrates differ at the times, of the recorder's clock, that are `held`.
 fn feed_error(machine: &Machine, run: &Run, held: &dyn Fn(f64) -> bool) -> Option<FeedError> {
     let clock = machine.recorder.clock_ratio;
-    let alignment = run.alignment.by_right_clock(clock);
+    let alignment = run.by_clock(machine);
     let plan = run.plan(machine);
     let lost = compare(run.toolpath, &plan, &alignment).lost;
     feed_error_during(run.toolpath, &plan, &alignment, &lost, &|time| held(clock * time))

@@ -59,6 +59,17 @@ impl<'a> Evidence<'a> {
         self.whitened(machine).iter().flatten().map(|value| huber(*value)).sum()
     }
 
+    /// By how much the cost of a machine with all of these rises without each.
+    pub fn gains(&self, base: &Machine, all: &[Candidate]) -> Vec<f64> {
+        let cost = self.cost(&with_all(base, all));
+        let gain = |at: usize| {
+            let mut others = all.to_vec();
+            others.remove(at);
+            self.cost(&with_all(base, &others)) - cost
+        };
+        (0..all.len()).map(gain).collect()
+    }
+
     /// By how much more than independent ones the residuals that a machine leaves vary: costs are that much less worth.
     pub fn dispersion(&self, machine: &Machine) -> f64 {
         dispersion(&self.whitened(machine))

@@ -5,6 +5,7 @@
 //! together, and in most of those in which it makes a difference at all. A cause that acts in one section
 //! alone, a wait, has no other section to be tried in, and this gate says nothing of it.
 
+use crate::identification::diagnosis::GAIN;
 use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::fit::{Run, huber};
 use crate::machine::Machine;
@@ -45,8 +46,13 @@ fn sections_of_each(runs: usize) -> usize {
 }
 
 /// How many sections there are in all.
-pub fn sections(runs: &[Run]) -> usize {
+fn sections(runs: &[Run]) -> usize {
     sections_of_each(runs.len()) * runs.len()
+}
+
+/// By how much the cost must fall for a cause of so many parameters.
+pub fn price(runs: &[Run], parameters: usize) -> f64 {
+    GAIN + parameters as f64 * (sections(runs) as f64).ln()
 }
 
 /// How the machine with a cause does against the one without, section by section; none where it acts in

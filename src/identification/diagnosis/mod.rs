@@ -41,9 +41,6 @@ pub use plateaus::{Plateau, plateau};
 pub use regions::{Region, regions};
 pub use rests::feed_holds;
 
-use std::borrow::Cow;
-
-use crate::identification::alignment::Alignment;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::confidence::{odds, weighed};
 use crate::identification::diagnosis::evidence::with_all;
@@ -180,7 +177,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         if let Said::Other(candidate) = said {
             read_off.push((candidate, (Vec::new(), None, 1.0)));
         }
-        let price = GAIN + (gates::sections(runs) as f64).ln();
+        let price = gates::price(runs, 1);
         let own = |gain: f64| (Vec::new(), None, odds(gain, price));
         let now = with_all(&start, &candidates_of(&read_off));
         for (candidate, gain) in waits::at_functions(&now, runs, &library, price) {
@@ -250,7 +247,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         held_out: None,
     }));
     let located = |side: &[Comparison], machine: &Machine| -> Vec<Region> {
-        (0..runs.len()).flat_map(|run| regions(&side[run], &by_clock(&runs[run], machine), run)).collect()
+        (0..runs.len()).flat_map(|run| regions(&side[run], &runs[run].by_clock(machine), run)).collect()
     };
     let left = regions::left(&after, runs, &fitted);
     let left_most =
@@ -301,12 +298,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
 }
 
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
-    runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), &by_clock(run, machine))).collect()
-}
-
-/// Where the machine was by a clock that is right, if the recorder's is the one that a machine file says.
-fn by_clock<'a>(run: &'a Run, machine: &Machine) -> Cow<'a, Alignment> {
-    run.alignment.by_right_clock(machine.recorder.clock_ratio)
+    runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), &run.by_clock(machine))).collect()
 }
 
 fn candidates_of(read_off: &[(Candidate, Details)]) -> Vec<Candidate> {
@@ -424,9 +416,7 @@ fn next_cause(
             .is_none_or(|(before, after)| after <= WORSE * before)
     });
     // Of two that are as good, the one with fewer parameters; the same price as below.
-    let sections = gates::sections(runs);
-    let priced =
-        |candidate: &Candidate| candidate.cost + candidate.values.len() as f64 * (sections as f64).ln();
+    let priced = |candidate: &Candidate| candidate.cost + gates::price(runs, candidate.values.len());
     refined.sort_by(|a, b| priced(&a.0).total_cmp(&priced(&b.0)));
     progress(0.9);
     let (candidate, others) = refined.first()?.clone();
@@ -437,7 +427,7 @@ fn next_cause(
     let (candidate, others) = last.refined(base, &candidate, &others);
     let without = last.cost(current);
     let gain = without - candidate.cost;
-    let price = GAIN + candidate.values.len() as f64 * (sections as f64).ln();
+    let price = gates::price(runs, candidate.values.len());
     if gain <= price {
         return None;
     }

@@ -133,8 +133,7 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
 /// Lost time that is left on a machine, s: what the residual still wanders from end to end and between.
 pub fn left(comparisons: &[Comparison], runs: &[Run], machine: &Machine) -> f64 {
     let of_run = |(comparison, run): (&Comparison, &Run)| {
-        let alignment = run.alignment.by_right_clock(machine.recorder.clock_ratio);
-        let regions = regions(comparison, &alignment, 0);
+        let regions = regions(comparison, &run.by_clock(machine), 0);
         let located: f64 = regions.iter().map(|region| region.seconds.abs()).sum();
         let whole = (comparison.whole.recorded - comparison.whole.simulated).abs();
         located.max(whole)

@@ -263,13 +263,7 @@ pub fn feed_holds(base: &Machine, runs: &[Run], price: f64) -> Vec<(Candidate, f
     let (first, rest) = evidence.refined(base, first, rest);
     let mut candidates = vec![first];
     candidates.extend(rest);
-    let cost = evidence.cost(&with_all(base, &candidates));
-    let gain_of = |at: usize| {
-        let mut others = candidates.clone();
-        others.remove(at);
-        evidence.cost(&with_all(base, &others)) - cost
-    };
-    let gains: Vec<f64> = (0..candidates.len()).map(gain_of).collect();
+    let gains = evidence.gains(base, &candidates);
     let each = candidates.into_iter().zip(gains);
     each.filter(|(candidate, gain)| price < *gain && 0.5 * LEAST < candidate.values[0]).collect()
 }

@@ -46,14 +46,7 @@ pub fn at_functions(
     let mut all: Vec<Candidate> = guesses(base, &pairs).into_iter().filter_map(candidate).collect();
     // What the others make unnecessary is not one of them; the least necessary goes first.
     loop {
-        let evidence = Evidence::of(runs, &with_all(base, &all));
-        let cost = evidence.cost(&with_all(base, &all));
-        let gain = |at: usize| {
-            let mut others = all.clone();
-            others.remove(at);
-            evidence.cost(&with_all(base, &others)) - cost
-        };
-        let gains: Vec<f64> = (0..all.len()).map(gain).collect();
+        let gains = Evidence::of(runs, &with_all(base, &all)).gains(base, &all);
         let Some(least) = (0..all.len()).min_by(|a, b| gains[*a].total_cmp(&gains[*b])) else {
             return Vec::new();
         };

@@ -19,6 +19,8 @@ mod recorded;
 mod uncertainty;
 mod whitened;
 
+use std::borrow::Cow;
+
 use nalgebra::DMatrix;
 
 pub use freed::{Freed, Scale};
@@ -92,6 +94,11 @@ impl Run<'_> {
             (feed.unwrap_or(machine.overrides.feed), rapid.unwrap_or(machine.overrides.rapid))
         };
         switches(self) == switches(other) && self.toolpath == other.toolpath
+    }
+
+    /// Where the machine was by a clock that is right, if the recorder's is the one that the machine file says.
+    pub fn by_clock(&self, machine: &Machine) -> Cow<'_, Alignment> {
+        self.alignment.by_right_clock(machine.recorder.clock_ratio)
     }
 
     /// The plan of the run on a machine.
