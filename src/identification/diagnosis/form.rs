@@ -23,6 +23,9 @@ const ROUNDS: (usize, usize) = (3, 7);
 /// Parts of a recording that are independent, and the step at which it is seen what each says of a value.
 const PARTS: usize = 16;
 const STEP: f64 = 2e-3;
+/// A cause of form must take that part away also without so many of the parts in which it does most: what is off
+/// for a moment, such as a wait that nobody knows, has the form of anything.
+const MOMENTS: usize = 2;
 /// Causes of form that are searched between their trials.
 const REFINED: usize = 2;
 
@@ -81,17 +84,30 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
         tried.truncate(REFINED);
         let refined = tried.into_iter().map(|candidate| refined(&forms, &current, candidate));
         let Some(candidate) = refined.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
-        if (1.0 - WORTH) * error < candidate.cost || error - candidate.cost < LEAST {
+        let with = candidate.hypothesis.machine(&current, &candidate.values);
+        let is_worth = candidate.cost <= (1.0 - WORTH) * error && LEAST <= error - candidate.cost;
+        if !is_worth || !is_all_along(&forms, &current, &with) {
             break;
         }
         error = candidate.cost;
-        current = candidate.hypothesis.machine(&current, &candidate.values);
+        current = with;
         named.push(candidate);
         if error < floor {
             break;
         }
     }
     if whole && (floor < error || 0.5 * before < error) { Vec::new() } else { named }
+}
+
+/// Whether a machine is as much closer than another without the parts of the recordings where it most is.
+fn is_all_along(forms: &[Form], without: &Machine, with: &Machine) -> bool {
+    let parts =
+        |machine: &Machine| forms.iter().flat_map(|form| form.parts(machine, PARTS)).collect::<Vec<f64>>();
+    let mut both: Vec<(f64, f64)> = parts(without).into_iter().zip(parts(with)).collect();
+    both.sort_by(|a, b| (b.0 - b.1).total_cmp(&(a.0 - a.1)));
+    let rest = both.get(MOMENTS..).unwrap_or_default();
+    let (before, after) = rest.iter().fold((0.0, 0.0), |sums, part| (sums.0 + part.0, sums.1 + part.1));
+    after < (1.0 - WORTH).powi(2) * before
 }
 
 /// A hypothesis at the best of its trials; its cost is the form error, mm.

@@ -19,8 +19,8 @@
 //! which it may have begun, one in which it may have ended, and one that is certain.
 //!
 //! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
-//! be held each time; more rests than [`MOST`] are a property of the machine and not halts, but for those that
-//! are [`OUT`] times as long as usual.
+//! be held each time; more rests than [`MOST`], or than [`FEW`] of which most are [`ALIKE`], are a property of the
+//! machine and not halts, but for those that are [`OUT`] times as long as usual.
 
 use std::sync::Arc;
 
@@ -41,6 +41,11 @@ const STANDS: f64 = 0.8;
 const LONG: f64 = 10.0;
 /// Rests of one run at most.
 const MOST: usize = 20;
+/// Rests that may be as long as each other by chance; more of them are the machine's.
+const FEW: usize = 3;
+/// Rests are alike whose times differ by this part.
+const ALIKE: f64 = 0.25;
+/// A rest that is so many times as long as usual is none of the machine's.
 const OUT: f64 = 4.0;
 /// What a machine that stands says its feedrate is, at most, mm/s.
 const STILL: f64 = 0.2;
@@ -129,9 +134,10 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         }
         (from, to) = (to, to + 1);
     }
-    if MOST < found.len() {
-        let mut seconds: Vec<f64> = found.iter().map(|rest| rest.seconds).collect();
-        let usual = median(&mut seconds);
+    let mut seconds: Vec<f64> = found.iter().map(|rest| rest.seconds).collect();
+    let usual = median(&mut seconds);
+    let alike = seconds.iter().filter(|seconds| (*seconds - usual).abs() < ALIKE * usual).count();
+    if MOST < found.len() || FEW < found.len() && found.len() < 2 * alike {
         found.retain(|rest| OUT * usual < rest.seconds);
     }
     if MOST < found.len() { Vec::new() } else { found }
