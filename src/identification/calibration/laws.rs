@@ -17,7 +17,7 @@
 use crate::identification::calibration::spindle;
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine, TimeConstants};
-use crate::simulation::toolpath::{Curve, Motion};
+use crate::simulation::toolpath::Curve;
 
 /// By how much, and by what part, the cost must fall for another law.
 pub const BETTER: (f64, f64) = (15.0, 0.01);
@@ -55,8 +55,7 @@ fn spindles(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
 fn rapids(before: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
     let TimeConstants::Equal(constant) = found.interpolator.time_constants else { return Vec::new() };
     let is_named = found.rapid.time_constants.is_some() || found.rapid.positioning_jerk.is_finite();
-    let is_rapid = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid);
-    if is_named || !has_filters(found) || !runs.iter().any(is_rapid) {
+    if is_named || !has_filters(found) || !runs.iter().any(Run::has_rapid) {
         return Vec::new();
     }
     let mut own = found.clone();

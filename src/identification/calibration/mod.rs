@@ -29,9 +29,8 @@ pub use waits::{Kind, guesses};
 use crate::identification::alignment::Method;
 use crate::identification::calibration::laws::has_filters;
 use crate::identification::comparison::{Comparison, compare};
-use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, fit, huber};
+use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, cost_of, fit};
 use crate::machine::{Machine, TimeConstants};
-use crate::simulation::toolpath::Motion;
 
 /// A relative standard deviation above which a positive parameter counts as unknown.
 const UNKNOWN: f64 = 0.4;
@@ -45,8 +44,7 @@ const MOST_UNCERTAIN: f64 = 0.5;
 const CONTRADICTED: f64 = 4.0;
 /// Values farther than this from the one before, in standard deviations, are not tried again.
 const DOUBTFUL: f64 = 5.0;
-/// A step that gains less than this part of the cost is the last: of fits that are only to be compared, and of
-/// those whose values are taken.
+/// A step that gains less than this part of the cost is the last of fits that are only to be compared.
 const ROUGHLY: f64 = 3e-3;
 /// Orders of filters tried.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
@@ -281,12 +279,8 @@ fn with_laws(
 ) -> Vec<Whitening> {
     let mut is_other = false;
     for choice in laws::CHOICES {
-        let whole = |machine: &Machine| -> f64 {
-            let each = runs.iter().zip(&whitenings);
-            each.flat_map(|(run, whitening)| whitening.apply(&run.residuals(machine))).map(huber).sum()
-        };
         let first = |law: laws::Law| {
-            let guesses = law.into_iter().map(|machine| (whole(&machine), machine));
+            let guesses = law.into_iter().map(|machine| (cost_of(&machine, runs, &whitenings), machine));
             guesses.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, machine)| machine)
         };
         let laws = choice(before, &best.machine, runs).into_iter().filter_map(first);
@@ -421,8 +415,7 @@ fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<
     if guess.path.jerk.is_finite() {
         add("path.jerk_mm_s3", before.path.jerk, guess.path.jerk, JERK_BOUNDS);
     }
-    let runs_rapid = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid);
-    if runs.iter().any(runs_rapid) {
+    if runs.iter().any(Run::has_rapid) {
         let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
         add("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own));
         let own = before.rapid.time_constants.as_ref().unwrap_or(&before.interpolator.time_constants);

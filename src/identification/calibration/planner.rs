@@ -5,7 +5,7 @@
 //! axes ([`crate::simulation::feed::blend`]), the machine is one of these. The first guess is the best of a
 //! few accelerations, the same for all axes; axes are as fast as the rapid feed, singly or along the path.
 
-use crate::identification::fit::{Run, Whitening, huber};
+use crate::identification::fit::{Run, Whitening, cost_of};
 use crate::machine::{Junction, Machine, TimeConstants};
 
 /// Accelerations tried first, mm/s².
@@ -16,11 +16,6 @@ const CONSTANT: f64 = 5e-4;
 /// The planner that is nearest to the runs, before any fit. `machine` is as it was, `fitted` has the waits and
 /// the rapid feed that filters need.
 pub fn guess(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Machine {
-    let cost = |machine: &Machine| -> f64 {
-        let each = runs.iter().zip(whitenings);
-        let whitened = each.flat_map(|(run, whitening)| whitening.apply(&run.residuals(machine)));
-        whitened.map(huber).sum()
-    };
     let rapids = [machine.rapid.feedrate, fitted.rapid.feedrate];
     let mut all = Vec::new();
     for acceleration in ACCELERATIONS {
@@ -34,7 +29,7 @@ pub fn guess(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[Wh
             }
         }
     }
-    let costs: Vec<f64> = all.iter().map(cost).collect();
+    let costs: Vec<f64> = all.iter().map(|machine| cost_of(machine, runs, whitenings)).collect();
     let best = (0..all.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
     all.swap_remove(best)
 }

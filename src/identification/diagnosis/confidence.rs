@@ -8,7 +8,8 @@
 //! `most` what the stretches that were held out and the causes that are alike allow.
 
 use crate::identification::diagnosis::evidence::with_all;
-use crate::identification::diagnosis::{Candidate, Details, Evidence, gates};
+use crate::identification::diagnosis::search::{Found, candidates};
+use crate::identification::diagnosis::{Evidence, gates};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -17,19 +18,19 @@ pub fn odds(gain: f64, price: f64) -> f64 {
     gain / (gain + price)
 }
 
-/// What was found for causes, with a confidence that also tells what the likelihood says of each beside the others: the
+/// What was found, with a confidence that also tells what the likelihood says of each beside the others: the
 /// odds are its gain to its price, the gain being worth less as residuals that are left are related.
-pub fn weighed(base: &Machine, runs: &[Run], named: &[Candidate], details: Vec<Details>) -> Vec<Details> {
+pub fn weighed(base: &Machine, runs: &[Run], mut named: Vec<Found>) -> Vec<Found> {
     if named.is_empty() {
-        return details;
+        return named;
     }
-    let with = with_all(base, named);
+    let all = candidates(&named);
+    let with = with_all(base, &all);
     let evidence = Evidence::of(runs, &with);
     let dispersion = evidence.dispersion(&with);
-    let gains = evidence.gains(base, named);
-    let weigh = |(((alike, held_out, most), own), gain): ((Details, &Candidate), f64)| {
-        let price = gates::price(runs, own.values.len());
-        (alike, held_out, most * odds(gain.max(0.0) / dispersion, price))
-    };
-    details.into_iter().zip(named).zip(gains).map(weigh).collect()
+    for (found, gain) in named.iter_mut().zip(evidence.gains(base, &all)) {
+        let price = gates::price(runs, found.candidate.values.len());
+        found.confidence *= odds(gain.max(0.0) / dispersion, price);
+    }
+    named
 }

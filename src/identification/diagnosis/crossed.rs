@@ -4,9 +4,9 @@
 //! one, and the feedrates are compared on the others; then the other way round. Of a long run, of which
 //! excerpts were fitted to, it is the rest that is compared.
 
-use crate::identification::comparison::{FeedError, compare, feed_error_during};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::diagnosis::excerpts::Excerpt;
+use crate::identification::diagnosis::speeds::{self, Sum};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -46,7 +46,7 @@ pub fn crossed(machine: &Machine, base: &Machine, named: &[Candidate], runs: &[R
         let fitted = with_all(base, &all);
         for (machine, sum) in [machine, &fitted].into_iter().zip(&mut sums) {
             for run in runs {
-                sum.add(feed_error(machine, run, &|time| is_held(run, time)));
+                sum.add(speeds::error(machine, run, &|time| is_held(run, time)));
             }
         }
     }
@@ -64,37 +64,8 @@ pub fn outside(
     for (machine, sum) in [machine, fitted].into_iter().zip(&mut sums) {
         for (run, excerpts) in runs.iter().zip(excerpts) {
             let held = |time: f64| !excerpts.iter().any(|excerpt| excerpt.time().contains(&time));
-            sum.add(feed_error(machine, run, &held));
+            sum.add(speeds::error(machine, run, &held));
         }
     }
     sums[0].rms().zip(sums[1].rms()).map(|(before, after)| Crossed { before, after })
-}
-
-/// How far feedrates differ at the times, of the recorder's clock, that are `held`.
-fn feed_error(machine: &Machine, run: &Run, held: &dyn Fn(f64) -> bool) -> Option<FeedError> {
-    let clock = machine.recorder.clock_ratio;
-    let alignment = run.by_clock(machine);
-    let plan = run.plan(machine);
-    let lost = compare(run.toolpath, &plan, &alignment).lost;
-    feed_error_during(run.toolpath, &plan, &alignment, &lost, &|time| held(clock * time))
-}
-
-/// Squares, weighted by the way they were taken over.
-#[derive(Clone, Copy, Default)]
-struct Sum {
-    squares: f64,
-    way: f64,
-}
-
-impl Sum {
-    fn add(&mut self, error: Option<FeedError>) {
-        if let Some(error) = error {
-            self.squares += error.way * error.rms * error.rms;
-            self.way += error.way;
-        }
-    }
-
-    fn rms(&self) -> Option<f64> {
-        (0.0 < self.way).then(|| (self.squares / self.way).sqrt())
-    }
 }

@@ -1,6 +1,6 @@
 //! What the runs say of a machine, in one number: the cost of the whitened residuals.
 
-use crate::identification::fit::{Fit, HARDLY, Run, Whitening, dispersion, fit, huber};
+use crate::identification::fit::{Fit, Freed, HARDLY, Run, Whitening, cost_of, dispersion, fit, whitened};
 use crate::identification::hypotheses::Hypothesis;
 use crate::machine::Machine;
 
@@ -50,13 +50,12 @@ impl<'a> Evidence<'a> {
 
     /// The whitened residuals of a machine, run by run.
     pub fn whitened(&self, machine: &Machine) -> Vec<Vec<f64>> {
-        let each = self.runs.iter().zip(&self.whitenings);
-        each.map(|(run, whitening)| whitening.apply(&run.residuals(machine))).collect()
+        whitened(machine, self.runs, &self.whitenings)
     }
 
     /// The cost of a machine.
     pub fn cost(&self, machine: &Machine) -> f64 {
-        self.whitened(machine).iter().flatten().map(|value| huber(*value)).sum()
+        cost_of(machine, self.runs, &self.whitenings)
     }
 
     /// By how much the cost of a machine with all of these rises without each.
@@ -153,22 +152,13 @@ impl<'a> Evidence<'a> {
         candidate: &Candidate,
         with: &[Candidate],
     ) -> (Candidate, Vec<Candidate>) {
-        let mut freed = Vec::new();
-        let continuous = |candidate: &Candidate| candidate.hypothesis.is_continuous;
-        for each in [candidate].into_iter().chain(with).filter(|each| continuous(each)) {
-            let own = each.hypothesis.freed.iter().zip(&each.values);
-            freed.extend(own.map(|(freed, value)| freed.from(*value)));
-        }
-        let mut base = machine.clone();
-        for each in with.iter().chain([candidate]).filter(|each| !continuous(each)) {
-            base = each.hypothesis.machine(&base, &each.values);
-        }
+        let (base, freed) = freed(machine, candidate, with);
         let Fit { values, deviations, cost, .. } =
             fit(&base, self.runs, &freed, &self.whitenings, HARDLY, &mut |_| {});
         let mut taken = 0;
         let mut take = |each: &Candidate| {
             let mut each = each.clone();
-            if continuous(&each) {
+            if each.hypothesis.is_continuous {
                 let range = taken..taken + each.values.len();
                 each.values = values[range.clone()].to_vec();
                 each.deviations = deviations[range.clone()].to_vec();
@@ -180,6 +170,20 @@ impl<'a> Evidence<'a> {
         let own = take(candidate);
         (own, with.iter().map(take).collect())
     }
+}
+
+/// What is fitted of a candidate and others, its own first, and the machine with those that have no values between
+/// their trials.
+pub fn freed(machine: &Machine, candidate: &Candidate, with: &[Candidate]) -> (Machine, Vec<Freed>) {
+    let is_fitted = |each: &&Candidate| each.hypothesis.is_continuous;
+    let taken: Vec<Candidate> =
+        with.iter().chain([candidate]).filter(|each| !is_fitted(each)).cloned().collect();
+    let fitted = [candidate].into_iter().chain(with).filter(is_fitted);
+    let own = |each: &Candidate| {
+        let own = each.hypothesis.freed.iter().zip(&each.values);
+        own.map(|(freed, value)| freed.from(*value)).collect::<Vec<Freed>>()
+    };
+    (with_all(machine, &taken), fitted.flat_map(own).collect())
 }
 
 /// The standard deviation of a first parameter that is known to be nearer to a trial than to those beside it.

@@ -1,15 +1,18 @@
-//! Is a cause better where it was not fitted?
+//! Is a cause better where it was not fitted, and nowhere else?
 //!
 //! The path is cut into contiguous sections. A cause is held against each section with the values that the
-//! other sections give, one Gauss-Newton step from the values of all; it holds if it is better, all sections
-//! together, and in most of those in which it makes a difference at all. A cause that acts in one section
-//! alone, a wait, has no other section to be tried in, and this gate says nothing of it.
+//! other sections give ([`left_out`]); it holds if it is better, all sections together, and in most of those in
+//! which it makes a difference at all. A cause that acts in one section alone, a wait, has no other section to be
+//! tried in, and this gate says nothing of it.
 
-use crate::identification::diagnosis::GAIN;
-use crate::identification::diagnosis::evidence::Evidence;
-use crate::identification::fit::{Run, huber};
+use std::ops::Range;
+
+use crate::identification::diagnosis::evidence::{self, Candidate, Evidence};
+use crate::identification::fit::{Run, cost, left_out};
 use crate::machine::Machine;
 
+/// By how much the cost must fall, beside ln n a parameter.
+pub const GAIN: f64 = 12.0;
 /// Sections of a run.
 const SECTIONS: usize = 8;
 /// A section in which the cost changes by less than this tells nothing.
@@ -55,23 +58,37 @@ pub fn price(runs: &[Run], parameters: usize) -> f64 {
     GAIN + parameters as f64 * (sections(runs) as f64).ln()
 }
 
-/// How the machine with a cause does against the one without, section by section; none where it acts in
-/// one section alone.
-pub fn held_out(evidence: &Evidence, without: &Machine, with: &Machine) -> Option<HeldOut> {
-    let (before, after) = (evidence.whitened(without), evidence.whitened(with));
+/// Contiguous parts of so many residuals, about as many as `sections`.
+fn cut(count: usize, sections: usize) -> Vec<Range<usize>> {
+    let length = count.div_ceil(sections).max(1);
+    (0..count).step_by(length).map(|first| first..(first + length).min(count)).collect()
+}
+
+/// How a cause, fitted with others on a machine, does against the machine without it, section by section; none where
+/// it acts in one section alone.
+pub fn held_out(
+    evidence: &Evidence,
+    base: &Machine,
+    without: &Machine,
+    cause: &Candidate,
+    others: &[Candidate],
+) -> Option<HeldOut> {
+    let sections = sections_of_each(evidence.runs.len());
+    let (base, freed) = evidence::freed(base, cause, others);
+    let own = if cause.hypothesis.is_continuous { cause.values.len() } else { 0 };
+    let after = left_out(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections));
+    let before = evidence.whitened(without);
+    let before = before.iter().flat_map(|run| cut(run.len(), sections).into_iter().map(|rows| &run[rows]));
     let mut held = HeldOut { better: 0, worse: 0, gain: 0.0 };
-    let sections = sections_of_each(before.len());
-    for (before, after) in before.iter().zip(&after) {
-        let length = before.len().div_ceil(sections).max(1);
-        for (before, after) in before.chunks(length).zip(after.chunks(length)) {
-            let cost = |values: &[f64]| values.iter().map(|value| huber(*value)).sum::<f64>();
-            let gain = cost(before) - cost(after);
-            held.gain += gain;
-            if TELLS < gain {
-                held.better += 1;
-            } else if gain < -TELLS {
-                held.worse += 1;
-            }
+    for (before, after) in
+        before.zip(after).filter(|(_, after)| after.is_known[..own].iter().all(|known| *known))
+    {
+        let gain = cost(before) - cost(&after.whitened);
+        held.gain += gain;
+        if TELLS < gain {
+            held.better += 1;
+        } else if gain < -TELLS {
+            held.worse += 1;
         }
     }
     (1 < held.better + held.worse).then_some(held)

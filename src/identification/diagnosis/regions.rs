@@ -130,13 +130,12 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
     ranges
 }
 
-/// Lost time that is left on a machine, s: what the residual still wanders from end to end and between.
-pub fn left(comparisons: &[Comparison], runs: &[Run], machine: &Machine) -> f64 {
-    let of_run = |(comparison, run): (&Comparison, &Run)| {
-        let regions = regions(comparison, &run.by_clock(machine), 0);
-        let located: f64 = regions.iter().map(|region| region.seconds.abs()).sum();
-        let whole = (comparison.whole.recorded - comparison.whole.simulated).abs();
-        located.max(whole)
+/// Lost time, s: what the residual wanders from end to end, or between, by its regions.
+pub fn left(comparisons: &[Comparison], regions: &[Region]) -> f64 {
+    let of_run = |(run, comparison): (usize, &Comparison)| {
+        let own = regions.iter().filter(|region| region.run == run);
+        let located: f64 = own.map(|region| region.seconds.abs()).sum();
+        located.max((comparison.whole.recorded - comparison.whole.simulated).abs())
     };
-    comparisons.iter().zip(runs).map(of_run).sum()
+    comparisons.iter().enumerate().map(of_run).sum()
 }

@@ -8,7 +8,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identification::fit::{Freed, Run, Whitening, residuals_of_runs, with};
+use crate::identification::fit::{Freed, Run, Whitening, cost, whitened, with};
 use crate::machine::Machine;
 
 /// c: whitened residuals beyond it count less.
@@ -33,7 +33,7 @@ pub fn weight(value: f64) -> f64 {
 }
 
 /// Huber's ρ.
-pub fn cost_of(value: f64) -> f64 {
+pub fn rho(value: f64) -> f64 {
     let size = value.abs();
     if size <= HUBER { size * size } else { 2.0 * HUBER * size - HUBER * HUBER }
 }
@@ -47,17 +47,10 @@ pub fn minimise(
     hardly: f64,
     progress: &mut dyn FnMut(f64),
 ) -> Minimum {
-    let whitened = |varied: &DVector<f64>| -> Vec<Vec<f64>> {
-        let values: Vec<f64> =
-            freed.iter().zip(varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
-        let machine = with(machine, freed, &values);
-        let each = residuals_of_runs(runs, &machine).into_iter().zip(whitenings);
-        each.map(|(residuals, whitening)| whitening.apply(&residuals)).collect()
-    };
-    let cost = |whitened: &[Vec<f64>]| whitened.iter().flatten().map(|value| cost_of(*value)).sum::<f64>();
-    let mut varied = DVector::from_iterator(freed.len(), freed.iter().map(|freed| freed.inward(freed.start)));
+    let whitened = whitened_at(machine, runs, freed, whitenings);
+    let mut varied = start(freed);
     let mut found = whitened(&varied);
-    let mut least = cost(&found);
+    let mut least = cost(found.iter().flatten());
     let mut jacobians = Vec::new();
     let mut damping = 1e-2;
     let mut converged = freed.is_empty();
@@ -76,7 +69,7 @@ pub fn minimise(
             continue;
         };
         let there = whitened(&next);
-        let cost_there = cost(&there);
+        let cost_there = cost(there.iter().flatten());
         moved = cost_there < least;
         if moved {
             converged = least - cost_there < hardly * least + LEAST;
@@ -92,6 +85,39 @@ pub fn minimise(
     }
     progress(1.0);
     Minimum { varied, whitened: found, jacobians, cost: least, converged }
+}
+
+/// What is left where the values begin, and how it changes with them, run by run.
+pub fn linearised(
+    machine: &Machine,
+    runs: &[Run],
+    freed: &[Freed],
+    whitenings: &[Whitening],
+) -> (Vec<Vec<f64>>, Vec<DMatrix<f64>>) {
+    let whitened = whitened_at(machine, runs, freed, whitenings);
+    let varied = start(freed);
+    let found = whitened(&varied);
+    let jacobians = derivatives(freed, &varied, &found, &whitened, &[]);
+    (found, jacobians)
+}
+
+/// The values to begin with, as they are varied.
+fn start(freed: &[Freed]) -> DVector<f64> {
+    DVector::from_iterator(freed.len(), freed.iter().map(|freed| freed.inward(freed.start)))
+}
+
+/// The whitened residuals by what is varied.
+fn whitened_at(
+    machine: &Machine,
+    runs: &[Run],
+    freed: &[Freed],
+    whitenings: &[Whitening],
+) -> impl Fn(&DVector<f64>) -> Vec<Vec<f64>> {
+    move |varied| {
+        let values: Vec<f64> =
+            freed.iter().zip(varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
+        whitened(&with(machine, freed, &values), runs, whitenings)
+    }
 }
 
 /// Central difference quotients, one column a parameter; at a bound from one side. Columns of linear

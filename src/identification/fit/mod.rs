@@ -14,6 +14,8 @@
 //! nothing more certain.
 
 mod freed;
+mod information;
+mod left_out;
 mod minimise;
 mod recorded;
 mod uncertainty;
@@ -24,6 +26,7 @@ use std::borrow::Cow;
 use nalgebra::DMatrix;
 
 pub use freed::{Freed, Scale};
+pub use left_out::{LeftOut, left_out};
 pub use recorded::{Recorded, RecordedError};
 pub use uncertainty::dispersion;
 pub use whitened::Whitening;
@@ -34,7 +37,7 @@ use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::{FeedPlan, Rule, Tolerances, plan};
 use crate::simulation::profile::retimed;
-use crate::simulation::toolpath::Toolpath;
+use crate::simulation::toolpath::{Motion, Toolpath};
 
 /// The part of the cost that is hardly worth a step.
 pub const HARDLY: f64 = 1e-4;
@@ -87,6 +90,11 @@ impl Run<'_> {
         machine
     }
 
+    /// Whether the program has rapid moves.
+    pub fn has_rapid(&self) -> bool {
+        self.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid)
+    }
+
     /// Whether another run is of the same program on a machine that is set alike.
     fn is_like(&self, other: &Run, machine: &Machine) -> bool {
         let switches = |run: &Run| {
@@ -120,24 +128,29 @@ impl Run<'_> {
     }
 }
 
-/// The residuals of each run on a machine, s; runs of one program one after another share their plan.
-pub fn residuals_of_runs(runs: &[Run], machine: &Machine) -> Vec<Vec<f64>> {
+/// The whitened residuals of each run on a machine; runs of one program one after another share their plan.
+pub fn whitened(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Vec<f64>> {
     let mut last: Option<(&Run, FeedPlan)> = None;
-    let each = runs.iter().map(|run| {
+    let each = runs.iter().zip(whitenings).map(|(run, whitening)| {
         let (before, plan) = match last.take() {
             Some((before, plan)) if before.is_like(run, machine) => (before, plan),
             _ => (run, run.plan(machine)),
         };
         let residuals = run.residuals_of(&run.machine(machine), &plan);
         last = Some((before, plan));
-        residuals
+        whitening.apply(&residuals)
     });
     each.collect()
 }
 
-/// Huber's ρ of a whitened residual.
-pub fn huber(value: f64) -> f64 {
-    minimise::cost_of(value)
+/// Σ ρ of whitened residuals.
+pub fn cost<'a>(whitened: impl IntoIterator<Item = &'a f64>) -> f64 {
+    whitened.into_iter().map(|value| minimise::rho(*value)).sum()
+}
+
+/// The cost of a machine: what is minimised.
+pub fn cost_of(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> f64 {
+    cost(whitened(machine, runs, whitenings).iter().flatten())
 }
 
 /// The plan of a program on a machine, at the tolerances of the program or else the machine's.

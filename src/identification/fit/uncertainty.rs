@@ -16,6 +16,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::identification::fit::information::{Information, inverse};
 use crate::identification::fit::minimise::{Minimum, weight};
 
 /// Standard deviation of a clock's rate: that of an even spread of ±50 ppm.
@@ -55,12 +56,12 @@ fn scales() -> impl Iterator<Item = usize> {
 /// whitened traces of a clock that is off, run by run.
 pub fn covariance(found: &Minimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     let count = found.varied.len();
-    let all = Part::of(found, |run| 0..found.whitened[run].len());
+    let all = Information::of_all(&found.whitened, &found.jacobians, count);
     let known: Vec<usize> = (0..count).filter(|at| KNOWN < all.normal[(*at, *at)]).collect();
     let mut covariance = DMatrix::from_diagonal_element(count, count, f64::INFINITY);
     covariance.fill_lower_triangle(0.0, 1);
     covariance.fill_upper_triangle(0.0, 1);
-    let normal = among(&all.normal, &known);
+    let normal = all.among(&known).normal;
     let Some(inverse) = inverse(&normal) else { return covariance };
     let plain = &inverse * dispersion(&found.whitened);
     let moved = jackknife(found, &known, &normal);
@@ -81,28 +82,6 @@ pub fn covariance(found: &Minimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     covariance
 }
 
-/// Information and gradient of a part of the runs.
-struct Part {
-    normal: DMatrix<f64>,
-    gradient: DVector<f64>,
-}
-
-impl Part {
-    fn of(found: &Minimum, rows: impl Fn(usize) -> std::ops::Range<usize>) -> Part {
-        let count = found.varied.len();
-        let mut part = Part { normal: DMatrix::zeros(count, count), gradient: DVector::zeros(count) };
-        for (run, (whitened, jacobian)) in found.whitened.iter().zip(&found.jacobians).enumerate() {
-            for row in rows(run) {
-                let value = whitened[row];
-                let slope = jacobian.row(row).transpose();
-                part.gradient += weight(value) * value * &slope;
-                part.normal += weight(value) * &slope * slope.transpose();
-            }
-        }
-        part
-    }
-}
-
 /// The largest variance of each known value by leaving out blocks, over all lengths at which it is told without any
 /// one of them.
 fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64> {
@@ -111,21 +90,18 @@ fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64
         let mut squares = vec![0.0; known.len()];
         let mut alone = vec![false; known.len()];
         let mut count = 0.0;
-        for run in 0..found.whitened.len() {
-            let rows = found.whitened[run].len();
+        for (whitened, jacobian) in found.whitened.iter().zip(&found.jacobians) {
+            let rows = whitened.len();
             let length = rows.div_ceil(blocks).max(1);
             for first in (0..rows).step_by(length) {
                 count += 1.0;
-                let within =
-                    |other: usize| if other == run { first..(first + length).min(rows) } else { 0..0 };
-                let part = Part::of(found, within);
-                let own = among(&part.normal, known);
-                let gradient = part.gradient.select_rows(known);
+                let block = first..(first + length).min(rows);
+                let own = Information::of(whitened, jacobian, block).among(known);
                 for at in 0..known.len() {
-                    alone[at] |= ALONE * normal[(at, at)] < own[(at, at)];
+                    alone[at] |= ALONE * normal[(at, at)] < own.normal[(at, at)];
                 }
-                let Some(without) = inverse(&(normal - own)) else { continue };
-                for (square, moved) in squares.iter_mut().zip((without * gradient).iter()) {
+                let Some(without) = inverse(&(normal - own.normal)) else { continue };
+                for (square, moved) in squares.iter_mut().zip((without * own.gradient).iter()) {
                     *square += moved * moved;
                 }
             }
@@ -135,23 +111,6 @@ fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64
         }
     }
     largest
-}
-
-fn among(normal: &DMatrix<f64>, known: &[usize]) -> DMatrix<f64> {
-    normal.select_rows(known).select_columns(known)
-}
-
-/// The inverse, by way of one with 1 on its diagonal; none where it has none.
-fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let count = normal.nrows();
-    if (0..count).any(|at| normal[(at, at)] <= 0.0) {
-        return None;
-    }
-    let scale = normal.diagonal().map(|own| 1.0 / own.sqrt());
-    let scaled = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] * scale[i] * scale[j]);
-    let ridge = DMatrix::identity(count, count) * 1e-12;
-    let inverse = (scaled + ridge).cholesky()?.inverse();
-    Some(DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
 #[cfg(test)]

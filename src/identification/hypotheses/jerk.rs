@@ -8,7 +8,6 @@ use std::sync::Arc;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
 use crate::machine::{Junction, Machine, TimeConstants};
-use crate::simulation::toolpath::Motion;
 
 /// Jerks along the path tried first, mm/s³.
 const JERKS: [f64; 5] = [5e3, 1e4, 2e4, 4e4, 1e5];
@@ -51,8 +50,7 @@ fn ramps(machine: &Machine) -> Option<Hypothesis> {
 
 /// Of rapids from stand to stand: the jerk, with the rapid feedrate fitted again.
 fn positioning(machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
-    let is_rapid = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid);
-    if !runs.iter().any(is_rapid) {
+    if !runs.iter().any(Run::has_rapid) {
         return None;
     }
     let rate = machine.rapid.feedrate;

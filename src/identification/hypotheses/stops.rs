@@ -7,7 +7,6 @@ use crate::identification::calibration::Kind;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
 use crate::machine::{InPosition, Machine};
-use crate::simulation::toolpath::Motion;
 
 /// Angles between which no corner turns are one, where they are closer than this, rad.
 const CLOSE: f64 = 0.01;
@@ -58,8 +57,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
 /// Waits for position at the full stops that there are, and at the ends of rapid moves, which it makes some.
 fn in_position(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     let mut all = Vec::new();
-    let has_rapid =
-        runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid));
+    let has_rapid = runs.iter().any(Run::has_rapid);
     let has_stops = machine.interpolator.exact_stop_angle < std::f64::consts::PI
         || runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.exact_stop));
     for (at, is_offered) in [(InPosition::RapidEnds, has_rapid), (InPosition::ExactStops, has_stops)] {

@@ -1,0 +1,345 @@
+//! The next cause, and whether it stands.
+//!
+//! Of each hypothesis the values are searched over its trials, then by least squares with all that was named
+//! before; the best are compared at the noise that the best of them leaves. Where nothing is named yet, pairs of
+//! them are fitted as well: two causes may hide each other behind a third, which alone is better than either. The
+//! first of the best, by cost and price, that passes every gate is the next cause:
+//!
+//! | gate | what must hold |
+//! |---|---|
+//! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
+//! | held out | with the values that the others give a section is better, in most sections where it acts |
+//! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
+//! | feedrate | feedrates differ no more with it than without it, all in all and where it acts |
+//! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
+//!
+//! Others that cannot be told from it on these runs are alike.
+
+use std::collections::BTreeSet;
+
+use crate::identification::diagnosis::confidence::odds;
+use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::gates::{GAIN, HeldOut};
+use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions, speeds};
+use crate::identification::fit::{Run, Scale};
+use crate::identification::hypotheses::{Hypothesis, Trace};
+use crate::machine::Machine;
+
+/// What a cause must explain, as a part of the cycle time.
+const SIZE: f64 = 3e-4;
+/// What a further cause must explain, as a part of what those before it do.
+const BESIDE: f64 = 0.02;
+/// What a cause moves back and forth counts by this part.
+const NETTED: f64 = 0.2;
+/// A gain of this part of what is left needs no test of its place.
+const LARGE: f64 = 0.5;
+/// Candidates whose cost is this close to the best's cannot be told from it, over how much more than independent
+/// ones the residuals vary.
+const SAME: f64 = 6.0;
+/// What is farther from the best, as a part of what that leaves, is not looked at again.
+const NEAR: f64 = 1.0;
+/// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
+/// known to be exactly 1.
+const BELIEVED: f64 = 6e-3;
+const SWITCHES: [&str; 3] = ["feed_override", "rapid_override", "recorder_clock"];
+/// A cause that is less sure than this is not named.
+const UNSURE: f64 = 0.1;
+/// Candidates that are refined by least squares.
+const REFINED: usize = 5;
+
+/// Where causes are looked for.
+pub struct Looked<'a> {
+    /// The runs, or excerpts of them.
+    pub runs: &'a [Run<'a>],
+    /// The runs.
+    pub whole: &'a [Run<'a>],
+    /// Whether they are excerpts.
+    pub in_parts: bool,
+}
+
+impl<'a> Looked<'a> {
+    fn evidence(&self, machine: &Machine) -> Evidence<'a> {
+        match self.in_parts {
+            true => Evidence::in_common(self.runs, machine),
+            false => Evidence::of(self.runs, machine),
+        }
+    }
+}
+
+/// A cause that stands, while others are looked for.
+#[derive(Clone)]
+pub struct Found {
+    /// It, with its values.
+    pub candidate: Candidate,
+    /// Ids of what it cannot be told from.
+    pub alike: Vec<String>,
+    /// How it did where it was not fitted.
+    pub held_out: Option<HeldOut>,
+    /// How sure, at most: what the likelihood says of it is known when all causes are.
+    pub confidence: f64,
+}
+
+impl Found {
+    /// A cause that is seen by itself, and so sure.
+    pub fn read_off(candidate: Candidate, confidence: f64) -> Found {
+        Found { candidate, alike: Vec::new(), held_out: None, confidence }
+    }
+}
+
+/// The causes alone.
+pub fn candidates(found: &[Found]) -> Vec<Candidate> {
+    found.iter().map(|found| found.candidate.clone()).collect()
+}
+
+/// What was named with the next cause after it, all fitted again; none where nothing passes the gates.
+pub fn with_next(
+    base: &Machine,
+    looked: &Looked,
+    library: &[Hypothesis],
+    named: &[Found],
+    progress: &mut dyn FnMut(f64),
+) -> Option<Vec<Found>> {
+    let before = candidates(named);
+    let current = with_all(base, &before);
+    let hypotheses = open(&current, looked, library, &before);
+    let good = screened(&current, looked, &hypotheses, &mut |part| progress(0.7 * part));
+    let best = good.first()?;
+    // At the noise that the best leaves the good ones are told apart.
+    let fine = looked.evidence(&best.hypothesis.machine(&current, &best.values));
+    let mut refined = refined(base, &current, &fine, &good, &before);
+    progress(0.85);
+    if named.is_empty() {
+        put_best_of_pairs_first(base, &fine, &mut refined);
+    }
+    progress(0.95);
+    let (found, others) = refined.iter().enumerate().find_map(|(at, (candidate, others))| {
+        passed(base, &current, looked, &fine, (candidate, others), &refined[at + 1..])
+    })?;
+    let refitted = named.iter().zip(others);
+    let mut all: Vec<Found> =
+        refitted.map(|(named, candidate)| Found { candidate, ..named.clone() }).collect();
+    all.push(found);
+    Some(all)
+}
+
+/// What of the library is not named yet, with what the residual says where to place.
+fn open(current: &Machine, looked: &Looked, library: &[Hypothesis], named: &[Candidate]) -> Vec<Hypothesis> {
+    let is_named = |other: &Hypothesis| {
+        named.iter().any(|own| own.hypothesis.id == other.id && own.hypothesis.variant == other.variant)
+    };
+    let in_time = library.iter().filter(|hypothesis| hypothesis.trace == Trace::Time);
+    let mut all: Vec<Hypothesis> = in_time
+        .filter(|hypothesis| !is_named(hypothesis))
+        .filter(|hypothesis| !named.iter().any(|named| hypothesis.is_fitted_beside(&named.hypothesis)))
+        .cloned()
+        .collect();
+    let has_override = library.iter().any(|hypothesis| hypothesis.id == "feed_override");
+    let whole = Evidence::of(looked.whole, current);
+    all.extend(places::hypotheses(current, looked.whole, &whole, has_override));
+    all
+}
+
+/// The best of the hypotheses at the best of their trials, by cost at the noise that the best of them leaves.
+fn screened(
+    current: &Machine,
+    looked: &Looked,
+    hypotheses: &[Hypothesis],
+    progress: &mut dyn FnMut(f64),
+) -> Vec<Candidate> {
+    let coarse = looked.evidence(current);
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for (at, hypothesis) in hypotheses.iter().enumerate() {
+        progress(at as f64 / hypotheses.len() as f64);
+        candidates.extend(coarse.screened(current, hypothesis));
+    }
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    candidates.truncate(3 * REFINED);
+    candidates
+}
+
+/// The good ones by least squares together with what was named, by what they are worth; of two that are as good
+/// the one with fewer parameters comes first.
+fn refined(
+    base: &Machine,
+    current: &Machine,
+    fine: &Evidence,
+    good: &[Candidate],
+    named: &[Candidate],
+) -> Vec<(Candidate, Vec<Candidate>)> {
+    let at_fine = |candidate: &Candidate| {
+        let cost = fine.cost(&candidate.hypothesis.machine(current, &candidate.values));
+        Candidate { cost, ..candidate.clone() }
+    };
+    let mut good: Vec<Candidate> = good.iter().map(at_fine).collect();
+    good.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    good.truncate(REFINED);
+    let is_as_close = |candidate: &Candidate, others: &[Candidate]| {
+        speeds::are_as_close(fine.runs, current, &with_all(base, &together(candidate, others)))
+    };
+    let mut refined: Vec<_> = good.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
+    refined.retain(|(candidate, others)| {
+        !is_as_believed(candidate, base) && !is_at_bound(candidate) && is_as_close(candidate, others)
+    });
+    refined.sort_by(|a, b| priced(fine.runs, &[&a.0]).total_cmp(&priced(fine.runs, &[&b.0])));
+    refined
+}
+
+/// The cost of causes that were fitted together, with their price.
+fn priced(runs: &[Run], together: &[&Candidate]) -> f64 {
+    let prices = together.iter().map(|candidate| gates::price(runs, candidate.values.len()));
+    together.first().map_or(0.0, |first| first.cost) + prices.sum::<f64>()
+}
+
+/// Of the pair that is best, and better than the best alone, the better one comes first.
+fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(Candidate, Vec<Candidate>)>) {
+    let Some((alone, _)) = refined.first() else { return };
+    let mut best = (0, priced(fine.runs, &[alone]));
+    for (at, (first, _)) in refined.iter().enumerate() {
+        for (second, _) in &refined[at + 1..] {
+            let (own, other) = (&first.hypothesis, &second.hypothesis);
+            if own.id == other.id || own.is_fitted_beside(other) || other.is_fitted_beside(own) {
+                continue;
+            }
+            let (first, others) = fine.refined(base, first, std::slice::from_ref(second));
+            let cost = priced(fine.runs, &[&first, &others[0]]);
+            if cost < best.1 {
+                best = (at, cost);
+            }
+        }
+    }
+    let first = refined.remove(best.0);
+    refined.insert(0, first);
+}
+
+/// A candidate with those named before, if it passes every gate. `rest` are those that are not as good.
+fn passed(
+    base: &Machine,
+    current: &Machine,
+    looked: &Looked,
+    fine: &Evidence,
+    (candidate, others): (&Candidate, &[Candidate]),
+    rest: &[(Candidate, Vec<Candidate>)],
+) -> Option<(Found, Vec<Candidate>)> {
+    let runs = looked.runs;
+    let price = gates::price(runs, candidate.values.len());
+    if fine.cost(current) - candidate.cost <= price {
+        return None;
+    }
+    let first_cost = candidate.cost;
+    // The noise once more, that of the refined one; else its last digits are those of the first guess.
+    let last = looked.evidence(&with_all(base, &together(candidate, others)));
+    let (candidate, others) = last.refined(base, candidate, others);
+    let gain = last.cost(current) - candidate.cost;
+    if gain <= price {
+        return None;
+    }
+    let with = with_all(base, &together(&candidate, &others));
+    let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
+    let explained = regions::acts_on(base, current, runs).0.abs();
+    if weight(current, &with, runs) < LEAST.max(SIZE * whole).max(BESIDE * explained) {
+        return None;
+    }
+    if gain < LARGE * candidate.cost && !gates::stays_in_place(&last, current, &with) {
+        return None;
+    }
+    let held_out = gates::held_out(&last, base, current, &candidate, &others);
+    if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
+        return None;
+    }
+    // The last digits of the others are those of the first guess, too.
+    let dispersion = last.dispersion(&with);
+    let near = (SAME * dispersion).max(NEAR * first_cost);
+    let alike: BTreeSet<String> = rest
+        .iter()
+        .filter(|(other, _)| other.hypothesis.id != candidate.hypothesis.id && other.cost < first_cost + near)
+        .map(|(other, others)| last.refined(base, other, others).0)
+        .filter(|other| (other.cost - candidate.cost).abs() < SAME * dispersion)
+        .map(|other| other.hypothesis.id.to_string())
+        .collect();
+    let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
+    let found = Found { candidate, alike: alike.into_iter().collect(), held_out, confidence };
+    (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
+}
+
+/// What a cause explains, s.
+fn weight(without: &Machine, with: &Machine, runs: &[Run]) -> f64 {
+    let (seconds, _) = regions::acts_on(without, with, runs);
+    seconds.abs().max(NETTED * regions::moved(without, with, runs))
+}
+
+fn together(candidate: &Candidate, others: &[Candidate]) -> Vec<Candidate> {
+    others.iter().chain([candidate]).cloned().collect()
+}
+
+/// Whether a setting is found at the value that the machine file has, within what a calibration is sure of.
+fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
+    let hypothesis = &candidate.hypothesis;
+    let [freed] = &hypothesis.freed[..] else { return false };
+    // Filters of other lengths but the same delay are seen by the sum of their squares, which is that of a constant
+    // longer by the square of the spread, as a part of it.
+    if hypothesis.id == "unequal_filters" && candidate.values[0].powi(2) < BELIEVED {
+        return true;
+    }
+    let believed = freed.of(machine).filter(|value| 0.0 < *value);
+    !SWITCHES.contains(&hypothesis.id)
+        && hypothesis.is_continuous
+        && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
+}
+
+/// Whether a value went as far as it may go: what it is to explain is something else.
+fn is_at_bound(candidate: &Candidate) -> bool {
+    let of = candidate.hypothesis.freed.iter().zip(&candidate.values);
+    candidate.hypothesis.is_continuous
+        && of.filter(|(freed, _)| freed.scale == Scale::Ratio).any(|(freed, value)| {
+            let (low, high) = freed.bounds;
+            *value <= low * (1.0 + BELIEVED) || high * (1.0 - BELIEVED) <= *value
+        })
+}
+
+/// Those of the causes found in excerpts that also hold on the whole, each with those before it.
+pub fn held(base: &Machine, runs: &[Run], named: Vec<Found>) -> Vec<Found> {
+    let whole = Evidence::of(runs, &with_all(base, &candidates(&named)));
+    let mut kept: Vec<Found> = Vec::new();
+    let mut before = base.clone();
+    for found in named {
+        let after = found.candidate.hypothesis.machine(&before, &found.candidate.values);
+        let gain = whole.cost(&before) - whole.cost(&after);
+        if GAIN < gain && speeds::are_as_close(runs, &before, &after) {
+            kept.push(found);
+            before = after;
+        }
+    }
+    kept
+}
+
+/// Takes back every cause that the others make unnecessary, or leave too little to.
+pub fn without_unnecessary(base: &Machine, looked: &Looked, mut named: Vec<Found>) -> Vec<Found> {
+    while 1 < named.len() {
+        let all = candidates(&named);
+        let with = with_all(base, &all);
+        let is_small = |at: usize| {
+            let mut others = all.clone();
+            others.remove(at);
+            weight(&with_all(base, &others), &with, looked.runs) < LEAST
+        };
+        if let Some(small) = (0..all.len()).find(|at| is_small(*at)) {
+            named.remove(small);
+            continue;
+        }
+        let evidence = looked.evidence(&with);
+        let cost = evidence.cost(&with);
+        let without = |at: usize| {
+            let mut others = all.clone();
+            others.remove(at);
+            let (last, rest) = others.split_last()?;
+            let (last, mut others) = evidence.refined(base, last, rest);
+            others.push(last);
+            Some((at, evidence.cost(&with_all(base, &others)) - cost, others))
+        };
+        let cheapest = (0..all.len()).filter_map(without).min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((at, _, others)) = cheapest.filter(|(_, rise, _)| *rise < GAIN) else { break };
+        named.remove(at);
+        named.iter_mut().zip(others).for_each(|(named, candidate)| named.candidate = candidate);
+    }
+    named
+}

@@ -1,0 +1,84 @@
+//! What a diagnosis comes to, by its causes and by the lost time that they leave.
+//!
+//! | what is left asks for a cause if it is more than | |
+//! |---|---|
+//! | `LEAST` s, and what the machine file was off by where it was calibrated | always |
+//! | `LEFT` of the cycle time | always |
+//! | `MUCH` of what there was | in place of `LEFT`, beside causes |
+//!
+//! What the operator did is explained all the same where it is certain and more than what is left.
+
+use crate::identification::comparison::Comparison;
+use crate::identification::diagnosis::{Cause, LEAST, OPERATOR, Verdict};
+use crate::machine::Machine;
+
+/// What is left unexplained without a word, as a part of the cycle time.
+const LEFT: f64 = 2e-3;
+/// What is left of what there was, from which on it is not explained.
+const MUCH: f64 = 0.25;
+/// A confidence from which on a cause is certain.
+const CERTAIN: f64 = 0.9;
+
+/// Lost time that causes leave.
+pub struct Left {
+    /// What there was, s.
+    pub before: f64,
+    /// What is left, s.
+    pub after: f64,
+    /// How long all runs together took, s.
+    whole: f64,
+    /// What the machine file is known to be off by, as a part of the cycle time.
+    known: f64,
+}
+
+impl Left {
+    /// Of the time that there was and is (s), by the comparison with the causes.
+    pub fn of(machine: &Machine, before: f64, after: f64, compared: &[Comparison]) -> Left {
+        let whole = compared.iter().map(|comparison| comparison.whole.recorded).sum();
+        Left { before, after, whole, known: machine.cycle_time_error.map_or(0.0, f64::abs) }
+    }
+
+    fn is_known(&self) -> bool {
+        self.after <= self.known * self.whole
+    }
+
+    fn is_much_beside(&self, causes: &[Cause]) -> bool {
+        !causes.is_empty() && MUCH * self.before < self.after
+    }
+
+    /// Whether it asks for a cause.
+    pub fn asks(&self, causes: &[Cause]) -> bool {
+        let is_seen = LEAST < self.after && !self.is_known();
+        is_seen && (self.is_much_beside(causes) || LEFT * self.whole < self.after)
+    }
+
+    /// The verdict, of time that is looked for a cause of.
+    pub fn verdict(&self, causes: &[Cause]) -> Verdict {
+        let is_done = |cause: &&Cause| OPERATOR.contains(&cause.candidate.hypothesis.id);
+        let sure = causes.iter().filter(is_done).filter(|cause| CERTAIN <= cause.confidence);
+        let by_operator: f64 = sure.map(|cause| cause.seconds.abs()).sum();
+        match (causes.is_empty(), self.asks(causes)) {
+            (true, true) => Verdict::Unknown,
+            (true, false) => Verdict::NothingMissing,
+            _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
+            (false, true) if by_operator < self.after && self.is_much_beside(causes) => Verdict::Unknown,
+            _ => Verdict::Explained,
+        }
+    }
+
+    /// What to know of it, for people.
+    pub fn message(&self, causes: &[Cause]) -> Option<String> {
+        let Left { after, known, .. } = self;
+        if self.asks(causes) && !causes.is_empty() {
+            Some(format!("{after:.2} s of lost time are left that nothing in the library explains"))
+        } else if LEFT * self.whole < *after && self.is_known() {
+            Some(format!(
+                "{after:.2} s of lost time are left, which is no more than the {:.1} % that the machine file was \
+                 off by where it was calibrated",
+                100.0 * known
+            ))
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What is left of a section of the path with the values that all the others give.
+//!
+//! From the values θ of all, at which the gradient is next to nothing, one step of Gauss and Newton leads to those
+//! without the section s:
+//!
+//! ```text
+//! θ₋ₛ − θ = (H − Hₛ)⁻¹ gₛ,     νₛ(θ₋ₛ) = νₛ + Jₛ (θ₋ₛ − θ)
+//! ```
+//!
+//! with ν, J, H and g as in `information`. A value that the others say nothing of stands still.
+//! Source: Cook and Weisberg 1982, Sect. 3.4. Limits: as far as the residuals are straight in the values.
+
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+
+use crate::identification::fit::information::{Information, inverse};
+use crate::identification::fit::minimise::linearised;
+use crate::identification::fit::{Freed, Run, Whitening};
+use crate::machine::Machine;
+
+/// The part of all information on a value that the others must have, or they say nothing of it.
+const KNOWN: f64 = 0.05;
+
+/// The whitened residuals of one section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// With the values that the other sections give.
+    pub whitened: Vec<f64>,
+    /// Which of the values the others know.
+    pub is_known: Vec<bool>,
+}
+
+/// Every section of every run, one run after another, with what was freed fitted to all the others. The values
+/// begin where all sections have them.
+pub fn left_out(
+    machine: &Machine,
+    runs: &[Run],
+    freed: &[Freed],
+    whitenings: &[Whitening],
+    sections: impl Fn(usize) -> Vec<Range<usize>>,
+) -> Vec<LeftOut> {
+    let (whitened, jacobians) = linearised(machine, runs, freed, whitenings);
+    let all = Information::of_all(&whitened, &jacobians, freed.len());
+    let runs = whitened.iter().zip(&jacobians);
+    runs.flat_map(|(whitened, jacobian)| {
+        sections(whitened.len()).into_iter().map(|rows| without(&all, whitened, jacobian, rows))
+    })
+    .collect()
+}
+
+fn without(all: &Information, whitened: &[f64], jacobian: &DMatrix<f64>, rows: Range<usize>) -> LeftOut {
+    let own = Information::of(whitened, jacobian, rows.clone());
+    let others = |at: usize| all.normal[(at, at)] - own.normal[(at, at)];
+    let is_known: Vec<bool> =
+        (0..jacobian.ncols()).map(|at| KNOWN * all.normal[(at, at)] < others(at)).collect();
+    let known: Vec<usize> = (0..is_known.len()).filter(|at| is_known[*at]).collect();
+    let (all, own) = (all.among(&known), own.among(&known));
+    let mut left = whitened[rows.clone()].to_vec();
+    if let Some(inverse) = inverse(&(all.normal - own.normal)) {
+        let step = inverse * own.gradient;
+        let slopes = jacobian.rows(rows.start, rows.len()).select_columns(&known);
+        left.iter_mut().zip((slopes * step).iter()).for_each(|(left, moved)| *left += moved);
+    }
+    LeftOut { whitened: left, is_known }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a mean, what is left of a section is its distance from the mean of the others.
+    #[test]
+    fn the_mean_of_the_others_is_what_a_section_is_held_against() {
+        let values = [0.3, -0.2, 0.5, 0.1, -0.4, 0.0, 0.2, 0.6];
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let whitened: Vec<f64> = values.iter().map(|value| value - mean).collect();
+        let jacobian = DMatrix::from_element(values.len(), 1, -1.0);
+        let all = Information::of(&whitened, &jacobian, 0..values.len());
+        let others = values[3..].iter().sum::<f64>() / 5.0;
+        let found = without(&all, &whitened, &jacobian, 0..3);
+        assert_eq!(found.is_known, [true]);
+        for (left, value) in found.whitened.iter().zip(&values) {
+            assert!((left - (value - others)).abs() < 1e-12, "{left} is not {value} − {others}");
+        }
+    }
+
+    #[test]
+    fn a_value_of_one_section_alone_is_not_known_without_it() {
+        let whitened = [0.2, -0.2, 0.1, 0.3];
+        let jacobian = DMatrix::from_row_slice(4, 2, &[1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0]);
+        let all = Information::of(&whitened, &jacobian, 0..4);
+        assert_eq!(without(&all, &whitened, &jacobian, 0..2).is_known, [true, false]);
+        assert_eq!(without(&all, &whitened, &jacobian, 2..4).is_known, [true, true]);
+    }
+}
