@@ -17,6 +17,7 @@ mod form;
 mod gates;
 mod places;
 mod plateaus;
+mod pulsation;
 mod read_off;
 mod regions;
 mod rests;
@@ -36,6 +37,7 @@ use crate::identification::diagnosis::confidence::weighed;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
+use crate::identification::diagnosis::pulsation::Pulsation;
 use crate::identification::diagnosis::search::{Found, Looked, candidates};
 use crate::identification::diagnosis::verdict::Left;
 use crate::identification::fit::Run;
@@ -142,10 +144,11 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         held_out: None,
     }));
     let (regions, rest) = (located(&before, runs, machine), located(&after, runs, &fitted));
-    // Where drives explain the form of the path whole, nothing is missing in time.
     let seconds = regions::left(&after, &rest);
-    let left =
-        Left::of(machine, regions::left(&before, &regions), if is_in_time { seconds } else { 0.0 }, &after);
+    // Where drives explain the form of the path whole, nothing is missing in time.
+    let asked = if is_in_time { seconds } else { 0.0 };
+    let pulsation = if is_in_time { Pulsation::seen(&after, runs) } else { None };
+    let left = Left::of(machine, (regions::left(&before, &regions), asked), pulsation, &after);
     let held_out = match &in_time.excerpts {
         Some(excerpts) if !in_time.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
         Some(_) => None,
@@ -201,6 +204,12 @@ impl InTime {
         named = search::without_unnecessary(&base, &looked, named);
         if looked.in_parts {
             named = search::held(&base, runs, named);
+        }
+        // What a search finds beside a pace that pulsates, and goes on to, is a part of that.
+        let seen = |machine: &Machine| Pulsation::seen(&compared(machine, runs), runs);
+        let with = seen(&with_all(&base, &candidates(&named)));
+        if with.is_some_and(|with| seen(start).is_some_and(|before| before.is_as_fast(&with))) {
+            named.clear();
         }
         InTime { named: weighed(&base, runs, named), read_off, excerpts }
     }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use crate::identification::alignment::Place;
 use crate::identification::diagnosis::evidence::Evidence;
+use crate::identification::diagnosis::gates::GAIN;
 use crate::identification::diagnosis::rests::{Rest, rests};
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
@@ -74,7 +75,9 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
             }
         }
     }
-    if best.2 < WORTH_A_RANGE * whole {
+    // The best of so many ranges explains 2 ln of their number by chance.
+    let by_chance = 2.0 * (0.5 * (bins * bins) as f64).max(1.0).ln();
+    if best.2 < WORTH_A_RANGE * whole || best.2 - whole < GAIN + by_chance {
         return None;
     }
     let (from, to) = (best.0, best.1);

@@ -6,9 +6,10 @@
 //! | `LEFT` of the cycle time | always |
 //! | `MUCH` of what there was | in place of `LEFT`, beside causes |
 //!
-//! What the operator did is explained all the same where it is certain and more than what is left.
+//! So does a pace that pulsates, however little time it loses. What the operator did is explained all the same where it is certain and more than what is left.
 
 use crate::identification::comparison::Comparison;
+use crate::identification::diagnosis::pulsation::Pulsation;
 use crate::identification::diagnosis::{Cause, LEAST, OPERATOR, Verdict};
 use crate::machine::Machine;
 
@@ -29,13 +30,20 @@ pub struct Left {
     whole: f64,
     /// What the machine file is known to be off by, as a part of the cycle time.
     known: f64,
+    /// How its pace pulsates.
+    pulsation: Option<Pulsation>,
 }
 
 impl Left {
     /// Of the time that there was and is (s), by the comparison with the causes.
-    pub fn of(machine: &Machine, before: f64, after: f64, compared: &[Comparison]) -> Left {
+    pub fn of(
+        machine: &Machine,
+        (before, after): (f64, f64),
+        pulsation: Option<Pulsation>,
+        compared: &[Comparison],
+    ) -> Left {
         let whole = compared.iter().map(|comparison| comparison.whole.recorded).sum();
-        Left { before, after, whole, known: machine.cycle_time_error.map_or(0.0, f64::abs) }
+        Left { before, after, whole, known: machine.cycle_time_error.map_or(0.0, f64::abs), pulsation }
     }
 
     fn is_known(&self) -> bool {
@@ -49,7 +57,8 @@ impl Left {
     /// Whether it asks for a cause.
     pub fn asks(&self, causes: &[Cause]) -> bool {
         let is_seen = LEAST < self.after && !self.is_known();
-        is_seen && (self.is_much_beside(causes) || LEFT * self.whole < self.after)
+        let is_much = self.is_much_beside(causes) || LEFT * self.whole < self.after;
+        self.pulsation.is_some() || is_seen && is_much
     }
 
     /// The verdict, of time that is looked for a cause of.
@@ -61,6 +70,7 @@ impl Left {
             (true, true) => Verdict::Unknown,
             (true, false) => Verdict::NothingMissing,
             _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
+            (false, true) if self.pulsation.is_some() => Verdict::Unknown,
             (false, true) if by_operator < self.after && self.is_much_beside(causes) => Verdict::Unknown,
             _ => Verdict::Explained,
         }
@@ -69,7 +79,13 @@ impl Left {
     /// What to know of it, for people.
     pub fn message(&self, causes: &[Cause]) -> Option<String> {
         let Left { after, known, .. } = self;
-        if self.asks(causes) && !causes.is_empty() {
+        if let Some(Pulsation { frequency, depth }) = self.pulsation {
+            Some(format!(
+                "The pace rises and falls {frequency:.1} times a second by {:.1} % of the feedrate, with the clock and \
+                 not with the program, as under adaptive control or a load that swings; nothing in the library does",
+                100.0 * depth
+            ))
+        } else if self.asks(causes) && !causes.is_empty() {
             Some(format!("{after:.2} s of lost time are left that nothing in the library explains"))
         } else if LEFT * self.whole < *after && self.is_known() {
             Some(format!(

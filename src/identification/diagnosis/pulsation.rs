@@ -1,0 +1,225 @@
+//! A feedrate that rises and falls with time: adaptive control, a load that swings, a hand on the dial.
+//!
+//! ```text
+//!  lost time r                                rate spectrum of r
+//!    |    .-.    .-.    .-.                      |      |
+//!    |  -'   '--'   '--'   '-                    |      |            f: how often a second
+//!    |________________________ t                 |______|_.___.__ f  depth = 2π f A, A amplitude of r
+//! ```
+//!
+//! A pace 1 + d sin 2πft leaves one line: the residual is laid on even times, cut into windows with Hann's
+//! weights, and of the amplitudes A of each frequency the median over all windows is taken, so that a wait in one
+//! of them does not count. The rate 2π f A of a wandering residual is the same at all frequencies; a pulsation stands
+//! [`OUT`] times above the median of them, in power. What lies in the program is none: its lost time goes up in steps,
+//! of which the second harmonic is more than [`PURE`] of the first, or an axis moves at the same frequency.
+//! Source of the method: Welch 1967.
+//!
+//! Limits: from [`LOWEST`] to [`HIGHEST`] Hz, [`LEAST`] deep, in runs of a window at least whose positions are known.
+
+use std::f64::consts::TAU;
+
+use crate::identification::alignment::median;
+use crate::identification::comparison::Comparison;
+use crate::identification::fit::Run;
+use crate::simulation::toolpath::Point;
+
+/// Time between the samples of the residual, s; marks must be this close.
+const STEP: f64 = 0.05;
+/// Samples of a window.
+const WINDOW: usize = 256;
+/// Lowest and highest frequency looked at, Hz, and their distance.
+const LOWEST: f64 = 0.3;
+const HIGHEST: f64 = 3.0;
+const APART: f64 = 0.04;
+/// How far its power stands out of that of all frequencies.
+const OUT: f64 = 30.0;
+/// An axis that stands out so far moves at that frequency by itself.
+const MOVES: f64 = 8.0;
+/// What power its second harmonic has, at most.
+const PURE: f64 = 0.1;
+/// The least depth, as a part of the feedrate.
+const LEAST: f64 = 0.01;
+/// Two are the same whose frequencies are this close, as a ratio.
+const SAME: f64 = 0.05;
+
+/// A pace of 1 + `depth` sin 2π `frequency` t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulsation {
+    /// How often, Hz.
+    pub frequency: f64,
+    /// By what part of the feedrate.
+    pub depth: f64,
+}
+
+impl Pulsation {
+    /// The deepest that the runs show against a simulation.
+    pub fn seen(compared: &[Comparison], runs: &[Run]) -> Option<Pulsation> {
+        let of_run = |(comparison, run): (&Comparison, &Run)| {
+            let times: Vec<f64> = run.alignment.marks.iter().map(|mark| mark.time).collect();
+            let found = pulsation(&times, &comparison.residuals)?;
+            let fixes = &run.alignment.fixes;
+            let sampled =
+                |at: usize| Some((fixes[at].time, run.alignment.track.as_ref()?.position[fixes[at].sample?]));
+            let (times, positions): (Vec<f64>, Vec<Point>) = (0..fixes.len()).filter_map(sampled).unzip();
+            let moves = |axis: usize| {
+                let along: Vec<f64> = positions.iter().map(|position| position[axis]).collect();
+                Spectrum::of(&times, &along).is_some_and(|axis| axis.has(found.frequency))
+            };
+            (!times.is_empty() && !(0..3).any(moves)).then_some(found)
+        };
+        compared.iter().zip(runs).filter_map(of_run).max_by(|a, b| a.depth.total_cmp(&b.depth))
+    }
+
+    /// Whether it is as fast as another.
+    pub fn is_as_fast(&self, other: &Pulsation) -> bool {
+        (self.frequency / other.frequency).ln().abs() < SAME
+    }
+}
+
+/// The pulsation of residuals (s) at ascending times (s).
+fn pulsation(times: &[f64], residuals: &[f64]) -> Option<Pulsation> {
+    let spectrum = Spectrum::of(times, residuals)?;
+    let (frequency, depth) =
+        frequencies().zip(spectrum.rates.iter().copied()).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let is_pure = spectrum.rate(2.0 * frequency).powi(2) < PURE * depth * depth;
+    (spectrum.is_above(OUT, depth) && is_pure && LEAST <= depth).then_some(Pulsation { frequency, depth })
+}
+
+fn frequencies() -> impl Iterator<Item = f64> {
+    (0..).map(|at| LOWEST + APART * f64::from(at)).take_while(|frequency| *frequency <= HIGHEST)
+}
+
+/// How fast values change at each frequency.
+struct Spectrum {
+    windows: Vec<Vec<f64>>,
+    rates: Vec<f64>,
+}
+
+impl Spectrum {
+    /// Of values at ascending times (s); none where these are too few for the frequencies or too short for a window.
+    fn of(times: &[f64], values: &[f64]) -> Option<Spectrum> {
+        let (first, last) = (times.first()?, times.last()?);
+        if STEP * (times.len() as f64) < 0.5 * (last - first) {
+            return None;
+        }
+        let even = evenly(times, values);
+        let windows: Vec<Vec<f64>> = even.windows(WINDOW).step_by(WINDOW / 2).map(weighted).collect();
+        let mut spectrum = Spectrum { windows, rates: Vec::new() };
+        spectrum.rates = frequencies().map(|frequency| spectrum.rate(frequency)).collect();
+        (!spectrum.windows.is_empty()).then_some(spectrum)
+    }
+
+    /// 2π f A of a frequency (Hz), the median over all windows.
+    fn rate(&self, frequency: f64) -> f64 {
+        let each = self.windows.iter().map(|window| TAU * frequency * amplitude(window, frequency));
+        median(&mut each.collect::<Vec<f64>>())
+    }
+
+    /// Whether a rate is so many times the median of all, in power.
+    fn is_above(&self, times: f64, rate: f64) -> bool {
+        times * median(&mut self.rates.clone()).powi(2) < rate * rate
+    }
+
+    /// Whether there is motion at about a frequency (Hz).
+    fn has(&self, frequency: f64) -> bool {
+        let near = |other: &f64| (other / frequency).ln().abs() < SAME;
+        let beside = frequencies().zip(&self.rates).filter(|(other, _)| near(other)).map(|(_, rate)| *rate);
+        self.is_above(MOVES, beside.fold(self.rate(frequency), f64::max))
+    }
+}
+
+/// Values between their times, at even ones.
+fn evenly(times: &[f64], values: &[f64]) -> Vec<f64> {
+    let count = ((times[times.len() - 1] - times[0]) / STEP) as usize;
+    let mut after = 1;
+    (0..=count)
+        .map(|at| {
+            let time = times[0] + STEP * at as f64;
+            while after + 1 < times.len() && times[after] < time {
+                after += 1;
+            }
+            let (before, next) = (after - 1, after.min(times.len() - 1));
+            let span = times[next] - times[before];
+            let share = if 0.0 < span { ((time - times[before]) / span).clamp(0.0, 1.0) } else { 0.0 };
+            values[before] + share * (values[next] - values[before])
+        })
+        .collect()
+}
+
+/// A window without its straight line, by Hann's weights.
+fn weighted(window: &[f64]) -> Vec<f64> {
+    let count = window.len() as f64;
+    let centre = 0.5 * (count - 1.0);
+    let mean = window.iter().sum::<f64>() / count;
+    let away = |at: usize| at as f64 - centre;
+    let along: f64 = window.iter().enumerate().map(|(at, value)| away(at) * value).sum();
+    let slope = 12.0 * along / (count * (count * count - 1.0));
+    let hann = |at: usize| 0.5 - 0.5 * (TAU * (at as f64 + 0.5) / count).cos();
+    let of = |(at, value): (usize, &f64)| hann(at) * (value - mean - slope * away(at));
+    window.iter().enumerate().map(of).collect()
+}
+
+/// The amplitude of a frequency (Hz) in a weighted window; Hann's weights have the mean ½.
+fn amplitude(window: &[f64], frequency: f64) -> f64 {
+    let turn = |at: usize| TAU * frequency * STEP * at as f64;
+    let sum =
+        |of: fn(f64) -> f64| window.iter().enumerate().map(|(at, value)| value * of(turn(at))).sum::<f64>();
+    4.0 * sum(f64::cos).hypot(sum(f64::sin)) / window.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(seconds: f64) -> Vec<f64> {
+        (0..(seconds / 0.02) as usize).map(|at| 0.02 * at as f64).collect()
+    }
+
+    #[test]
+    fn a_pace_that_swings_is_found_with_its_depth() {
+        for (frequency, depth) in [(0.7, 0.05), (1.65, 0.03), (2.4, 0.2)] {
+            let times = times(60.0);
+            let swing = |time: &f64| 0.03 * time + depth / (TAU * frequency) * (TAU * frequency * time).sin();
+            let found = pulsation(&times, &times.iter().map(swing).collect::<Vec<_>>());
+            let found = found.expect("it swings");
+            assert!((found.frequency / frequency - 1.0).abs() < 0.05, "{found:?} for {frequency} Hz");
+            assert!((found.depth / depth - 1.0).abs() < 0.1, "{found:?} for {depth}");
+        }
+    }
+
+    /// Corners that come again every so often lose time in steps.
+    #[test]
+    fn steps_and_jumps_are_no_pulsation() {
+        let times = times(60.0);
+        for every in [0.4, 0.9, 2.0] {
+            let steps: Vec<f64> = times.iter().map(|time| 0.02 * (time / every).floor()).collect();
+            assert_eq!(pulsation(&times, &steps), None, "steps every {every} s");
+        }
+        let jump: Vec<f64> = times.iter().map(|time| if 31.0 < *time { 2.7 } else { 0.0 }).collect();
+        assert_eq!(pulsation(&times, &jump), None);
+    }
+
+    #[test]
+    fn what_wanders_does_not_pulsate() {
+        let times = times(120.0);
+        let (mut seed, mut lost) = (7u64, 0.0);
+        let wander: Vec<f64> = times
+            .iter()
+            .map(|_| {
+                seed ^= seed << 13;
+                seed ^= seed >> 7;
+                seed ^= seed << 17;
+                lost += 0.01 * ((seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5);
+                lost
+            })
+            .collect();
+        assert_eq!(pulsation(&times, &wander), None);
+    }
+
+    #[test]
+    fn nothing_is_said_of_next_to_nothing() {
+        assert_eq!(pulsation(&[], &[]), None);
+        assert_eq!(pulsation(&[1.0], &[0.0]), None);
+        assert_eq!(pulsation(&[1.0, 1.0], &[0.0, 2.0]), None);
+    }
+}
