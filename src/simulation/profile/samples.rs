@@ -6,7 +6,7 @@
 //! spacing resolves, but for filters that let short pulses through: there rows are laid where it
 //! may bend. So nothing is missed, and the cost is linear in the number of pulses.
 //!
-//! A small file whose loops run to their bound would make a hundred million rows, far more than a picture shows. A
+//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture shows. A
 //! table for pictures that has no room for them is laid anew at equal times, and says at which.
 
 use crate::simulation::feed::Phase;
