@@ -84,7 +84,7 @@
  * A profile over distance (mm, mm/s, s), and the contour errors of its segments (mm).
  * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arc: Float64Array, paceEnd: Float64Array, paceFeedrate: Float64Array}} Columns
  */
-/** @typedef {{summary: RunSummary, columns: Columns}} Run */
+/** The note says what the columns leave out. @typedef {{summary: RunSummary, columns: Columns, note?: string}} Run */
 /** A contour tolerance in mm; null for the program's own. @typedef {number | null} Column */
 
 /**

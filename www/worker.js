@@ -80,7 +80,7 @@ async function simulate({ program, machine, dialect, columns, labels }) {
     progress(0)
     const run = job.simulate(column ?? undefined, progress)
     const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc', 'paceEnd', 'paceFeedrate'])
-    post({ type: 'run', column, summary: run.summary.runs[0], columns: curve }, Object.values(curve))
+    post({ type: 'run', column, summary: run.summary.runs[0], columns: curve, note: run.note }, Object.values(curve))
     run.free()
   }
   job.free()

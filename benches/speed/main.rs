@@ -25,6 +25,7 @@ use truefeed::quote::quote;
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::{Rule, Tolerances, plan};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::trace;
 
 /// Contour tolerances, mm.
@@ -52,10 +53,12 @@ enum Work {
     Quote,
     /// The same for four tolerances.
     QuoteFour,
+    /// It is planned, and the curve of its chart is laid.
+    Chart,
 }
 
 impl Work {
-    const ALL: [Work; 8] = [
+    const ALL: [Work; 9] = [
         Work::Bytes,
         Work::Yardstick,
         Work::Read,
@@ -64,6 +67,7 @@ impl Work {
         Work::PlanFour,
         Work::Quote,
         Work::QuoteFour,
+        Work::Chart,
     ];
 
     fn word(self) -> &'static str {
@@ -76,6 +80,7 @@ impl Work {
             Work::PlanFour => "plan four",
             Work::Quote => "quote",
             Work::QuoteFour => "quote four",
+            Work::Chart => "chart",
         }
     }
 
@@ -95,6 +100,11 @@ impl Work {
                 let toolpath = toolpath(text);
                 let time = |tolerance| plan(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time();
                 TOLERANCES.map(time).iter().sum()
+            }
+            Work::Chart => {
+                let toolpath = toolpath(text);
+                let plan = plan(&toolpath, &machine, Rule::Isolated(TOLERANCES[1]));
+                Profile::new(&toolpath, &plan).drawn().time.len() as f64
             }
             Work::Quote | Work::QuoteFour => {
                 let toolpath = toolpath(text);

@@ -13,7 +13,7 @@ use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::{cycle_time_within, plan_within};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::{Dialect, Options};
-use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Toolpath, trace};
 use crate::web::text::ProgramText;
 
@@ -74,9 +74,13 @@ impl Job {
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerances, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
-        let samples = Profile::new(&self.toolpath, &plan).samples(Resolution::CHART);
+        let samples = Profile::new(&self.toolpath, &plan).drawn();
         let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&samples);
+        let note = samples.spacing.map(|spacing| {
+            format!("Drawn every {spacing:.3} s, as the program is long: shorter dips of the feedrate may be missing. Times and errors are exact.")
+        });
         Ok(Run {
+            note,
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
             columns: Columns {
                 distance: samples.distance,
@@ -109,6 +113,8 @@ pub struct Run {
     pub summary: JsValue,
     /// The profile.
     pub columns: Columns,
+    /// What the profile leaves out, as a sentence; none where that is nothing.
+    pub note: Option<String>,
 }
 
 /// A profile over distance and its contour errors, as columns.

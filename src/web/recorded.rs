@@ -9,7 +9,7 @@ use crate::identification::fit::{Recorded, Run};
 use crate::machine::Machine;
 use crate::project::{CalibrationReport, ComparisonReport, Refusal, faults_to_json, machine_from_form};
 use crate::simulation::gcode::{Dialect, Options, read_with};
-use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::trace;
 use crate::web::job::object;
 
@@ -87,7 +87,7 @@ pub fn compare_recording(
     let Recorded { toolpath, log, alignment, switches } = &aligned;
     let plan = aligned.run().plan(&machine);
     let comparison = compare(toolpath, &plan, alignment);
-    let samples = Profile::new(toolpath, &plan).samples(Resolution::CHART);
+    let samples = Profile::new(toolpath, &plan).drawn();
     let Pointwise { distance, recorded_time, recorded, .. } = pointwise(toolpath, &plan, alignment);
     let Course { distance: lost_distance, seconds: lost_seconds } = course(toolpath, alignment, &comparison);
     let begin = alignment.marks.first().map_or(0.0, |mark| mark.time);

@@ -136,3 +136,17 @@ pageTest('hostile files leave a page that works', async ({ page }) => {
   assert.ok((await cycleTimes(page)).every((time) => time > 0))
   assert.ok(await page.isHidden('#failure'))
 })
+
+pageTest('a loop that runs to its bound is quoted and drawn, and the chart says what its curve leaves out', async ({ page }) => {
+  const note = '#chart .note'
+  await page.setInputFiles('#files', longProgram('ordinary.nc', 500))
+  await computed(page)
+  assert.equal(await page.textContent(note), '')
+  const endless = 'o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n'
+  await page.setInputFiles('#files', { name: 'endless.ngc', mimeType: 'text/plain', buffer: Buffer.from(endless) })
+  const begin = performance.now()
+  await page.waitForFunction((note) => document.querySelector(note)?.textContent, note, { timeout: 250_000 })
+  console.log(`first curve after ${(1e-3 * (performance.now() - begin)).toFixed(1)} s`)
+  assert.match(await page.textContent(note), /Drawn every 0\.\d+ s/)
+  assert.ok(await page.isHidden('#failure'))
+})

@@ -15,10 +15,13 @@ use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read as read_program;
 use truefeed::simulation::profile::{Profile, Resolution};
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::{Toolpath, trace, trace_within};
 
 /// Plans are checked of programs of no more moves than this, so that an execution stays short.
 const MOST_PLANNED: usize = 300;
+
+/// Blocks that loops may run here: a loop that runs further has more moves than that, or none.
+const MOST_REPEATED: usize = 2_000;
 
 /// Bytes → log; stamps in order, everything finite.
 pub fn recording(bytes: &[u8]) {
@@ -163,7 +166,7 @@ pub fn planned(bytes: &[u8]) {
         machine.axes[0].acceleration = 800.0;
         machine.path.acceleration = 1500.0;
     }
-    let toolpath = trace(&read_program(bytes), &machine);
+    let toolpath = trace_within(&read_program(bytes), &machine, MOST_REPEATED);
     if toolpath.segments.len() <= MOST_PLANNED {
         check_plan(&toolpath, &machine);
     }

@@ -9,7 +9,9 @@ use std::time::{Duration, Instant};
 
 use truefeed::machine::{CornerMode, Machine, TimeConstants, presets};
 use truefeed::simulation::contour::plan_within;
+use truefeed::simulation::feed::{Rule, plan};
 use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
+use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::{Toolpath, trace};
 
 /// Blocks of each hostile path.
@@ -258,6 +260,36 @@ fn small_files_that_ask_for_endless_work_end_with_a_message() {
         "holes without end",
         Dialect::LinuxCnc,
         "G91 G81 X1 Y1 Z-1 R1 L2000000000 F100\nM2\n",
+    );
+}
+
+/// A table with all rows that its corners need has 78 million of them, and took three minutes.
+#[test]
+fn the_chart_of_a_loop_without_end_has_no_more_rows_than_it_can_show() {
+    let toolpath = ends_with_a_message(
+        "squares without end",
+        Dialect::LinuxCnc,
+        "o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n",
+    );
+    let machine = Machine::default();
+    let endless = plan(&toolpath, &machine, Rule::Programmed);
+    let profile = Profile::new(&toolpath, &endless);
+    let start = Instant::now();
+    let samples = profile.drawn();
+    assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
+    assert!((1_000_000..=4_000_000).contains(&samples.time.len()), "{} rows", samples.time.len());
+    assert!(samples.spacing.is_some(), "and what is missing is said");
+    let last = samples.time.last().copied().expect("rows");
+    assert!((last - profile.cycle_time()).abs() < 1e-6, "{last} s of {}", profile.cycle_time());
+    assert!(samples.distance.is_sorted() && samples.time.is_sorted());
+
+    let short = trace(&read_with(b"G91 G1 X1 F1000\nY1\nX-1\nM2\n", &Options::default()), &machine);
+    let whole = plan(&short, &machine, Rule::Programmed);
+    let profile = Profile::new(&short, &whole);
+    assert_eq!(
+        profile.drawn(),
+        profile.samples(Resolution::CHART),
+        "nothing is missing of an ordinary program"
     );
 }
 

@@ -15,6 +15,7 @@ export function mount(root) {
   const chart = new Chart()
   const canvas = find(root, 'canvas')
   const empty = find(root, '.empty')
+  const note = find(root, '.note')
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
 
   /** @type {Program | undefined} */
@@ -97,6 +98,7 @@ export function mount(root) {
       plot.hide()
       if (!outcome) return
       fill(chart, outcome)
+      note.textContent = runs.map((column) => outcome?.runs.get(column)?.note).find(Boolean) ?? ''
       // A path of another length has no use for the view of the former one.
       const path = `${program?.id} ${outcome.steps.end.at(-1)}`
       plot.fit(fitted !== path)

@@ -6,7 +6,7 @@ use crate::identification::diagnosis::Diagnosis;
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::plot::{Curve, FeedChart, LostTime, Programmed};
-use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::profile::Profile;
 
 /// The chart of a diagnosed run, `index` of those that were diagnosed on the machine `before`; none where
 /// there is no such run.
@@ -29,7 +29,7 @@ pub fn diagnosis_chart(
     };
     let simulated = |label: &str, machine: &Machine| {
         let plan = run.plan(machine);
-        let samples = Profile::new(run.toolpath, &plan).samples(Resolution::CHART);
+        let samples = Profile::new(run.toolpath, &plan).drawn();
         let (distance, feedrate, time) = (samples.distance, samples.feedrate, samples.time);
         Curve { label: label.to_string(), distance, feedrate, time, ..Curve::default() }
     };

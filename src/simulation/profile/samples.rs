@@ -5,6 +5,9 @@
 //! within the resolution asked for. A filtered feedrate has no feature shorter than that first
 //! spacing resolves, but for filters that let short pulses through: there rows are laid where it
 //! may bend. So nothing is missed, and the cost is linear in the number of pulses.
+//!
+//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture shows. A
+//! table for pictures that has no room for them is laid anew at equal times, and says at which.
 
 use crate::simulation::feed::Phase;
 use crate::simulation::profile::{Motion, Profile, State};
@@ -25,6 +28,8 @@ pub struct Samples {
     pub velocity: [Vec<f64>; 3],
     /// Line of the program being run.
     pub line: Vec<u32>,
+    /// Time between the rows where they are too few to follow the profile, s: what is shorter may be missing.
+    pub spacing: Option<f64>,
 }
 
 /// How closely straight lines between the rows follow the profile.
@@ -43,6 +48,9 @@ impl Resolution {
     pub const CHART: Resolution = Resolution { feedrate: 2e-3, position: f64::INFINITY };
 }
 
+/// Rows of a table for pictures: a finishing program of a million blocks keeps all of its own.
+const MOST_DRAWN: usize = 4_000_000;
+
 /// Gaps are not halved more often than this.
 const DEEPEST: u32 = 10;
 
@@ -52,7 +60,24 @@ const WIDEST_ANGLE: f64 = 1.0;
 impl Profile<'_> {
     /// The profile as a table.
     pub fn samples(&self, resolution: Resolution) -> Samples {
-        let mut samples = Samples::default();
+        self.table(resolution, usize::MAX, None)
+    }
+
+    /// The profile as a table for pictures: as [`Resolution::CHART`] has it, or at equal times where that takes
+    /// too many rows.
+    pub fn drawn(&self) -> Samples {
+        let samples = self.table(Resolution::CHART, MOST_DRAWN, None);
+        if samples.time.len() <= MOST_DRAWN {
+            return samples;
+        }
+        drop(samples);
+        let spacing = self.cycle_time() / (MOST_DRAWN / 2) as f64;
+        self.table(Resolution::CHART, usize::MAX, Some(spacing))
+    }
+
+    /// The table, cut off where it has more than `most` rows; with a `spacing` (s) its rows are laid at equal times.
+    fn table(&self, resolution: Resolution, most: usize, spacing: Option<f64>) -> Samples {
+        let mut samples = Samples { spacing, ..Samples::default() };
         let mut segments_before = 0;
         if 0.0 < self.plan.start {
             samples.push(
@@ -84,8 +109,14 @@ impl Profile<'_> {
                         last_segment: segments.end - 1,
                         samples: &mut samples,
                     };
-                    sampler.run();
+                    match spacing {
+                        Some(spacing) => sampler.run_evenly(spacing),
+                        None => sampler.run(most),
+                    }
                 }
+            }
+            if most < samples.time.len() {
+                break;
             }
         }
         samples
@@ -131,14 +162,24 @@ struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    fn run(&mut self) {
+    /// Lays rows where they are needed, until there are more than `most`.
+    fn run(&mut self, most: usize) {
         let duration = self.motion.duration();
         let mut last = self.row(0.0);
         self.push(last);
-        while last.filtered < duration {
+        while last.filtered < duration && self.samples.time.len() <= most {
             let next = self.row(self.next_time(last.filtered).min(duration));
             self.fill(last, next, 0);
             last = next;
+        }
+    }
+
+    /// Lays rows at equal times, and one between standing and standing at least.
+    fn run_evenly(&mut self, spacing: f64) {
+        let duration = self.motion.duration();
+        let parts = (duration / spacing).ceil().max(2.0);
+        for part in 0..=parts as u64 {
+            self.push(self.row(duration * (part as f64 / parts)));
         }
     }
 

@@ -106,6 +106,20 @@ impl<'a> Slice<'a> {
         Slice { older: begin, younger: end, first, last, offset, ..self }
     }
 
+    /// What has arrived of it along an arc (mm), and how fast it arrives (mm/s). Apart from the sum over the window, which
+    /// nearly always is of lines and has no registers to spare.
+    #[inline(never)]
+    fn along_arc(&self, arc: &Arc, filter: &FilterChain) -> (Vector, Vector) {
+        let (mut arrived, mut arrives) = (InPlane::default(), InPlane::default());
+        for span in filter.spans(self.younger, self.older) {
+            quadrature(self, arc, span.begin, span.end, |node| {
+                arrived.add(node.weight * span.step(node.age), &node);
+                arrives.add(node.weight * span.impulse(node.age), &node);
+            });
+        }
+        (arrived.over(arc, self.segment.length), arrives.over(arc, self.segment.length))
+    }
+
     /// Slope of the command, mm/s².
     fn slope(&self) -> f64 {
         let duration = self.older - self.younger;
@@ -134,6 +148,7 @@ struct Progress {
 
 impl Progress {
     /// Adds a slice; what has arrived of it (mm) and how fast it arrives (mm/s).
+    #[inline(always)]
     fn add(&mut self, slice: &Slice, filter: &FilterChain) -> (f64, f64) {
         let slope = slice.slope();
         if self.younger.1 == 0.0 {
@@ -178,15 +193,9 @@ impl Motion<'_> {
                     **velocity += arrives * direction;
                 }
                 Curve::Arc(arc) => {
-                    let (mut arrived, mut arrives) = (InPlane::default(), InPlane::default());
-                    for span in filter.spans(slice.younger, slice.older) {
-                        quadrature(&slice, arc, span.begin, span.end, |node| {
-                            arrived.add(node.weight * span.step(node.age), &node);
-                            arrives.add(node.weight * span.impulse(node.age), &node);
-                        });
-                    }
-                    **travel += arrived.over(arc, slice.segment.length);
-                    **velocity += arrives.over(arc, slice.segment.length);
+                    let (arrived, arrives) = slice.along_arc(arc, filter);
+                    **travel += arrived;
+                    **velocity += arrives;
                 }
             }
         };

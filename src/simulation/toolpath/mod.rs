@@ -66,7 +66,7 @@ pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
 pub use operations::{MOST_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
-pub use trace::trace;
+pub use trace::{trace, trace_within};
 
 use crate::machine::Spin;
 use crate::simulation::gcode::{Diagnostic, Dialect, LineNumber};

@@ -7,7 +7,7 @@ use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::path_mode::PathRemark;
 use crate::simulation::toolpath::plane::NoCircle;
-use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_COUNT, MOST_RUN};
+use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_COUNT};
 use thiserror::Error;
 
 /// Something that was not traced as a control would run it, or that the user may want to know.
@@ -159,8 +159,8 @@ pub(super) enum Untraced {
     ModalMacro,
     #[error("calls are nested deeper than {DEEPEST_CALL}: the program ends here")]
     DeepCall,
-    #[error("more than {MOST_RUN} blocks were repeated: the program seems to loop for ever, and ends here")]
-    EndlessRun,
+    #[error("more than {most} blocks were repeated: the program seems to loop for ever, and ends here")]
+    EndlessRun { most: usize },
     #[error("M99 at the end of the main program begins it again: one run is timed")]
     BeginsAgain,
     #[error("the program raises an alarm (#3000) and ends here")]
@@ -280,7 +280,7 @@ impl Remark for Untraced {
             | Untraced::ExternalProgram
             | Untraced::ModalMacro
             | Untraced::DeepCall
-            | Untraced::EndlessRun
+            | Untraced::EndlessRun { .. }
             | Untraced::Alarm
             | Untraced::MillingCycle { .. }
             | Untraced::NoSiemensHole { .. }

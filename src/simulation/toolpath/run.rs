@@ -10,7 +10,7 @@
 //! - In the main program M99 ends it: the control would begin again.
 //!
 //! A program may loop for ever, and a short text may ask for endless work. So no more than
-//! [`MOST_RUN`] blocks are run beyond those of the text, and calls nest to [`DEEPEST_CALL`].
+//! [`MOST_REPEATED`] blocks are run beyond those of the text, and calls nest to [`DEEPEST_CALL`].
 //!
 //! Sources: Fanuc B-63944EN, ch. 13 and 16; LinuxCNC 2.9, O codes.
 
@@ -21,8 +21,8 @@ use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::remark::Untraced;
 use std::collections::HashMap;
 
-/// The most blocks that are run beyond once each.
-pub(super) const MOST_RUN: usize = 2_000_000;
+/// The most blocks that are run beyond once each, where no other number is asked for.
+pub(super) const MOST_REPEATED: usize = 2_000_000;
 
 /// The most calls within calls.
 pub(super) const DEEPEST_CALL: usize = 100;
@@ -55,6 +55,8 @@ pub(super) struct Run<'a> {
     calls: Vec<Call>,
     /// The borders between programs in the text.
     borders: Vec<u32>,
+    /// Blocks that may be run beyond once each.
+    most_repeated: usize,
     /// Blocks that may still be run.
     left: usize,
     /// Whether each block was run.
@@ -65,7 +67,7 @@ pub(super) struct Run<'a> {
 pub(super) type Outcome = Result<(), Untraced>;
 
 impl<'a> Run<'a> {
-    pub(super) fn new(program: &'a Program) -> Run<'a> {
+    pub(super) fn new(program: &'a Program, most_repeated: usize) -> Run<'a> {
         let borders = program.flow.iter().filter(|flow| flow.action == Action::Border).map(|flow| flow.block);
         let main = Call {
             back: u32::MAX,
@@ -81,7 +83,8 @@ impl<'a> Run<'a> {
             flow: 0,
             calls: vec![main],
             borders: borders.collect(),
-            left: program.blocks.len() + MOST_RUN,
+            most_repeated,
+            left: program.blocks.len() + most_repeated,
             was_run: vec![false; program.blocks.len()],
         }
     }
@@ -105,7 +108,8 @@ impl<'a> Run<'a> {
     pub(super) fn step(&mut self) -> Outcome {
         self.left -= 1;
         self.at += 1;
-        if self.left == 0 { Err(self.stop(Untraced::EndlessRun)) } else { Ok(()) }
+        let most = self.most_repeated;
+        if self.left == 0 { Err(self.stop(Untraced::EndlessRun { most })) } else { Ok(()) }
     }
 
     /// Goes on to the next block without what the flow of this one says.

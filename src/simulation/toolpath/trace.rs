@@ -16,7 +16,7 @@ use crate::simulation::toolpath::path_mode::{InForce, PathWord};
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::Rotary;
-use crate::simulation::toolpath::run::Run;
+use crate::simulation::toolpath::run::{MOST_REPEATED, Run};
 use crate::simulation::toolpath::siemens::{self, Siemens, Statement};
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
 use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath};
@@ -24,6 +24,11 @@ use crate::units::MM_PER_INCH;
 
 /// Runs `program` on the geometry of `machine`.
 pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
+    trace_within(program, machine, MOST_REPEATED)
+}
+
+/// The same with a bound of its own: blocks that loops and calls may run beyond once each.
+pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) -> Toolpath {
     let mut tracer = Tracer::new(machine, program.is_tape);
     tracer.family = Family::of(program.dialect);
     tracer.dialect = program.dialect;
@@ -33,7 +38,7 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     tracer.tell_missing_points(program);
     // Most blocks of a long program are one move each.
     tracer.toolpath.segments.try_reserve_exact(program.blocks.len()).ok();
-    let mut run = Run::new(program);
+    let mut run = Run::new(program, most_repeated);
     let mut values = Values::default();
     while let Some(index) = run.block() {
         let block = &program.blocks[index as usize];
