@@ -17,6 +17,7 @@ import init, {
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
 import { confinedWorker } from './confined.js'
+import { drawn } from './drawing.js'
 import { firstModule, wholeModule } from './embed/module.js'
 import { Ended, Engine } from './engine.js'
 import { axis } from './format.js'
@@ -711,7 +712,7 @@ async function mountOthers() {
 
 /** Does something when the page has drawn and has nothing else to do. @param {() => void} what */
 function whenIdle(what) {
-  requestAnimationFrame(() => setTimeout(what))
+  requestAnimationFrame(() => drawn().then(() => setTimeout(what)))
 }
 
 function update() {

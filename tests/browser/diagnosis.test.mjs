@@ -84,6 +84,7 @@ for (const viewport of [
       assert.match(cause, /How sure.*\d+ %; better in \d+ of \d+ sections where nothing was fitted/s)
       const [, before, found] = await cells(page, 'Feed RMSE where nothing')
       assert.ok(Number.parseFloat(found) < 0.5 * Number.parseFloat(before), `${before} → ${found}`)
+      await page.locator('#diagnosis canvas').scrollIntoViewIfNeeded()
       await frame(page)
       const pixels = await lostPixels(page)
       assert.ok(pixels.every((count) => 200 < count), `time lost before and after: ${pixels}`)

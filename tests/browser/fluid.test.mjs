@@ -59,7 +59,14 @@ pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay
     await page.locator(selector).scrollIntoViewIfNeeded()
     const { x, y, width, height } = await page.locator(selector).boundingBox()
     const picture = () => page.$eval(`${selector} canvas`, (canvas) => canvas.toDataURL())
-    const whole = await picture()
+    const pixels = () => page.$eval(`${selector} canvas`, ({ width, clientWidth }) => width / clientWidth)
+    await frame(page)
+    const [whole, finest] = [await picture(), await pixels()]
+    await page.$eval(`${selector} canvas`, (canvas) => {
+      window.coarsest = Infinity
+      const note = () => (window.coarsest = Math.min(window.coarsest, canvas.width / canvas.clientWidth))
+      new MutationObserver(note).observe(canvas, { attributeFilter: ['width'] })
+    })
     const tasks = await longTasks(page, async () => {
       await page.mouse.move(x + 0.6 * width, y + 0.3 * height)
       for (let turn = 0; turn < 12; turn += 1) await page.mouse.wheel(0, -240)
@@ -73,5 +80,9 @@ pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay
     const longest = Math.max(0, ...tasks)
     console.log(`# ${selector}: ${tasks.length} long tasks while zooming and moving, the longest ${ms(longest)}`)
     assert.notEqual(await picture(), whole, 'zooming and moving show something else')
+    await page.waitForTimeout(300)
+    await frame(page)
+    assert.ok((await page.evaluate(() => window.coarsest)) < finest, 'what moves is drawn no finer than it needs')
+    assert.equal(await pixels(), finest, 'what rests is drawn finely')
   }
 })

@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { binary, drop, frame, machineOf, pageTest, shot, span } from './steps.mjs'
+import { binary, drop, frame, machineOf, pageTest, shot } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-recording-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -84,7 +84,12 @@ const pixels = (page, from, to) =>
     [from, to],
   )
 
-const spanOf = (page, root) => page.getAttribute(`${root} .plot`, 'data-span').then((text) => text.split(' ').map(Number))
+/** The stretch that a chart shows; only what is in sight is drawn. */
+async function spanOf(page, root) {
+  await page.locator(`${root} canvas`).scrollIntoViewIfNeeded()
+  await frame(page)
+  return (await page.getAttribute(`${root} .plot`, 'data-span')).split(' ').map(Number)
+}
 const cell = (page, row, column) => page.textContent(`#calibration tbody tr:has(th:text-is("${row}")) >> td >> nth=${column}`)
 
 for (const viewport of [
@@ -104,6 +109,7 @@ for (const viewport of [
       assert.ok(Math.abs(Number(took) - seconds) < 0.25, `${took} s of ${seconds} s`)
       assert.ok(Number(simulated) < Number(took) - 0.5, sentence)
       assert.match(await page.textContent('#recording .facts'), /aligned by axis positions: (99|100) %/)
+      await page.locator('#recording canvas').scrollIntoViewIfNeeded()
       await frame(page)
       const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
       assert.ok(feeds.every((count) => 300 < count), `curves: ${feeds}`)
@@ -142,18 +148,15 @@ pageTest('all charts have one cursor and one stretch in sight', async ({ page })
 
   await plot.focus()
   await page.keyboard.press('+')
-  await frame(page)
   const near = ([a, b], [c, d]) => Math.abs(a - c) < 1e-6 && Math.abs(b - d) < 1e-6
   assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
-  const [whole] = [await span(page)]
+  const whole = await spanOf(page, '#chart')
   await page.focus('#chart .plot')
   await page.keyboard.press('ArrowRight')
-  await frame(page)
   assert.ok(!near(whole, await spanOf(page, '#chart')))
   assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
   await page.focus('#recording .tables > :last-child button')
   await page.keyboard.press('Enter')
-  await frame(page)
   assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
   assert.ok(!near(whole, await spanOf(page, '#chart')))
 })

@@ -4,6 +4,7 @@
 import { TolerancePicture, curveTolerances, deviationLabel, price, toleranceLabel } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
+import { sheetOf, whenStill } from '../drawing.js'
 import { clock, difference, money, percent, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
 import { Times, asked, coarseFirst } from '../times.js'
@@ -12,8 +13,6 @@ import { Times, asked, coarseFirst } from '../times.js'
 /** @import { Column, Form, Outcome, Program, State, Values } from "../types.js" */
 /** @import { Asked } from "../times.js" */
 
-/** plotters draws on whole pixels; twice as many as the page's make slanting lines smooth on any screen. */
-const LEAST_RATIO = 2
 const KEY_PX = 6
 
 /** One machine with its cycle times. @typedef {{name: string, values: Values, machine: Asked, times: Map<Column, number>}} Side */
@@ -45,17 +44,18 @@ export function mount(root, engine, form, actions) {
   let state = null
   let stopped = ''
   let at = NaN
-  let frame = 0
 
-  offerPictures(find(root, '.tools'), 'tolerances', 'the cycle time over the tolerance', () => picture?.svg(canvas.clientWidth, canvas.clientHeight))
+  const sheet = sheetOf(canvas, () => picture?.draw(canvas, sheet.width, sheet.height, sheet.ratio(), dark.matches))
+  const draw = sheet.redraw
+
+  offerPictures(find(root, '.tools'), 'tolerances', 'the cycle time over the tolerance', () => picture?.svg(sheet.width, sheet.height))
   beside.addEventListener('change', () => actions.setBeside(beside.value === '' ? null : Number(beside.value)))
   stop.addEventListener('click', () => {
     const running = stopped === ''
     stopped = running ? subject() : ''
     if (running) times.stop()
-    if (state) show(state)
+    again()
   })
-  new ResizeObserver(draw).observe(plot)
   dark.addEventListener('change', draw)
   plot.addEventListener('pointermove', (event) => read(column(event)))
   plot.addEventListener('pointerleave', hide)
@@ -73,7 +73,7 @@ export function mount(root, engine, form, actions) {
     const [x] = picture.columnOf(Number.isFinite(at) ? at : all[all.length >> 1])
     const before = at
     // Where one step does not change what would be typed, several do.
-    for (let to = x + step; 0 < to && to < plot.clientWidth; to += step) {
+    for (let to = x + step; 0 < to && to < sheet.width; to += step) {
       read(to)
       if (at !== before) break
     }
@@ -100,19 +100,10 @@ export function mount(root, engine, form, actions) {
     const rows = sides.slice(0, found.length).map(({ name }, index) => make('p', {}, sides.length > 1 ? `${name}: ` : '', make('strong', {}, Number.isFinite(found[index]) ? `about ${seconds(found[index])}` : '…')))
     reading.hidden = false
     reading.replaceChildren(make('p', {}, make('strong', {}, toleranceLabel(tolerance))), ...rows, make('p', { className: 'small' }, 'Click to add it'))
-    const toTheLeft = left > plot.clientWidth / 2
+    const toTheLeft = left > sheet.width / 2
     reading.style.left = toTheLeft ? 'auto' : `${left + 12}px`
-    reading.style.right = toTheLeft ? `${plot.clientWidth - left + 12}px` : 'auto'
+    reading.style.right = toTheLeft ? `${sheet.width - left + 12}px` : 'auto'
     reading.style.top = `${top + 8}px`
-  }
-
-  function draw() {
-    frame ||= requestAnimationFrame(() => {
-      frame = 0
-      const { clientWidth: width, clientHeight: height } = canvas
-      if (!picture || !width || !height) return
-      picture.draw(canvas, width, height, Math.max(window.devicePixelRatio, LEAST_RATIO), dark.matches)
-    })
   }
 
   /** The program in sight. */
@@ -154,16 +145,20 @@ export function mount(root, engine, form, actions) {
     const lacks = wanted.some(({ machine, columns }) => columns.some((column) => !times.of(program, machine).has(column)))
     // The page's own results come first.
     if (now.progress || !isComplete || now.paused) times.stop()
-    else if (stopped === '') times.compute(program, wanted, (failure) => (failure ? fail(failure) : state && show(state)))
+    else if (stopped === '') times.compute(program, wanted, (failure) => (failure ? fail(failure) : whenStill(again)))
     stop.hidden = !lacks
     stop.textContent = stopped === '' ? 'Stop' : 'Compute the rest'
     standing.textContent = !lacks ? '' : stopped === '' ? 'Computing the curve …' : 'Stopped.'
   }
 
+  function again() {
+    if (state) show(state)
+  }
+
   /** @param {string} message */
   function fail(message) {
     stopped = subject()
-    if (state) show(state)
+    again()
     standing.textContent = `The curve could not be computed: ${message}.`
   }
 

@@ -3,6 +3,7 @@
 import { PathView } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
+import { sheetOf } from '../drawing.js'
 import { count, feedrate, figures, millimetres, number, percent } from '../format.js'
 import { mountListing } from '../listing.js'
 import { offerPictures } from '../pictures.js'
@@ -20,8 +21,6 @@ const RAD_PER_PX = 0.008
 const WALK_PX = 6
 const CLICK_PX = 4
 const AXIS_PX = 26
-/** While the picture moves it is drawn on the page's pixels, and finer when it rests for so long. */
-const REST_MS = 160
 const MOST_PIXELS = 3e6
 
 const COLORS = /** @type {const} */ ([
@@ -62,7 +61,7 @@ export function mount(root, actions) {
   })
   const others = link({
     point: (distance) => {
-      if (!isInSight || !outcome) return
+      if (!sheet.isInSight || !outcome) return
       showAt(distance, false)
       listing.point(view.lineAt(distance) ?? 0)
     },
@@ -88,7 +87,6 @@ export function mount(root, actions) {
   let run
   /** @type {MatchedColumns | undefined} */
   let lost
-  let isInSight = false
   /** What the picture shows now, so that it is made anew only when something else is to be shown. @type {unknown[]} */
   let filled = []
   /** @type {string | undefined} */
@@ -96,44 +94,21 @@ export function mount(root, actions) {
   /** @type {Program | undefined} */
   let listed
   let look = 'top'
-  let frame = 0
-  let rest = 0
-  let isMoving = false
   let readAt = NaN
   /** @type {LostAt | undefined} */
   let chosenPlace
 
-  new IntersectionObserver(
-    (entries) => {
-      isInSight = entries.some(({ isIntersecting }) => isIntersecting)
-      if (isInSight) refill()
-    },
-    { rootMargin: '300px' },
-  ).observe(root)
-
   // Drawing
 
-  function redraw() {
-    frame ||= requestAnimationFrame(() => {
-      frame = 0
-      const { clientWidth: width, clientHeight: height } = space
-      if (!outcome || !isInSight || width === 0) return
-      const finest = Math.min(Math.max(window.devicePixelRatio, 2), Math.sqrt(MOST_PIXELS / (width * height)))
-      view.draw(canvas, width, height, isMoving ? Math.min(1, finest) : finest)
-      overlay(height)
-    })
-  }
-
-  /** Draws anew after a change of the view. */
-  function moved() {
-    isMoving = true
-    clearTimeout(rest)
-    rest = window.setTimeout(() => {
-      isMoving = false
-      redraw()
-    }, REST_MS)
-    redraw()
-  }
+  const sheet = sheetOf(canvas, () => {
+    fill()
+    if (!outcome) return
+    const { width, height } = sheet
+    // While it moves the page's own pixels do: it has no letters.
+    view.draw(canvas, width, height, Math.min(sheet.ratio(1), Math.sqrt(MOST_PIXELS / (width * height))))
+    overlay(height)
+  })
+  const { redraw, moved } = sheet
 
   /** Places what lies over the picture. @param {number} height */
   function overlay(height) {
@@ -178,13 +153,13 @@ export function mount(root, actions) {
     const fast = runs === undefined ? '' : ` · ${feedrate(runs)}`
     reading.replaceChildren(make('p', {}, make('strong', {}, millimetres(distance)), fast), ...lineOf(view.lineAt(distance), program))
     const [x, y] = view.locate(distance)
-    const toTheLeft = x > space.clientWidth / 2
-    const above = y > space.clientHeight / 2
+    const toTheLeft = x > sheet.width / 2
+    const above = y > sheet.height / 2
     Object.assign(reading.style, {
       left: toTheLeft ? 'auto' : `${x + 14}px`,
-      right: toTheLeft ? `${space.clientWidth - x + 14}px` : 'auto',
+      right: toTheLeft ? `${sheet.width - x + 14}px` : 'auto',
       top: above ? 'auto' : `${y + 10}px`,
-      bottom: above ? `${space.clientHeight - y + 10}px` : 'auto',
+      bottom: above ? `${sheet.height - y + 10}px` : 'auto',
     })
   }
 
@@ -258,7 +233,7 @@ export function mount(root, actions) {
   /** @param {string} from */
   function lookFrom(from) {
     look = from
-    view.resize(space.clientWidth, space.clientHeight)
+    view.resize(sheet.width, sheet.height)
     view.look(from)
     for (const button of looks) button.setAttribute('aria-pressed', String(button.dataset.look === from))
     moved()
@@ -272,7 +247,7 @@ export function mount(root, actions) {
 
   /** What keys magnify about: the cursor, or the middle. */
   function middle() {
-    const { clientWidth: width, clientHeight: height } = space
+    const { width, height } = sheet
     const [x, y] = here.hidden ? [] : view.locate(readAt)
     return 0 <= x && x <= width && 0 <= y && y <= height ? { x, y } : { x: width / 2, y: height / 2 }
   }
@@ -395,7 +370,6 @@ export function mount(root, actions) {
       if (distance !== undefined) choose(distance)
     })
   }
-  new ResizeObserver(redraw).observe(space)
   dark.addEventListener('change', () => {
     filled = []
     refill()
@@ -403,12 +377,18 @@ export function mount(root, actions) {
 
   // Filling
 
+  /** Shows what is to be shown now, where it is in sight. */
   function refill() {
-    if (!outcome || !isInSight) return
+    if (sheet.isInSight) fill()
+    redraw()
+  }
+
+  function fill() {
+    if (!outcome) return
     const column = columns[at.selectedIndex]
     run = outcome.runs.get(column)
     const now = [outcome, run, lost, by.value]
-    if (now.length === filled.length && now.every((value, index) => value === filled[index])) return redraw()
+    if (now.length === filled.length && now.every((value, index) => value === filled[index])) return
     const isOther = filled[0] !== outcome
     filled = now
     if (isOther) {
@@ -429,7 +409,6 @@ export function mount(root, actions) {
     fillPlaces(column)
     const way = COLORS.find(([value]) => value === by.value)?.[1]
     canvas.setAttribute('aria-label', `The path of ${program?.name}, coloured ${way}. The table below has the places that cost most.`)
-    redraw()
   }
 
   /** What the first and the last colour stand for. @returns {[string, string]} */
