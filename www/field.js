@@ -3,6 +3,7 @@
 
 import { make } from './dom.js'
 import { parsed, typed as shown } from './format.js'
+import { say } from './texts.js'
 
 /** @import { Parameter, Value } from "./types.js" */
 
@@ -31,17 +32,17 @@ export function field(prefix, parameter, changed) {
     if (kind === 'number') control.inputMode = 'decimal'
   }
   const ofUnit = unit ? ` ${unit}` : ''
-  const bounds = min !== null && max !== null ? `${shown(min)} to ${shown(max)}${ofUnit}` : ''
+  const bounds = min !== null && max !== null ? say.field.range(shown(min), shown(max), ofUnit) : ''
   control.title = bounds
   control.setAttribute('aria-describedby', `${id}-doc ${id}-fault`)
   const fault = make('p', { className: 'fault', id: `${id}-fault` })
   const written = kind === 'flag' ? (neutral ? 'on' : 'off') : text(neutral) || 'empty'
-  const toNeutral = make('button', { type: 'button', className: 'neutral', title: `Back to ${written}` }, 'Reset')
-  toNeutral.setAttribute('aria-label', `Reset ${label} to ${written}`)
+  const toNeutral = make('button', { type: 'button', className: 'neutral', title: say.field.backTo(written) }, say.common.reset)
+  toNeutral.setAttribute('aria-label', say.field.resetTo(label, written))
   const hint = make(
     'p',
     { className: 'hint' },
-    `Neutral: ${written}${typeof neutral === 'number' ? ofUnit : ''}${bounds ? ` · ${bounds}` : ''} `,
+    say.field.neutral(typeof neutral === 'number' ? written + ofUnit : written, bounds),
     toNeutral,
   )
   const element = make(

@@ -1,5 +1,7 @@
 // Machines that are kept in the browser, as filled forms; what is in them is checked by the form when one is chosen.
 
+import { say } from './texts.js'
+
 /** @import { Preset, Values } from "./types.js" */
 
 const KEY = 'truefeed.machines.1'
@@ -19,7 +21,7 @@ export function loadMachines() {
 /** A machine to begin with that is kept. @param {Values} values @returns {Preset} */
 export const keptMachine = (values) => ({
   name: String(values.name),
-  source: 'Kept in this browser.',
+  source: say.machine.kept,
   caveat: '',
   values,
   kept: true,

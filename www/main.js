@@ -17,6 +17,7 @@ import init, {
 } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
 import { confinedWorker } from './confined.js'
+import { fillTexts } from './dom.js'
 import { drawn } from './drawing.js'
 import { firstModule, wholeModule } from './embed/module.js'
 import { Ended, Engine } from './engine.js'
@@ -38,21 +39,24 @@ import { pairs, recordingOf, usable } from './recordings.js'
 import { loadSession, saveSession } from './session.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
 import { whole } from './whole.js'
+import { say } from './texts.js'
 
 /** @import { Column, Form, MachineForm, Outcome, Place, Program, Recording, State, Value, Values } from "./types.js" */
 
 const DEBOUNCE_MS = 300
+
+fillTexts(document)
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id))
 const failure = element('failure')
 
 /** Says what should never happen, rather than leaving a page that does nothing. @param {string} message */
 function fail(message) {
-  failure.textContent = `${message} This is a fault of Truefeed, not of your program.`
+  failure.textContent = say.work.fault(message)
   failure.hidden = false
 }
-window.addEventListener('error', ({ message }) => fail(`Something went wrong: ${message}.`))
-window.addEventListener('unhandledrejection', ({ reason }) => fail(`Something went wrong: ${reason}.`))
+window.addEventListener('error', ({ message }) => fail(say.work.wrong(message)))
+window.addEventListener('unhandledrejection', ({ reason }) => fail(say.work.wrong(reason)))
 
 const first = await firstModule()
 await init({ module_or_path: first.module })
@@ -406,6 +410,9 @@ function putBack({ preset, values, tolerances, programmed, terms }) {
   actions.setMachine(preset, values)
 }
 
+/** Why something failed; a worker that does not start does not say. @param {unknown} error */
+const reasonOf = (error) => (error instanceof Error ? error.message || say.work.noWorker : String(error))
+
 /** @param {number} id @param {Partial<Recording>} what */
 function change(id, what) {
   const recording = state.recordings.find((candidate) => candidate.id === id)
@@ -523,12 +530,10 @@ async function simulate(program, motion) {
   const isForOther = program.outcome !== null && program.outcome.motion !== motion
   /** @type {Outcome | null} */
   let outcome = null
-  state.progress = { program: program.id, stage: 'Starting', part: 0 }
+  const stage = stageOf(program.id)
+  stage('starting', 0)
   const listener = {
-    stage(/** @type {string} */ text, /** @type {number} */ part) {
-      state.progress = { program: program.id, stage: text, part }
-      progress.update(state)
-    },
+    stage,
     program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held, /** @type {any} */ trail) {
       outcome = { motion, summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
       // What was computed for another machine stays in sight until all is there.
@@ -552,15 +557,16 @@ async function simulate(program, motion) {
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     program.failure = motion
-    fail(`${program.name} could not be simulated: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notSimulated(program.name, reasonOf(error)))
   }
   return true
 }
 
-/** Tells the progress of what is not a simulation. @param {number | null} program */
+/** Tells the progress of work on a program, or on several. @param {number | null} program @returns {import("./engine.js").Stage} */
 function stageOf(program) {
-  return (/** @type {string} */ stage, /** @type {number} */ part) => {
-    state.progress = { program, stage, part }
+  return (stage, part, name) => {
+    const text = say.stages[stage]
+    state.progress = { program, stage: typeof text === 'string' ? text : text(name), part }
     progress.update(state)
   }
 }
@@ -571,7 +577,7 @@ async function compare(recording, motion) {
   if (!program) return false
   const { dialect } = program
   const stage = stageOf(program.id)
-  stage(`Comparing ${recording.name}`, 0)
+  stage('comparing', 0, recording.name)
   try {
     update()
     const machine = JSON.stringify(state.machine.values)
@@ -585,7 +591,7 @@ async function compare(recording, motion) {
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     recording.failure = motion
-    fail(`${recording.name} could not be compared: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notCompared(recording.name, reasonOf(error)))
   }
   return true
 }
@@ -602,7 +608,7 @@ function collected() {
 /** Diagnoses the machine; false where that was cancelled. */
 async function diagnose() {
   const stage = stageOf(null)
-  stage('Diagnosing', 0)
+  stage('diagnosing', 0)
   const all = collected()
   const before = now()
   try {
@@ -615,7 +621,7 @@ async function diagnose() {
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     state.diagnosing = false
-    fail(`The recording could not be diagnosed: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notDiagnosed(reasonOf(error)))
   }
   return true
 }
@@ -623,7 +629,7 @@ async function diagnose() {
 /** Calibrates the machine; false where that was cancelled. */
 async function calibrate() {
   const stage = stageOf(null)
-  stage('Calibrating the machine', 0)
+  stage('calibrating', 0)
   const runs = collected().map(({ request }) => request)
   const before = now()
   try {
@@ -634,7 +640,7 @@ async function calibrate() {
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     state.calibrating = false
-    fail(`The machine could not be calibrated: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notCalibrated(reasonOf(error)))
   }
   return true
 }

@@ -5,6 +5,7 @@ import { find, make } from './dom.js'
 import { sheetOf } from './drawing.js'
 import { offerPictures } from './pictures.js'
 import { whole } from './whole.js'
+import { say } from './texts.js'
 
 /** @import { Place } from "./types.js" */
 /** @import { Chart, Pointer } from "./pkg/truefeed.js" */
@@ -96,7 +97,7 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
   const rapidsBox = /** @type {HTMLInputElement} */ (find(rapids, 'input'))
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
 
-  const title = plot.getAttribute('aria-label') ?? 'the chart'
+  const title = plot.getAttribute('aria-label') ?? say.charts.picture
   offerPictures(find(root, '.tools'), root.id || 'chart', title, async () => {
     // The module of the first visit draws on no paper.
     const { Chart } = await whole()

@@ -5,6 +5,7 @@ import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { feedrate, millimetres, clock, seconds } from '../format.js'
 import { mountPlot } from '../plot.js'
+import { say } from '../texts.js'
 
 /** @import { Filled } from "../plot.js" */
 /** @import { Column, Held, Outcome, Place, Program, State } from "../types.js" */
@@ -88,7 +89,7 @@ export function mount(root) {
       columns = columnsOf(state, outcome)
       const runs = columns.filter((column) => outcome?.runs.has(column))
       empty.hidden = Boolean(outcome)
-      empty.textContent = state.progress ? 'Computing …' : 'Not computed yet.'
+      empty.textContent = state.progress ? say.common.computing : say.common.notComputed
       canvas.hidden = !outcome
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
       const now = [program, outcome, ...columns, ...runs]
@@ -113,11 +114,11 @@ function words({ distance, line, programmed, rapid, curves }, program, isOverTim
       {},
       make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
       make('td', {}, feedrate(feed)),
-      make('td', {}, error === undefined ? '–' : `${deviationLabel(error)} off`),
+      make('td', {}, error === undefined ? '–' : say.chart.off(deviationLabel(error))),
       make('td', {}, time < 60 ? seconds(time) : clock(time)),
     ),
   )
-  const first = isOverTime && curves.length > 1 ? [make('p', { className: 'small' }, `Place and line of ${curves[0].label}`)] : []
+  const first = isOverTime && curves.length > 1 ? [make('p', { className: 'small' }, say.chart.placeOf(curves[0].label))] : []
   return [headOf(distance, programmed, rapid), ...first, make('table', {}, ...rows), ...lineOf(line, program)]
 }
 
@@ -132,5 +133,5 @@ export function lineOf(line, program) {
   if (line === undefined) return []
   const code = make('code', {})
   program?.lines.at(line).then((text) => (code.textContent = text))
-  return [make('p', { className: 'code' }, `line ${line} `, code)]
+  return [make('p', { className: 'code' }, say.chart.line(line), code)]
 }

@@ -8,6 +8,7 @@ import { sheetOf, whenStill } from '../drawing.js'
 import { clock, difference, money, percent, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
 import { Times, asked, coarseFirst } from '../times.js'
+import { say } from '../texts.js'
 
 /** @import { Engine } from "../engine.js" */
 /** @import { Column, Form, Outcome, Program, State, Values } from "../types.js" */
@@ -48,7 +49,7 @@ export function mount(root, engine, form, actions) {
   const sheet = sheetOf(canvas, () => picture?.draw(canvas, sheet.width, sheet.height, sheet.ratio(), dark.matches))
   const draw = sheet.redraw
 
-  offerPictures(find(root, '.tools'), 'tolerances', 'the cycle time over the tolerance', () => picture?.svg(sheet.width, sheet.height))
+  offerPictures(find(root, '.tools'), 'tolerances', say.compare.curvePicture, () => picture?.svg(sheet.width, sheet.height))
   beside.addEventListener('change', () => actions.setBeside(beside.value === '' ? null : Number(beside.value)))
   stop.addEventListener('click', () => {
     const running = stopped === ''
@@ -97,9 +98,9 @@ export function mount(root, engine, form, actions) {
     cross.hidden = false
     Object.assign(cross.style, { left: `${left}px`, top: `${top}px`, height: `${bottom - top}px` })
     const found = [...picture.times(tolerance)]
-    const rows = sides.slice(0, found.length).map(({ name }, index) => make('p', {}, sides.length > 1 ? `${name}: ` : '', make('strong', {}, Number.isFinite(found[index]) ? `about ${seconds(found[index])}` : '…')))
+    const rows = sides.slice(0, found.length).map(({ name }, index) => make('p', {}, sides.length > 1 ? `${name}: ` : '', make('strong', {}, Number.isFinite(found[index]) ? say.compare.about(seconds(found[index])) : '…')))
     reading.hidden = false
-    reading.replaceChildren(make('p', {}, make('strong', {}, toleranceLabel(tolerance))), ...rows, make('p', { className: 'small' }, 'Click to add it'))
+    reading.replaceChildren(make('p', {}, make('strong', {}, toleranceLabel(tolerance))), ...rows, make('p', { className: 'small' }, say.compare.clickToAdd))
     const toTheLeft = left > sheet.width / 2
     reading.style.left = toTheLeft ? 'auto' : `${left + 12}px`
     reading.style.right = toTheLeft ? `${sheet.width - left + 12}px` : 'auto'
@@ -147,8 +148,8 @@ export function mount(root, engine, form, actions) {
     if (now.progress || !isComplete || now.paused) times.stop()
     else if (stopped === '') times.compute(program, wanted, (failure) => (failure ? fail(failure) : whenStill(again)))
     stop.hidden = !lacks
-    stop.textContent = stopped === '' ? 'Stop' : 'Compute the rest'
-    standing.textContent = !lacks ? '' : stopped === '' ? 'Computing the curve …' : 'Stopped.'
+    stop.textContent = stopped === '' ? say.compare.stop : say.compare.computeRest
+    standing.textContent = !lacks ? '' : stopped === '' ? say.compare.computing : say.compare.stopped
   }
 
   function again() {
@@ -159,7 +160,7 @@ export function mount(root, engine, form, actions) {
   function fail(message) {
     stopped = subject()
     again()
-    standing.textContent = `The curve could not be computed: ${message}.`
+    standing.textContent = say.compare.failed(message)
   }
 
   /** The machines to compare with. @param {State} now */
@@ -168,7 +169,7 @@ export function mount(root, engine, form, actions) {
     const signature = JSON.stringify(names)
     if (beside.dataset.offered !== signature) {
       const options = names.map(({ name, index }) => make('option', { value: String(index) }, name))
-      beside.replaceChildren(make('option', { value: '' }, 'no other machine'), ...options)
+      beside.replaceChildren(make('option', { value: '' }, say.compare.noOtherMachine), ...options)
       beside.dataset.offered = signature
     }
     beside.value = chosen === null ? '' : String(chosen)
@@ -189,18 +190,18 @@ export function mount(root, engine, form, actions) {
       make('th', { scope: 'col' }, ...(side === sides[0] ? [make('span', { className: `swatch curve-${index}` })] : []), columnLabel(column)),
     )
     table.replaceChildren(
-      make('caption', {}, `Differences are against ${first}.`),
-      make('thead', {}, ...heads, make('tr', {}, make('th', { scope: 'col' }, 'Tolerance'), ...labels)),
+      make('caption', {}, say.compare.against(first)),
+      make('thead', {}, ...heads, make('tr', {}, make('th', { scope: 'col' }, say.common.tolerance), ...labels)),
       make(
         'tbody',
         {},
-        row('Cycle time', ({ time = 0 }) => clock(time), 'time'),
-        row('In seconds', ({ time = 0 }) => seconds(time)),
-        row('Difference', against((by) => difference(by))),
-        row('Difference in %', against((by, from) => percent(by / from))),
-        ...(prices.some((amount) => amount > 0) ? [row('Price of the cycle', (_, index) => money(prices[index]), 'price')] : []),
-        row('Against programmed', ({ time = 0 }) => percent(time / outcome.summary.programmed_time_s - 1)),
-        row('Contour error', ({ side, column }) => {
+        row(say.common.cycleTime, ({ time = 0 }) => clock(time), 'time'),
+        row(say.compare.inSeconds, ({ time = 0 }) => seconds(time)),
+        row(say.common.difference, against((by) => difference(by))),
+        row(say.compare.inPercent, against((by, from) => percent(by / from))),
+        ...(prices.some((amount) => amount > 0) ? [row(say.compare.price, (_, index) => money(prices[index]), 'price')] : []),
+        row(say.compare.againstProgrammed, ({ time = 0 }) => percent(time / outcome.summary.programmed_time_s - 1)),
+        row(say.common.contourError, ({ side, column }) => {
           const error = side === sides[0] ? outcome.runs.get(column)?.summary.max_contour_error_mm : undefined
           return error === undefined ? '–' : deviationLabel(error)
         }),
@@ -221,9 +222,9 @@ export function mount(root, engine, form, actions) {
     }
     draw()
     const entry = (/** @type {string} */ kind, /** @type {string} */ text) => make('span', {}, make('i', { className: kind }), text)
-    legend.replaceChildren(...sides.map(({ name }, index) => entry(index === 0 ? 'line' : 'dashed', name)), entry('programmed', 'programmed'))
+    legend.replaceChildren(...sides.map(({ name }, index) => entry(index === 0 ? 'line' : 'dashed', name)), entry('programmed', say.compare.programmed))
     const rows = all.map((tolerance) => make('tr', {}, make('th', { scope: 'row' }, deviationLabel(tolerance)), ...sides.map((side) => make('td', {}, written(side.times.get(tolerance))))))
-    const heads = ['Tolerance', ...sides.map(({ name }) => name)].map((title) => make('th', { scope: 'col' }, title))
+    const heads = [say.common.tolerance, ...sides.map(({ name }) => name)].map((title) => make('th', { scope: 'col' }, title))
     points.replaceChildren(make('thead', {}, make('tr', {}, ...heads)), make('tbody', {}, ...rows))
   }
 

@@ -10,6 +10,7 @@ import { offerPictures } from '../pictures.js'
 import { link } from '../plot.js'
 import { recordingOf } from '../recordings.js'
 import { lineOf } from './chart.js'
+import { say } from '../texts.js'
 
 /** @import { Column, LostAt, MatchedColumns, Outcome, Program, Run, State } from "../types.js" */
 
@@ -24,9 +25,9 @@ const AXIS_PX = 26
 const MOST_PIXELS = 3e6
 
 const COLORS = /** @type {const} */ ([
-  ['feedrate', 'by feedrate', 'Feedrate'],
-  ['loss', 'by loss against programmed feed', 'Short of the programmed feedrate'],
-  ['lost', 'by time lost in the recording', 'Time lost (+) or gained (−) against the simulation'],
+  ['feedrate', say.path.byFeedrate, say.common.feedrate],
+  ['loss', say.path.byLoss, say.path.loss],
+  ['lost', say.path.byLost, say.path.lost],
 ])
 
 /**
@@ -72,7 +73,7 @@ export function mount(root, actions) {
     },
   })
 
-  offerPictures(find(root, '.tools'), 'path', 'the path', () => {
+  offerPictures(find(root, '.tools'), 'path', say.path.picture, () => {
     const [length] = view.scale()
     return outcome ? view.svg(...ends(), lengthLabel(length)) : undefined
   })
@@ -408,7 +409,7 @@ export function mount(root, actions) {
     fillLegend()
     fillPlaces(column)
     const way = COLORS.find(([value]) => value === by.value)?.[1]
-    canvas.setAttribute('aria-label', `The path of ${program?.name}, coloured ${way}. The table below has the places that cost most.`)
+    canvas.setAttribute('aria-label', say.path.described(program?.name, way))
   }
 
   /** What the first and the last colour stand for. @returns {[string, string]} */
@@ -434,14 +435,14 @@ export function mount(root, actions) {
     const [first, last] = ends()
     const rapids = make('span', { className: 'dashes' })
     rapids.setAttribute('aria-hidden', 'true')
-    legend.replaceChildren(make('span', {}, `${title}:`), make('span', {}, first), ramp, make('span', {}, last), rapids, make('span', {}, 'rapid'))
+    legend.replaceChildren(make('span', {}, `${title}:`), make('span', {}, first), ramp, make('span', {}, last), rapids, make('span', {}, say.path.rapid))
   }
 
   /** @param {Column} column */
   function fillPlaces(column) {
     if (!run) {
       marks.replaceChildren()
-      return list.replaceChildren(make('p', { className: 'empty' }, 'Computing …'))
+      return list.replaceChildren(make('p', { className: 'empty' }, say.common.computing))
     }
     const { places, seconds: all, elsewhere_s: elsewhere } = run.summary.lost
     marks.replaceChildren(
@@ -457,20 +458,20 @@ export function mount(root, actions) {
     ]
     const rows = places.map((place, index) => {
       const [from, to] = place.lines
-      const go = make('button', { type: 'button', title: 'Show it on the path, in the text and in the charts' }, from === to ? `${from}` : `${from}–${to}`)
-      go.setAttribute('aria-label', `Place ${index + 1}, line ${go.textContent}: show it`)
+      const go = make('button', { type: 'button', title: say.path.showEverywhere }, from === to ? `${from}` : `${from}–${to}`)
+      go.setAttribute('aria-label', say.path.showPlace(index + 1, go.textContent))
       go.addEventListener('click', () => choosePlace(place))
       return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, place.text), ...cells(place.seconds))
     })
-    const rest = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, 'Everywhere else'), ...cells(elsewhere))
-    const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, 'All that is lost against length ÷ feedrate; a dwell counts whole'), ...cells(all))
-    const titles = ['', 'Lines', 'Why', 'Lost', 'Of all'].map((title) => make('th', { scope: 'col' }, title))
-    titles[0].append(make('span', { className: 'away' }, 'Place'))
-    const which = column === null ? columnLabel(column) : `at ${columnLabel(column)}`
-    const caption = make('caption', {}, places.length > 0 ? `The costliest places ${which}` : `Nothing is lost ${which}`)
+    const rest = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.everywhereElse), ...cells(elsewhere))
+    const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.total), ...cells(all))
+    const titles = ['', say.common.lines, say.path.why, say.common.lost, say.path.ofAll].map((title) => make('th', { scope: 'col' }, title))
+    titles[0].append(make('span', { className: 'away' }, say.path.place))
+    const which = column === null ? columnLabel(column) : say.path.atTolerance(columnLabel(column))
+    const caption = make('caption', {}, places.length > 0 ? say.path.costliest(which) : say.path.nothingLost(which))
     const scroll = make('div', { className: 'scroll', tabIndex: 0 }, make('table', {}, caption, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows), make('tfoot', {}, rest, total)))
     scroll.setAttribute('role', 'group')
-    scroll.setAttribute('aria-label', 'The costliest places')
+    scroll.setAttribute('aria-label', say.path.costliestLabel)
     list.replaceChildren(scroll)
     setPlace(places.find((place) => place === chosenPlace))
   }
