@@ -101,6 +101,12 @@ test('the page names its texts, and what it shows at once is as they are', () =>
   assert.deepEqual(faults, [])
 })
 
+test('no style says a text', () => {
+  const contents = [...readFileSync(`${PAGE}style.css`, 'utf8').matchAll(/[{; ]content:\s*("[^"]*")/g)].map(([, text]) => text)
+  assert.ok(contents.length > 0)
+  assert.deepEqual(contents.filter((text) => LETTERS.test(text)), [])
+})
+
 test('every text is said somewhere', () => {
   const sources = scripts.map((name) => readFileSync(PAGE + name, 'utf8')).join('\n')
   const isSaid = (/** @type {string} */ key) => sources.includes(`say.${key}`) || html.includes(`="${key}"`) || key.startsWith('stages.')

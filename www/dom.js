@@ -47,6 +47,7 @@ const PLACES = /** @type {const} */ ([
 /** Puts the texts in their places. What is seen at once stands there already, in English. @param {Document} page */
 export function fillTexts(page) {
   for (const element of page.querySelectorAll('[data-text]')) element.textContent = textOf(element.getAttribute('data-text') ?? '')
+  page.documentElement.style.setProperty('--out-of-date', JSON.stringify(say.charts.outOfDate))
   for (const [key, attribute] of PLACES)
     for (const element of page.querySelectorAll(`[${key}]`)) element.setAttribute(attribute, textOf(element.getAttribute(key) ?? ''))
 }

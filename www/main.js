@@ -35,7 +35,7 @@ import * as recordingPanel from './panels/recording.js'
 import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
-import { pairs, recordingOf, usable } from './recordings.js'
+import { evidence, pairs, recordingOf, usable } from './recordings.js'
 import { loadSession, saveSession } from './session.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
 import { whole } from './whole.js'
@@ -189,7 +189,10 @@ export const actions = {
   /** Puts values that were tried in the form. @param {Values} values */
   tryValues(values) {
     if (!state.diagnosis) return
-    if (!state.diagnosis.used) state.diagnosis = { ...state.diagnosis, used: true, before: now() }
+    const { diagnosis } = state
+    // The machine that is tried is of the diagnosis too.
+    const motions = [...diagnosis.motions, motionOf(JSON.stringify(values))]
+    state.diagnosis = { ...diagnosis, motions, used: true, before: diagnosis.used ? diagnosis.before : now() }
     actions.setMachine(state.machine.preset, values)
   },
   /** A program, its machine and a recording in which something is concealed. @param {{machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}} sample */
@@ -611,13 +614,15 @@ async function diagnose() {
   stage('diagnosing', 0)
   const all = collected()
   const before = now()
+  const [own, { motion }] = [evidence(state), state.machine]
   try {
     update()
     const runs = all.map(({ request }) => request)
     const { report, json, html, runs: columns } = await engine.diagnose({ machine: JSON.stringify(before.values), runs }, stage)
     state.diagnosing = false
     const diagnosed = all.map(({ name, program }, index) => ({ name, program, columns: columns[index] }))
-    if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false }
+    const motions = [motion, report?.values ? motionOf(JSON.stringify(report.values)) : motion]
+    if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false, evidence: own, motions }
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     state.diagnosing = false

@@ -283,6 +283,9 @@ export const say = {
   },
   diagnosis: {
     diagnosis: 'Diagnosis',
+    otherEvidence: 'This diagnosis was made from other recordings or another program. What is below is of those.',
+    otherMachine: 'This diagnosis was made with other settings of the machine. What is below is of those.',
+    again: 'Diagnose again',
     help: 'Finds what the simulation leaves out: tries every effect it knows on all recordings that are ticked, and names one only where it also fits what it was not fitted to.',
     diagnose: 'Diagnose',
     sampleMachine: 'The machine in the form is the sample’s.',
@@ -429,6 +432,7 @@ export const say = {
     asProgrammed: 'as programmed',
     picture: 'the chart',
     table: 'Table',
+    outOfDate: 'out of date',
   },
   field: {
     range: (min, max, ofUnit) => `${min} to ${max}${ofUnit}`,

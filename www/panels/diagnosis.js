@@ -6,7 +6,7 @@ import { Ended } from '../engine.js'
 import { find, make, scroll } from '../dom.js'
 import { count, difference, feedrate, seconds } from '../format.js'
 import { mountPlot } from '../plot.js'
-import { usable } from '../recordings.js'
+import { evidence, usable } from '../recordings.js'
 import { saveFile, saveMachine } from '../save.js'
 import { headOf, lineOf } from './chart.js'
 import { say } from '../texts.js'
@@ -34,6 +34,8 @@ export function mount(root, engine, actions) {
   const start = /** @type {HTMLButtonElement} */ (find(root, '.start'))
   const why = find(root, '.why')
   const restore = find(root, '.restore')
+  const outdated = find(root, '.outdated')
+  const again = /** @type {HTMLButtonElement} */ (find(outdated, 'button'))
   const sentence = find(root, '.sentence')
   const choices = find(root, '.outcome')
   const view = find(root, '.view')
@@ -60,7 +62,7 @@ export function mount(root, engine, actions) {
       chosen.replaceChildren(head, ...lineOf(pointer.line, shown?.runs[run].program))
     },
   })
-  start.addEventListener('click', () => actions.diagnose())
+  for (const button of [start, again]) button.addEventListener('click', () => actions.diagnose())
   find(restore, 'button').addEventListener('click', () => actions.undoSample())
   runs.addEventListener('change', () => draw(Number(runs.value)))
 
@@ -170,6 +172,11 @@ export function mount(root, engine, actions) {
       root.hidden = recordings.length === 0 && !diagnosis
       restore.hidden = !sample
       start.disabled = all === 0 || diagnosing || machine.faults.length > 0
+      again.disabled = start.disabled
+      const change = diagnosis && !diagnosing ? changeSince(diagnosis, state) : ''
+      outdated.hidden = change === ''
+      find(outdated, 'span').textContent = change
+      root.classList.toggle('out-of-date', change !== '')
       start.textContent = all < 2 ? say.diagnosis.diagnose : say.diagnosis.diagnoseMany(count(all))
       const refused = recordings.find(({ match }) => match?.refusal)
       why.textContent = all > 0 || !refused ? '' : say.diagnosis.refused(refused.name, refused.match?.refusal?.reason)
@@ -187,6 +194,12 @@ export function mount(root, engine, actions) {
       if (isOther) draw(0)
     },
   }
+}
+
+/** What has changed since a diagnosis, as it is said; nothing where it still holds. @param {Diagnosis} diagnosis @param {State} state */
+function changeSince({ motions, evidence: own }, state) {
+  if (own !== evidence(state)) return say.diagnosis.otherEvidence
+  return motions.includes(state.machine.motion) ? '' : say.diagnosis.otherMachine
 }
 
 /** Gives a chart the curves of a run. @param {Filled} chart @param {DiagnosedColumns} columns */
