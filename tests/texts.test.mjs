@@ -9,16 +9,18 @@ import { say, textOf } from '../www/texts.js'
 
 const PAGE = fileURLToPath(new URL('../www/', import.meta.url))
 const html = readFileSync(`${PAGE}index.html`, 'utf8')
-const scripts = ['', 'panels/'].flatMap((folder) =>
-  readdirSync(PAGE + folder).flatMap((name) => (name.endsWith('.js') && name !== 'texts.js' ? [folder + name] : [])),
+/** The texts themselves, and what answers other programs. */
+const ELSEWHERE = /^texts\.js$|^embed\/(protocol|request|module|sheet)\.js$/
+const scripts = ['', 'panels/', 'embed/'].flatMap((folder) =>
+  readdirSync(PAGE + folder).flatMap((name) => (name.endsWith('.js') && !ELSEWHERE.test(folder + name) ? [folder + name] : [])),
 )
 const LETTERS = /[A-Za-z]{2}/
 /** What people read and what takes it. */
 const SAID = /^(textContent|innerText|title|placeholder|ariaLabel|alt)$/
 const SAID_AS = /^(aria-label|aria-description|title|placeholder|alt)$/
 /** What no person reads, though it has blanks or a capital: selectors, names of classes, keys, addresses. */
-const UNREAD = /^(find|querySelector|querySelectorAll|matches|matchMedia|closest|addEventListener|startsWith|includes|Error)$/
-const NAMES = /^(className|id|role|type|kind|mode)$/
+const UNREAD = /^(find|querySelector|querySelectorAll|matches|matchMedia|closest|addEventListener|startsWith|includes|get|Error|refused|QuoteError)$/
+const NAMES = /^(className|id|role|type|kind|mode|message)$/
 /** A selector of elements. */
 const SELECTOR = /\[[\w-]+=/
 /** Units, and what has one name in all languages. */

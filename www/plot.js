@@ -4,8 +4,8 @@
 import { find, make } from './dom.js'
 import { sheetOf } from './drawing.js'
 import { offerPictures } from './pictures.js'
-import { whole } from './whole.js'
 import { say } from './texts.js'
+import { whole } from './whole.js'
 
 /** @import { Place } from "./types.js" */
 /** @import { Chart, Pointer } from "./pkg/truefeed.js" */

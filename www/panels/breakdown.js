@@ -1,8 +1,8 @@
 // Where the time goes: by kind for every tolerance, by operation and by tool for one of them.
 
-import { toleranceLabel } from '../pkg/truefeed.js'
 import { find, make } from '../dom.js'
 import { count, difference, millimetres, number, seconds } from '../format.js'
+import { toleranceLabel } from '../labels.js'
 import { say } from '../texts.js'
 
 /** @import { Breakdown, Cut, CutOfOperation, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */

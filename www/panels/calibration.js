@@ -1,9 +1,9 @@
 // The calibration of the machine: what it stands on, what became of each parameter, the runs before and after.
 
 import { find, make, scroll } from '../dom.js'
-import { count } from '../format.js'
-import { saveMachine } from '../save.js'
+import { count, worded } from '../format.js'
 import { usable } from '../recordings.js'
+import { saveMachine } from '../save.js'
 import { say } from '../texts.js'
 
 /** @import { Calibration, CalibrationReport, State } from "../types.js" */
@@ -26,11 +26,11 @@ export function mount(root, actions) {
     const save = make('button', { type: 'button', className: 'save' }, say.common.saveMachine)
     save.addEventListener('click', () => saveMachine(report.values))
     place.replaceChildren(
-      make('p', { className: 'sentence', role: 'status' }, report.sentence),
+      make('p', { className: 'sentence', role: 'status' }, worded(report.sentence)),
       make('p', { className: 'choices' }, save, undo),
       estimatesTable(report),
       runsTable(report),
-      ...report.remarks.map((remark) => make('p', { className: 'facts' }, remark)),
+      ...report.remarks.map((remark) => make('p', { className: 'facts' }, worded(remark))),
     )
   }
 
@@ -64,8 +64,8 @@ function table(caption, titles, rows) {
 function estimatesTable({ estimates }) {
   const rows = estimates.map(({ label, unit, before, after, deviation, verdict }) => [
     unit ? `${label} (${unit})` : label,
-    before,
-    deviation === null ? after : `${after} ± ${deviation}`,
+    worded(before),
+    worded(deviation === null ? after : `${after} ± ${deviation}`),
     verdict,
   ])
   return table(say.calibration.parameters, ['', say.common.before, say.calibration.after, ''], rows)
@@ -73,6 +73,6 @@ function estimatesTable({ estimates }) {
 
 /** @param {CalibrationReport} report */
 function runsTable({ runs }) {
-  const rows = runs.map(({ name, time, motion, feed, cam_feed: cam }) => [name, time, motion, feed ?? '–', cam ?? '–'])
+  const rows = runs.map(({ name, time, motion, feed, cam_feed: cam }) => [name, ...[time, motion, feed ?? '–', cam ?? '–'].map(worded)])
   return table(say.calibration.runs, ['', say.common.cycleTime, say.calibration.motion, say.calibration.feedrates, say.calibration.cam], rows)
 }

@@ -1,14 +1,15 @@
 // The chart of the simulated tolerances: fills it, and says what it shows at a place.
 
-import { Chart, deviationLabel, mostCurves } from '../pkg/truefeed.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { Chart, mostCurves } from '../pkg/truefeed.js'
+import { addCurve, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { feedrate, millimetres, clock, seconds } from '../format.js'
+import { deviationLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
 import { say } from '../texts.js'
 
 /** @import { Filled } from "../plot.js" */
-/** @import { Column, Held, Outcome, Place, Program, State } from "../types.js" */
+/** @import { Column, Outcome, Place, Program, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 /** @param {HTMLElement} root */
@@ -53,12 +54,8 @@ export function mount(root) {
   /** Puts program and curves into a chart. @param {Filled} chart @param {Outcome} outcome */
   function fill(chart, { steps: { end, feedrate, rapid, line }, held, runs }) {
     chart.program(end, feedrate, rapid, line)
-    const part = (/** @type {(part: Held) => number} */ of) => Float64Array.from(held, of)
     for (const column of columns) {
-      if (column === null) {
-        const [from, to] = [part(({ distance_mm: [from] }) => from), part(({ distance_mm: [, to] }) => to)]
-        chart.addProgrammed(columnLabel(null), from, to, part(({ tolerance_mm: tolerance }) => tolerance))
-      } else chart.add(column)
+      addCurve(chart, column, held)
       const curve = runs.get(column)?.columns
       if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arc)
     }

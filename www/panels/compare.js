@@ -1,14 +1,15 @@
 // Side by side: the tolerances as columns, on this machine and on another one, and below them the cycle time over
 // the tolerance. A click on the line adds a tolerance.
 
-import { TolerancePicture, curveTolerances, deviationLabel, price, toleranceLabel } from '../pkg/truefeed_whole.js'
+import { TolerancePicture, curveTolerances, price } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { sheetOf, whenStill } from '../drawing.js'
 import { clock, difference, money, percent, seconds } from '../format.js'
+import { deviationLabel, toleranceLabel } from '../labels.js'
 import { offerPictures } from '../pictures.js'
-import { Times, asked, coarseFirst } from '../times.js'
 import { say } from '../texts.js'
+import { Times, asked, coarseFirst } from '../times.js'
 
 /** @import { Engine } from "../engine.js" */
 /** @import { Column, Form, Outcome, Program, State, Values } from "../types.js" */

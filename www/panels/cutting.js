@@ -8,8 +8,8 @@ import { Ended } from '../engine.js'
 import { feedrate, figures, number, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
 import { join } from '../plot.js'
-import { headOf, lineOf } from './chart.js'
 import { say } from '../texts.js'
+import { headOf, lineOf } from './chart.js'
 
 /** @import { Engine } from "../engine.js" */
 /** @import { Column, Cut, CutMaterial, CutPeak, CutPeaks, CutResult, Place, Program, State } from "../types.js" */

@@ -1,17 +1,18 @@
 // The diagnosis: what was left out of the machine. A sentence first, then before and after, where, why, how sure, what
 // else it could be, and what the machine would be with it.
 
-import { Chart, lostLabel, markOfChart } from '../pkg/truefeed_whole.js'
-import { Ended } from '../engine.js'
+import { Chart, markOfChart } from '../pkg/truefeed_whole.js'
 import { find, make, scroll } from '../dom.js'
-import { count, difference, feedrate, seconds } from '../format.js'
+import { Ended } from '../engine.js'
+import { count, difference, feedrate, number, parsed, seconds, typed, worded, wordedHtml } from '../format.js'
+import { lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
 import { evidence, usable } from '../recordings.js'
 import { saveFile, saveMachine } from '../save.js'
-import { headOf, lineOf } from './chart.js'
 import { say } from '../texts.js'
+import { headOf, lineOf } from './chart.js'
 
-/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Values } from "../types.js" */
+/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Value, Values } from "../types.js" */
 /** @import { Engine } from "../engine.js" */
 /** @import { Filled } from "../plot.js" */
 /** @import { Pointer } from "../pkg/truefeed_whole.js" */
@@ -86,7 +87,7 @@ export function mount(root, engine, actions) {
 
   /** @param {Diagnosis} diagnosis @param {State} state */
   function fill({ report, json, html, runs: all, used }, state) {
-    sentence.textContent = report.sentence
+    sentence.textContent = worded(report.sentence)
     const use = make('button', { type: 'button', className: 'use-diagnosis' }, used ? say.common.undoMachine : say.diagnosis.useExtended)
     use.addEventListener('click', () => {
       if (used) actions.undoDiagnosis()
@@ -108,7 +109,7 @@ export function mount(root, engine, actions) {
       numbersTable(report),
       regionsTable(report, all.map(({ name }) => name), show),
       ...(values && report.changes.length > 0 ? [whatIf(report, values, state)] : []),
-      ...report.messages.map((message) => make('p', { className: 'facts' }, message)),
+      ...report.messages.map((message) => make('p', { className: 'facts' }, worded(message))),
       ...notShown(report),
     )
   }
@@ -129,7 +130,7 @@ export function mount(root, engine, actions) {
       try {
         const { times } = await engine.cycleTimes({ program: program.file, dialect: program.dialect, machines })
         const what = report.changes.filter(({ key }) => tried[key] !== values[key])
-        const named = what.map(({ label, unit, key }) => `${tried[key] ?? '–'} ${unit} ${label.toLowerCase()}`.replace(/ +/g, ' '))
+        const named = what.map(({ label, unit, key }) => `${written(tried[key])} ${unit} ${label.toLowerCase()}`.replace(/ +/g, ' '))
         const saved = times[1] - times[2]
         const effect = Math.abs(saved) < 0.005 ? say.diagnosis.takesAsLong : (saved > 0 ? say.diagnosis.saves : say.diagnosis.costs)(seconds(Math.abs(saved)))
         answer.textContent =
@@ -142,11 +143,11 @@ export function mount(root, engine, actions) {
       }
     }
     const rows = report.changes.map(({ key, label, unit, before: was, after, number }) => {
-      const input = make('input', { type: 'text', inputMode: 'decimal', size: 9, value: String(number), id: `try-${key.replaceAll('.', '-')}` })
+      const input = make('input', { type: 'text', inputMode: 'decimal', size: 9, value: written(number), id: `try-${key.replaceAll('.', '-')}` })
       input.setAttribute('aria-label', say.diagnosis.tryAnother(unit ? `${label}, ${unit}` : label))
       input.addEventListener('change', () => {
-        const value = Number(input.value.trim().replace(',', '.'))
-        if (input.value.trim() === '' || !Number.isFinite(value)) {
+        const value = parsed(input.value)
+        if (!Number.isFinite(value)) {
           input.setAttribute('aria-invalid', 'true')
           fault.textContent = say.diagnosis.notNumber(label, input.value.trim())
           return
@@ -155,7 +156,7 @@ export function mount(root, engine, actions) {
         tried = { ...tried, [key]: value }
         compute()
       })
-      return [unit ? `${label} (${unit})` : label, was, after, number === null ? '' : input]
+      return [unit ? `${label} (${unit})` : label, worded(was), worded(after), number === null ? '' : input]
     })
     const form = make('button', { type: 'button', className: 'try' }, say.diagnosis.useTried)
     form.addEventListener('click', () => actions.tryValues(tried))
@@ -207,7 +208,7 @@ function fillChart(chart, columns) {
   const none = new Float64Array()
   chart.program(columns.end, columns.feedrate, columns.rapid, columns.line)
   for (const [at, name] of NAMES.entries()) {
-    chart.addProgrammed(name, none, none, none)
+    chart.add(name, none, none, none)
     chart.fill(columns.distances[at], columns.feedrates[at], columns.times[at], none, none)
   }
   chart.showLost(columns.lostDistances[0], columns.lostSeconds[0])
@@ -220,7 +221,7 @@ function withCharts(html, runs) {
   const whole = runs.reduce((text, columns, index) => {
     fillChart(chart, columns)
     return text.replace(markOfChart(index), () => chart.svg(...REPORT_PX) ?? '')
-  }, html)
+  }, wordedHtml(html))
   chart.free()
   return whole
 }
@@ -241,6 +242,9 @@ function words({ distance, line, programmed, rapid, curves, lost, lostAfter }, p
   return [headOf(distance, programmed, rapid), make('table', {}, ...rows), ...late, ...lineOf(line, program)]
 }
 
+/** A value as it is typed. @param {Value} value */
+const written = (value) => (typeof value === 'number' ? typed(value) : String(value ?? '–'))
+
 /** An id as words. @param {string} id */
 const spoken = (id) => id.replaceAll('_', ' ')
 
@@ -249,9 +253,9 @@ const range = ([from, to]) => (from === to ? `${from}` : `${from}–${to}`)
 
 /** @param {Cause} cause */
 function causeOf({ name, sentence, told, lines, confidence, sections, vendors, indistinguishable_from: others, position_mm: form }) {
-  const rows = told.map(({ name, value, deviation, unit }) => [name, `${value}${deviation === null ? '' : ` ± ${deviation}`} ${unit}`.trim()])
+  const rows = told.map(({ name, value, deviation, unit }) => [name, worded(`${value}${deviation === null ? '' : ` ± ${deviation}`} ${unit}`.trim())])
   if (lines.length > 0) rows.push([say.common.lines, lines.map(range).join(', ')])
-  if (form !== null) rows.push([say.diagnosis.formError, `${(1000 * form).toPrecision(3)} µm`])
+  if (form !== null) rows.push([say.diagnosis.formError, `${number(1000 * form)} µm`])
   if (confidence !== null) {
     const proof = sections ? say.diagnosis.proof(sections[0], sections[0] + sections[1]) : ''
     rows.push([say.diagnosis.howSure, `${Math.round(100 * confidence)} %${proof}`])
@@ -259,7 +263,7 @@ function causeOf({ name, sentence, told, lines, confidence, sections, vendors, i
   rows.push([say.diagnosis.elseItCouldBe, others.length > 0 ? others.map(spoken).join(', ') : say.diagnosis.nothingElse])
   if (vendors) rows.push([say.diagnosis.setting, vendors])
   const list = rows.map(([term, text]) => make('div', {}, make('dt', {}, term), make('dd', {}, text)))
-  return make('article', { className: 'cause' }, make('h3', {}, name), make('p', {}, sentence), make('dl', {}, ...list))
+  return make('article', { className: 'cause' }, make('h3', {}, name), make('p', {}, worded(sentence)), make('dl', {}, ...list))
 }
 
 /** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */
@@ -279,7 +283,7 @@ function numbersTable({ fit }) {
     [say.diagnosis.cycleTimeError, fit.cycle_time_error_s, difference],
     [say.diagnosis.feedRmse, fit.feed_rmse_mm_min, feedrate],
     [say.diagnosis.feedRmseHeldOut, fit.held_out.feed_rmse_mm_min, feedrate],
-    [say.diagnosis.positionRmse, fit.position_rmse_mm, (value) => `${(1000 * value).toPrecision(3)} µm`],
+    [say.diagnosis.positionRmse, fit.position_rmse_mm, (value) => `${number(1000 * value)} µm`],
   ]
   const rows = all.flatMap(([name, { before, after }, written]) =>
     before === null || after === null ? [] : [[name, written(before), written(after)]],

@@ -1,10 +1,11 @@
 // The machine: presets and those kept in the browser, and the editor of every parameter, built from the table of the module.
 
-import { field, same } from '../field.js'
 import { find, make } from '../dom.js'
+import { field, same } from '../field.js'
+import { figures, worded } from '../format.js'
 import { saveMachine } from '../save.js'
-import { mountUndo } from '../undo.js'
 import { say } from '../texts.js'
+import { mountUndo } from '../undo.js'
 
 /** @import { Entry } from "../field.js" */
 /** @import { Form, Preset, State, Value, Values } from "../types.js" */
@@ -118,9 +119,9 @@ export function mount(root, form, actions) {
       offer(JSON.stringify(form.presets.map(({ name, removed }) => [name, removed])))
       preset.value = String(machine.preset)
       preset.title = start.name
-      find(root, '.source').textContent = `${start.source} ${start.caveat}`.trim()
+      find(root, '.source').textContent = worded(`${start.source} ${start.caveat}`.trim())
       const error = values['calibration.cycle_time_error_percent']
-      const known = typeof error === 'number' ? say.machine.calibratedTo(error) : ''
+      const known = typeof error === 'number' ? say.machine.calibratedTo(figures(error)) : ''
       find(root, '.origin').textContent = values.provenance ? say.machine.origin(values.provenance, known) : ''
       const isChanged = !same(values, start.values)
       save.disabled = machine.faults.length > 0

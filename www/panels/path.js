@@ -4,13 +4,13 @@ import { PathView } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { sheetOf } from '../drawing.js'
-import { count, feedrate, figures, millimetres, number, percent } from '../format.js'
+import { count, feedrate, figures, millimetres, number, percent, worded } from '../format.js'
 import { mountListing } from '../listing.js'
 import { offerPictures } from '../pictures.js'
 import { link } from '../plot.js'
 import { recordingOf } from '../recordings.js'
-import { lineOf } from './chart.js'
 import { say } from '../texts.js'
+import { lineOf } from './chart.js'
 
 /** @import { Column, LostAt, MatchedColumns, Outcome, Program, Run, State } from "../types.js" */
 
@@ -461,7 +461,7 @@ export function mount(root, actions) {
       const go = make('button', { type: 'button', title: say.path.showEverywhere }, from === to ? `${from}` : `${from}–${to}`)
       go.setAttribute('aria-label', say.path.showPlace(index + 1, go.textContent))
       go.addEventListener('click', () => choosePlace(place))
-      return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, place.text), ...cells(place.seconds))
+      return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, worded(place.text)), ...cells(place.seconds))
     })
     const rest = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.everywhereElse), ...cells(elsewhere))
     const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.total), ...cells(all))

@@ -1,10 +1,10 @@
 // The quote: terms on one side, the price with all it is made of on the other, and its documents. All arithmetic is Rust's.
 
-import { Chart, Offered, termsForm } from '../pkg/truefeed_whole.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { Chart, Offered, termsForm, toleranceLabel } from '../pkg/truefeed_whole.js'
+import { addCurve, columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { field, same } from '../field.js'
-import { amount, clock, count, seconds } from '../format.js'
+import { amount, clock, count, seconds, worded, wordedHtml } from '../format.js'
 import { addressOf } from '../pictures.js'
 import { saveFile } from '../save.js'
 import { say } from '../texts.js'
@@ -57,7 +57,7 @@ export function mount(root, form, actions) {
   on('.json', (offer, name) => saveFile(offer.json(), 'application/json', `${name}.json`))
   on('.html', (offer, name) => {
     const charts = drawn()
-    const html = offer.html(charts, charts.map(() => CAPTION))
+    const html = wordedHtml(offer.html(charts, charts.map(() => CAPTION)))
     saveFile(html, 'text/html', `${name}.html`)
   })
   on('.print', async () => {
@@ -84,8 +84,7 @@ export function mount(root, form, actions) {
     const chart = new Chart()
     const { end, feedrate, rapid, line } = outcome.steps
     chart.program(end, feedrate, rapid, line)
-    if (column === null) chart.addProgrammed(columnLabel(null), new Float64Array(), new Float64Array(), new Float64Array())
-    else chart.add(column)
+    addCurve(chart, column, outcome.held)
     const { distance, feedrate: feed, time, corner, arc } = run.columns
     chart.fill(distance, feed, time, corner, arc)
     const svg = chart.svg(...CHART_PX)
@@ -120,7 +119,8 @@ export function mount(root, form, actions) {
       machine: machine.values,
       terms: terms.values,
       program: program()?.name ?? '',
-      tolerance: columnLabel(column),
+      // What machines read has a decimal point.
+      tolerance: column === null ? say.charts.asProgrammed : toleranceLabel(column),
       programmed_time_s: outcome.summary.programmed_time_s,
       run: outcome.runs.get(column)?.summary,
     })
@@ -181,14 +181,14 @@ function priced(offer, offers) {
   const ends = uncertainty.cycle_time_s
   const time = say.quote.timeOfPart(clock(offer.cycle_time_s), seconds(offer.cycle_time_s), ends ? range(ends, seconds) : '')
   const rows = offer.addends.map(({ item, basis, once, amount: value, of_batch: whole }) =>
-    row(item, [once ? money(value) : '', once ? '' : money(value), money(whole)], basis),
+    row(item, [once ? money(value) : '', once ? '' : money(value), money(whole)], worded(basis)),
   )
   rows.push(sum(say.quote.total, [money(offer.once), money(offer.part), money(batch.total)]))
   const breaks = offer.breaks.map((other) =>
     row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range, money)]),
   )
   const tolerances = offers.map(({ tolerance, cycle_time_s: own, batch: { unit_price: one, total } }) =>
-    row(tolerance, [clock(own), each(one), money(total)]),
+    row(worded(tolerance), [clock(own), each(one), money(total)]),
   )
   const cost = [seconds(offer.cycle_time_s), money(offer.cycle_cost)]
   const shares = (/** @type {OfferShare[]} */ all) => [
@@ -206,14 +206,14 @@ function priced(offer, offers) {
   )
   const title = offer.reference || offer.program
   return [
-    make('p', { className: 'on-paper' }, make('b', {}, title), say.quote.about(offer.program, offer.machine, offer.tolerance)),
+    make('p', { className: 'on-paper' }, make('b', {}, title), say.quote.about(offer.program, offer.machine, worded(offer.tolerance))),
     headline,
-    make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), uncertainty.sentence),
+    make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence)),
     table(say.quote.madeOf, ['', say.quote.once, say.quote.eachPart, `${parts}${currency ? `, ${currency}` : ''}`], rows),
     table(say.quote.byQuantity, [say.quote.quantity, say.quote.eachPart, say.quote.total, say.quote.ifOff], breaks),
     ...(tolerances.length > 0 ? [table(say.quote.byTolerance, [say.common.contourTolerance, say.common.cycleTime, say.quote.eachPart, parts], tolerances)] : []),
     byPart,
-    ...offer.notes.map((note) => make('p', { className: 'help' }, note)),
+    ...offer.notes.map((note) => make('p', { className: 'help' }, worded(note))),
   ]
 }
 

@@ -1,13 +1,14 @@
 // Recordings: adding, choosing and removing them, what each says first, both curves and the time lost, and where.
 
-import { Chart, lostLabel } from '../pkg/truefeed.js'
+import { Chart } from '../pkg/truefeed.js'
 import { find, make, scroll } from '../dom.js'
-import { clock, count, difference, feedrate, percent, seconds, size } from '../format.js'
+import { clock, count, difference, feedrate, percent, seconds, size, worded } from '../format.js'
+import { lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
 import { programOf, recordingOf } from '../recordings.js'
+import { say } from '../texts.js'
 import { headOf, lineOf } from './chart.js'
 import { bytesOf } from './program.js'
-import { say } from '../texts.js'
 
 /** @import { Filled } from "../plot.js" */
 /** @import { ComparisonReport, Place, Program, Recording, State } from "../types.js" */
@@ -133,14 +134,14 @@ export function mount(root, actions) {
     if (refusal) {
       const rest = say.recording.restStays
       answer.replaceChildren(
-        make('p', { className: 'sentence refused' }, refusal.reason),
-        make('p', {}, refusal.advice, ' ', make('span', { className: 'small' }, rest)),
+        make('p', { className: 'sentence refused' }, worded(refusal.reason)),
+        make('p', {}, worded(refusal.advice), ' ', make('span', { className: 'small' }, rest)),
       )
     }
     if (!report || !columns || !program?.outcome) return
     answer.replaceChildren(
-      make('p', { className: 'sentence' }, report.sentence),
-      make('p', { className: 'facts' }, [report.aligned, ...report.measures].join(' ')),
+      make('p', { className: 'sentence' }, worded(report.sentence)),
+      make('p', { className: 'facts' }, worded([report.aligned, ...report.measures].join(' '))),
       ...remarks(report.remarks),
     )
     fillChart(chart)
@@ -156,7 +157,7 @@ export function mount(root, actions) {
     const none = new Float64Array()
     chart.program(end, feed, rapid, line)
     for (const [index, name] of NAMES.entries()) {
-      chart.addProgrammed(name, none, none, none)
+      chart.add(name, none, none, none)
       if (index === 0) chart.fill(columns.recordedDistance, columns.recordedFeedrate, columns.recordedTime, none, none)
       else chart.fill(columns.simulatedDistance, columns.simulatedFeedrate, columns.simulatedTime, none, none)
     }
@@ -212,7 +213,7 @@ function standing(entry, state) {
 function remarks(all) {
   if (all.length === 0) return []
   const title = say.recording.remarks(all.length, count(all.length))
-  const items = all.map((remark) => make('li', {}, remark))
+  const items = all.map((remark) => make('li', {}, worded(remark)))
   return [make('details', {}, make('summary', {}, title), make('ul', {}, ...items))]
 }
 

@@ -1,9 +1,10 @@
 // The table of cycle times, one row a tolerance.
 
-import { deviationLabel, price, toleranceLabel } from '../pkg/truefeed.js'
+import { price } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make, scroll } from '../dom.js'
 import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
+import { deviationLabel, toleranceLabel } from '../labels.js'
 import { say } from '../texts.js'
 
 /** @import { Column, Form, Held, Outcome, Place, RunSummary, State, Value } from "../types.js" */

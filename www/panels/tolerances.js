@@ -1,9 +1,10 @@
 // The contour tolerances as chips, the program's own first: add by typing, remove by × or Delete. Text becomes a
 // tolerance in Rust.
 
-import { toleranceFromText, toleranceLabel } from '../pkg/truefeed.js'
+import { toleranceFromText } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
+import { toleranceLabel } from '../labels.js'
 import { say } from '../texts.js'
 
 /** @import { Column, State } from "../types.js" */
