@@ -14,6 +14,9 @@ export function columnsOf({ programmed, tolerances }, outcome) {
   return programmed && outcome && outcome.held.length > 0 ? [null, ...tolerances] : tolerances
 }
 
+/** Whether there is nothing to compute: no move, and no time without one. @param {Outcome | null | undefined} outcome */
+export const isStill = (outcome) => Boolean(outcome && outcome.steps.end.length === 0 && outcome.summary.programmed_time_s === 0)
+
 /** Puts a column in a chart, as a curve that is empty until it is filled. @param {Filled} chart @param {Column} column @param {Held[]} held  the program's own tolerances */
 export function addCurve(chart, column, held) {
   const parts = column === null ? held : [{ distance_mm: [0, Infinity], tolerance_mm: column }]

@@ -37,9 +37,9 @@ export function saveMachines(presets) {
   }
 }
 
-/** A name that no machine has yet. @param {string} name @param {Preset[]} presets */
-export function freeName(name, presets) {
-  const isFree = (/** @type {string} */ other) => !presets.some((preset) => !preset.removed && preset.name === other)
+/** A name that none of these has yet, machines, programs or recordings. @param {string} name @param {{name: string, removed?: boolean}[]} others */
+export function freeName(name, others) {
+  const isFree = (/** @type {string} */ other) => !others.some(({ name, removed }) => !removed && name === other)
   const stem = name.replace(/ \(\d+\)$/, '')
   let free = name
   for (let number = 2; !isFree(free); number += 1) free = `${stem} (${number})`

@@ -15,7 +15,7 @@ import init, {
   toleranceLabel,
   usualTolerances,
 } from './pkg/truefeed.js'
-import { columnLabel, columnsOf } from './columns.js'
+import { columnLabel, columnsOf, isStill } from './columns.js'
 import { confinedWorker } from './confined.js'
 import { fillTexts } from './dom.js'
 import { drawn } from './drawing.js'
@@ -104,7 +104,7 @@ export const actions = {
   /** @param {{name: string, file: Blob}[]} files */
   addPrograms(files) {
     for (const { name, file } of files) {
-      state.programs.push({ id: nextId++, name, file, lines: linesOf(file), dialect: null, outcome: null, failure: null })
+      state.programs.push({ id: nextId++, name: freeName(name, state.programs), file, lines: linesOf(file), dialect: null, outcome: null, failure: null })
     }
     const added = state.programs[state.programs.length - files.length]
     state.selected = added?.id ?? state.selected
@@ -116,7 +116,7 @@ export const actions = {
   addRecordings(files) {
     for (const { name, bytes } of files) {
       const program = pairs(name, state)
-      state.recordings.push({ id: nextId++, name, bytes, program, used: true, match: null, failure: null })
+      state.recordings.push({ id: nextId++, name: freeName(name, state.recordings), bytes, program, used: true, match: null, failure: null })
     }
     actions.selectRecording(state.recordings[state.recordings.length - files.length].id)
     changed()
@@ -730,6 +730,7 @@ function update() {
   saveSession(state)
   document.body.classList.toggle('has-programs', state.programs.length > 0)
   document.body.classList.toggle('has-recording', recordingOf(state) !== undefined)
+  document.body.classList.toggle('moves-nothing', isStill(state.programs.find(({ id }) => id === state.selected)?.outcome))
   for (const panel of panels) panel.update(state)
 }
 

@@ -94,6 +94,7 @@ export const say = {
     waiting: (size) => `${size}, waiting`,
     errors: (count, time, written) => `${time} · ${written} ${count === 1 ? 'error' : 'errors'}`,
     failed: 'failed',
+    still: 'nothing moves',
   },
   machine: {
     machine: 'Machine',
@@ -253,7 +254,7 @@ export const say = {
     use: 'use it',
     runOf: 'run of ',
     restStays: 'The program, the machine and all other recordings stay as they are.',
-    orphans: (names) => `${names}: recorded. Now drop the program that was run.`,
+    orphans: (names) => `${names}: taken. Now drop the program that was run.`,
     comparing: 'Comparing …',
     chooseItsProgram: 'choose the program it is of',
     notComparable: 'not comparable',
@@ -458,6 +459,8 @@ export const say = {
   },
   results: {
     setTo: (what, word) => `Set ${what} to ${word}`,
+    empty: (name) => `${name} is empty: there is nothing to compute.`,
+    nothingMoves: (name) => `Nothing moves in ${name}: no line of it could be read as a move. Is it a program of a machine?`,
     holdsEverywhere: 'The motion holds the tolerance everywhere',
     toHold: 'To hold it everywhere: ',
     worstAt: (error, lines) => `${error} at ${lines}`,
@@ -476,7 +479,7 @@ export const say = {
     toSeePrices: ' to see prices; all of them are in the ',
     quote: 'quote',
     exceeded: (count, written) => `exceeded in ${written} ${count === 1 ? 'place' : 'places'}, up to `,
-    notRun: (count, written) => `${written} ${count === 1 ? 'line' : 'lines'} could not be run as written. `,
+    notRun: (count, written) => `${written} ${count === 1 ? 'line' : 'lines'} could not be run as written.`,
   },
   embed: {
     choose: 'Choose a program',

@@ -1,7 +1,7 @@
 // The list of programs: adding by file, drop or sample, choosing one, removing with undo.
 
 import { isRecording, sniffedBytes } from '../pkg/truefeed.js'
-import { columnsOf } from '../columns.js'
+import { columnsOf, isStill } from '../columns.js'
 import { find, make } from '../dom.js'
 import { clock, count, size } from '../format.js'
 import { say } from '../texts.js'
@@ -78,7 +78,7 @@ export function mount(root, dialects, actions) {
     const choose = make(
       'button',
       { type: 'button', className: 'choose', role: 'tab', title: say.program.removeByDelete },
-      make('span', { className: 'file' }, program.name),
+      make('span', { className: 'file', title: program.name }, program.name),
       about,
     )
     choose.setAttribute('aria-controls', 'results')
@@ -134,6 +134,7 @@ export function mount(root, dialects, actions) {
 function standing(program, state) {
   if (state.progress?.program === program.id) return say.program.computing
   if (program.failure) return say.program.failed
+  if (isStill(program.outcome)) return say.program.still
   const times = columnsOf(state, program.outcome).flatMap(
     (column) => program.outcome?.runs.get(column)?.summary.cycle_time_s ?? [],
   )
@@ -161,7 +162,8 @@ const KEPT = 16_000_000
 async function add(files, actions) {
   const headed = async (/** @type {File} */ file) => ({
     file,
-    isLog: isRecording(new Uint8Array(await file.slice(0, sniffedBytes()).arrayBuffer())),
+    // A table of which nothing can be read is a recording too, which says why not.
+    isLog: /\.csv$/i.test(file.name) || isRecording(new Uint8Array(await file.slice(0, sniffedBytes()).arrayBuffer())),
     kept: file.size <= KEPT ? new Blob([await file.arrayBuffer()]) : file,
   })
   const results = await Promise.allSettled(files.map(headed))

@@ -109,7 +109,7 @@ export function mount(root, actions) {
   /** A recording with its program. @param {Recording} entry @param {State} state */
   function pair(entry, state) {
     const { id, name, used } = entry
-    const choose = make('button', { type: 'button', className: 'choose', id: `recording-${id}` }, make('span', { className: 'file' }, name), make('span', { className: 'about' }, standing(entry, state)))
+    const choose = make('button', { type: 'button', className: 'choose', id: `recording-${id}` }, make('span', { className: 'file', title: name }, name), make('span', { className: 'about' }, standing(entry, state)))
     if (entry === recording) choose.setAttribute('aria-current', 'true')
     choose.addEventListener('click', () => actions.selectRecording(id))
     const of = make('select', { id: `recording-${id}-program` }, ...state.programs.map((other) => make('option', { value: String(other.id) }, other.name)))

@@ -1,7 +1,7 @@
 // The table of cycle times, one row a tolerance.
 
 import { price } from '../pkg/truefeed.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { columnLabel, columnsOf, isStill } from '../columns.js'
 import { find, make, scroll } from '../dom.js'
 import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
 import { deviationLabel, toleranceLabel } from '../labels.js'
@@ -82,7 +82,10 @@ export function mount(root, form, actions) {
       const outcome = program?.outcome
       const stale = Boolean(outcome) && outcome?.motion !== state.machine.motion
       root.classList.toggle('stale', stale)
-      if (program && outcome) {
+      if (program && isStill(outcome)) {
+        const sentence = program.file.size === 0 ? say.results.empty(program.name) : say.results.nothingMoves(program.name)
+        place.replaceChildren(make('p', { className: 'sentence' }, sentence))
+      } else if (program && outcome) {
         place.replaceChildren(
           table(outcome, columnsOf(state, outcome), JSON.stringify(state.machine.values)),
           ...programmed(outcome),
@@ -166,5 +169,5 @@ function about({ steps, summary }, note, hasPrice) {
     { href: '#diagnostics', className: 'errors' },
     say.results.notRun(errors, count(errors)),
   )
-  return make('p', { className: 'about' }, ...(errors > 0 ? [link] : []), facts + note, ...unpriced)
+  return make('p', { className: 'about' }, ...(errors > 0 ? [link, ' '] : []), facts + note, ...unpriced)
 }
