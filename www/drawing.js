@@ -69,8 +69,8 @@ function next(begun) {
  * @property {() => void} moved  draws what moves, and finely when it rests
  */
 
-/** Watches the place of a picture. @param {HTMLElement} element @param {() => void} draw @returns {Sheet} */
-export function sheetOf(element, draw) {
+/** Watches the place of a picture, and whether what it belongs to is in sight. @param {HTMLElement} element @param {() => void} draw @param {HTMLElement} whole @returns {Sheet} */
+export function sheetOf(element, draw, whole = element) {
   let rest = 0
   const drawInSight = () => {
     if (sheet.isInSight && sheet.width > 0 && sheet.height > 0) draw()
@@ -104,6 +104,6 @@ export function sheetOf(element, draw) {
       if (sheet.isInSight) sheet.redraw()
     },
     { rootMargin: '300px' },
-  ).observe(element)
+  ).observe(whole)
   return sheet
 }

@@ -460,7 +460,7 @@ export const say = {
   results: {
     setTo: (what, word) => `Set ${what} to ${word}`,
     empty: (name) => `${name} is empty: there is nothing to compute.`,
-    nothingMoves: (name) => `Nothing moves in ${name}: no line of it could be read as a move. Is it a program of a machine?`,
+    nothingMoves: (name) => `Nothing moves in ${name}: no line of it could be run as a move. Is it a whole program?`,
     holdsEverywhere: 'The motion holds the tolerance everywhere',
     toHold: 'To hold it everywhere: ',
     worstAt: (error, lines) => `${error} at ${lines}`,

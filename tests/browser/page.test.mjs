@@ -119,8 +119,7 @@ pageTest('a bad program is answered line by line, and the rest is quoted', async
   const noise = Buffer.from(Array.from({ length: 5000 }, (_, i) => (i * 7919) % 256))
   await page.setInputFiles('#files', { name: 'noise.bin', mimeType: 'application/octet-stream', buffer: noise })
   await page.waitForFunction(() => document.querySelectorAll('.choose').length === 2)
-  await computed(page)
-  assert.ok((await page.$$('#diagnostics tbody tr')).length > 0)
+  await page.waitForSelector('.moves-nothing #diagnostics tbody tr')
 })
 
 pageTest('cancelling ends the work and keeps what there was; the next run works', async ({ page }) => {

@@ -108,7 +108,7 @@ export function mount(root, actions) {
     // While it moves the page's own pixels do: it has no letters.
     view.draw(canvas, width, height, Math.min(sheet.ratio(1), Math.sqrt(MOST_PIXELS / (width * height))))
     overlay(height)
-  })
+  }, root)
   const { redraw, moved } = sheet
 
   /** Places what lies over the picture. @param {number} height */
