@@ -1,4 +1,6 @@
-// Finding and making elements.
+// Finding and making elements, and putting the texts in their places.
+
+import { say, textOf } from './texts.js'
 
 /**
  * The element a panel cannot do without.
@@ -31,6 +33,21 @@ export function make(name, properties, ...children) {
 export function scroll(table) {
   const element = make('div', { className: 'scroll', tabIndex: 0 }, table)
   element.setAttribute('role', 'group')
-  element.setAttribute('aria-label', table.caption?.textContent || 'Table')
+  element.setAttribute('aria-label', table.caption?.textContent || say.charts.table)
   return element
+}
+
+/** Where a text goes: what an element carries, and the attribute that it is put in. */
+const PLACES = /** @type {const} */ ([
+  ['data-label', 'aria-label'],
+  ['data-title', 'title'],
+  ['data-placeholder', 'placeholder'],
+])
+
+/** Puts the texts in their places. What is seen at once stands there already, in English. @param {Document} page */
+export function fillTexts(page) {
+  for (const element of page.querySelectorAll('[data-text]')) element.textContent = textOf(element.getAttribute('data-text') ?? '')
+  page.documentElement.style.setProperty('--out-of-date', JSON.stringify(say.charts.outOfDate))
+  for (const [key, attribute] of PLACES)
+    for (const element of page.querySelectorAll(`[${key}]`)) element.setAttribute(attribute, textOf(element.getAttribute(key) ?? ''))
 }

@@ -3,6 +3,7 @@
 // asked for, and then a worker with the whole module takes its place, which does all. A worker that dies at work is replaced,
 // and the work begun again, once: what kills a second one is in the work.
 
+/** @import { StageName } from "./texts.js" */
 /** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run, Trail } from "./types.js" */
 
 /**
@@ -20,7 +21,7 @@
 /** @typedef {{program: Blob | Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, columns: Column[]}} TimesOverRequest */
 /** @typedef {{program: Blob | Uint8Array, request: string}} QuoteRequest  the request as JSON */
-/** @typedef {(text: string, part: number) => void} Stage */
+/** @typedef {(stage: StageName, part: number, name?: string) => void} Stage */
 
 /**
  * @typedef {object} Listener
@@ -83,7 +84,7 @@ export class Engine {
   /** Simulates a program; the listener hears of each part. @param {SimulateRequest} request @param {Listener} listener */
   async simulate(request, listener) {
     await this.#run('simulate', request, (data) => {
-      if (data.type === 'stage') listener.stage(data.text, data.part)
+      if (data.type === 'stage') listener.stage(data.stage, data.part, data.name)
       else if (data.type === 'program') listener.program(data.summary, data.steps, data.held, data.trail)
       else listener.run(data.column, { summary: data.summary, columns: data.columns, note: data.note })
     })
@@ -148,7 +149,7 @@ export class Engine {
   async #result(verb, request, stage) {
     let result
     await this.#run(verb, request, (data) => {
-      if (data.type === 'stage') stage(data.text, data.part)
+      if (data.type === 'stage') stage(data.stage, data.part, data.name)
       else result = data
     })
     return result
@@ -175,7 +176,7 @@ export class Engine {
     const worker = this.#worker
     await new Promise((resolve, reject) => {
       this.#reject = reject
-      worker.onerror = (event) => this.#end('died', event.message ?? 'the worker could not be started')
+      worker.onerror = (event) => this.#end('died', event.message ?? '')
       worker.onmessage = ({ data }) => {
         if (data.type === 'failure') this.#end(data.bug ? 'died' : 'failed', data.message)
         else if (data.type === 'done') {

@@ -2,7 +2,8 @@
 // allowed is for Rust to say.
 
 import { make } from './dom.js'
-import { parsed, typed as shown } from './format.js'
+import { parsed, typed as shown, worded } from './format.js'
+import { say } from './texts.js'
 
 /** @import { Parameter, Value } from "./types.js" */
 
@@ -24,32 +25,32 @@ export function field(prefix, parameter, changed) {
   const id = `${prefix}-${key.replaceAll('.', '-')}`
   const control =
     kind === 'choice'
-      ? make('select', { id }, ...words.map((word) => make('option', { value: word }, word)))
+      ? make('select', { id }, ...words.map((word) => make('option', { value: word }, worded(word))))
       : make('input', { id })
   if (control instanceof HTMLInputElement) {
     control.type = kind === 'flag' ? 'checkbox' : 'text'
     if (kind === 'number') control.inputMode = 'decimal'
   }
   const ofUnit = unit ? ` ${unit}` : ''
-  const bounds = min !== null && max !== null ? `${shown(min)} to ${shown(max)}${ofUnit}` : ''
+  const bounds = min !== null && max !== null ? say.field.range(shown(min), shown(max), ofUnit) : ''
   control.title = bounds
   control.setAttribute('aria-describedby', `${id}-doc ${id}-fault`)
   const fault = make('p', { className: 'fault', id: `${id}-fault` })
-  const written = kind === 'flag' ? (neutral ? 'on' : 'off') : text(neutral) || 'empty'
-  const toNeutral = make('button', { type: 'button', className: 'neutral', title: `Back to ${written}` }, 'Reset')
-  toNeutral.setAttribute('aria-label', `Reset ${label} to ${written}`)
+  const written = kind === 'flag' ? (neutral ? say.field.on : say.field.off) : worded(text(neutral)) || say.field.empty
+  const toNeutral = make('button', { type: 'button', className: 'neutral', title: say.field.backTo(written) }, say.common.reset)
+  toNeutral.setAttribute('aria-label', say.field.resetTo(label, written))
   const hint = make(
     'p',
     { className: 'hint' },
-    `Neutral: ${written}${typeof neutral === 'number' ? ofUnit : ''}${bounds ? ` · ${bounds}` : ''} `,
+    say.field.neutral(typeof neutral === 'number' ? written + ofUnit : written, bounds),
     toNeutral,
   )
   const element = make(
     'div',
     { className: `field ${kind}` },
-    make('label', { htmlFor: id, title: doc }, label),
+    make('label', { htmlFor: id, title: worded(doc) }, label),
     make('span', { className: 'value' }, control, make('span', { className: 'unit' }, unit ?? '')),
-    make('p', { className: 'doc', id: `${id}-doc` }, doc),
+    make('p', { className: 'doc', id: `${id}-doc` }, worded(doc)),
     hint,
     fault,
   )

@@ -78,6 +78,18 @@ export function axis(value, count) {
 /** @type {Intl.NumberFormat[]} */
 const axes = []
 
+const SIGN = axis(0.5, 1).charAt(1)
+/** A number with a decimal point; words of programs (G61.1), names of files and versions hold none. */
+const DECIMAL = /(?<![\w./])(\d+)\.(\d+)(?!\w|\.\w)/g
+/** What is between the tags of a document, or what has its numbers as they should be: charts and styles. */
+const BETWEEN = /<(style|svg)\b[^]*?<\/\1>|>[^<]+</g
+
+/** A text of Rust with its numbers as the browser's language writes them. @param {string} text */
+export const worded = (text) => (SIGN === '.' ? text : text.replace(DECIMAL, `$1${SIGN}$2`))
+
+/** The same in a document. @param {string} html */
+export const wordedHtml = (html) => html.replace(BETWEEN, (part) => (part.startsWith('>') ? worded(part) : part))
+
 /** What an input says, as a number; NaN where it is none. A comma is a decimal comma: inputs set no digits apart. @param {string} written */
 export function parsed(written) {
   const text = written.trim().replace(',', '.').replace('−', '-')

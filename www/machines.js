@@ -1,5 +1,7 @@
 // Machines that are kept in the browser, as filled forms; what is in them is checked by the form when one is chosen.
 
+import { say } from './texts.js'
+
 /** @import { Preset, Values } from "./types.js" */
 
 const KEY = 'truefeed.machines.1'
@@ -19,7 +21,7 @@ export function loadMachines() {
 /** A machine to begin with that is kept. @param {Values} values @returns {Preset} */
 export const keptMachine = (values) => ({
   name: String(values.name),
-  source: 'Kept in this browser.',
+  source: say.machine.kept,
   caveat: '',
   values,
   kept: true,
@@ -35,9 +37,9 @@ export function saveMachines(presets) {
   }
 }
 
-/** A name that no machine has yet. @param {string} name @param {Preset[]} presets */
-export function freeName(name, presets) {
-  const isFree = (/** @type {string} */ other) => !presets.some((preset) => !preset.removed && preset.name === other)
+/** A name that none of these has yet, machines, programs or recordings. @param {string} name @param {{name: string, removed?: boolean}[]} others */
+export function freeName(name, others) {
+  const isFree = (/** @type {string} */ other) => !others.some(({ name, removed }) => !removed && name === other)
   const stem = name.replace(/ \(\d+\)$/, '')
   let free = name
   for (let number = 2; !isFree(free); number += 1) free = `${stem} (${number})`

@@ -15,13 +15,15 @@ import init, {
   toleranceLabel,
   usualTolerances,
 } from './pkg/truefeed.js'
-import { columnLabel, columnsOf } from './columns.js'
+import { columnLabel, columnsOf, isStill } from './columns.js'
 import { confinedWorker } from './confined.js'
+import { fillTexts } from './dom.js'
+import { drawn } from './drawing.js'
 import { firstModule, wholeModule } from './embed/module.js'
 import { Ended, Engine } from './engine.js'
 import { axis } from './format.js'
-import { linesOf } from './lines.js'
 import { History } from './history.js'
+import { linesOf } from './lines.js'
 import { freeName, keptMachine, loadMachines, saveMachines } from './machines.js'
 import * as chartPanel from './panels/chart.js'
 import * as diagnosticsPanel from './panels/diagnostics.js'
@@ -33,25 +35,28 @@ import * as recordingPanel from './panels/recording.js'
 import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
-import { pairs, recordingOf, usable } from './recordings.js'
+import { evidence, pairs, recordingOf, usable } from './recordings.js'
 import { loadSession, saveSession } from './session.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
+import { say } from './texts.js'
 import { whole } from './whole.js'
 
 /** @import { Column, Form, MachineForm, Outcome, Place, Program, Recording, State, Value, Values } from "./types.js" */
 
 const DEBOUNCE_MS = 300
 
+fillTexts(document)
+
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id))
 const failure = element('failure')
 
 /** Says what should never happen, rather than leaving a page that does nothing. @param {string} message */
 function fail(message) {
-  failure.textContent = `${message} This is a fault of Truefeed, not of your program.`
+  failure.textContent = say.work.fault(message)
   failure.hidden = false
 }
-window.addEventListener('error', ({ message }) => fail(`Something went wrong: ${message}.`))
-window.addEventListener('unhandledrejection', ({ reason }) => fail(`Something went wrong: ${reason}.`))
+window.addEventListener('error', ({ message }) => fail(say.work.wrong(message)))
+window.addEventListener('unhandledrejection', ({ reason }) => fail(say.work.wrong(reason)))
 
 const first = await firstModule()
 await init({ module_or_path: first.module })
@@ -99,7 +104,7 @@ export const actions = {
   /** @param {{name: string, file: Blob}[]} files */
   addPrograms(files) {
     for (const { name, file } of files) {
-      state.programs.push({ id: nextId++, name, file, lines: linesOf(file), dialect: null, outcome: null, failure: null })
+      state.programs.push({ id: nextId++, name: freeName(name, state.programs), file, lines: linesOf(file), dialect: null, outcome: null, failure: null })
     }
     const added = state.programs[state.programs.length - files.length]
     state.selected = added?.id ?? state.selected
@@ -111,7 +116,7 @@ export const actions = {
   addRecordings(files) {
     for (const { name, bytes } of files) {
       const program = pairs(name, state)
-      state.recordings.push({ id: nextId++, name, bytes, program, used: true, match: null, failure: null })
+      state.recordings.push({ id: nextId++, name: freeName(name, state.recordings), bytes, program, used: true, match: null, failure: null })
     }
     actions.selectRecording(state.recordings[state.recordings.length - files.length].id)
     changed()
@@ -184,7 +189,10 @@ export const actions = {
   /** Puts values that were tried in the form. @param {Values} values */
   tryValues(values) {
     if (!state.diagnosis) return
-    if (!state.diagnosis.used) state.diagnosis = { ...state.diagnosis, used: true, before: now() }
+    const { diagnosis } = state
+    // The machine that is tried is of the diagnosis too.
+    const motions = [...diagnosis.motions, motionOf(JSON.stringify(values))]
+    state.diagnosis = { ...diagnosis, motions, used: true, before: diagnosis.used ? diagnosis.before : now() }
     actions.setMachine(state.machine.preset, values)
   },
   /** A program, its machine and a recording in which something is concealed. @param {{machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}} sample */
@@ -405,6 +413,9 @@ function putBack({ preset, values, tolerances, programmed, terms }) {
   actions.setMachine(preset, values)
 }
 
+/** Why something failed; a worker that does not start does not say. @param {unknown} error */
+const reasonOf = (error) => (error instanceof Error ? error.message || say.work.noWorker : String(error))
+
 /** @param {number} id @param {Partial<Recording>} what */
 function change(id, what) {
   const recording = state.recordings.find((candidate) => candidate.id === id)
@@ -522,12 +533,10 @@ async function simulate(program, motion) {
   const isForOther = program.outcome !== null && program.outcome.motion !== motion
   /** @type {Outcome | null} */
   let outcome = null
-  state.progress = { program: program.id, stage: 'Starting', part: 0 }
+  const stage = stageOf(program.id)
+  stage('starting', 0)
   const listener = {
-    stage(/** @type {string} */ text, /** @type {number} */ part) {
-      state.progress = { program: program.id, stage: text, part }
-      progress.update(state)
-    },
+    stage,
     program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held, /** @type {any} */ trail) {
       outcome = { motion, summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
       // What was computed for another machine stays in sight until all is there.
@@ -551,15 +560,16 @@ async function simulate(program, motion) {
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     program.failure = motion
-    fail(`${program.name} could not be simulated: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notSimulated(program.name, reasonOf(error)))
   }
   return true
 }
 
-/** Tells the progress of what is not a simulation. @param {number | null} program */
+/** Tells the progress of work on a program, or on several. @param {number | null} program @returns {import("./engine.js").Stage} */
 function stageOf(program) {
-  return (/** @type {string} */ stage, /** @type {number} */ part) => {
-    state.progress = { program, stage, part }
+  return (stage, part, name) => {
+    const text = say.stages[stage]
+    state.progress = { program, stage: typeof text === 'string' ? text : text(name), part }
     progress.update(state)
   }
 }
@@ -570,7 +580,7 @@ async function compare(recording, motion) {
   if (!program) return false
   const { dialect } = program
   const stage = stageOf(program.id)
-  stage(`Comparing ${recording.name}`, 0)
+  stage('comparing', 0, recording.name)
   try {
     update()
     const machine = JSON.stringify(state.machine.values)
@@ -584,7 +594,7 @@ async function compare(recording, motion) {
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     recording.failure = motion
-    fail(`${recording.name} could not be compared: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notCompared(recording.name, reasonOf(error)))
   }
   return true
 }
@@ -601,20 +611,22 @@ function collected() {
 /** Diagnoses the machine; false where that was cancelled. */
 async function diagnose() {
   const stage = stageOf(null)
-  stage('Diagnosing', 0)
+  stage('diagnosing', 0)
   const all = collected()
   const before = now()
+  const [own, { motion }] = [evidence(state), state.machine]
   try {
     update()
     const runs = all.map(({ request }) => request)
     const { report, json, html, runs: columns } = await engine.diagnose({ machine: JSON.stringify(before.values), runs }, stage)
     state.diagnosing = false
     const diagnosed = all.map(({ name, program }, index) => ({ name, program, columns: columns[index] }))
-    if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false }
+    const motions = [motion, report?.values ? motionOf(JSON.stringify(report.values)) : motion]
+    if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false, evidence: own, motions }
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     state.diagnosing = false
-    fail(`The recording could not be diagnosed: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notDiagnosed(reasonOf(error)))
   }
   return true
 }
@@ -622,7 +634,7 @@ async function diagnose() {
 /** Calibrates the machine; false where that was cancelled. */
 async function calibrate() {
   const stage = stageOf(null)
-  stage('Calibrating the machine', 0)
+  stage('calibrating', 0)
   const runs = collected().map(({ request }) => request)
   const before = now()
   try {
@@ -633,7 +645,7 @@ async function calibrate() {
   } catch (error) {
     if (error instanceof Ended && error.kind === 'cancelled') return false
     state.calibrating = false
-    fail(`The machine could not be calibrated: ${error instanceof Error ? error.message : error}.`)
+    fail(say.work.notCalibrated(reasonOf(error)))
   }
   return true
 }
@@ -711,13 +723,14 @@ async function mountOthers() {
 
 /** Does something when the page has drawn and has nothing else to do. @param {() => void} what */
 function whenIdle(what) {
-  requestAnimationFrame(() => setTimeout(what))
+  requestAnimationFrame(() => drawn().then(() => setTimeout(what)))
 }
 
 function update() {
   saveSession(state)
   document.body.classList.toggle('has-programs', state.programs.length > 0)
   document.body.classList.toggle('has-recording', recordingOf(state) !== undefined)
+  document.body.classList.toggle('moves-nothing', isStill(state.programs.find(({ id }) => id === state.selected)?.outcome))
   for (const panel of panels) panel.update(state)
 }
 

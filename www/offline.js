@@ -1,5 +1,7 @@
 // Makes the page work without a network after the first load, and takes an update when it is loaded again.
 
+import { say } from './texts.js'
+
 const line = document.getElementById('offline')
 
 /** Settles a moment after the page has loaded, when it asks for no file any more. */
@@ -21,7 +23,7 @@ async function keep(workers) {
     registration.waiting.postMessage('update')
   }
   await workers.ready
-  if (line) line.textContent = 'It works without a network.'
+  if (line) line.textContent = say.page.offline
 }
 
 // Where there is no such worker, or it may not run, the page works all the same while there is a network.

@@ -2,6 +2,7 @@
 
 import { make } from './dom.js'
 import { saveBlob } from './save.js'
+import { say } from './texts.js'
 
 /** Pixels of a PNG for one of the SVG. */
 const RATIO = 2
@@ -15,8 +16,8 @@ const RATIO = 2
  */
 export function offerPictures(toolbar, name, title, svg) {
   const button = (/** @type {string} */ kind, /** @type {(text: string) => void} */ save) => {
-    const element = make('button', { type: 'button', className: 'picture', title: `Save the chart as ${kind}` }, kind)
-    element.setAttribute('aria-label', `Save ${title} as ${kind}`)
+    const element = make('button', { type: 'button', className: 'picture', title: say.pictures.saveAs(kind) }, kind)
+    element.setAttribute('aria-label', say.pictures.saveTitleAs(title, kind))
     element.addEventListener('click', async () => {
       const text = await svg()
       if (text) save(text)

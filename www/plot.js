@@ -2,7 +2,9 @@
 // the page have one cursor and one stretch of the path in sight.
 
 import { find, make } from './dom.js'
+import { sheetOf } from './drawing.js'
 import { offerPictures } from './pictures.js'
+import { say } from './texts.js'
 import { whole } from './whole.js'
 
 /** @import { Place } from "./types.js" */
@@ -15,8 +17,6 @@ const WHEEL = 1.0015
 const ZOOM = 1.6
 const STEP = 0.2
 const CLICK_PX = 4
-/** plotters draws on whole pixels; twice as many as the page's make slanting lines smooth on any screen. */
-const LEAST_RATIO = 2
 
 /**
  * @typedef {object} Plot
@@ -97,38 +97,34 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
   const rapidsBox = /** @type {HTMLInputElement} */ (find(rapids, 'input'))
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
 
-  const title = plot.getAttribute('aria-label') ?? 'the chart'
+  const title = plot.getAttribute('aria-label') ?? say.charts.picture
   offerPictures(find(root, '.tools'), root.id || 'chart', title, async () => {
     // The module of the first visit draws on no paper.
     const { Chart } = await whole()
     const twin = new Chart()
     fill(twin)
     twin.setView(chart.view())
-    const svg = twin.svgInSight(canvas.clientWidth, canvas.clientHeight)
+    const svg = twin.svgInSight(sheet.width, sheet.height)
     twin.free()
     return svg
   })
 
-  let frame = 0
   let readAt = NaN
   /** Whether the pointer is on another chart. */
   let isPassive = false
 
-  function redraw() {
-    frame ||= requestAnimationFrame(() => {
-      frame = 0
-      const { clientWidth: width, clientHeight: height } = canvas
-      if (!isShown() || width === 0) return
-      chart.setDark(dark.matches)
-      chart.draw(canvas, width, height, Math.max(window.devicePixelRatio, LEAST_RATIO))
-      plot.dataset.span = chart.span().join(' ')
-      if (Number.isFinite(readAt)) show(chart.reading(readAt), isPassive)
-    })
-  }
+  const sheet = sheetOf(canvas, () => {
+    if (!isShown()) return
+    chart.setDark(dark.matches)
+    chart.draw(canvas, sheet.width, sheet.height, sheet.ratio())
+    plot.dataset.span = chart.span().join(' ')
+    if (Number.isFinite(readAt)) show(chart.reading(readAt), isPassive)
+  })
+  const { redraw } = sheet
 
   /** Draws anew after a change of the view, and all other charts with it. */
   function moved() {
-    redraw()
+    sheet.moved()
     const [from, to] = chart.span()
     for (const other of plots) if (other !== own) other.follow(from, to)
   }
@@ -197,7 +193,6 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
   plot.addEventListener('pointermove', (event) => event.buttons === 0 && isShown() && read(pixel(event).x))
   plot.addEventListener('pointerleave', (event) => event.pointerType !== 'touch' && leave())
   plot.addEventListener('blur', leave)
-  new ResizeObserver(redraw).observe(plot)
   dark.addEventListener('change', redraw)
 
   /** @param {MouseEvent} event */
@@ -315,7 +310,7 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     reading.replaceChildren(...words(pointer))
     const toTheLeft = pointer.x > (left + right) / 2
     reading.style.left = toTheLeft ? 'auto' : `${pointer.x + 12}px`
-    reading.style.right = toTheLeft ? `${plot.clientWidth - pointer.x + 12}px` : 'auto'
+    reading.style.right = toTheLeft ? `${sheet.width - pointer.x + 12}px` : 'auto'
     reading.style.top = `${top + 8}px`
   }
 
@@ -343,7 +338,7 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     follow(from, to) {
       if (!isShown()) return
       chart.follow(from, to)
-      redraw()
+      sheet.moved()
     },
     point(distance) {
       if (isShown()) show(chart.reading(distance), true)

@@ -21,6 +21,12 @@ export function recordingOf({ recordings, recording, selected }) {
   return own.find(({ id }) => id === recording) ?? own[0]
 }
 
+/** What a diagnosis is made from, to tell later whether it still is: recordings, their programs and how these are read. @param {State} state */
+export function evidence(state) {
+  const used = state.recordings.filter(({ used, match }) => used && !match?.refusal)
+  return JSON.stringify(used.map((recording) => [recording.id, recording.program, programOf(recording, state)?.dialect]))
+}
+
 /** The recordings that can calibrate the machine. @param {State} state */
 export const usable = (state) =>
   state.recordings.filter((recording) => recording.used && recording.match?.report && programOf(recording, state))

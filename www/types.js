@@ -227,7 +227,7 @@
 
 /**
  * A diagnosis with its documents; `used`: its machine is in the form instead of the one `before`.
- * @typedef {{report: DiagnosisReport, json: string, html: string, runs: DiagnosedRun[], before: Before, used: boolean}} Diagnosis
+ * @typedef {{report: DiagnosisReport, json: string, html: string, runs: DiagnosedRun[], before: Before, used: boolean, evidence: string, motions: (string | undefined)[]}} Diagnosis
  */
 
 /**

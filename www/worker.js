@@ -1,5 +1,6 @@
 // Simulates, compares, calibrates and diagnoses in the background: one request in, messages out, columns transferred.
 
+/** @import { StageName } from "./texts.js" */
 /** @import { CalibrateRequest, CompareRequest, CutRequest, QuoteRequest, SimulateRequest, TimesOverRequest, TimesRequest } from "./engine.js" */
 
 /** The functions of the module that is here, which all requests to one worker have. @type {typeof import("./pkg/truefeed_whole.js")} */
@@ -67,7 +68,7 @@ async function begin(module, isWhole) {
 /** @param {SimulateRequest} request */
 async function simulate({ program, machine, dialect, columns, labels }) {
   const of = columns.length + 1
-  stage('Reading the program', 0, of)
+  stage('readingProgram', 0, of)
   const job = new glue.Job(await textOf(program), machine, dialect ?? undefined)
   const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
   const held = job.tolerances()
@@ -76,7 +77,7 @@ async function simulate({ program, machine, dialect, columns, labels }) {
   post({ type: 'program', summary: job.summary(), steps, trail, held }, columnsOfProgram)
   for (const [index, column] of columns.entries()) {
     if (column === null && held.length === 0) continue
-    const progress = (/** @type {number} */ part) => stage(`Simulating ${labels[index]}`, index + 1 + part, of)
+    const progress = (/** @type {number} */ part) => stage('simulating', index + 1 + part, of, labels[index])
     progress(0)
     const run = job.simulate(column ?? undefined, progress)
     const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc', 'paceEnd', 'paceFeedrate'])
@@ -88,7 +89,6 @@ async function simulate({ program, machine, dialect, columns, labels }) {
 
 /** @param {CompareRequest} request */
 async function compare({ program, machine, dialect, recording }) {
-  stage('Comparing the recording', 0, 1)
   const { report, refusal, columns } = glue.compareRecording(await bytesOf(program), machine, dialect ?? undefined, recording)
   const curves = plain(columns, [...MATCHED])
   post({ type: 'compared', report, refusal, columns: curves }, Object.values(curves))
@@ -96,7 +96,7 @@ async function compare({ program, machine, dialect, recording }) {
 
 /** @param {CutRequest} request */
 async function cut({ program, machine, dialect, tolerance, job }) {
-  const progress = (/** @type {number} */ part) => stage('Computing forces', part, 1)
+  const progress = (/** @type {number} */ part) => stage('forces', part, 1)
   progress(0)
   const { summary, columns } = glue.computeCutting(await bytesOf(program), machine, dialect ?? undefined, tolerance ?? undefined, job, progress)
   const loads = plain(columns, [...LOADS])
@@ -107,7 +107,7 @@ async function cut({ program, machine, dialect, tolerance, job }) {
 async function quote({ program, request }) {
   const text = await textOf(program)
   try {
-    const quote = glue.quoteText(text, request, (/** @type {number} */ part) => stage('Simulating', part, 1))
+    const quote = glue.quoteText(text, request, (/** @type {number} */ part) => stage('simulating', part, 1))
     post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => glue.toleranceLabel(run.tolerance_mm)) }, [])
   } catch (refusal) {
     // A refused request leaves the worker as it is; anything else is a fault of it.
@@ -120,7 +120,7 @@ async function quote({ program, request }) {
 async function calibrate({ machine, runs }) {
   const of = runs.length + 10
   const all = await collected(machine, runs, of)
-  const progress = (/** @type {number} */ part) => stage('Calibrating the machine', runs.length + 10 * part, of)
+  const progress = (/** @type {number} */ part) => stage('calibrating', runs.length + 10 * part, of)
   progress(0)
   post({ type: 'calibrated', report: all.calibrate(progress) }, [])
   all.free()
@@ -142,7 +142,7 @@ async function diagnose({ machine, runs }) {
 }
 
 /** What a diagnosis is at. @param {number} part */
-const stageAt = (part) => (part < 1 ? 'Diagnosing: trying what could have been left out' : 'Diagnosing: testing it where nothing was fitted')
+const stageAt = (part) => (part < 1 ? 'trying' : 'testing')
 
 /** @param {TimesRequest} request */
 async function cycleTimes({ program, dialect, machines }) {
@@ -161,7 +161,7 @@ async function timesOver({ program, machine, dialect, columns }) {
 async function collected(machine, runs, of) {
   const all = new glue.Runs(machine)
   for (const [index, { name, program, dialect, recording }] of runs.entries()) {
-    stage(`Reading ${name}`, index, of)
+    stage('reading', index, of, name)
     all.add(name, await bytesOf(program), dialect ?? undefined, recording)
   }
   return all
@@ -181,9 +181,9 @@ async function bytesOf(program) {
   return program instanceof Blob ? new Uint8Array(await program.arrayBuffer()) : program
 }
 
-/** @param {string} text @param {number} done @param {number} of */
-function stage(text, done, of) {
-  post({ type: 'stage', text, part: done / of }, [])
+/** Says what it is at; the words are the page's. @param {StageName} stage @param {number} done @param {number} of @param {string} [name] */
+function stage(stage, done, of, name) {
+  post({ type: 'stage', stage, part: done / of, name }, [])
 }
 
 /**

@@ -6,7 +6,6 @@
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
-use crate::machine::tolerance_label;
 use crate::plot::{
     Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Reading, Stretch, Theme, View,
     draw,
@@ -120,17 +119,9 @@ impl Chart {
         }
     }
 
-    /// Adds the curve of a tolerance (mm), empty until it is filled.
-    pub fn add(&mut self, tolerance: f64) {
-        let label = tolerance_label(tolerance);
-        let tolerances = vec![Stretch { from: 0.0, to: f64::INFINITY, tolerance }];
-        self.chart.curves.push(Curve { label, tolerances, ..Curve::default() });
-    }
-
-    /// Adds the curve of the program's own tolerances, empty until it is filled: where each holds
-    /// along the path, and what it is; all in mm.
-    #[wasm_bindgen(js_name = addProgrammed)]
-    pub fn add_programmed(&mut self, label: String, from: &[f64], to: &[f64], tolerance: &[f64]) {
+    /// Adds a curve under a name, empty until it is filled: where each tolerance holds along the
+    /// path, and what it is; all in mm.
+    pub fn add(&mut self, label: String, from: &[f64], to: &[f64], tolerance: &[f64]) {
         let stretches = from.iter().zip(to).zip(tolerance);
         let tolerances =
             stretches.map(|((&from, &to), &tolerance)| Stretch { from, to, tolerance }).collect();

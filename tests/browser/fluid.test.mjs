@@ -59,7 +59,16 @@ pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay
     await page.locator(selector).scrollIntoViewIfNeeded()
     const { x, y, width, height } = await page.locator(selector).boundingBox()
     const picture = () => page.$eval(`${selector} canvas`, (canvas) => canvas.toDataURL())
+    /** What rests is drawn finer than the page's own pixels. */
+    const rests = async () =>
+      page.waitForFunction((canvas) => canvas.width > canvas.clientWidth, await page.$(`${selector} canvas`))
+    await rests()
     const whole = await picture()
+    await page.$eval(`${selector} canvas`, (canvas) => {
+      window.coarsest = Infinity
+      const note = () => (window.coarsest = Math.min(window.coarsest, canvas.width / canvas.clientWidth))
+      new MutationObserver(note).observe(canvas, { attributeFilter: ['width'] })
+    })
     const tasks = await longTasks(page, async () => {
       await page.mouse.move(x + 0.6 * width, y + 0.3 * height)
       for (let turn = 0; turn < 12; turn += 1) await page.mouse.wheel(0, -240)
@@ -73,5 +82,7 @@ pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay
     const longest = Math.max(0, ...tasks)
     console.log(`# ${selector}: ${tasks.length} long tasks while zooming and moving, the longest ${ms(longest)}`)
     assert.notEqual(await picture(), whole, 'zooming and moving show something else')
+    assert.equal(await page.evaluate(() => window.coarsest), 1, 'what moves is drawn no finer than the page')
+    await rests()
   }
 })

@@ -5,7 +5,7 @@ import { readFileSync } from 'node:fs'
 import { join } from 'node:path'
 import { test } from 'node:test'
 import { openPage } from './harness.mjs'
-import { computed, ROOT, shot } from './steps.mjs'
+import { computed, frame, ROOT, shot } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 
@@ -59,3 +59,50 @@ for (const [locale, time, constant] of [
     }
   })
 }
+
+/** What is read on the page, but for texts of programs and what is typed in files. */
+const READ = 'main *:not(code, textarea, option, .listing *, #diagnostics *, #cutting .materials *, script)'
+/** A number with a point that sets no three digits apart. */
+const POINTED = /(?<![\w./])\d+\.(\d{1,2}|\d{4,})(?![\w]|\.\w)/
+
+test('where a comma is the decimal sign no number on page, pictures and reports has a point, and files for machines have', { timeout: 240_000 }, async () => {
+  const opened = await openPage({ locale: 'de-DE' })
+  const { page } = opened
+  const saved = async (button) => {
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click(button)])
+    return readFileSync(await download.path(), 'utf8')
+  }
+  try {
+    await page.waitForSelector('html[data-ready]')
+    await page.click('#welcome .concealed')
+    await computed(page)
+    await page.fill('#tolerances input', '12,5')
+    await page.press('#tolerances input', 'Enter')
+    await computed(page)
+    await page.waitForSelector('#recording .answer .sentence')
+    await page.click('#diagnosis .start')
+    await page.waitForFunction(() => document.querySelector('#diagnosis .sentence').textContent, null, { timeout: 120_000 })
+    await page.locator('#path .places').scrollIntoViewIfNeeded()
+    await frame(page)
+    const texts = await page.$$eval(READ, (all) => all.flatMap((element) => [...element.childNodes].filter((node) => node.nodeType === 3).map(({ data }) => data.trim())))
+    assert.ok(texts.some((text) => text === '12,5\u00a0µm' || text === '12,5 µm'), 'the tolerance is written with a comma')
+    assert.deepEqual(texts.filter((text) => POINTED.test(text)), [])
+
+    const words = (text) => text.replace(/<style[^]*?<\/style>/g, '').match(/(?<=>)[^<]+/g)
+    const isPointed = (text) => POINTED.test(text) && !/Truefeed/.test(text)
+    const svg = words(await saved('#chart .picture >> nth=0'))
+    assert.ok(svg.some((text) => text.includes('12,5')), svg.join(' | '))
+    const report = words(await saved('#diagnosis .html'))
+    assert.ok(report.some((text) => /\d,\d/.test(text)))
+    const quote = words(await saved('#quote .html'))
+    assert.ok(quote.some((text) => /\d,\d/.test(text)))
+    assert.deepEqual([...svg, ...report, ...quote].filter(isPointed), [])
+
+    assert.equal(typeof JSON.parse(await saved('#diagnosis .json')).fit.cycle_time_error_s.before, 'number')
+    assert.match(await saved('#quote .csv'), /\d\.\d/)
+    assert.match(await saved('#machine .save'), /= 0\.\d/)
+    assert.deepEqual(opened.errors, [])
+  } finally {
+    await opened.close()
+  }
+})

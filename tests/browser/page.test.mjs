@@ -119,8 +119,7 @@ pageTest('a bad program is answered line by line, and the rest is quoted', async
   const noise = Buffer.from(Array.from({ length: 5000 }, (_, i) => (i * 7919) % 256))
   await page.setInputFiles('#files', { name: 'noise.bin', mimeType: 'application/octet-stream', buffer: noise })
   await page.waitForFunction(() => document.querySelectorAll('.choose').length === 2)
-  await computed(page)
-  assert.ok((await page.$$('#diagnostics tbody tr')).length > 0)
+  await page.waitForSelector('.moves-nothing #diagnostics tbody tr')
 })
 
 pageTest('cancelling ends the work and keeps what there was; the next run works', async ({ page }) => {
@@ -415,4 +414,29 @@ pageTest('the machine form refuses at the field, recomputes, prices, is kept and
   await page.click('#machine .reset')
   assert.equal(await page.inputValue(field('rates.hourly')), '0')
   assert.equal(await page.inputValue(field('interpolator.time_constant_s')), '0.0255')
+})
+
+pageTest('what is no program is said to be none, and quotes nothing; files of one name are told apart', async ({ page }) => {
+  const give = (name, bytes) => page.setInputFiles('#files', { name, mimeType: '', buffer: Buffer.from(bytes) })
+  const says = (text) => page.waitForFunction((text) => document.querySelector('#results').textContent.includes(text), text)
+  const standing = (index) => page.locator('.programs .about').nth(index).textContent()
+  await give('empty.nc', [])
+  await says('empty.nc is empty')
+  for (const panel of ['#chart', '#compare', '#path', '#quote', '#breakdown']) assert.ok(await page.isHidden(panel), panel)
+  assert.equal(await page.locator('#results table').count(), 0)
+  assert.equal(await standing(0), 'nothing moves')
+
+  await give('photo.jpg', Array.from({ length: 50_000 }, (_, index) => (index * index * 7919 + (index >> 3)) % 251 | 128))
+  await says('Nothing moves in photo.jpg')
+  assert.ok(await page.isHidden('#quote'))
+
+  for (const length of [10, 100]) await give('part.nc', `G21 G90\nG1 X${length} F1000\nM30`)
+  await computed(page)
+  assert.deepEqual((await page.locator('.programs .file').allTextContents()).slice(2), ['part.nc', 'part.nc (2)'])
+  assert.ok(await page.isVisible('#quote'))
+
+  // A table of which nothing can be read is a recording that says so.
+  await give('log.csv', 't_s,x_mm\n')
+  await page.waitForSelector('#recording .refused')
+  assert.equal(await page.locator('.programs li').count(), 4)
 })

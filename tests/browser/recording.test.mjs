@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { binary, drop, frame, machineOf, pageTest, shot, span } from './steps.mjs'
+import { binary, drop, frame, machineOf, pageTest, shot } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-recording-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -84,7 +84,12 @@ const pixels = (page, from, to) =>
     [from, to],
   )
 
-const spanOf = (page, root) => page.getAttribute(`${root} .plot`, 'data-span').then((text) => text.split(' ').map(Number))
+/** The stretch that a chart shows; only what is in sight is drawn. */
+async function spanOf(page, root) {
+  await page.locator(`${root} canvas`).scrollIntoViewIfNeeded()
+  await frame(page)
+  return (await page.getAttribute(`${root} .plot`, 'data-span')).split(' ').map(Number)
+}
 const cell = (page, row, column) => page.textContent(`#calibration tbody tr:has(th:text-is("${row}")) >> td >> nth=${column}`)
 
 for (const viewport of [
@@ -104,6 +109,7 @@ for (const viewport of [
       assert.ok(Math.abs(Number(took) - seconds) < 0.25, `${took} s of ${seconds} s`)
       assert.ok(Number(simulated) < Number(took) - 0.5, sentence)
       assert.match(await page.textContent('#recording .facts'), /aligned by axis positions: (99|100) %/)
+      await page.locator('#recording canvas').scrollIntoViewIfNeeded()
       await frame(page)
       const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
       assert.ok(feeds.every((count) => 300 < count), `curves: ${feeds}`)
@@ -142,18 +148,15 @@ pageTest('all charts have one cursor and one stretch in sight', async ({ page })
 
   await plot.focus()
   await page.keyboard.press('+')
-  await frame(page)
   const near = ([a, b], [c, d]) => Math.abs(a - c) < 1e-6 && Math.abs(b - d) < 1e-6
   assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
-  const [whole] = [await span(page)]
+  const whole = await spanOf(page, '#chart')
   await page.focus('#chart .plot')
   await page.keyboard.press('ArrowRight')
-  await frame(page)
   assert.ok(!near(whole, await spanOf(page, '#chart')))
   assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
   await page.focus('#recording .tables > :last-child button')
   await page.keyboard.press('Enter')
-  await frame(page)
   assert.ok(near(await spanOf(page, '#recording'), await spanOf(page, '#chart')))
   assert.ok(!near(whole, await spanOf(page, '#chart')))
 })
@@ -229,6 +232,50 @@ pageTest('the calibration brings the time constant back, by keyboard alone, and 
   assert.equal(await page.inputValue(field), before)
   await compared(page)
   assert.equal(await page.locator('#calibration .sentence').count(), 0)
+})
+
+pageTest('several recordings of two programs dropped at once are told apart, compared one by one and calibrate together', async ({ page }) => {
+  const all = [await recorded(page, 'bracket-11.csv'), await recorded(page, 'bracket-12.csv'), await recorded(page, 'other-3.csv', OTHER)]
+  const [first, , third] = all.map(({ seconds }) => seconds)
+  await drop(page, 'body', [all[2].path, PROGRAM, all[0].path, OTHER, all[1].path])
+  await compared(page)
+  const entry = (name) => page.locator('#recording .pairs li', { hasText: name })
+  const standing = (name) => entry(name).locator('.about').textContent()
+  const isCurrent = async (name) => (await entry(name).locator('.choose').getAttribute('aria-current')) === 'true'
+  await page.waitForFunction(() => [...document.querySelectorAll('#recording .pairs .about')].every(({ textContent }) => /recorded/.test(textContent)), null, { timeout: 120_000 })
+  assert.equal(await page.locator('.programs li').count(), 2)
+  assert.equal(await page.locator('#recording .pairs li').count(), 3)
+  for (const [name, program] of [['bracket-11.csv', 'bracket.nc'], ['bracket-12.csv', 'bracket.nc'], ['other-3.csv', 'other.nc']]) {
+    const of = entry(name).locator('select')
+    assert.equal(await of.evaluate((select) => select.selectedOptions[0].textContent), program, name)
+  }
+
+  // Choosing a recording shows it, and its program, in list, sentence and chart.
+  const took = async () => Number((await page.textContent('#recording .sentence')).match(/took ([\d.]+) s/)[1])
+  for (const [name, program, seconds] of [['other-3.csv', 'other.nc', third], ['bracket-11.csv', 'bracket.nc', first]]) {
+    await entry(name).locator('.choose').click()
+    await compared(page)
+    assert.ok(await isCurrent(name))
+    assert.match(await page.textContent('.programs [aria-selected=true]'), new RegExp(`^${program}`))
+    assert.ok(Math.abs((await took()) - seconds) < 0.3, `${name}: ${await took()} s of ${seconds} s`)
+    assert.match(await standing(name), /simulated −/)
+  }
+
+  await page.locator('#recording').scrollIntoViewIfNeeded()
+  await shot(page, 'recordings')
+  await entry('bracket-12.csv').locator('input').uncheck()
+  assert.match(await page.textContent('#calibration .start'), /from 2 recordings/)
+  assert.match(await page.textContent('#diagnosis .start'), /2 recordings together/)
+  await entry('bracket-12.csv').locator('input').check()
+  assert.match(await page.textContent('#calibration .start'), /from 3 recordings/)
+  await page.click('#calibration .start')
+  await page.waitForSelector('#calibration .sentence', { timeout: 120_000 })
+  await compared(page)
+  const found = Number(await page.inputValue('#field-interpolator-time_constant_s'))
+  assert.ok(Math.abs(found / TIME_CONSTANT_S - 1) < 0.01, `${found} s`)
+  const runs = await page.$$eval('#calibration .result table:last-of-type tbody th', (all) => all.map(({ textContent }) => textContent))
+  assert.deepEqual(runs.filter((name) => name.endsWith('.csv')).sort(), ['bracket-11.csv', 'bracket-12.csv', 'other-3.csv'])
+  assert.ok(await isCurrent('bracket-11.csv'), 'what was chosen stays chosen')
 })
 
 pageTest('a calibration can be cancelled, and leaves the machine as it was', async ({ page }) => {

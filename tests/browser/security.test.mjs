@@ -200,7 +200,7 @@ test('a new version is taken when the page is loaded again', { timeout: 240_000 
     await page.goto(`${server.origin}/`)
     await kept(page)
     const change = (file, from, to) => writeFileSync(join(folder, file), readFileSync(join(folder, file), 'utf8').replace(from, to))
-    change('index.html', '<h1>Truefeed</h1>', '<h1>Truefeed, newer</h1>')
+    change('texts.js', "name: 'Truefeed'", "name: 'Truefeed, newer'")
     change('pkg/files.js', /"version":"\w+"/, '"version":"newer"')
 
     // This load is still of the old version, and finds the new one.

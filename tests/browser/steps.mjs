@@ -128,8 +128,17 @@ export function pixelsOfCurves(page, below = 0) {
   }, below)
 }
 
+/** Waits until all that was to be drawn is drawn, and seen. */
 export const frame = (page) =>
-  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))))
+  page.evaluate(async () => {
+    const { drawn } = await import('/drawing.js')
+    const next = () => new Promise((done) => requestAnimationFrame(done))
+    // What has come in sight is told at the end of a frame.
+    await next()
+    await next()
+    await drawn()
+    await next()
+  })
 export const span = async (page) => {
   await frame(page)
   return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)

@@ -3,6 +3,7 @@
 import { make } from '../dom.js'
 import { Engine } from '../engine.js'
 import * as show from '../format.js'
+import { say } from '../texts.js'
 import { wholeModule } from './module.js'
 import { QuoteError, bytesOf, refusalOf, refused, requestOf } from './request.js'
 import { sheetOfQuote } from './sheet.js'
@@ -274,11 +275,11 @@ function nameOf(address) {
 
 /** What stands in the element, and how it changes. @param {ShadowRoot} root */
 function skeleton(root) {
-  const input = make('input', { type: 'file', ariaLabel: 'Choose a program' })
-  const choice = make('span', {}, 'Choose a program')
-  const title = make('p', { className: 'title' }, 'Cycle time')
-  const about = make('p', { className: 'about' }, 'Drop a G-code program here, or choose one. It stays on this page.')
-  const bar = make('progress', { max: 1, hidden: true, ariaLabel: 'Simulating' })
+  const input = make('input', { type: 'file', ariaLabel: say.embed.choose })
+  const choice = make('span', {}, say.embed.choose)
+  const title = make('p', { className: 'title' }, say.common.cycleTime)
+  const about = make('p', { className: 'about' }, say.embed.drop)
+  const bar = make('progress', { max: 1, hidden: true, ariaLabel: say.embed.simulating })
   const error = make('p', { className: 'error', hidden: true, role: 'alert' })
   const answer = make('div', { ariaLive: 'polite' })
   for (const [part, element] of Object.entries({ title, about, error, answer })) element.setAttribute('part', part)
@@ -300,7 +301,7 @@ function skeleton(root) {
     },
     wait() {
       rest()
-      about.textContent = 'No machine is set.'
+      about.textContent = say.embed.noMachine
     },
     /** @param {number} part */
     progress(part) {
@@ -316,9 +317,9 @@ function skeleton(root) {
     /** @param {Quote} quote @param {string[]} labels */
     show(quote, labels) {
       rest()
-      title.textContent = quote.program || 'Cycle time'
-      about.textContent = `CAM says ${show.clock(quote.programmed_time_s)} (${show.seconds(quote.programmed_time_s)}).`
-      choice.textContent = 'Choose another'
+      title.textContent = quote.program || say.common.cycleTime
+      about.textContent = say.embed.cam(show.clock(quote.programmed_time_s), show.seconds(quote.programmed_time_s))
+      choice.textContent = say.embed.chooseOther
       answer.replaceChildren(make('div', { className: 'scroll' }, table(quote, labels)), ...remarks(quote))
     },
   }
@@ -329,22 +330,22 @@ function table({ runs, programmed_time_s: programmed }, labels) {
   const priced = runs.some(({ price }) => price > 0)
   /** A title, how to say it of a run, and whether a narrow place can do without. @type {[string, (run: Quote["runs"][number]) => string, string][]} */
   const columns = [
-    ['Cycle time', (run) => show.clock(run.cycle_time_s), 'time'],
-    ['Seconds', (run) => show.seconds(run.cycle_time_s), 'minor'],
-    ['vs CAM', (run) => show.percent(run.cycle_time_s / programmed - 1), ''],
-    ['Contour error', (run) => `${show.number(run.max_contour_error_mm * 1000)} µm`, 'minor'],
+    [say.common.cycleTime, (run) => show.clock(run.cycle_time_s), 'time'],
+    [say.embed.seconds, (run) => show.seconds(run.cycle_time_s), 'minor'],
+    [say.embed.againstCam, (run) => show.percent(run.cycle_time_s / programmed - 1), ''],
+    [say.common.contourError, (run) => `${show.number(run.max_contour_error_mm * 1000)} µm`, 'minor'],
   ]
-  if (priced) columns.push(['Price', (run) => show.money(run.price), ''])
+  if (priced) columns.push([say.results.price, (run) => show.money(run.price), ''])
   const titles = columns.map(([title, , className]) => make('th', { scope: 'col', className }, title))
   const rows = runs.map((run, index) =>
     make(
       'tr',
       {},
-      make('th', { scope: 'row' }, run.tolerances ? 'as programmed' : labels[index]),
+      make('th', { scope: 'row' }, run.tolerances ? say.charts.asProgrammed : show.worded(labels[index])),
       ...columns.map(([, text, className]) => make('td', { className }, text(run))),
     ),
   )
-  const made = make('table', {}, make('thead', {}, make('tr', {}, make('th', { scope: 'col' }, 'Tolerance'), ...titles)), make('tbody', {}, ...rows))
+  const made = make('table', {}, make('thead', {}, make('tr', {}, make('th', { scope: 'col' }, say.common.tolerance), ...titles)), make('tbody', {}, ...rows))
   made.setAttribute('part', 'table')
   return made
 }
@@ -353,11 +354,11 @@ function table({ runs, programmed_time_s: programmed }, labels) {
 function remarks({ diagnostics }) {
   if (diagnostics.length === 0) return []
   const first = diagnostics.slice(0, MOST_REMARKS)
-  const items = first.map(({ line, severity, message }) => make('li', {}, `Line ${line}, ${severity}: ${message}`))
+  const items = first.map(({ line, severity, message }) => make('li', {}, say.embed.remark(line, severity, message)))
   const more = diagnostics.length - first.length
-  if (more > 0) items.push(make('li', {}, `${show.count(more)} more`))
-  const count = diagnostics.length === 1 ? '1 remark' : `${show.count(diagnostics.length)} remarks`
-  return [make('details', {}, make('summary', {}, `${count} on the program`), make('ul', {}, ...items))]
+  if (more > 0) items.push(make('li', {}, say.embed.more(show.count(more))))
+  const title = say.embed.remarks(diagnostics.length, show.count(diagnostics.length))
+  return [make('details', {}, make('summary', {}, title), make('ul', {}, ...items))]
 }
 
 customElements.define('truefeed-quote', QuoteElement)

@@ -1,29 +1,30 @@
 // Where the time goes: by kind for every tolerance, by operation and by tool for one of them.
 
-import { toleranceLabel } from '../pkg/truefeed.js'
 import { find, make } from '../dom.js'
 import { count, difference, millimetres, number, seconds } from '../format.js'
+import { toleranceLabel } from '../labels.js'
+import { say } from '../texts.js'
 
 /** @import { Breakdown, Cut, CutOfOperation, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
 
 /** @type {[keyof import("../types.js").Functions, string][]} */
 const FUNCTIONS = [
-  ['spindle_s', 'Spindle'],
-  ['coolant_s', 'Coolant'],
-  ['stops_s', 'Program stops'],
-  ['pallet_s', 'Pallet changes'],
-  ['clamp_s', 'Clamping'],
-  ['m_words_s', 'Other M-words'],
-  ['halts_s', 'Halts'],
-  ['start_s', 'Program start'],
+  ['spindle_s', say.breakdown.spindle],
+  ['coolant_s', say.breakdown.coolant],
+  ['stops_s', say.breakdown.programStops],
+  ['pallet_s', say.breakdown.palletChanges],
+  ['clamp_s', say.breakdown.clamping],
+  ['m_words_s', say.breakdown.otherWords],
+  ['halts_s', say.breakdown.halts],
+  ['start_s', say.breakdown.programStart],
 ]
 
 /** The kinds of time in the order of a breakdown; machine functions are the parts of what is other. @type {[string, (breakdown: Breakdown) => number][]} */
 const KINDS = [
-  ['Cutting', ({ cutting_s }) => cutting_s],
-  ['Rapid', ({ rapid_s }) => rapid_s],
-  ['Dwell', ({ dwell_s }) => dwell_s],
-  ['Tool changes', ({ tool_change_s }) => tool_change_s],
+  [say.common.cutting, ({ cutting_s }) => cutting_s],
+  [say.common.rapid, ({ rapid_s }) => rapid_s],
+  [say.common.dwell, ({ dwell_s }) => dwell_s],
+  [say.breakdown.toolChanges, ({ tool_change_s }) => tool_change_s],
   ...FUNCTIONS.map(
     ([key, title]) =>
       /** @type {[string, (breakdown: Breakdown) => number]} */ ([title, ({ other }) => other[key]]),
@@ -32,24 +33,24 @@ const KINDS = [
 
 /** What is told of an operation or a tool. @type {[string, (part: Part) => string][]} */
 const COLUMNS = [
-  ['Time', ({ time_s }) => seconds(time_s)],
-  ['Programmed', ({ programmed_time_s }) => seconds(programmed_time_s)],
-  ['Lost', ({ lost_s }) => difference(lost_s)],
-  ['Cutting', ({ breakdown }) => seconds(breakdown.cutting_s)],
-  ['Rapid', ({ breakdown }) => seconds(breakdown.rapid_s)],
-  ['Dwell', ({ breakdown }) => seconds(breakdown.dwell_s)],
-  ['Tool change', ({ breakdown }) => seconds(breakdown.tool_change_s)],
-  ['Other', ({ breakdown }) => seconds(breakdown.other_s)],
-  ['Feed path', ({ feed_mm }) => millimetres(feed_mm)],
-  ['Rapid path', ({ rapid_mm }) => millimetres(rapid_mm)],
-  ['Blocks', ({ blocks }) => count(blocks)],
+  [say.common.time, ({ time_s }) => seconds(time_s)],
+  [say.common.programmed, ({ programmed_time_s }) => seconds(programmed_time_s)],
+  [say.common.lost, ({ lost_s }) => difference(lost_s)],
+  [say.common.cutting, ({ breakdown }) => seconds(breakdown.cutting_s)],
+  [say.common.rapid, ({ breakdown }) => seconds(breakdown.rapid_s)],
+  [say.common.dwell, ({ breakdown }) => seconds(breakdown.dwell_s)],
+  [say.common.toolChange, ({ breakdown }) => seconds(breakdown.tool_change_s)],
+  [say.common.other, ({ breakdown }) => seconds(breakdown.other_s)],
+  [say.breakdown.feedPath, ({ feed_mm }) => millimetres(feed_mm)],
+  [say.breakdown.rapidPath, ({ rapid_mm }) => millimetres(rapid_mm)],
+  [say.breakdown.blocks, ({ blocks }) => count(blocks)],
 ]
 
 /** What a cut adds for an operation. @type {[string, (part: CutOfOperation) => string][]} */
 const CUT_COLUMNS = [
-  ['Removed (mm³)', ({ removed_mm3: removed }) => number(removed)],
-  ['Peak power (W)', ({ peak_power_w: peak }) => number(peak.value)],
-  ['Peak force (N)', ({ peak_force_n: peak }) => number(peak.value)],
+  [say.common.removedMm, ({ removed_mm3: removed }) => number(removed)],
+  [say.common.peakPowerW, ({ peak_power_w: peak }) => number(peak.value)],
+  [say.common.peakForceN, ({ peak_force_n: peak }) => number(peak.value)],
 ]
 
 /**
@@ -80,8 +81,8 @@ export function mount(root, actions) {
     })
     const tools = run.tools.map((tool) => row(toolTitle(tool), toolName(tool), tool))
     parts.replaceChildren(
-      table('Operations', ['Line', 'Operation'], operations, cuts ? CUT_COLUMNS.map(([title]) => title) : []),
-      ...(run.tools.length > 1 ? [table('Tools', ['Tool', 'Name'], tools)] : []),
+      table(say.breakdown.operations, [say.common.line, say.common.operation], operations, cuts ? CUT_COLUMNS.map(([title]) => title) : []),
+      ...(run.tools.length > 1 ? [table(say.breakdown.tools, [say.breakdown.tool, say.breakdown.name], tools)] : []),
     )
   }
 
@@ -89,8 +90,8 @@ export function mount(root, actions) {
   function begin(operation) {
     const line = String(operation.line)
     if (operation.blocks === 0) return line
-    const go = make('button', { type: 'button', title: 'Show it in the chart' }, line)
-    go.setAttribute('aria-label', `Line ${line}: show it in the chart`)
+    const go = make('button', { type: 'button', title: say.common.showInChart }, line)
+    go.setAttribute('aria-label', say.breakdown.showLine(line))
     go.addEventListener('click', () => actions.show(operation))
     return go
   }
@@ -129,7 +130,7 @@ function kindsTable(runs, tolerances) {
   const titles = runs.map((run) =>
     make('th', { scope: 'col' }, swatch(run), toleranceLabel(run.tolerance_mm)),
   )
-  const head = make('tr', {}, make('th', { scope: 'col' }, 'Time by kind'), ...titles)
+  const head = make('tr', {}, make('th', { scope: 'col' }, say.breakdown.timeByKind), ...titles)
   const rows = KINDS.filter(([, time]) => runs.some(({ breakdown }) => time(breakdown) !== 0)).map(([title, time]) =>
     make(
       'tr',
@@ -150,7 +151,7 @@ function table(caption, [first, second], rows, more = []) {
 
 /** @param {HTMLTableElement} table */
 function scrolling(table) {
-  const caption = table.caption?.textContent ?? 'Time by kind'
+  const caption = table.caption?.textContent ?? say.breakdown.timeByKind
   const place = make('div', { className: 'scroll', tabIndex: 0 }, table)
   // Focus lets the keys scroll what is wider than the page.
   place.setAttribute('role', 'group')
@@ -165,7 +166,7 @@ function row(first, name, part) {
 }
 
 /** @param {Tool} tool */
-const toolTitle = ({ tool }) => (tool === null ? 'None named' : `T${tool}`)
+const toolTitle = ({ tool }) => (tool === null ? say.breakdown.noneNamed : `T${tool}`)
 
 /** @param {Tool} tool */
 function toolName({ tool_name, operations }) {
@@ -176,5 +177,5 @@ function toolName({ tool_name, operations }) {
 /** @param {Operation} operation */
 function name({ name, tool, tool_name }) {
   const titled = tool === null ? '' : `T${tool}${tool_name ? ` ${tool_name}` : ''}`
-  return [name ?? '', titled].filter(Boolean).join(' – ') || 'Before the first tool'
+  return [name ?? '', titled].filter(Boolean).join(' – ') || say.common.beforeFirstTool
 }

@@ -1,9 +1,10 @@
 // The calibration of the machine: what it stands on, what became of each parameter, the runs before and after.
 
 import { find, make, scroll } from '../dom.js'
-import { count } from '../format.js'
-import { saveMachine } from '../save.js'
+import { count, worded } from '../format.js'
 import { usable } from '../recordings.js'
+import { saveMachine } from '../save.js'
+import { say } from '../texts.js'
 
 /** @import { Calibration, CalibrationReport, State } from "../types.js" */
 
@@ -17,19 +18,19 @@ export function mount(root, actions) {
 
   /** @param {CalibrationReport} report */
   function fill(report) {
-    const undo = make('button', { type: 'button', className: 'undo-calibration' }, 'Undo: the machine before')
+    const undo = make('button', { type: 'button', className: 'undo-calibration' }, say.common.undoMachine)
     undo.addEventListener('click', () => {
       actions.undoCalibration()
       start.focus()
     })
-    const save = make('button', { type: 'button', className: 'save' }, 'Save machine.toml')
+    const save = make('button', { type: 'button', className: 'save' }, say.common.saveMachine)
     save.addEventListener('click', () => saveMachine(report.values))
     place.replaceChildren(
-      make('p', { className: 'sentence', role: 'status' }, report.sentence),
+      make('p', { className: 'sentence', role: 'status' }, worded(report.sentence)),
       make('p', { className: 'choices' }, save, undo),
       estimatesTable(report),
       runsTable(report),
-      ...report.remarks.map((remark) => make('p', { className: 'facts' }, remark)),
+      ...report.remarks.map((remark) => make('p', { className: 'facts' }, worded(remark))),
     )
   }
 
@@ -40,7 +41,7 @@ export function mount(root, actions) {
       const runs = usable(state).length
       root.hidden = state.recordings.length === 0 && !calibration
       start.disabled = runs === 0 || calibrating || machine.faults.length > 0
-      start.textContent = runs < 2 ? 'Calibrate the machine from this recording' : `Calibrate the machine from ${count(runs)} recordings`
+      start.textContent = runs < 2 ? say.calibration.startOne : say.calibration.startMany(count(runs))
       if (calibration === shown) return
       shown = calibration
       place.replaceChildren()
@@ -63,15 +64,15 @@ function table(caption, titles, rows) {
 function estimatesTable({ estimates }) {
   const rows = estimates.map(({ label, unit, before, after, deviation, verdict }) => [
     unit ? `${label} (${unit})` : label,
-    before,
-    deviation === null ? after : `${after} ± ${deviation}`,
+    worded(before),
+    worded(deviation === null ? after : `${after} ± ${deviation}`),
     verdict,
   ])
-  return table('Parameters', ['', 'Before', 'After ± standard deviation', ''], rows)
+  return table(say.calibration.parameters, ['', say.common.before, say.calibration.after, ''], rows)
 }
 
 /** @param {CalibrationReport} report */
 function runsTable({ runs }) {
-  const rows = runs.map(({ name, time, motion, feed, cam_feed: cam }) => [name, time, motion, feed ?? '–', cam ?? '–'])
-  return table('Runs, before → after', ['', 'Cycle time', 'Motion', 'Feedrates differ by', 'CAM’s by'], rows)
+  const rows = runs.map(({ name, time, motion, feed, cam_feed: cam }) => [name, ...[time, motion, feed ?? '–', cam ?? '–'].map(worded)])
+  return table(say.calibration.runs, ['', say.common.cycleTime, say.calibration.motion, say.calibration.feedrates, say.calibration.cam], rows)
 }

@@ -1,13 +1,15 @@
 // The chart of the simulated tolerances: fills it, and says what it shows at a place.
 
-import { Chart, deviationLabel, mostCurves } from '../pkg/truefeed.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { Chart, mostCurves } from '../pkg/truefeed.js'
+import { addCurve, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { feedrate, millimetres, clock, seconds } from '../format.js'
+import { deviationLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
+import { say } from '../texts.js'
 
 /** @import { Filled } from "../plot.js" */
-/** @import { Column, Held, Outcome, Place, Program, State } from "../types.js" */
+/** @import { Column, Outcome, Place, Program, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 /** @param {HTMLElement} root */
@@ -53,12 +55,8 @@ export function mount(root) {
   /** Puts program and curves into a chart. @param {Filled} chart @param {Outcome} outcome */
   function fill(chart, { steps: { end, feedrate, rapid, line }, held, runs }) {
     chart.program(end, feedrate, rapid, line)
-    const part = (/** @type {(part: Held) => number} */ of) => Float64Array.from(held, of)
     for (const column of columns) {
-      if (column === null) {
-        const [from, to] = [part(({ distance_mm: [from] }) => from), part(({ distance_mm: [, to] }) => to)]
-        chart.addProgrammed(columnLabel(null), from, to, part(({ tolerance_mm: tolerance }) => tolerance))
-      } else chart.add(column)
+      addCurve(chart, column, held)
       const curve = runs.get(column)?.columns
       if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arc)
     }
@@ -89,7 +87,7 @@ export function mount(root) {
       columns = columnsOf(state, outcome)
       const runs = columns.filter((column) => outcome?.runs.has(column))
       empty.hidden = Boolean(outcome)
-      empty.textContent = state.progress ? 'Computing …' : 'Not computed yet.'
+      empty.textContent = state.progress ? say.common.computing : say.common.notComputed
       canvas.hidden = !outcome
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
       const now = [program, outcome, ...columns, ...runs]
@@ -115,11 +113,11 @@ function words({ distance, line, programmed, rapid, curves }, program, isOverTim
       {},
       make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
       make('td', {}, feedrate(feed)),
-      make('td', {}, error === undefined ? '–' : `${deviationLabel(error)} off`),
+      make('td', {}, error === undefined ? '–' : say.chart.off(deviationLabel(error))),
       make('td', {}, time < 60 ? seconds(time) : clock(time)),
     ),
   )
-  const first = isOverTime && curves.length > 1 ? [make('p', { className: 'small' }, `Place and line of ${curves[0].label}`)] : []
+  const first = isOverTime && curves.length > 1 ? [make('p', { className: 'small' }, say.chart.placeOf(curves[0].label))] : []
   return [headOf(distance, programmed, rapid), ...first, make('table', {}, ...rows), ...lineOf(line, program)]
 }
 
@@ -134,5 +132,5 @@ export function lineOf(line, program) {
   if (line === undefined) return []
   const code = make('code', {})
   program?.lines.at(line).then((text) => (code.textContent = text))
-  return [make('p', { className: 'code' }, `line ${line} `, code)]
+  return [make('p', { className: 'code' }, say.chart.line(line), code)]
 }

@@ -1,19 +1,20 @@
 // Side by side: the tolerances as columns, on this machine and on another one, and below them the cycle time over
 // the tolerance. A click on the line adds a tolerance.
 
-import { TolerancePicture, curveTolerances, deviationLabel, price, toleranceLabel } from '../pkg/truefeed_whole.js'
+import { TolerancePicture, curveTolerances, price } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
+import { sheetOf, whenStill } from '../drawing.js'
 import { clock, difference, money, percent, seconds } from '../format.js'
+import { deviationLabel, toleranceLabel } from '../labels.js'
 import { offerPictures } from '../pictures.js'
+import { say } from '../texts.js'
 import { Times, asked, coarseFirst } from '../times.js'
 
 /** @import { Engine } from "../engine.js" */
 /** @import { Column, Form, Outcome, Program, State, Values } from "../types.js" */
 /** @import { Asked } from "../times.js" */
 
-/** plotters draws on whole pixels; twice as many as the page's make slanting lines smooth on any screen. */
-const LEAST_RATIO = 2
 const KEY_PX = 6
 
 /** One machine with its cycle times. @typedef {{name: string, values: Values, machine: Asked, times: Map<Column, number>}} Side */
@@ -45,17 +46,18 @@ export function mount(root, engine, form, actions) {
   let state = null
   let stopped = ''
   let at = NaN
-  let frame = 0
 
-  offerPictures(find(root, '.tools'), 'tolerances', 'the cycle time over the tolerance', () => picture?.svg(canvas.clientWidth, canvas.clientHeight))
+  const sheet = sheetOf(canvas, () => picture?.draw(canvas, sheet.width, sheet.height, sheet.ratio(), dark.matches))
+  const draw = sheet.redraw
+
+  offerPictures(find(root, '.tools'), 'tolerances', say.compare.curvePicture, () => picture?.svg(sheet.width, sheet.height))
   beside.addEventListener('change', () => actions.setBeside(beside.value === '' ? null : Number(beside.value)))
   stop.addEventListener('click', () => {
     const running = stopped === ''
     stopped = running ? subject() : ''
     if (running) times.stop()
-    if (state) show(state)
+    again()
   })
-  new ResizeObserver(draw).observe(plot)
   dark.addEventListener('change', draw)
   plot.addEventListener('pointermove', (event) => read(column(event)))
   plot.addEventListener('pointerleave', hide)
@@ -73,7 +75,7 @@ export function mount(root, engine, form, actions) {
     const [x] = picture.columnOf(Number.isFinite(at) ? at : all[all.length >> 1])
     const before = at
     // Where one step does not change what would be typed, several do.
-    for (let to = x + step; 0 < to && to < plot.clientWidth; to += step) {
+    for (let to = x + step; 0 < to && to < sheet.width; to += step) {
       read(to)
       if (at !== before) break
     }
@@ -97,22 +99,13 @@ export function mount(root, engine, form, actions) {
     cross.hidden = false
     Object.assign(cross.style, { left: `${left}px`, top: `${top}px`, height: `${bottom - top}px` })
     const found = [...picture.times(tolerance)]
-    const rows = sides.slice(0, found.length).map(({ name }, index) => make('p', {}, sides.length > 1 ? `${name}: ` : '', make('strong', {}, Number.isFinite(found[index]) ? `about ${seconds(found[index])}` : '…')))
+    const rows = sides.slice(0, found.length).map(({ name }, index) => make('p', {}, sides.length > 1 ? `${name}: ` : '', make('strong', {}, Number.isFinite(found[index]) ? say.compare.about(seconds(found[index])) : '…')))
     reading.hidden = false
-    reading.replaceChildren(make('p', {}, make('strong', {}, toleranceLabel(tolerance))), ...rows, make('p', { className: 'small' }, 'Click to add it'))
-    const toTheLeft = left > plot.clientWidth / 2
+    reading.replaceChildren(make('p', {}, make('strong', {}, toleranceLabel(tolerance))), ...rows, make('p', { className: 'small' }, say.compare.clickToAdd))
+    const toTheLeft = left > sheet.width / 2
     reading.style.left = toTheLeft ? 'auto' : `${left + 12}px`
-    reading.style.right = toTheLeft ? `${plot.clientWidth - left + 12}px` : 'auto'
+    reading.style.right = toTheLeft ? `${sheet.width - left + 12}px` : 'auto'
     reading.style.top = `${top + 8}px`
-  }
-
-  function draw() {
-    frame ||= requestAnimationFrame(() => {
-      frame = 0
-      const { clientWidth: width, clientHeight: height } = canvas
-      if (!picture || !width || !height) return
-      picture.draw(canvas, width, height, Math.max(window.devicePixelRatio, LEAST_RATIO), dark.matches)
-    })
   }
 
   /** The program in sight. */
@@ -154,17 +147,21 @@ export function mount(root, engine, form, actions) {
     const lacks = wanted.some(({ machine, columns }) => columns.some((column) => !times.of(program, machine).has(column)))
     // The page's own results come first.
     if (now.progress || !isComplete || now.paused) times.stop()
-    else if (stopped === '') times.compute(program, wanted, (failure) => (failure ? fail(failure) : state && show(state)))
+    else if (stopped === '') times.compute(program, wanted, (failure) => (failure ? fail(failure) : whenStill(again)))
     stop.hidden = !lacks
-    stop.textContent = stopped === '' ? 'Stop' : 'Compute the rest'
-    standing.textContent = !lacks ? '' : stopped === '' ? 'Computing the curve …' : 'Stopped.'
+    stop.textContent = stopped === '' ? say.compare.stop : say.compare.computeRest
+    standing.textContent = !lacks ? '' : stopped === '' ? say.compare.computing : say.compare.stopped
+  }
+
+  function again() {
+    if (state) show(state)
   }
 
   /** @param {string} message */
   function fail(message) {
     stopped = subject()
-    if (state) show(state)
-    standing.textContent = `The curve could not be computed: ${message}.`
+    again()
+    standing.textContent = say.compare.failed(message)
   }
 
   /** The machines to compare with. @param {State} now */
@@ -173,7 +170,7 @@ export function mount(root, engine, form, actions) {
     const signature = JSON.stringify(names)
     if (beside.dataset.offered !== signature) {
       const options = names.map(({ name, index }) => make('option', { value: String(index) }, name))
-      beside.replaceChildren(make('option', { value: '' }, 'no other machine'), ...options)
+      beside.replaceChildren(make('option', { value: '' }, say.compare.noOtherMachine), ...options)
       beside.dataset.offered = signature
     }
     beside.value = chosen === null ? '' : String(chosen)
@@ -194,18 +191,18 @@ export function mount(root, engine, form, actions) {
       make('th', { scope: 'col' }, ...(side === sides[0] ? [make('span', { className: `swatch curve-${index}` })] : []), columnLabel(column)),
     )
     table.replaceChildren(
-      make('caption', {}, `Differences are against ${first}.`),
-      make('thead', {}, ...heads, make('tr', {}, make('th', { scope: 'col' }, 'Tolerance'), ...labels)),
+      make('caption', {}, say.compare.against(first)),
+      make('thead', {}, ...heads, make('tr', {}, make('th', { scope: 'col' }, say.common.tolerance), ...labels)),
       make(
         'tbody',
         {},
-        row('Cycle time', ({ time = 0 }) => clock(time), 'time'),
-        row('In seconds', ({ time = 0 }) => seconds(time)),
-        row('Difference', against((by) => difference(by))),
-        row('Difference in %', against((by, from) => percent(by / from))),
-        ...(prices.some((amount) => amount > 0) ? [row('Price of the cycle', (_, index) => money(prices[index]), 'price')] : []),
-        row('Against programmed', ({ time = 0 }) => percent(time / outcome.summary.programmed_time_s - 1)),
-        row('Contour error', ({ side, column }) => {
+        row(say.common.cycleTime, ({ time = 0 }) => clock(time), 'time'),
+        row(say.compare.inSeconds, ({ time = 0 }) => seconds(time)),
+        row(say.common.difference, against((by) => difference(by))),
+        row(say.compare.inPercent, against((by, from) => percent(by / from))),
+        ...(prices.some((amount) => amount > 0) ? [row(say.compare.price, (_, index) => money(prices[index]), 'price')] : []),
+        row(say.compare.againstProgrammed, ({ time = 0 }) => percent(time / outcome.summary.programmed_time_s - 1)),
+        row(say.common.contourError, ({ side, column }) => {
           const error = side === sides[0] ? outcome.runs.get(column)?.summary.max_contour_error_mm : undefined
           return error === undefined ? '–' : deviationLabel(error)
         }),
@@ -226,9 +223,9 @@ export function mount(root, engine, form, actions) {
     }
     draw()
     const entry = (/** @type {string} */ kind, /** @type {string} */ text) => make('span', {}, make('i', { className: kind }), text)
-    legend.replaceChildren(...sides.map(({ name }, index) => entry(index === 0 ? 'line' : 'dashed', name)), entry('programmed', 'programmed'))
+    legend.replaceChildren(...sides.map(({ name }, index) => entry(index === 0 ? 'line' : 'dashed', name)), entry('programmed', say.compare.programmed))
     const rows = all.map((tolerance) => make('tr', {}, make('th', { scope: 'row' }, deviationLabel(tolerance)), ...sides.map((side) => make('td', {}, written(side.times.get(tolerance))))))
-    const heads = ['Tolerance', ...sides.map(({ name }) => name)].map((title) => make('th', { scope: 'col' }, title))
+    const heads = [say.common.tolerance, ...sides.map(({ name }) => name)].map((title) => make('th', { scope: 'col' }, title))
     points.replaceChildren(make('thead', {}, make('tr', {}, ...heads)), make('tbody', {}, ...rows))
   }
 

@@ -8,6 +8,7 @@ import { Ended } from '../engine.js'
 import { feedrate, figures, number, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
 import { join } from '../plot.js'
+import { say } from '../texts.js'
 import { headOf, lineOf } from './chart.js'
 
 /** @import { Engine } from "../engine.js" */
@@ -19,22 +20,22 @@ const AROUND_MM = 5
 const ROOMS = 12
 /** @type {Record<string, string>} */
 const LIMITS = {
-  tool_force: 'force on the tool',
-  tool_torque: 'torque on the tool',
-  tool_power: 'power through the tool',
+  tool_force: say.cutting.toolForce,
+  tool_torque: say.cutting.toolTorque,
+  tool_power: say.cutting.toolPower,
   tool_chip: 'chip',
-  tool_deflection: 'bend of the tool',
-  spindle_force: 'force on the spindle',
-  spindle_torque: 'torque of the spindle',
-  spindle_power: 'power of the spindle',
+  tool_deflection: say.cutting.toolBend,
+  spindle_force: say.cutting.spindleForce,
+  spindle_torque: say.cutting.spindleTorque,
+  spindle_power: say.cutting.spindlePower,
 }
 
 /** @type {[keyof CutPeaks, string, string][]} */
 const PEAKS = [
-  ['force_n', 'Force', 'N'],
-  ['torque_nm', 'Torque', 'N·m'],
-  ['power_w', 'Power', 'W'],
-  ['removal_rate_mm3_min', 'Removal rate', 'mm³/min'],
+  ['force_n', say.cutting.force, 'N'],
+  ['torque_nm', say.cutting.torque, 'N·m'],
+  ['power_w', say.cutting.power, 'W'],
+  ['removal_rate_mm3_min', say.cutting.removalRate, 'mm³/min'],
 ]
 
 /**
@@ -74,7 +75,7 @@ export function mount(root, engine, actions) {
   /** The path on the canvas, pixels. @type {[number, number]} */
   let sides = [0, 1]
 
-  offerPictures(find(root, '.tools'), 'cutting', 'the cutting loads', () => picture?.svg(plot.clientWidth, plot.clientHeight))
+  offerPictures(find(root, '.tools'), 'cutting', say.cutting.picture, () => picture?.svg(plot.clientWidth, plot.clientHeight))
   job.value = exampleCutting()
   find(root, '.materials').append(materialsTable(materials))
   job.addEventListener('input', forget)
@@ -134,7 +135,7 @@ export function mount(root, engine, actions) {
     reading.hidden = passive
     if (passive) return
     const loads = picture.reading(distance)
-    const rows = [['Force', 'N'], ['Power', 'W'], ['Removal', 'cm³/min']].map(([title, unit], index) =>
+    const rows = [[say.cutting.force, 'N'], [say.cutting.power, 'W'], [say.cutting.removal, 'cm³/min']].map(([title, unit], index) =>
       row(title, [0, 1].map((which) => `${figures(loads[2 * index + which])} ${unit}`)),
     )
     const body = make('table', {}, row('', ['programmed', 'predicted']), ...rows)
@@ -170,8 +171,8 @@ export function mount(root, engine, actions) {
   function way(line, place, text = String(line)) {
     if (!place) return text
     const go = make('button', { type: 'button' }, text)
-    program?.lines.at(line).then((code) => (go.title = `Show it in the charts: ${code}`))
-    go.setAttribute('aria-label', `Line ${text}: show it in the charts`)
+    program?.lines.at(line).then((code) => (go.title = say.cutting.showCode(code)))
+    go.setAttribute('aria-label', say.cutting.showLine(text))
     go.addEventListener('click', () => actions.show({ distance_mm: place }))
     return go
   }
@@ -232,7 +233,7 @@ export function mount(root, engine, actions) {
   function show({ summary, columns: loads }) {
     const { cutting, operations } = summary.runs[0]
     const remarks = summary.diagnostics.map(({ line, severity, message }) =>
-      make('li', { className: severity }, ...(line ? ['Line ', way(line, placeOf(line)), `: ${message}`] : [message])),
+      make('li', { className: severity }, ...(line ? [say.cutting.line, way(line, placeOf(line)), `: ${message}`] : [message])),
     )
     result.replaceChildren(...(remarks.length ? [make('ul', {}, ...remarks)] : []))
     if (!cutting) return
@@ -257,21 +258,21 @@ export function mount(root, engine, actions) {
       row(way(from, place, from === to ? `${from}` : `${from}–${to}`), [
         feedrate(room.programmed_mm_min),
         `× ${room.factor}`,
-        room.limit === null ? 'none' : LIMITS[room.limit],
+        room.limit === null ? say.cutting.noLimit : LIMITS[room.limit],
         feedrate(room.predicted_mm_min),
         seconds(room.saved_s),
       ]),
     )
     result.append(
-      table(['Largest', 'Programmed feed', 'Line', 'Predicted feed', 'Line'], peaks),
-      table(['Operation', 'Removed (mm³)', 'Peak force (N)', 'Line', 'Peak power (W)', 'Line'], parts),
+      table([say.cutting.largest, say.cutting.programmedFeed, say.common.line, say.cutting.predictedFeed, say.common.line], peaks),
+      table([say.common.operation, say.common.removedMm, say.common.peakForceN, say.common.line, say.common.peakPowerW, say.common.line], parts),
       ...(rooms.length > 0
         ? [
-            table(['Lines', 'Programmed', 'Could be', 'Then meets', 'Predicted', 'Saves at most'], rooms, 'Where the feedrate could be higher'),
-            make('p', { className: 'help' }, 'Where the predicted feedrate is below the programmed one, the machine does not reach it, and a higher one saves less or nothing.'),
+            table([say.common.lines, say.common.programmed, say.cutting.couldBe, say.cutting.thenMeets, say.cutting.predicted, say.cutting.savesMost], rooms, say.cutting.rooms),
+            make('p', { className: 'help' }, say.cutting.roomsHelp),
           ]
         : []),
-      make('p', { className: 'help' }, `Pale and broad: programmed feedrate; blue: predicted. Stock in cells of ${figures(cutting.resolution_mm)} mm; ${cutting.assumptions}. Coefficients of ${cutting.material.name}: ${cutting.material.source}.`),
+      make('p', { className: 'help' }, say.cutting.legend(figures(cutting.resolution_mm), cutting.assumptions, cutting.material.name, cutting.material.source)),
     )
     const { distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate } = loads
     picture = new LoadPicture(
@@ -332,8 +333,8 @@ function materialsTable(materials) {
     cells.append(from)
     return cells
   })
-  const titles = ['Word', 'Material', 'K_tc', 'K_rc', 'K_ac', 'K_te', 'K_re', 'K_ae', 'Source']
-  return table(titles, rows, 'K_c in N/mm², K_e in N/mm; a [coefficients] table in the job replaces any: ktc_n_mm2 = 700')
+  const titles = [say.cutting.word, say.cutting.material, 'K_tc', 'K_rc', 'K_ac', 'K_te', 'K_re', 'K_ae', say.cutting.source]
+  return table(titles, rows, say.cutting.coefficients)
 }
 
 /** @param {string[]} titles @param {HTMLElement[]} rows @param {string} [caption] */

@@ -1,21 +1,23 @@
 // The diagnosis: what was left out of the machine. A sentence first, then before and after, where, why, how sure, what
 // else it could be, and what the machine would be with it.
 
-import { Chart, lostLabel, markOfChart } from '../pkg/truefeed_whole.js'
-import { Ended } from '../engine.js'
+import { Chart, markOfChart } from '../pkg/truefeed_whole.js'
 import { find, make, scroll } from '../dom.js'
-import { count, difference, feedrate, seconds } from '../format.js'
+import { Ended } from '../engine.js'
+import { count, difference, feedrate, number, parsed, seconds, typed, worded, wordedHtml } from '../format.js'
+import { lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
-import { usable } from '../recordings.js'
+import { evidence, usable } from '../recordings.js'
 import { saveFile, saveMachine } from '../save.js'
+import { say } from '../texts.js'
 import { headOf, lineOf } from './chart.js'
 
-/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Values } from "../types.js" */
+/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Value, Values } from "../types.js" */
 /** @import { Engine } from "../engine.js" */
 /** @import { Filled } from "../plot.js" */
 /** @import { Pointer } from "../pkg/truefeed_whole.js" */
 
-const NAMES = ['recorded', 'simulated before', 'simulated after']
+const NAMES = [say.recording.recordedCurve, say.diagnosis.simulatedBefore, say.diagnosis.simulatedAfter]
 /** Size of a chart in the report, pixels. */
 const REPORT_PX = /** @type {const} */ ([1040, 560])
 
@@ -33,6 +35,8 @@ export function mount(root, engine, actions) {
   const start = /** @type {HTMLButtonElement} */ (find(root, '.start'))
   const why = find(root, '.why')
   const restore = find(root, '.restore')
+  const outdated = find(root, '.outdated')
+  const again = /** @type {HTMLButtonElement} */ (find(outdated, 'button'))
   const sentence = find(root, '.sentence')
   const choices = find(root, '.outcome')
   const view = find(root, '.view')
@@ -59,7 +63,7 @@ export function mount(root, engine, actions) {
       chosen.replaceChildren(head, ...lineOf(pointer.line, shown?.runs[run].program))
     },
   })
-  start.addEventListener('click', () => actions.diagnose())
+  for (const button of [start, again]) button.addEventListener('click', () => actions.diagnose())
   find(restore, 'button').addEventListener('click', () => actions.undoSample())
   runs.addEventListener('change', () => draw(Number(runs.value)))
 
@@ -83,19 +87,19 @@ export function mount(root, engine, actions) {
 
   /** @param {Diagnosis} diagnosis @param {State} state */
   function fill({ report, json, html, runs: all, used }, state) {
-    sentence.textContent = report.sentence
-    const use = make('button', { type: 'button', className: 'use-diagnosis' }, used ? 'Undo: the machine before' : 'Use the extended machine')
+    sentence.textContent = worded(report.sentence)
+    const use = make('button', { type: 'button', className: 'use-diagnosis' }, used ? say.common.undoMachine : say.diagnosis.useExtended)
     use.addEventListener('click', () => {
       if (used) actions.undoDiagnosis()
       else actions.useDiagnosis()
       find(root, '.use-diagnosis').focus()
     })
     const { values } = report
-    const save = make('button', { type: 'button', className: 'save' }, 'Save machine.toml')
+    const save = make('button', { type: 'button', className: 'save' }, say.common.saveMachine)
     if (values) save.addEventListener('click', () => saveMachine(values))
-    const asHtml = make('button', { type: 'button', className: 'html' }, 'Save the report (HTML)')
+    const asHtml = make('button', { type: 'button', className: 'html' }, say.diagnosis.saveHtml)
     asHtml.addEventListener('click', () => saveFile(withCharts(html, all.map(({ columns }) => columns)), 'text/html', 'diagnosis.html'))
-    const asJson = make('button', { type: 'button', className: 'json' }, 'Save it as JSON')
+    const asJson = make('button', { type: 'button', className: 'json' }, say.diagnosis.saveJson)
     asJson.addEventListener('click', () => saveFile(json, 'application/json', 'diagnosis.json'))
     choices.replaceChildren(...(report.changes.length > 0 ? [use, save] : []), asHtml, asJson)
     runs.replaceChildren(...all.map(({ name }, index) => make('option', { value: String(index) }, name)))
@@ -105,7 +109,7 @@ export function mount(root, engine, actions) {
       numbersTable(report),
       regionsTable(report, all.map(({ name }) => name), show),
       ...(values && report.changes.length > 0 ? [whatIf(report, values, state)] : []),
-      ...report.messages.map((message) => make('p', { className: 'facts' }, message)),
+      ...report.messages.map((message) => make('p', { className: 'facts' }, worded(message))),
       ...notShown(report),
     )
   }
@@ -126,38 +130,38 @@ export function mount(root, engine, actions) {
       try {
         const { times } = await engine.cycleTimes({ program: program.file, dialect: program.dialect, machines })
         const what = report.changes.filter(({ key }) => tried[key] !== values[key])
-        const named = what.map(({ label, unit, key }) => `${tried[key] ?? '–'} ${unit} ${label.toLowerCase()}`.replace(/ +/g, ' '))
+        const named = what.map(({ label, unit, key }) => `${written(tried[key])} ${unit} ${label.toLowerCase()}`.replace(/ +/g, ' '))
         const saved = times[1] - times[2]
-        const effect = Math.abs(saved) < 0.005 ? 'takes as long' : `${saved > 0 ? 'saves' : 'costs'} ${seconds(Math.abs(saved))}`
+        const effect = Math.abs(saved) < 0.005 ? say.diagnosis.takesAsLong : (saved > 0 ? say.diagnosis.saves : say.diagnosis.costs)(seconds(Math.abs(saved)))
         answer.textContent =
           named.length === 0
-            ? `${program.name} takes ${seconds(times[1])} as it was found, ${seconds(times[0])} on the machine before.`
-            : `With ${named.join(', ')}, ${program.name} ${effect}: ${seconds(times[2])} instead of ${seconds(times[1])}.`
+            ? say.diagnosis.asFound(program.name, seconds(times[1]), seconds(times[0]))
+            : say.diagnosis.instead(named.join(', '), program.name, effect, seconds(times[2]), seconds(times[1]))
       } catch (error) {
         if (error instanceof Ended && error.kind === 'cancelled') return
         fault.textContent = `${error instanceof Error ? error.message : error}`
       }
     }
     const rows = report.changes.map(({ key, label, unit, before: was, after, number }) => {
-      const input = make('input', { type: 'text', inputMode: 'decimal', size: 9, value: String(number), id: `try-${key.replaceAll('.', '-')}` })
-      input.setAttribute('aria-label', `${label}${unit ? `, ${unit}` : ''}: try another value`)
+      const input = make('input', { type: 'text', inputMode: 'decimal', size: 9, value: written(number), id: `try-${key.replaceAll('.', '-')}` })
+      input.setAttribute('aria-label', say.diagnosis.tryAnother(unit ? `${label}, ${unit}` : label))
       input.addEventListener('change', () => {
-        const value = Number(input.value.trim().replace(',', '.'))
-        if (input.value.trim() === '' || !Number.isFinite(value)) {
+        const value = parsed(input.value)
+        if (!Number.isFinite(value)) {
           input.setAttribute('aria-invalid', 'true')
-          fault.textContent = `${label}: ${input.value.trim() || 'nothing'} is not a number.`
+          fault.textContent = say.diagnosis.notNumber(label, input.value.trim())
           return
         }
         input.removeAttribute('aria-invalid')
         tried = { ...tried, [key]: value }
         compute()
       })
-      return [unit ? `${label} (${unit})` : label, was, after, number === null ? '' : input]
+      return [unit ? `${label} (${unit})` : label, worded(was), worded(after), number === null ? '' : input]
     })
-    const form = make('button', { type: 'button', className: 'try' }, 'Put these values in the machine form')
+    const form = make('button', { type: 'button', className: 'try' }, say.diagnosis.useTried)
     form.addEventListener('click', () => actions.tryValues(tried))
     compute()
-    const all = table('The machine, and what if', ['', 'Before', 'After', 'What if'], rows)
+    const all = table(say.diagnosis.changes, ['', say.common.before, say.diagnosis.after, say.diagnosis.whatIf], rows)
     return make('div', { className: 'trial' }, all, answer, fault, make('p', { className: 'choices' }, form))
   }
 
@@ -169,9 +173,14 @@ export function mount(root, engine, actions) {
       root.hidden = recordings.length === 0 && !diagnosis
       restore.hidden = !sample
       start.disabled = all === 0 || diagnosing || machine.faults.length > 0
-      start.textContent = all < 2 ? 'Diagnose' : `Diagnose ${count(all)} recordings together`
+      again.disabled = start.disabled
+      const change = diagnosis && !diagnosing ? changeSince(diagnosis, state) : ''
+      outdated.hidden = change === ''
+      find(outdated, 'span').textContent = change
+      root.classList.toggle('out-of-date', change !== '')
+      start.textContent = all < 2 ? say.diagnosis.diagnose : say.diagnosis.diagnoseMany(count(all))
       const refused = recordings.find(({ match }) => match?.refusal)
-      why.textContent = all > 0 || !refused ? '' : `${refused.name} cannot be diagnosed: ${refused.match?.refusal?.reason}`
+      why.textContent = all > 0 || !refused ? '' : say.diagnosis.refused(refused.name, refused.match?.refusal?.reason)
       if (diagnosis === shown && (diagnosis?.used ?? false) === wasUsed) return
       const isOther = diagnosis !== shown && diagnosis?.runs !== shown?.runs
       shown = diagnosis
@@ -188,12 +197,18 @@ export function mount(root, engine, actions) {
   }
 }
 
+/** What has changed since a diagnosis, as it is said; nothing where it still holds. @param {Diagnosis} diagnosis @param {State} state */
+function changeSince({ motions, evidence: own }, state) {
+  if (own !== evidence(state)) return say.diagnosis.otherEvidence
+  return motions.includes(state.machine.motion) ? '' : say.diagnosis.otherMachine
+}
+
 /** Gives a chart the curves of a run. @param {Filled} chart @param {DiagnosedColumns} columns */
 function fillChart(chart, columns) {
   const none = new Float64Array()
   chart.program(columns.end, columns.feedrate, columns.rapid, columns.line)
   for (const [at, name] of NAMES.entries()) {
-    chart.addProgrammed(name, none, none, none)
+    chart.add(name, none, none, none)
     chart.fill(columns.distances[at], columns.feedrates[at], columns.times[at], none, none)
   }
   chart.showLost(columns.lostDistances[0], columns.lostSeconds[0])
@@ -206,7 +221,7 @@ function withCharts(html, runs) {
   const whole = runs.reduce((text, columns, index) => {
     fillChart(chart, columns)
     return text.replace(markOfChart(index), () => chart.svg(...REPORT_PX) ?? '')
-  }, html)
+  }, wordedHtml(html))
   chart.free()
   return whole
 }
@@ -223,9 +238,12 @@ function words({ distance, line, programmed, rapid, curves, lost, lostAfter }, p
     ),
   )
   const both = [lost, lostAfter].flatMap((value) => (value === undefined ? [] : [lostLabel(value)]))
-  const late = both.length === 0 ? [] : [make('p', {}, 'time lost so far, before → after ', make('strong', {}, both.join(' → ')))]
+  const late = both.length === 0 ? [] : [make('p', {}, say.diagnosis.lostBothSoFar, make('strong', {}, both.join(' → ')))]
   return [headOf(distance, programmed, rapid), make('table', {}, ...rows), ...late, ...lineOf(line, program)]
 }
+
+/** A value as it is typed. @param {Value} value */
+const written = (value) => (typeof value === 'number' ? typed(value) : String(value ?? '–'))
 
 /** An id as words. @param {string} id */
 const spoken = (id) => id.replaceAll('_', ' ')
@@ -235,17 +253,17 @@ const range = ([from, to]) => (from === to ? `${from}` : `${from}–${to}`)
 
 /** @param {Cause} cause */
 function causeOf({ name, sentence, told, lines, confidence, sections, vendors, indistinguishable_from: others, position_mm: form }) {
-  const rows = told.map(({ name, value, deviation, unit }) => [name, `${value}${deviation === null ? '' : ` ± ${deviation}`} ${unit}`.trim()])
-  if (lines.length > 0) rows.push(['Lines', lines.map(range).join(', ')])
-  if (form !== null) rows.push(['Position error it explains', `${(1000 * form).toPrecision(3)} µm`])
+  const rows = told.map(({ name, value, deviation, unit }) => [name, worded(`${value}${deviation === null ? '' : ` ± ${deviation}`} ${unit}`.trim())])
+  if (lines.length > 0) rows.push([say.common.lines, lines.map(range).join(', ')])
+  if (form !== null) rows.push([say.diagnosis.formError, `${number(1000 * form)} µm`])
   if (confidence !== null) {
-    const proof = sections ? `; better in ${sections[0]} of ${sections[0] + sections[1]} sections where nothing was fitted` : ''
-    rows.push(['How sure', `${Math.round(100 * confidence)} %${proof}`])
+    const proof = sections ? say.diagnosis.proof(sections[0], sections[0] + sections[1]) : ''
+    rows.push([say.diagnosis.howSure, `${Math.round(100 * confidence)} %${proof}`])
   }
-  rows.push(['What else it could be', others.length > 0 ? others.map(spoken).join(', ') : 'nothing else that is known'])
-  if (vendors) rows.push(['Setting', vendors])
+  rows.push([say.diagnosis.elseItCouldBe, others.length > 0 ? others.map(spoken).join(', ') : say.diagnosis.nothingElse])
+  if (vendors) rows.push([say.diagnosis.setting, vendors])
   const list = rows.map(([term, text]) => make('div', {}, make('dt', {}, term), make('dd', {}, text)))
-  return make('article', { className: 'cause' }, make('h3', {}, name), make('p', {}, sentence), make('dl', {}, ...list))
+  return make('article', { className: 'cause' }, make('h3', {}, name), make('p', {}, worded(sentence)), make('dl', {}, ...list))
 }
 
 /** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */
@@ -262,35 +280,35 @@ function table(caption, titles, rows) {
 function numbersTable({ fit }) {
   /** @type {[string, Sides, (value: number) => string][]} */
   const all = [
-    ['Cycle time, simulated less recorded', fit.cycle_time_error_s, difference],
-    ['Feed RMSE', fit.feed_rmse_mm_min, feedrate],
-    ['Feed RMSE where nothing was fitted', fit.held_out.feed_rmse_mm_min, feedrate],
-    ['Position RMSE', fit.position_rmse_mm, (value) => `${(1000 * value).toPrecision(3)} µm`],
+    [say.diagnosis.cycleTimeError, fit.cycle_time_error_s, difference],
+    [say.diagnosis.feedRmse, fit.feed_rmse_mm_min, feedrate],
+    [say.diagnosis.feedRmseHeldOut, fit.held_out.feed_rmse_mm_min, feedrate],
+    [say.diagnosis.positionRmse, fit.position_rmse_mm, (value) => `${number(1000 * value)} µm`],
   ]
   const rows = all.flatMap(([name, { before, after }, written]) =>
     before === null || after === null ? [] : [[name, written(before), written(after)]],
   )
-  return table('Before and after', ['', 'Before', 'After'], rows)
+  return table(say.diagnosis.beforeAfter, ['', say.common.before, say.diagnosis.after], rows)
 }
 
 /** @param {DiagnosisReport} report @param {string[]} names @param {(run: number, distances: [number, number]) => void} show */
 function regionsTable({ regions }, names, show) {
   const all = regions.reduce((sum, { seconds: own }) => sum + Math.abs(own), 0)
   const rows = regions.map(({ lines, seconds: own, distance_mm: distances, time_s: times, run }) => {
-    const go = make('button', { type: 'button', title: 'Show it in the charts' }, range(lines))
+    const go = make('button', { type: 'button', title: say.common.showInCharts }, range(lines))
     go.addEventListener('click', () => show(run, distances))
     const share = `${Math.round((100 * Math.abs(own)) / all)} %`
     const when = `${seconds(times[0])} – ${seconds(times[1])}`
     return [go, lostLabel(own), share, when, ...(names.length > 1 ? [names[run]] : [])]
   })
-  const titles = ['Lines', 'Lost', 'Share', 'Recorded at', ...(names.length > 1 ? ['Recording'] : [])]
-  if (rows.length === 0) return make('p', { className: 'facts' }, 'Nowhere do simulation and recording differ by more than noise.')
-  return table('Where they differ', titles, rows)
+  const titles = [say.common.lines, say.common.lost, say.diagnosis.share, say.diagnosis.recordedAt, ...(names.length > 1 ? [say.common.recording] : [])]
+  if (rows.length === 0) return make('p', { className: 'facts' }, say.diagnosis.nowhere)
+  return table(say.diagnosis.whereTheyDiffer, titles, rows)
 }
 
 /** @param {DiagnosisReport} report */
 function notShown({ not_excited: ids }) {
   if (ids.length === 0) return []
   const text = ids.map(spoken).join(', ')
-  return [make('p', { className: 'facts not-excited' }, `What this program does not excite, and so cannot show: ${text}.`)]
+  return [make('p', { className: 'facts not-excited' }, say.diagnosis.notExcited(text))]
 }

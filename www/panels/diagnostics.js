@@ -2,6 +2,7 @@
 
 import { find, make } from '../dom.js'
 import { count } from '../format.js'
+import { say } from '../texts.js'
 
 /** @import { Diagnostic, Program, State } from "../types.js" */
 
@@ -31,10 +32,10 @@ export function mount(root) {
           make('td', {}, message, code),
         )
       })
-    const titles = ['Line', 'Kind', 'What'].map((title) => make('th', { scope: 'col' }, title))
+    const titles = [say.common.line, say.diagnostics.kind, say.diagnostics.what].map((title) => make('th', { scope: 'col' }, title))
     list.replaceChildren(make('table', {}, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows)))
     if (most < diagnostics.length) {
-      const more = make('button', { type: 'button' }, `Show all ${count(diagnostics.length)}`)
+      const more = make('button', { type: 'button' }, say.diagnostics.showAll(count(diagnostics.length)))
       more.addEventListener('click', () => fill(program, diagnostics, Infinity))
       list.append(more)
     }

@@ -1,8 +1,10 @@
 // The machine: presets and those kept in the browser, and the editor of every parameter, built from the table of the module.
 
-import { field, same } from '../field.js'
 import { find, make } from '../dom.js'
+import { field, same } from '../field.js'
+import { figures, worded } from '../format.js'
 import { saveMachine } from '../save.js'
+import { say } from '../texts.js'
 import { mountUndo } from '../undo.js'
 
 /** @import { Entry } from "../field.js" */
@@ -50,9 +52,9 @@ export function mount(root, form, actions) {
   preset.addEventListener('change', () => actions.choosePreset(Number(preset.value)))
   reset.addEventListener('click', () => actions.choosePreset(Number(preset.value)))
   save.addEventListener('click', () => saveMachine(values))
-  keep.addEventListener('click', () => undo.offer('Kept in this browser.', actions.keepMachine()))
-  duplicate.addEventListener('click', () => undo.offer('Duplicated.', actions.duplicateMachine()))
-  remove.addEventListener('click', () => undo.offer(`${values.name} removed.`, actions.removeMachine()))
+  keep.addEventListener('click', () => undo.offer(say.machine.kept, actions.keepMachine()))
+  duplicate.addEventListener('click', () => undo.offer(say.machine.duplicated, actions.duplicateMachine()))
+  remove.addEventListener('click', () => undo.offer(say.common.removed(values.name), actions.removeMachine()))
   file.addEventListener('change', async () => {
     const [chosen] = file.files ?? []
     if (!chosen) return
@@ -61,9 +63,9 @@ export function mount(root, form, actions) {
     try {
       const putBack = await actions.importMachine(text)
       fault.textContent = ''
-      undo.offer(`${chosen.name} loaded and kept in this browser.`, putBack)
+      undo.offer(say.machine.loaded(chosen.name), putBack)
     } catch (reason) {
-      fault.textContent = `${chosen.name} is not a machine file: ${reason}.`
+      fault.textContent = say.machine.notMachine(chosen.name, reason)
     }
   })
   find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
@@ -93,7 +95,7 @@ export function mount(root, form, actions) {
       count += shown
     }
     const isAll = words.length === 0 && !onlySet.checked
-    found.textContent = isAll ? '' : count === 0 ? 'None.' : `${count} of ${rest.length}.`
+    found.textContent = isAll ? '' : count === 0 ? say.machine.none : say.machine.foundOf(count, rest.length)
   }
 
   /** The starts as options: presets, then those kept. @param {string} names */
@@ -106,7 +108,7 @@ export function mount(root, form, actions) {
       const own = options.filter(({ entry }) => Boolean(entry.kept) === kept && !entry.removed)
       return own.length > 0 ? [make('optgroup', { label }, ...own.map(({ option }) => option))] : []
     }
-    preset.replaceChildren(...group('Presets', false), ...group('Kept in this browser', true))
+    preset.replaceChildren(...group(say.machine.presets, false), ...group(say.machine.keptHere, true))
   }
 
   return {
@@ -117,18 +119,18 @@ export function mount(root, form, actions) {
       offer(JSON.stringify(form.presets.map(({ name, removed }) => [name, removed])))
       preset.value = String(machine.preset)
       preset.title = start.name
-      find(root, '.source').textContent = `${start.source} ${start.caveat}`.trim()
+      find(root, '.source').textContent = worded(`${start.source} ${start.caveat}`.trim())
       const error = values['calibration.cycle_time_error_percent']
-      const known = typeof error === 'number' ? ` Cycle time off by ${error} % there.` : ''
-      find(root, '.origin').textContent = values.provenance ? `Origin of the numbers: ${values.provenance}.${known}` : ''
+      const known = typeof error === 'number' ? say.machine.calibratedTo(figures(error)) : ''
+      find(root, '.origin').textContent = values.provenance ? say.machine.origin(values.provenance, known) : ''
       const isChanged = !same(values, start.values)
       save.disabled = machine.faults.length > 0
       keep.disabled = machine.faults.length > 0 || (Boolean(start.kept) && !isChanged)
-      keep.textContent = start.kept ? 'Keep changes' : 'Keep in this browser'
+      keep.textContent = start.kept ? say.machine.keepChanges : say.machine.keep
       duplicate.disabled = machine.faults.length > 0
       remove.hidden = !start.kept
       reset.disabled = !isChanged
-      reset.textContent = start.kept ? 'Reset to kept' : 'Reset to preset'
+      reset.textContent = start.kept ? say.machine.resetKept : say.machine.resetPreset
       for (const { parameter, element, show } of fields) {
         const message = machine.faults.find(({ key }) => key === parameter.key)?.message ?? ''
         show(values[parameter.key] ?? null, message)
@@ -139,7 +141,7 @@ export function mount(root, form, actions) {
         }
       }
       const count = rest.filter(({ element }) => element.classList.contains('set')).length
-      find(root, '.count').textContent = count > 0 ? ` (${count} in use)` : ''
+      find(root, '.count').textContent = count > 0 ? say.machine.inUse(count) : ''
       const elsewhere = machine.faults
         .filter(({ key }) => key === null || !ofKey.has(key))
         .map(({ message }) => message)

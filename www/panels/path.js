@@ -3,11 +3,13 @@
 import { PathView } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
-import { count, feedrate, figures, millimetres, number, percent } from '../format.js'
+import { sheetOf } from '../drawing.js'
+import { count, feedrate, figures, millimetres, number, percent, worded } from '../format.js'
 import { mountListing } from '../listing.js'
 import { offerPictures } from '../pictures.js'
 import { link } from '../plot.js'
 import { recordingOf } from '../recordings.js'
+import { say } from '../texts.js'
 import { lineOf } from './chart.js'
 
 /** @import { Column, LostAt, MatchedColumns, Outcome, Program, Run, State } from "../types.js" */
@@ -20,14 +22,12 @@ const RAD_PER_PX = 0.008
 const WALK_PX = 6
 const CLICK_PX = 4
 const AXIS_PX = 26
-/** While the picture moves it is drawn on the page's pixels, and finer when it rests for so long. */
-const REST_MS = 160
 const MOST_PIXELS = 3e6
 
 const COLORS = /** @type {const} */ ([
-  ['feedrate', 'by feedrate', 'Feedrate'],
-  ['loss', 'by loss against programmed feed', 'Short of the programmed feedrate'],
-  ['lost', 'by time lost in the recording', 'Time lost (+) or gained (−) against the simulation'],
+  ['feedrate', say.path.byFeedrate, say.common.feedrate],
+  ['loss', say.path.byLoss, say.path.loss],
+  ['lost', say.path.byLost, say.path.lost],
 ])
 
 /**
@@ -62,7 +62,7 @@ export function mount(root, actions) {
   })
   const others = link({
     point: (distance) => {
-      if (!isInSight || !outcome) return
+      if (!sheet.isInSight || !outcome) return
       showAt(distance, false)
       listing.point(view.lineAt(distance) ?? 0)
     },
@@ -73,7 +73,7 @@ export function mount(root, actions) {
     },
   })
 
-  offerPictures(find(root, '.tools'), 'path', 'the path', () => {
+  offerPictures(find(root, '.tools'), 'path', say.path.picture, () => {
     const [length] = view.scale()
     return outcome ? view.svg(...ends(), lengthLabel(length)) : undefined
   })
@@ -88,7 +88,6 @@ export function mount(root, actions) {
   let run
   /** @type {MatchedColumns | undefined} */
   let lost
-  let isInSight = false
   /** What the picture shows now, so that it is made anew only when something else is to be shown. @type {unknown[]} */
   let filled = []
   /** @type {string | undefined} */
@@ -96,44 +95,21 @@ export function mount(root, actions) {
   /** @type {Program | undefined} */
   let listed
   let look = 'top'
-  let frame = 0
-  let rest = 0
-  let isMoving = false
   let readAt = NaN
   /** @type {LostAt | undefined} */
   let chosenPlace
 
-  new IntersectionObserver(
-    (entries) => {
-      isInSight = entries.some(({ isIntersecting }) => isIntersecting)
-      if (isInSight) refill()
-    },
-    { rootMargin: '300px' },
-  ).observe(root)
-
   // Drawing
 
-  function redraw() {
-    frame ||= requestAnimationFrame(() => {
-      frame = 0
-      const { clientWidth: width, clientHeight: height } = space
-      if (!outcome || !isInSight || width === 0) return
-      const finest = Math.min(Math.max(window.devicePixelRatio, 2), Math.sqrt(MOST_PIXELS / (width * height)))
-      view.draw(canvas, width, height, isMoving ? Math.min(1, finest) : finest)
-      overlay(height)
-    })
-  }
-
-  /** Draws anew after a change of the view. */
-  function moved() {
-    isMoving = true
-    clearTimeout(rest)
-    rest = window.setTimeout(() => {
-      isMoving = false
-      redraw()
-    }, REST_MS)
-    redraw()
-  }
+  const sheet = sheetOf(canvas, () => {
+    fill()
+    if (!outcome) return
+    const { width, height } = sheet
+    // While it moves the page's own pixels do: it has no letters.
+    view.draw(canvas, width, height, Math.min(sheet.ratio(1), Math.sqrt(MOST_PIXELS / (width * height))))
+    overlay(height)
+  }, root)
+  const { redraw, moved } = sheet
 
   /** Places what lies over the picture. @param {number} height */
   function overlay(height) {
@@ -178,13 +154,13 @@ export function mount(root, actions) {
     const fast = runs === undefined ? '' : ` · ${feedrate(runs)}`
     reading.replaceChildren(make('p', {}, make('strong', {}, millimetres(distance)), fast), ...lineOf(view.lineAt(distance), program))
     const [x, y] = view.locate(distance)
-    const toTheLeft = x > space.clientWidth / 2
-    const above = y > space.clientHeight / 2
+    const toTheLeft = x > sheet.width / 2
+    const above = y > sheet.height / 2
     Object.assign(reading.style, {
       left: toTheLeft ? 'auto' : `${x + 14}px`,
-      right: toTheLeft ? `${space.clientWidth - x + 14}px` : 'auto',
+      right: toTheLeft ? `${sheet.width - x + 14}px` : 'auto',
       top: above ? 'auto' : `${y + 10}px`,
-      bottom: above ? `${space.clientHeight - y + 10}px` : 'auto',
+      bottom: above ? `${sheet.height - y + 10}px` : 'auto',
     })
   }
 
@@ -258,7 +234,7 @@ export function mount(root, actions) {
   /** @param {string} from */
   function lookFrom(from) {
     look = from
-    view.resize(space.clientWidth, space.clientHeight)
+    view.resize(sheet.width, sheet.height)
     view.look(from)
     for (const button of looks) button.setAttribute('aria-pressed', String(button.dataset.look === from))
     moved()
@@ -272,7 +248,7 @@ export function mount(root, actions) {
 
   /** What keys magnify about: the cursor, or the middle. */
   function middle() {
-    const { clientWidth: width, clientHeight: height } = space
+    const { width, height } = sheet
     const [x, y] = here.hidden ? [] : view.locate(readAt)
     return 0 <= x && x <= width && 0 <= y && y <= height ? { x, y } : { x: width / 2, y: height / 2 }
   }
@@ -395,7 +371,6 @@ export function mount(root, actions) {
       if (distance !== undefined) choose(distance)
     })
   }
-  new ResizeObserver(redraw).observe(space)
   dark.addEventListener('change', () => {
     filled = []
     refill()
@@ -403,12 +378,18 @@ export function mount(root, actions) {
 
   // Filling
 
+  /** Shows what is to be shown now, where it is in sight. */
   function refill() {
-    if (!outcome || !isInSight) return
+    if (sheet.isInSight) fill()
+    redraw()
+  }
+
+  function fill() {
+    if (!outcome) return
     const column = columns[at.selectedIndex]
     run = outcome.runs.get(column)
     const now = [outcome, run, lost, by.value]
-    if (now.length === filled.length && now.every((value, index) => value === filled[index])) return redraw()
+    if (now.length === filled.length && now.every((value, index) => value === filled[index])) return
     const isOther = filled[0] !== outcome
     filled = now
     if (isOther) {
@@ -428,8 +409,7 @@ export function mount(root, actions) {
     fillLegend()
     fillPlaces(column)
     const way = COLORS.find(([value]) => value === by.value)?.[1]
-    canvas.setAttribute('aria-label', `The path of ${program?.name}, coloured ${way}. The table below has the places that cost most.`)
-    redraw()
+    canvas.setAttribute('aria-label', say.path.described(program?.name, way))
   }
 
   /** What the first and the last colour stand for. @returns {[string, string]} */
@@ -455,14 +435,14 @@ export function mount(root, actions) {
     const [first, last] = ends()
     const rapids = make('span', { className: 'dashes' })
     rapids.setAttribute('aria-hidden', 'true')
-    legend.replaceChildren(make('span', {}, `${title}:`), make('span', {}, first), ramp, make('span', {}, last), rapids, make('span', {}, 'rapid'))
+    legend.replaceChildren(make('span', {}, `${title}:`), make('span', {}, first), ramp, make('span', {}, last), rapids, make('span', {}, say.path.rapid))
   }
 
   /** @param {Column} column */
   function fillPlaces(column) {
     if (!run) {
       marks.replaceChildren()
-      return list.replaceChildren(make('p', { className: 'empty' }, 'Computing …'))
+      return list.replaceChildren(make('p', { className: 'empty' }, say.common.computing))
     }
     const { places, seconds: all, elsewhere_s: elsewhere } = run.summary.lost
     marks.replaceChildren(
@@ -478,20 +458,20 @@ export function mount(root, actions) {
     ]
     const rows = places.map((place, index) => {
       const [from, to] = place.lines
-      const go = make('button', { type: 'button', title: 'Show it on the path, in the text and in the charts' }, from === to ? `${from}` : `${from}–${to}`)
-      go.setAttribute('aria-label', `Place ${index + 1}, line ${go.textContent}: show it`)
+      const go = make('button', { type: 'button', title: say.path.showEverywhere }, from === to ? `${from}` : `${from}–${to}`)
+      go.setAttribute('aria-label', say.path.showPlace(index + 1, go.textContent))
       go.addEventListener('click', () => choosePlace(place))
-      return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, place.text), ...cells(place.seconds))
+      return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, worded(place.text)), ...cells(place.seconds))
     })
-    const rest = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, 'Everywhere else'), ...cells(elsewhere))
-    const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, 'All that is lost against length ÷ feedrate; a dwell counts whole'), ...cells(all))
-    const titles = ['', 'Lines', 'Why', 'Lost', 'Of all'].map((title) => make('th', { scope: 'col' }, title))
-    titles[0].append(make('span', { className: 'away' }, 'Place'))
-    const which = column === null ? columnLabel(column) : `at ${columnLabel(column)}`
-    const caption = make('caption', {}, places.length > 0 ? `The costliest places ${which}` : `Nothing is lost ${which}`)
+    const rest = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.everywhereElse), ...cells(elsewhere))
+    const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.total), ...cells(all))
+    const titles = ['', say.common.lines, say.path.why, say.common.lost, say.path.ofAll].map((title) => make('th', { scope: 'col' }, title))
+    titles[0].append(make('span', { className: 'away' }, say.path.place))
+    const which = column === null ? columnLabel(column) : say.path.atTolerance(columnLabel(column))
+    const caption = make('caption', {}, places.length > 0 ? say.path.costliest(which) : say.path.nothingLost(which))
     const scroll = make('div', { className: 'scroll', tabIndex: 0 }, make('table', {}, caption, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows), make('tfoot', {}, rest, total)))
     scroll.setAttribute('role', 'group')
-    scroll.setAttribute('aria-label', 'The costliest places')
+    scroll.setAttribute('aria-label', say.path.costliestLabel)
     list.replaceChildren(scroll)
     setPlace(places.find((place) => place === chosenPlace))
   }

@@ -1,9 +1,10 @@
 // The list of programs: adding by file, drop or sample, choosing one, removing with undo.
 
 import { isRecording, sniffedBytes } from '../pkg/truefeed.js'
-import { columnsOf } from '../columns.js'
+import { columnsOf, isStill } from '../columns.js'
 import { find, make } from '../dom.js'
 import { clock, count, size } from '../format.js'
+import { say } from '../texts.js'
 
 /** @import { Program, State } from "../types.js" */
 
@@ -44,7 +45,7 @@ export function mount(root, dialects, actions) {
   for (const button of document.querySelectorAll('.sample')) {
     button.addEventListener('click', async () => {
       const response = await fetch(new URL(`../${SAMPLE}`, import.meta.url))
-      actions.addPrograms([{ name: 'Sample: pocket.nc', file: await response.blob() }])
+      actions.addPrograms([{ name: say.program.sample, file: await response.blob() }])
     })
   }
   find(undo, 'button').addEventListener('click', () => {
@@ -60,7 +61,7 @@ export function mount(root, dialects, actions) {
   /** @param {Program} program */
   function remove(program) {
     putBack = actions.removeProgram(program.id)
-    find(undo, 'span').textContent = `${program.name} removed.`
+    find(undo, 'span').textContent = say.common.removed(program.name)
     undo.hidden = false
     clearTimeout(timer)
     timer = window.setTimeout(() => (undo.hidden = true), UNDO_MS)
@@ -76,8 +77,8 @@ export function mount(root, dialects, actions) {
     const about = make('span', { className: 'about' })
     const choose = make(
       'button',
-      { type: 'button', className: 'choose', role: 'tab', title: 'Remove by Delete' },
-      make('span', { className: 'file' }, program.name),
+      { type: 'button', className: 'choose', role: 'tab', title: say.program.removeByDelete },
+      make('span', { className: 'file', title: program.name }, program.name),
       about,
     )
     choose.setAttribute('aria-controls', 'results')
@@ -94,7 +95,7 @@ export function mount(root, dialects, actions) {
       next.click()
       next.focus()
     })
-    const removal = make('button', { type: 'button', className: 'remove', title: 'Remove' }, '×')
+    const removal = make('button', { type: 'button', className: 'remove', title: say.common.remove }, '×')
     // A list of tabs holds nothing else: this is for the pointer, Delete and the button below are for everyone.
     removal.setAttribute('aria-hidden', 'true')
     removal.tabIndex = -1
@@ -109,7 +110,7 @@ export function mount(root, dialects, actions) {
       const current = programs.find(({ id }) => id === state.selected)
       selected = current?.id ?? null
       const found = dialects.find(({ word }) => word === current?.outcome?.summary.dialect)
-      if (!current?.dialect) automatic.textContent = found ? `Automatic: ${found.name}` : 'Automatic'
+      if (!current?.dialect) automatic.textContent = found ? say.program.automaticAs(found.name) : say.program.automatic
       dialect.value = current?.dialect ?? ''
       for (const [id, { item }] of entries) {
         if (state.programs.some((program) => program.id === id)) continue
@@ -131,16 +132,17 @@ export function mount(root, dialects, actions) {
 
 /** One line on how a program stands. @param {Program} program @param {State} state */
 function standing(program, state) {
-  if (state.progress?.program === program.id) return 'computing …'
-  if (program.failure) return 'failed'
+  if (state.progress?.program === program.id) return say.program.computing
+  if (program.failure) return say.program.failed
+  if (isStill(program.outcome)) return say.program.still
   const times = columnsOf(state, program.outcome).flatMap(
     (column) => program.outcome?.runs.get(column)?.summary.cycle_time_s ?? [],
   )
-  if (times.length === 0) return `${size(program.file.size)}, waiting`
+  if (times.length === 0) return say.program.waiting(size(program.file.size))
   const [longest, shortest] = [clock(Math.max(...times)), clock(Math.min(...times))]
   const errors = program.outcome?.summary.diagnostics.filter(({ severity }) => severity === 'error').length ?? 0
   const time = longest === shortest ? longest : `${shortest} – ${longest}`
-  return errors > 0 ? `${time} · ${count(errors)} ${errors === 1 ? 'error' : 'errors'}` : time
+  return errors > 0 ? say.program.errors(errors, time, count(errors)) : time
 }
 
 /** Reads files. @param {File[]} files */
@@ -160,7 +162,8 @@ const KEPT = 16_000_000
 async function add(files, actions) {
   const headed = async (/** @type {File} */ file) => ({
     file,
-    isLog: isRecording(new Uint8Array(await file.slice(0, sniffedBytes()).arrayBuffer())),
+    // A table of which nothing can be read is a recording too, which says why not.
+    isLog: /\.csv$/i.test(file.name) || isRecording(new Uint8Array(await file.slice(0, sniffedBytes()).arrayBuffer())),
     kept: file.size <= KEPT ? new Blob([await file.arrayBuffer()]) : file,
   })
   const results = await Promise.allSettled(files.map(headed))

@@ -1,6 +1,7 @@
 // What is being computed, how far it is, and the way to stop it.
 
 import { find } from '../dom.js'
+import { say } from '../texts.js'
 
 /** @import { State } from "../types.js" */
 
@@ -18,9 +19,9 @@ export function mount(root, actions) {
       paused = state.paused
       root.hidden = !state.progress && !paused
       bar.hidden = paused
-      button.textContent = paused ? 'Compute' : 'Cancel'
+      button.textContent = paused ? say.progress.compute : say.common.cancel
       if (paused) {
-        text.textContent = 'Cancelled. What was computed before is still shown.'
+        text.textContent = say.progress.cancelled
       } else if (state.progress) {
         const { program: id, stage, part } = state.progress
         const program = state.programs.find((candidate) => candidate.id === id)

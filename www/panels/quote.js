@@ -1,12 +1,13 @@
 // The quote: terms on one side, the price with all it is made of on the other, and its documents. All arithmetic is Rust's.
 
-import { Chart, Offered, termsForm } from '../pkg/truefeed_whole.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { Chart, Offered, termsForm, toleranceLabel } from '../pkg/truefeed_whole.js'
+import { addCurve, columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { field, same } from '../field.js'
-import { amount, clock, count, seconds } from '../format.js'
+import { amount, clock, count, seconds, worded, wordedHtml } from '../format.js'
 import { addressOf } from '../pictures.js'
 import { saveFile } from '../save.js'
+import { say } from '../texts.js'
 
 /** @import { Column, Form, Offer, OfferShare, Outcome, Parameter, State, Value } from "../types.js" */
 
@@ -28,7 +29,7 @@ export function mount(root, form, actions) {
   const fields = terms.map((parameter) => field('term', parameter, actions.setTerm))
   const rate = form.fields
     .filter(({ key }) => key === MACHINE_RATE)
-    .map((parameter) => field('term', { ...parameter, label: 'Machine’s hourly rate' }, actions.setParameter))
+    .map((parameter) => field('term', { ...parameter, label: say.quote.hourlyRate }, actions.setParameter))
   // Beside the operator's.
   const before = fields.findIndex(({ parameter }) => parameter.key === 'operator_hourly')
   find(root, '.fields').append(...[...fields.slice(0, before), ...rate, ...fields.slice(before)].map(({ element }) => element))
@@ -56,7 +57,7 @@ export function mount(root, form, actions) {
   on('.json', (offer, name) => saveFile(offer.json(), 'application/json', `${name}.json`))
   on('.html', (offer, name) => {
     const charts = drawn()
-    const html = offer.html(charts, charts.map(() => CAPTION))
+    const html = wordedHtml(offer.html(charts, charts.map(() => CAPTION)))
     saveFile(html, 'text/html', `${name}.html`)
   })
   on('.print', async () => {
@@ -83,8 +84,7 @@ export function mount(root, form, actions) {
     const chart = new Chart()
     const { end, feedrate, rapid, line } = outcome.steps
     chart.program(end, feedrate, rapid, line)
-    if (column === null) chart.addProgrammed(columnLabel(null), new Float64Array(), new Float64Array(), new Float64Array())
-    else chart.add(column)
+    addCurve(chart, column, outcome.held)
     const { distance, feedrate: feed, time, corner, arc } = run.columns
     chart.fill(distance, feed, time, corner, arc)
     const svg = chart.svg(...CHART_PX)
@@ -119,7 +119,8 @@ export function mount(root, form, actions) {
       machine: machine.values,
       terms: terms.values,
       program: program()?.name ?? '',
-      tolerance: columnLabel(column),
+      // What machines read has a decimal point.
+      tolerance: column === null ? say.charts.asProgrammed : toleranceLabel(column),
       programmed_time_s: outcome.summary.programmed_time_s,
       run: outcome.runs.get(column)?.summary,
     })
@@ -135,7 +136,7 @@ export function mount(root, form, actions) {
       answer.replaceChildren(...priced(JSON.parse(offered.json()), offers))
     } catch (faults) {
       if (typeof faults !== 'string') throw faults
-      answer.replaceChildren(make('p', { className: 'fault' }, 'There is no price while an entry has a fault: ', list(faults)))
+      answer.replaceChildren(make('p', { className: 'fault' }, say.quote.faults, list(faults)))
     }
     for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (root.querySelectorAll('.exports button')))
       button.disabled = !offered
@@ -154,7 +155,7 @@ export function mount(root, form, actions) {
   return { update }
 }
 
-const CAPTION = 'Feedrate over the distance, and contour error below'
+const CAPTION = say.quote.picture
 
 /** What is wrong, in one line. @param {string} faults  JSON */
 function list(faults) {
@@ -168,51 +169,51 @@ function priced(offer, offers) {
   const each = (/** @type {number} */ value) => amount(value, Math.max(2, offer.decimals))
   const { batch, uncertainty, currency } = offer
   const range = (/** @type {[number, number] | null} */ ends, /** @type {(value: number) => string} */ write) =>
-    ends ? `${write(ends[0])} – ${write(ends[1])}` : 'unknown'
-  const parts = `${count(batch.quantity)} ${batch.quantity === 1 ? 'part' : 'parts'}`
+    ends ? `${write(ends[0])} – ${write(ends[1])}` : say.quote.unknown
+  const parts = say.quote.parts(batch.quantity, count(batch.quantity))
   const headline = make(
     'p',
     { className: 'headline' },
     make('b', {}, `${each(batch.unit_price)} ${currency}`.trim()),
-    ' a part',
-    batch.quantity > 1 ? `, ${money(batch.total)} ${currency} for ${parts}` : '',
+    say.quote.aPart,
+    batch.quantity > 1 ? say.quote.batch(money(batch.total), currency, parts) : '',
   )
   const ends = uncertainty.cycle_time_s
-  const time = `${clock(offer.cycle_time_s)} (${seconds(offer.cycle_time_s)}) a part${ends ? `, ${range(ends, seconds)}` : ''}. `
+  const time = say.quote.timeOfPart(clock(offer.cycle_time_s), seconds(offer.cycle_time_s), ends ? range(ends, seconds) : '')
   const rows = offer.addends.map(({ item, basis, once, amount: value, of_batch: whole }) =>
-    row(item, [once ? money(value) : '', once ? '' : money(value), money(whole)], basis),
+    row(item, [once ? money(value) : '', once ? '' : money(value), money(whole)], worded(basis)),
   )
-  rows.push(sum('Total', [money(offer.once), money(offer.part), money(batch.total)]))
+  rows.push(sum(say.quote.total, [money(offer.once), money(offer.part), money(batch.total)]))
   const breaks = offer.breaks.map((other) =>
     row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range, money)]),
   )
   const tolerances = offers.map(({ tolerance, cycle_time_s: own, batch: { unit_price: one, total } }) =>
-    row(tolerance, [clock(own), each(one), money(total)]),
+    row(worded(tolerance), [clock(own), each(one), money(total)]),
   )
   const cost = [seconds(offer.cycle_time_s), money(offer.cycle_cost)]
   const shares = (/** @type {OfferShare[]} */ all) => [
     ...all.map(({ name, line, time_s: own, amount: value }) =>
-      row(name || 'Before the first tool', [seconds(own), money(value)], line === null ? '' : `line ${line}`),
+      row(name || say.common.beforeFirstTool, [seconds(own), money(value)], line === null ? '' : say.quote.line(line)),
     ),
-    sum('Together', cost),
+    sum(say.common.together, cost),
   ]
   const byPart = make(
     'details',
     {},
-    make('summary', {}, 'By operation and by tool'),
-    table('Cycle by operation, before the margin', ['', 'Time', 'Cost'], shares(offer.operations)),
-    table('Cycle by tool, before the margin', ['', 'Time', 'Cost'], shares(offer.tools)),
+    make('summary', {}, say.quote.byOperation),
+    table(say.quote.operations, ['', say.common.time, say.quote.cost], shares(offer.operations)),
+    table(say.quote.tools, ['', say.common.time, say.quote.cost], shares(offer.tools)),
   )
   const title = offer.reference || offer.program
   return [
-    make('p', { className: 'on-paper' }, make('b', {}, title), ` Program ${offer.program} on ${offer.machine}, contour tolerance ${offer.tolerance}.`),
+    make('p', { className: 'on-paper' }, make('b', {}, title), say.quote.about(offer.program, offer.machine, worded(offer.tolerance))),
     headline,
-    make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, `Cycle time ${time}`), uncertainty.sentence),
-    table('What the price is made of', ['', 'Once', 'A part', `${parts}${currency ? `, ${currency}` : ''}`], rows),
-    table('Price by quantity', ['Quantity', 'A part', 'Total', 'If the cycle time is off'], breaks),
-    ...(tolerances.length > 0 ? [table('Price by tolerance', ['Contour tolerance', 'Cycle time', 'A part', parts], tolerances)] : []),
+    make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence)),
+    table(say.quote.madeOf, ['', say.quote.once, say.quote.eachPart, `${parts}${currency ? `, ${currency}` : ''}`], rows),
+    table(say.quote.byQuantity, [say.quote.quantity, say.quote.eachPart, say.quote.total, say.quote.ifOff], breaks),
+    ...(tolerances.length > 0 ? [table(say.quote.byTolerance, [say.common.contourTolerance, say.common.cycleTime, say.quote.eachPart, parts], tolerances)] : []),
     byPart,
-    ...offer.notes.map((note) => make('p', { className: 'help' }, note)),
+    ...offer.notes.map((note) => make('p', { className: 'help' }, worded(note))),
   ]
 }
 

@@ -1,10 +1,12 @@
 // Recordings: adding, choosing and removing them, what each says first, both curves and the time lost, and where.
 
-import { Chart, lostLabel } from '../pkg/truefeed.js'
+import { Chart } from '../pkg/truefeed.js'
 import { find, make, scroll } from '../dom.js'
-import { clock, count, difference, feedrate, percent, seconds, size } from '../format.js'
+import { clock, count, difference, feedrate, percent, seconds, size, worded } from '../format.js'
+import { lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
 import { programOf, recordingOf } from '../recordings.js'
+import { say } from '../texts.js'
 import { headOf, lineOf } from './chart.js'
 import { bytesOf } from './program.js'
 
@@ -15,7 +17,7 @@ import { bytesOf } from './program.js'
 const UNDO_MS = 10_000
 /** A program, its machine and a recording in which something is concealed. */
 const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'standin.toml' }
-const NAMES = ['recorded', 'simulated']
+const NAMES = [say.recording.recordedCurve, say.recording.simulatedCurve]
 
 /**
  * @typedef {object} Actions
@@ -83,7 +85,7 @@ export function mount(root, actions) {
   /** @param {Recording} removed */
   function remove(removed) {
     putBack = actions.removeRecording(removed.id)
-    find(undo, 'span').textContent = `${removed.name} removed.`
+    find(undo, 'span').textContent = say.common.removed(removed.name)
     undo.hidden = false
     clearTimeout(timer)
     timer = window.setTimeout(() => (undo.hidden = true), UNDO_MS)
@@ -107,20 +109,20 @@ export function mount(root, actions) {
   /** A recording with its program. @param {Recording} entry @param {State} state */
   function pair(entry, state) {
     const { id, name, used } = entry
-    const choose = make('button', { type: 'button', className: 'choose', id: `recording-${id}` }, make('span', { className: 'file' }, name), make('span', { className: 'about' }, standing(entry, state)))
+    const choose = make('button', { type: 'button', className: 'choose', id: `recording-${id}` }, make('span', { className: 'file', title: name }, name), make('span', { className: 'about' }, standing(entry, state)))
     if (entry === recording) choose.setAttribute('aria-current', 'true')
     choose.addEventListener('click', () => actions.selectRecording(id))
     const of = make('select', { id: `recording-${id}-program` }, ...state.programs.map((other) => make('option', { value: String(other.id) }, other.name)))
-    of.setAttribute('aria-label', `Program of ${name}`)
+    of.setAttribute('aria-label', say.recording.programOf(name))
     of.value = String(entry.program)
     of.addEventListener('change', () => actions.setProgramOf(id, Number(of.value)))
     const box = make('input', { type: 'checkbox', checked: used, id: `recording-${id}-used` })
     box.addEventListener('change', () => actions.setUsed(id, box.checked))
-    const removal = make('button', { type: 'button', className: 'remove', title: 'Remove' }, '×')
-    removal.setAttribute('aria-label', `Remove ${name}`)
+    const removal = make('button', { type: 'button', className: 'remove', title: say.common.remove }, '×')
+    removal.setAttribute('aria-label', say.recording.remove(name))
     removal.addEventListener('click', () => remove(entry))
-    const use = make('label', { className: 'use', title: 'Use it to calibrate and diagnose the machine' }, box, 'use it')
-    return make('li', {}, choose, make('label', { className: 'of' }, 'run of ', of), use, removal)
+    const use = make('label', { className: 'use', title: say.recording.useTitle }, box, say.recording.use)
+    return make('li', {}, choose, make('label', { className: 'of' }, say.recording.runOf, of), use, removal)
   }
 
   /** @param {Recording} entry */
@@ -130,16 +132,16 @@ export function mount(root, actions) {
     view.hidden = !report
     tables.replaceChildren()
     if (refusal) {
-      const rest = 'The program, the machine and all other recordings stay as they are.'
+      const rest = say.recording.restStays
       answer.replaceChildren(
-        make('p', { className: 'sentence refused' }, refusal.reason),
-        make('p', {}, refusal.advice, ' ', make('span', { className: 'small' }, rest)),
+        make('p', { className: 'sentence refused' }, worded(refusal.reason)),
+        make('p', {}, worded(refusal.advice), ' ', make('span', { className: 'small' }, rest)),
       )
     }
     if (!report || !columns || !program?.outcome) return
     answer.replaceChildren(
-      make('p', { className: 'sentence' }, report.sentence),
-      make('p', { className: 'facts' }, [report.aligned, ...report.measures].join(' ')),
+      make('p', { className: 'sentence' }, worded(report.sentence)),
+      make('p', { className: 'facts' }, worded([report.aligned, ...report.measures].join(' '))),
       ...remarks(report.remarks),
     )
     fillChart(chart)
@@ -155,7 +157,7 @@ export function mount(root, actions) {
     const none = new Float64Array()
     chart.program(end, feed, rapid, line)
     for (const [index, name] of NAMES.entries()) {
-      chart.addProgrammed(name, none, none, none)
+      chart.add(name, none, none, none)
       if (index === 0) chart.fill(columns.recordedDistance, columns.recordedFeedrate, columns.recordedTime, none, none)
       else chart.fill(columns.simulatedDistance, columns.simulatedFeedrate, columns.simulatedTime, none, none)
     }
@@ -172,7 +174,7 @@ export function mount(root, actions) {
       recording = recordingOf(state)
       program = recording && programOf(recording, state)
       const waiting = state.recordings.filter((entry) => !programOf(entry, state)).map(({ name }) => name)
-      orphans.textContent = waiting.length > 0 ? `${waiting.join(', ')}: recorded. Now drop the program that was run.` : ''
+      orphans.textContent = waiting.length > 0 ? say.recording.orphans(waiting.join(', ')) : ''
       for (const invite of invites) invite.hidden = recording !== undefined
       fillList(state)
       const match = recording?.match
@@ -186,7 +188,7 @@ export function mount(root, actions) {
       answer.replaceChildren()
       tables.replaceChildren()
       if (recording && match) fill(recording)
-      else if (recording) answer.replaceChildren(make('p', { className: 'empty' }, 'Comparing …'))
+      else if (recording) answer.replaceChildren(make('p', { className: 'empty' }, say.recording.comparing))
     },
   }
 }
@@ -200,19 +202,19 @@ async function fetched(name) {
 /** One line on how a recording stands. @param {Recording} entry @param {State} state */
 function standing(entry, state) {
   const { match, bytes } = entry
-  if (!programOf(entry, state)) return 'choose the program it is of'
-  if (match?.refusal) return 'not comparable'
-  if (!match?.report) return `${size(bytes.length)}, waiting`
+  if (!programOf(entry, state)) return say.recording.chooseItsProgram
+  if (match?.refusal) return say.recording.notComparable
+  if (!match?.report) return say.recording.waiting(size(bytes.length))
   const { recorded_s: recorded, simulated_s: simulated, time_error: error } = match.report
-  return `${clock(recorded)} recorded · simulated ${difference(simulated - recorded)}, ${percent(error)}`
+  return say.recording.standing(clock(recorded), difference(simulated - recorded), percent(error))
 }
 
 /** @param {string[]} all */
 function remarks(all) {
   if (all.length === 0) return []
-  const title = all.length === 1 ? '1 remark' : `${count(all.length)} remarks`
-  const items = all.map((remark) => make('li', {}, remark))
-  return [make('details', {}, make('summary', {}, `${title} on the recording`), make('ul', {}, ...items))]
+  const title = say.recording.remarks(all.length, count(all.length))
+  const items = all.map((remark) => make('li', {}, worded(remark)))
+  return [make('details', {}, make('summary', {}, title), make('ul', {}, ...items))]
 }
 
 /** What the chart says about one distance. @param {Pointer} pointer @param {Program | undefined} program */
@@ -226,7 +228,7 @@ function words({ distance, line, programmed, rapid, curves, lost }, program) {
       make('td', {}, time < 60 ? seconds(time) : clock(time)),
     ),
   )
-  const late = lost === undefined ? [] : [make('p', {}, 'time lost so far ', make('strong', {}, lostLabel(lost)))]
+  const late = lost === undefined ? [] : [make('p', {}, say.recording.lostSoFar, make('strong', {}, lostLabel(lost)))]
   return [headOf(distance, programmed, rapid), make('table', {}, ...rows), ...late, ...lineOf(line, program)]
 }
 
@@ -246,7 +248,7 @@ function apart(recorded, simulated) {
 
 /** @param {ComparisonReport} report */
 function partsTable(report) {
-  const whole = { name: 'Together', is_detail: false, recorded_s: report.recorded_s, simulated_s: report.simulated_s }
+  const whole = { name: say.common.together, is_detail: false, recorded_s: report.recorded_s, simulated_s: report.simulated_s }
   const rows = [...report.parts, whole].map(({ name, is_detail: isDetail, recorded_s: recorded, simulated_s: simulated }) =>
     make(
       'tr',
@@ -255,14 +257,14 @@ function partsTable(report) {
       ...[seconds(recorded), seconds(simulated), apart(recorded, simulated)].map((cell) => make('td', {}, cell)),
     ),
   )
-  return table('Motion and waiting', ['', 'Recorded', 'Simulated', 'Difference'], rows)
+  return table(say.recording.motionWaiting, ['', say.recording.recorded, say.recording.simulated, say.common.difference], rows)
 }
 
 /** @param {ComparisonReport} report @param {(place: Pick<Place, 'distance_mm'>) => void} show */
 function stretchesTable({ stretches, all_stretches: all }, show) {
   const rows = stretches.map((stretch) => {
     const [from, to] = stretch.lines
-    const go = make('button', { type: 'button', title: 'Show it in the charts' }, from === to ? `${from}` : `${from}–${to}`)
+    const go = make('button', { type: 'button', title: say.common.showInCharts }, from === to ? `${from}` : `${from}–${to}`)
     go.addEventListener('click', () => show(stretch))
     const cells = [lostLabel(stretch.seconds), seconds(stretch.recorded_s), seconds(stretch.simulated_s)]
     return make(
@@ -273,6 +275,6 @@ function stretchesTable({ stretches, all_stretches: all }, show) {
       make('td', { className: 'kind' }, stretch.kind),
     )
   })
-  const which = stretches.length < all ? `, the ${count(stretches.length)} largest of ${count(all)} stretches` : ''
-  return table(`Where time was lost (+) or gained (−)${which}`, ['Lines', 'Lost', 'Recorded', 'Simulated', 'While'], rows)
+  const which = stretches.length < all ? say.recording.largestOf(count(stretches.length), count(all)) : ''
+  return table(say.recording.whereLost(which), [say.common.lines, say.common.lost, say.recording.recorded, say.recording.simulated, say.recording.while], rows)
 }

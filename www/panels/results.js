@@ -1,19 +1,21 @@
 // The table of cycle times, one row a tolerance.
 
-import { deviationLabel, price, toleranceLabel } from '../pkg/truefeed.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { price } from '../pkg/truefeed.js'
+import { columnLabel, columnsOf, isStill } from '../columns.js'
 import { find, make, scroll } from '../dom.js'
 import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
+import { deviationLabel, toleranceLabel } from '../labels.js'
+import { say } from '../texts.js'
 
 /** @import { Column, Form, Held, Outcome, Place, RunSummary, State, Value } from "../types.js" */
 
 /** @type {[Exclude<keyof import("../types.js").Breakdown, "other">, string][]} */
 const PARTS = [
-  ['cutting_s', 'Cutting'],
-  ['rapid_s', 'Rapid'],
-  ['dwell_s', 'Dwell'],
-  ['tool_change_s', 'Tool change'],
-  ['other_s', 'Other'],
+  ['cutting_s', say.common.cutting],
+  ['rapid_s', say.common.rapid],
+  ['dwell_s', say.common.dwell],
+  ['tool_change_s', say.common.toolChange],
+  ['other_s', say.common.other],
 ]
 
 /** More parts of a program are only counted. */
@@ -39,10 +41,10 @@ export function mount(root, form, actions) {
     })
     if (items.length === 0) return []
     if (machine.values[CURE.key] !== CURE.word) {
-      const cure = make('button', { type: 'button', className: 'cure' }, `Set ${mode.toLowerCase()} to ${CURE.word}`)
-      cure.title = 'The motion holds the tolerance everywhere'
+      const cure = make('button', { type: 'button', className: 'cure' }, say.results.setTo(mode.toLowerCase(), CURE.word))
+      cure.title = say.results.holdsEverywhere
       cure.addEventListener('click', () => actions.setParameter(CURE.key, CURE.word))
-      items.push(make('li', {}, 'To hold it everywhere: ', cure))
+      items.push(make('li', {}, say.results.toHold, cure))
     }
     return [make('ul', { className: 'beyond' }, ...items)]
   }
@@ -51,25 +53,25 @@ export function mount(root, form, actions) {
   function item(column, index, places) {
     const worst = places.reduce((a, b) => (b.max_contour_error_mm > a.max_contour_error_mm ? b : a))
     const lines = linesOf(worst)
-    const go = make('button', { type: 'button', title: 'Show it in the chart' })
-    go.append(`${deviationLabel(worst.max_contour_error_mm)} at ${lines}`)
+    const go = make('button', { type: 'button', title: say.common.showInChart })
+    go.append(say.results.worstAt(deviationLabel(worst.max_contour_error_mm), lines))
     go.addEventListener('click', () => actions.show(worst))
-    const number = `exceeded in ${count(places.length)} ${places.length === 1 ? 'place' : 'places'}, up to `
+    const number = say.results.exceeded(places.length, count(places.length))
     const swatch = make('span', { className: `swatch curve-${index}` })
-    return make('li', {}, swatch, make('b', {}, columnLabel(column)), ` ${number}`, go)
+    return make('li', {}, swatch, make('b', {}, columnLabel(column)), ' ', number, go)
   }
 
   /** Where each of the program's own tolerances holds. @param {Outcome} outcome */
   function programmed({ held }) {
     if (held.length === 0) return []
     const items = held.slice(0, MOST_HELD).map((part) => {
-      const go = make('button', { type: 'button', title: 'Show it in the chart' }, linesOf(part))
+      const go = make('button', { type: 'button', title: say.common.showInChart }, linesOf(part))
       go.addEventListener('click', () => actions.show(part))
       const source = part.source === '' ? [] : [' ', make('code', {}, part.source)]
       return make('li', {}, go, ` ${wordsOf(part)}`, ...source)
     })
-    if (held.length > MOST_HELD) items.push(make('li', {}, `and ${count(held.length - MOST_HELD)} more`))
-    const title = make('b', {}, 'As programmed')
+    if (held.length > MOST_HELD) items.push(make('li', {}, say.results.andMore(count(held.length - MOST_HELD))))
+    const title = make('b', {}, say.common.asProgrammed)
     return [make('div', { className: 'held' }, title, make('ol', {}, ...items))]
   }
 
@@ -80,7 +82,10 @@ export function mount(root, form, actions) {
       const outcome = program?.outcome
       const stale = Boolean(outcome) && outcome?.motion !== state.machine.motion
       root.classList.toggle('stale', stale)
-      if (program && outcome) {
+      if (program && isStill(outcome)) {
+        const sentence = program.file.size === 0 ? say.results.empty(program.name) : say.results.nothingMoves(program.name)
+        place.replaceChildren(make('p', { className: 'sentence' }, sentence))
+      } else if (program && outcome) {
         place.replaceChildren(
           table(outcome, columnsOf(state, outcome), JSON.stringify(state.machine.values)),
           ...programmed(outcome),
@@ -88,7 +93,7 @@ export function mount(root, form, actions) {
           about(outcome, stale ? outOfDate(state) : '', Number(state.machine.values['rates.hourly']) > 0),
         )
       } else {
-        place.replaceChildren(make('p', { className: 'empty' }, state.progress ? 'Computing …' : 'Not computed yet.'))
+        place.replaceChildren(make('p', { className: 'empty' }, state.progress ? say.common.computing : say.common.notComputed))
       }
     },
   }
@@ -96,15 +101,15 @@ export function mount(root, form, actions) {
 
 /** The lines of a place in words. @param {{lines: [number, number]}} place */
 function linesOf({ lines: [first, last] }) {
-  return first === last ? `line ${first}` : `lines ${first}–${last}`
+  return first === last ? say.results.line(first) : say.results.lines(first, last)
 }
 
 /** What the program asks for in words. @param {Held} part */
 function wordsOf({ mode, tolerance_mm: tolerance }) {
-  if (mode === 'exact_stop') return 'exact stops'
+  if (mode === 'exact_stop') return say.results.exactStops
   const label = toleranceLabel(tolerance)
-  if (mode === 'machine') return `${label}, the machine’s`
-  return mode === 'distance' ? `at most ${label}` : label
+  if (mode === 'machine') return say.results.ofMachine(label)
+  return mode === 'distance' ? say.results.atMost(label) : label
 }
 
 /** @param {Outcome} outcome @param {Column[]} columns @param {string} machine  JSON */
@@ -113,9 +118,9 @@ function table(outcome, columns, machine) {
   const priceOf = (/** @type {RunSummary} */ run) => price(machine, run.cycle_time_s) ?? run.price
   const priced = [...outcome.runs.values()].some(({ summary }) => priceOf(summary))
   /** @type {[string, number][]} */
-  const titles = [['Tolerance', 1], ['Cycle time', 2], ...priceTitles(priced), ['Programmed', 1], ['Difference', 2]]
+  const titles = [[say.common.tolerance, 1], [say.common.cycleTime, 2], ...priceTitles(priced), [say.common.programmed, 1], [say.common.difference, 2]]
   for (const [, title] of PARTS) titles.push([title, 1])
-  titles.push(['Contour error', 1])
+  titles.push([say.common.contourError, 1])
   const head = make('tr', {}, ...titles.map(([title, colSpan]) => make('th', { scope: 'col', colSpan }, title)))
   const programmed = outcome.summary.programmed_time_s
   const rows = columns.map((column, index) => {
@@ -145,24 +150,24 @@ function table(outcome, columns, machine) {
 }
 
 /** @param {boolean} priced @returns {[string, number][]} */
-const priceTitles = (priced) => (priced ? [['Price', 1]] : [])
+const priceTitles = (priced) => (priced ? [[say.results.price, 1]] : [])
 
 /** Why the results in sight are not those of the machine in the form. @param {State} state */
 function outOfDate({ machine, paused }) {
-  if (machine.faults.length > 0) return ' These are the results of the machine before: the form has a fault.'
-  return paused ? ' These are the results of the machine before.' : ' Computing anew for the changed machine …'
+  if (machine.faults.length > 0) return say.results.ofBeforeFault
+  return paused ? say.results.ofBefore : say.results.anew
 }
 
 /** @param {Outcome} outcome @param {string} note @param {boolean} hasPrice */
 function about({ steps, summary }, note, hasPrice) {
   const errors = summary.diagnostics.filter(({ severity }) => severity === 'error').length
-  const facts = `${count(steps.end.length)} moves, ${millimetres(steps.end.at(-1) ?? 0)}. Programmed: length ÷ feed, as CAM would say. Contour error: largest distance from the path.`
-  const rate = make('a', { href: '#field-rates-hourly' }, 'Give the machine’s hourly rate')
-  const unpriced = hasPrice ? [] : [' ', rate, ' to see prices; all of them are in the ', make('a', { href: '#quote' }, 'quote'), '.']
+  const facts = say.results.about(count(steps.end.length), millimetres(steps.end.at(-1) ?? 0))
+  const rate = make('a', { href: '#field-rates-hourly' }, say.results.giveRate)
+  const unpriced = hasPrice ? [] : [' ', rate, say.results.toSeePrices, make('a', { href: '#quote' }, say.results.quote), '.']
   const link = make(
     'a',
     { href: '#diagnostics', className: 'errors' },
-    `${count(errors)} ${errors === 1 ? 'line' : 'lines'} could not be run as written. `,
+    say.results.notRun(errors, count(errors)),
   )
-  return make('p', { className: 'about' }, ...(errors > 0 ? [link] : []), facts + note, ...unpriced)
+  return make('p', { className: 'about' }, ...(errors > 0 ? [link, ' '] : []), facts + note, ...unpriced)
 }

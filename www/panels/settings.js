@@ -3,6 +3,7 @@
 import { find } from '../dom.js'
 import { linkTo, takeFromAddress } from '../link.js'
 import { saveFile } from '../save.js'
+import { say } from '../texts.js'
 
 /** @import { State } from "../types.js" */
 
@@ -29,24 +30,24 @@ export function mount(root, notice, actions) {
     shown.hidden = false
     try {
       await navigator.clipboard.writeText(shown.value)
-      said.textContent = 'Link copied. It holds machine, tolerances and quote; no program.'
+      said.textContent = say.settings.copied
     } catch {
       shown.select()
-      said.textContent = 'Copy the link from the field. It holds machine, tolerances and quote; no program.'
+      said.textContent = say.settings.copyFromField
     }
   })
   find(root, '.save-settings').addEventListener('click', () => {
     const text = written()
     if (text === undefined) return
     saveFile(text, 'application/json', 'truefeed-settings.json')
-    said.textContent = 'Saved.'
+    said.textContent = say.settings.saved
   })
   file.addEventListener('change', async () => {
     const [chosen] = file.files ?? []
     if (!chosen) return
     const text = await chosen.text()
     file.value = ''
-    take(text, `The settings of ${chosen.name}`)
+    take(text, say.settings.settingsOf(chosen.name))
   })
   find(notice, '.back').addEventListener('click', () => {
     actions.undoSettings()
@@ -61,7 +62,7 @@ export function mount(root, notice, actions) {
 
   function fromAddress() {
     const text = takeFromAddress()
-    if (text !== undefined) take(text, 'The settings of the link')
+    if (text !== undefined) take(text, say.settings.settingsOfLink)
   }
 
   /** The text of the settings; says why there is none. */
@@ -69,7 +70,7 @@ export function mount(root, notice, actions) {
     try {
       return actions.settings()
     } catch (reason) {
-      said.textContent = `The settings cannot be given away: ${reason}.`
+      said.textContent = say.settings.cannotBeGiven(reason)
       return undefined
     }
   }
@@ -80,7 +81,7 @@ export function mount(root, notice, actions) {
       actions.takeSettings(text)
       refuse('')
     } catch (reason) {
-      refuse(`${what} cannot be used: ${reason}. Nothing was changed.`)
+      refuse(say.settings.cannotBeUsed(what, reason))
     }
   }
 

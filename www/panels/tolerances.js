@@ -1,9 +1,11 @@
 // The contour tolerances as chips, the program's own first: add by typing, remove by × or Delete. Text becomes a
 // tolerance in Rust.
 
-import { toleranceFromText, toleranceLabel } from '../pkg/truefeed.js'
+import { toleranceFromText } from '../pkg/truefeed.js'
 import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
+import { toleranceLabel } from '../labels.js'
+import { say } from '../texts.js'
 
 /** @import { Column, State } from "../types.js" */
 
@@ -27,22 +29,22 @@ export function mount(root, { most, usual }, actions) {
   form.addEventListener('submit', (event) => {
     event.preventDefault()
     const message = add(input.value)
-    say(message)
+    tell(message)
     if (!message) input.value = ''
   })
-  input.addEventListener('input', () => say(''))
+  input.addEventListener('input', () => tell(''))
   own.addEventListener('click', () => {
-    say('')
+    tell('')
     actions.setProgrammed(true)
     chips.querySelector('button')?.focus()
   })
   reset.addEventListener('click', () => {
-    say('')
+    tell('')
     actions.setTolerances(usual)
   })
 
   /** @param {string} message */
-  function say(message) {
+  function tell(message) {
     fault.textContent = message
     input.toggleAttribute('aria-invalid', message !== '')
   }
@@ -56,16 +58,16 @@ export function mount(root, { most, usual }, actions) {
       return String(reason)
     }
     const label = toleranceLabel(tolerance)
-    if (tolerances.some((other) => toleranceLabel(other) === label)) return `${label} is there already.`
-    if (shown.length >= most) return `At most ${most} tolerances fit one chart. Remove one first.`
+    if (tolerances.some((other) => toleranceLabel(other) === label)) return say.tolerances.isThere(label)
+    if (shown.length >= most) return say.tolerances.atMost(most)
     actions.setTolerances([...tolerances, tolerance])
     return ''
   }
 
   /** @param {Column} column */
   function remove(column) {
-    if (column !== null && tolerances.length === 1) return say('One tolerance has to stay. Add another one first.')
-    say('')
+    if (column !== null && tolerances.length === 1) return tell(say.tolerances.oneStays)
+    tell('')
     const index = shown.indexOf(column)
     if (column === null) actions.setProgrammed(false)
     else actions.setTolerances(tolerances.filter((other) => other !== column))
@@ -76,7 +78,7 @@ export function mount(root, { most, usual }, actions) {
   return {
     /** Adds a tolerance (mm) that was pointed at, or says why not. @param {number} tolerance */
     choose(tolerance) {
-      say(add(toleranceLabel(tolerance)))
+      tell(add(toleranceLabel(tolerance)))
     },
     /** @param {State} state */
     update(state) {
@@ -96,8 +98,8 @@ export function mount(root, { most, usual }, actions) {
   /** @param {Column} column @param {number} index */
   function chip(column, index) {
     const label = columnLabel(column)
-    const button = make('button', { type: 'button', title: 'Remove (Delete)' }, '×')
-    button.setAttribute('aria-label', `Remove ${label}`)
+    const button = make('button', { type: 'button', title: say.tolerances.removeByDelete }, '×')
+    button.setAttribute('aria-label', say.tolerances.remove(label))
     const swatch = make('span', { className: `swatch curve-${index}` })
     const item = make('li', { className: 'chip' }, swatch, label, button)
     button.addEventListener('click', () => remove(column))
