@@ -1,4 +1,4 @@
-// Starts the page: owns the one state object, queues simulations and tells the panels what changed.
+// Starts the page: owns the one state object, has work done and tells the panels what changed.
 
 import init, {
   dialects,
@@ -15,12 +15,12 @@ import init, {
   toleranceLabel,
   usualTolerances,
 } from './pkg/truefeed.js'
-import { columnLabel, columnsOf, isStill } from './columns.js'
+import { isStill } from './columns.js'
 import { confinedWorker } from './confined.js'
 import { fillTexts } from './dom.js'
 import { drawn } from './drawing.js'
 import { firstModule, wholeModule } from './embed/module.js'
-import { Ended, Engine } from './engine.js'
+import { Engine } from './engine.js'
 import { axis } from './format.js'
 import { History } from './history.js'
 import { linesOf } from './lines.js'
@@ -35,13 +35,14 @@ import * as recordingPanel from './panels/recording.js'
 import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
-import { evidence, pairs, recordingOf, usable } from './recordings.js'
+import { pairs, recordingOf } from './recordings.js'
 import { loadSession, saveSession } from './session.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
 import { say } from './texts.js'
 import { whole } from './whole.js'
+import { workOn } from './work.js'
 
-/** @import { Column, Form, MachineForm, Outcome, Place, Program, Recording, State, Value, Values } from "./types.js" */
+/** @import { Form, MachineForm, Place, Recording, State, Value, Values } from "./types.js" */
 
 const DEBOUNCE_MS = 300
 
@@ -413,9 +414,6 @@ function putBack({ preset, values, tolerances, programmed, terms }) {
   actions.setMachine(preset, values)
 }
 
-/** Why something failed; a worker that does not start does not say. @param {unknown} error */
-const reasonOf = (error) => (error instanceof Error ? error.message || say.work.noWorker : String(error))
-
 /** @param {number} id @param {Partial<Recording>} what */
 function change(id, what) {
   const recording = state.recordings.find((candidate) => candidate.id === id)
@@ -489,167 +487,6 @@ function remember() {
   })
 }
 
-/** The columns a program still lacks on the machine as it is now. @param {Program} program @returns {Column[]} */
-export function missing(program) {
-  const current = program.outcome?.motion === state.machine.motion ? program.outcome : null
-  if (current) return columnsOf(state, current).filter((column) => !current.runs.has(column))
-  // Whether it sets a tolerance is known when it is read.
-  return state.programmed ? [null, ...state.tolerances] : state.tolerances
-}
-
-/** Simulates what is missing, the selected program first, until nothing is. */
-async function work() {
-  if (state.progress) return
-  for (;;) {
-    const selectedFirst = [...state.programs].sort(
-      (a, b) => Number(b.id === state.selected) - Number(a.id === state.selected),
-    )
-    const { motion } = state.machine
-    const program = selectedFirst.find((candidate) => missing(candidate).length > 0 && candidate.failure !== motion)
-    const recording = selectedFirst
-      .flatMap(({ id }) => state.recordings.filter((candidate) => candidate.program === id))
-      .find(({ match, failure }) => match?.motion !== motion && failure !== motion)
-    if (state.paused || motion === undefined) break
-    // What is in sight comes first, its simulation before its comparison.
-    const compares = recording && (!program || (recording.program === state.selected && program.id !== state.selected))
-    if (state.calibrating) {
-      if (!(await calibrate())) break
-    } else if (state.diagnosing) {
-      if (!(await diagnose())) break
-    } else if (compares) {
-      if (!(await compare(recording, motion))) break
-    } else if (program) {
-      if (!(await simulate(program, motion))) break
-    } else break
-  }
-  state.progress = null
-  update()
-}
-
-/** Simulates what one program lacks; false where that was cancelled. @param {Program} program @param {string} motion */
-async function simulate(program, motion) {
-  const machine = JSON.stringify(state.machine.values)
-  const columns = missing(program)
-  const isForOther = program.outcome !== null && program.outcome.motion !== motion
-  /** @type {Outcome | null} */
-  let outcome = null
-  const stage = stageOf(program.id)
-  stage('starting', 0)
-  const listener = {
-    stage,
-    program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held, /** @type {any} */ trail) {
-      outcome = { motion, summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
-      // What was computed for another machine stays in sight until all is there.
-      if (isForOther) return
-      program.outcome = outcome
-      // What is programmed can be drawn before anything is simulated.
-      update()
-    },
-    run(/** @type {Column} */ column, /** @type {any} */ run) {
-      outcome?.runs.set(column, run)
-      update()
-      whenIdle(second)
-    },
-  }
-  try {
-    update()
-    const labels = columns.map(columnLabel)
-    await engine.simulate({ program: program.file, machine, dialect: program.dialect, columns, labels }, listener)
-    program.outcome = outcome
-    program.failure = null
-  } catch (error) {
-    if (error instanceof Ended && error.kind === 'cancelled') return false
-    program.failure = motion
-    fail(say.work.notSimulated(program.name, reasonOf(error)))
-  }
-  return true
-}
-
-/** Tells the progress of work on a program, or on several. @param {number | null} program @returns {import("./engine.js").Stage} */
-function stageOf(program) {
-  return (stage, part, name) => {
-    const text = say.stages[stage]
-    state.progress = { program, stage: typeof text === 'string' ? text : text(name), part }
-    progress.update(state)
-  }
-}
-
-/** Compares a recording with its program; false where that was cancelled. @param {Recording} recording @param {string} motion */
-async function compare(recording, motion) {
-  const program = state.programs.find(({ id }) => id === recording.program)
-  if (!program) return false
-  const { dialect } = program
-  const stage = stageOf(program.id)
-  stage('comparing', 0, recording.name)
-  try {
-    update()
-    const machine = JSON.stringify(state.machine.values)
-    const request = { program: program.file, machine, dialect, recording: recording.bytes }
-    const { report, refusal, columns } = await engine.compare(request, stage)
-    // It may have been given another program meanwhile.
-    if (recording.program === program.id && program.dialect === dialect) {
-      recording.match = { motion, report, refusal, columns }
-      recording.failure = null
-    }
-  } catch (error) {
-    if (error instanceof Ended && error.kind === 'cancelled') return false
-    recording.failure = motion
-    fail(say.work.notCompared(recording.name, reasonOf(error)))
-  }
-  return true
-}
-
-/** The recordings that are used, as they are asked about. */
-function collected() {
-  return usable(state).flatMap(({ name, program: id, bytes: recording }) => {
-    const program = state.programs.find((candidate) => candidate.id === id)
-    if (!program) return []
-    return [{ name, program, request: { name, program: program.file, dialect: program.dialect, recording } }]
-  })
-}
-
-/** Diagnoses the machine; false where that was cancelled. */
-async function diagnose() {
-  const stage = stageOf(null)
-  stage('diagnosing', 0)
-  const all = collected()
-  const before = now()
-  const [own, { motion }] = [evidence(state), state.machine]
-  try {
-    update()
-    const runs = all.map(({ request }) => request)
-    const { report, json, html, runs: columns } = await engine.diagnose({ machine: JSON.stringify(before.values), runs }, stage)
-    state.diagnosing = false
-    const diagnosed = all.map(({ name, program }, index) => ({ name, program, columns: columns[index] }))
-    const motions = [motion, report?.values ? motionOf(JSON.stringify(report.values)) : motion]
-    if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false, evidence: own, motions }
-  } catch (error) {
-    if (error instanceof Ended && error.kind === 'cancelled') return false
-    state.diagnosing = false
-    fail(say.work.notDiagnosed(reasonOf(error)))
-  }
-  return true
-}
-
-/** Calibrates the machine; false where that was cancelled. */
-async function calibrate() {
-  const stage = stageOf(null)
-  stage('calibrating', 0)
-  const runs = collected().map(({ request }) => request)
-  const before = now()
-  try {
-    update()
-    const { report } = await engine.calibrate({ machine: JSON.stringify(before.values), runs }, stage)
-    state.calibrating = false
-    if (report) take({ report, before })
-  } catch (error) {
-    if (error instanceof Ended && error.kind === 'cancelled') return false
-    state.calibrating = false
-    fail(say.work.notCalibrated(reasonOf(error)))
-  }
-  return true
-}
-
 /** Puts a calibrated machine in the form, and its tolerance among those shown. @param {import("./types.js").Calibration} calibration */
 function take(calibration) {
   const { values, tolerance_mm: tolerance } = calibration.report
@@ -662,6 +499,14 @@ function take(calibration) {
 
 const progress = progressPanel.mount(element('progress'), actions)
 const chart = chartPanel.mount(element('chart'))
+const work = workOn(state, engine, {
+  update,
+  progress: () => progress.update(state),
+  fail,
+  hasCurve: () => whenIdle(second),
+  now,
+  take,
+})
 const exchange = settingsPanel.mount(element('settings'), element('notice'), actions)
 const recordings = recordingPanel.mount(element('recording'), actions)
 const tolerances = tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions)

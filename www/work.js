@@ -1,0 +1,189 @@
+// Does what waits, one after the other: simulations, comparisons, diagnoses, calibrations. What it finds it puts in the state.
+
+import { motionOf } from './pkg/truefeed.js'
+import { columnLabel, columnsOf } from './columns.js'
+import { Ended } from './engine.js'
+import { evidence, usable } from './recordings.js'
+import { say } from './texts.js'
+
+/** @import { Before, Calibration, Column, Outcome, Program, Recording, State } from "./types.js" */
+
+/**
+ * What the page does meanwhile.
+ * @typedef {object} Page
+ * @property {() => void} update  shows what has changed
+ * @property {() => void} progress  shows how far the work is
+ * @property {(message: string) => void} fail  says what should not happen
+ * @property {() => void} hasCurve  a curve is there
+ * @property {() => Before} now  what is in the form
+ * @property {(calibration: Calibration) => void} take  puts a calibrated machine in the form
+ */
+
+/** Why something failed; a worker that does not start does not say. @param {unknown} error */
+const reasonOf = (error) => (error instanceof Error ? error.message || say.work.noWorker : String(error))
+
+/** @param {State} state @param {import("./engine.js").Engine} engine @param {Page} page @returns {() => Promise<void>} does all that waits */
+export function workOn(state, engine, page) {
+  /** The columns a program still lacks on the machine as it is now. @param {Program} program @returns {Column[]} */
+  function missing(program) {
+    const current = program.outcome?.motion === state.machine.motion ? program.outcome : null
+    if (current) return columnsOf(state, current).filter((column) => !current.runs.has(column))
+    // Whether it sets a tolerance is known when it is read.
+    return state.programmed ? [null, ...state.tolerances] : state.tolerances
+  }
+
+  /** Does all that waits, that of the selected program first. */
+  async function work() {
+    if (state.progress) return
+    for (;;) {
+      const selectedFirst = [...state.programs].sort(
+        (a, b) => Number(b.id === state.selected) - Number(a.id === state.selected),
+      )
+      const { motion } = state.machine
+      const program = selectedFirst.find((candidate) => missing(candidate).length > 0 && candidate.failure !== motion)
+      const recording = selectedFirst
+        .flatMap(({ id }) => state.recordings.filter((candidate) => candidate.program === id))
+        .find(({ match, failure }) => match?.motion !== motion && failure !== motion)
+      if (state.paused || motion === undefined) break
+      // What is in sight comes first, its simulation before its comparison.
+      const compares = recording && (!program || (recording.program === state.selected && program.id !== state.selected))
+      if (state.calibrating) {
+        if (!(await calibrate())) break
+      } else if (state.diagnosing) {
+        if (!(await diagnose())) break
+      } else if (compares) {
+        if (!(await compare(recording, motion))) break
+      } else if (program) {
+        if (!(await simulate(program, motion))) break
+      } else break
+    }
+    state.progress = null
+    page.update()
+  }
+
+  /** Simulates what one program lacks; false where that was cancelled. @param {Program} program @param {string} motion */
+  async function simulate(program, motion) {
+    const machine = JSON.stringify(state.machine.values)
+    const columns = missing(program)
+    const isForOther = program.outcome !== null && program.outcome.motion !== motion
+    /** @type {Outcome | null} */
+    let outcome = null
+    const stage = stageOf(program.id)
+    stage('starting', 0)
+    const listener = {
+      stage,
+      program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held, /** @type {any} */ trail) {
+        outcome = { motion, summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
+        // What was computed for another machine stays in sight until all is there.
+        if (isForOther) return
+        program.outcome = outcome
+        // What is programmed can be drawn before anything is simulated.
+        page.update()
+      },
+      run(/** @type {Column} */ column, /** @type {any} */ run) {
+        outcome?.runs.set(column, run)
+        page.update()
+        page.hasCurve()
+      },
+    }
+    try {
+      page.update()
+      const labels = columns.map(columnLabel)
+      await engine.simulate({ program: program.file, machine, dialect: program.dialect, columns, labels }, listener)
+      program.outcome = outcome
+      program.failure = null
+    } catch (error) {
+      if (error instanceof Ended && error.kind === 'cancelled') return false
+      program.failure = motion
+      page.fail(say.work.notSimulated(program.name, reasonOf(error)))
+    }
+    return true
+  }
+
+  /** Tells the progress of work on a program, or on several. @param {number | null} program @returns {import("./engine.js").Stage} */
+  function stageOf(program) {
+    return (stage, part, name) => {
+      const text = say.stages[stage]
+      state.progress = { program, stage: typeof text === 'string' ? text : text(name), part }
+      page.progress()
+    }
+  }
+
+  /** Compares a recording with its program; false where that was cancelled. @param {Recording} recording @param {string} motion */
+  async function compare(recording, motion) {
+    const program = state.programs.find(({ id }) => id === recording.program)
+    if (!program) return false
+    const { dialect } = program
+    const stage = stageOf(program.id)
+    stage('comparing', 0, recording.name)
+    try {
+      page.update()
+      const machine = JSON.stringify(state.machine.values)
+      const request = { program: program.file, machine, dialect, recording: recording.bytes }
+      const { report, refusal, columns } = await engine.compare(request, stage)
+      // It may have been given another program meanwhile.
+      if (recording.program === program.id && program.dialect === dialect) {
+        recording.match = { motion, report, refusal, columns }
+        recording.failure = null
+      }
+    } catch (error) {
+      if (error instanceof Ended && error.kind === 'cancelled') return false
+      recording.failure = motion
+      page.fail(say.work.notCompared(recording.name, reasonOf(error)))
+    }
+    return true
+  }
+
+  /** The recordings that are used, as they are asked about. */
+  function collected() {
+    return usable(state).flatMap(({ name, program: id, bytes: recording }) => {
+      const program = state.programs.find((candidate) => candidate.id === id)
+      if (!program) return []
+      return [{ name, program, request: { name, program: program.file, dialect: program.dialect, recording } }]
+    })
+  }
+
+  /** Diagnoses the machine; false where that was cancelled. */
+  async function diagnose() {
+    const stage = stageOf(null)
+    stage('diagnosing', 0)
+    const all = collected()
+    const before = page.now()
+    const [own, { motion }] = [evidence(state), state.machine]
+    try {
+      page.update()
+      const runs = all.map(({ request }) => request)
+      const { report, json, html, runs: columns } = await engine.diagnose({ machine: JSON.stringify(before.values), runs }, stage)
+      state.diagnosing = false
+      const diagnosed = all.map(({ name, program }, index) => ({ name, program, columns: columns[index] }))
+      const motions = [motion, report?.values ? motionOf(JSON.stringify(report.values)) : motion]
+      if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false, evidence: own, motions }
+    } catch (error) {
+      if (error instanceof Ended && error.kind === 'cancelled') return false
+      state.diagnosing = false
+      page.fail(say.work.notDiagnosed(reasonOf(error)))
+    }
+    return true
+  }
+
+  /** Calibrates the machine; false where that was cancelled. */
+  async function calibrate() {
+    const stage = stageOf(null)
+    stage('calibrating', 0)
+    const runs = collected().map(({ request }) => request)
+    const before = page.now()
+    try {
+      page.update()
+      const { report } = await engine.calibrate({ machine: JSON.stringify(before.values), runs }, stage)
+      state.calibrating = false
+      if (report) page.take({ report, before })
+    } catch (error) {
+      if (error instanceof Ended && error.kind === 'cancelled') return false
+      state.calibrating = false
+      page.fail(say.work.notCalibrated(reasonOf(error)))
+    }
+    return true
+  }
+
+  return work
+}
