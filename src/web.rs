@@ -33,6 +33,8 @@ mod text;
 mod theme;
 #[cfg(not(first_visit))]
 mod tolerances;
+#[cfg(not(first_visit))]
+mod traced;
 
 use wasm_bindgen::prelude::*;
 

@@ -24,6 +24,7 @@ mod error_panel;
 mod feed_panel;
 mod loads;
 mod lost_panel;
+mod markup;
 mod over_time;
 mod panel;
 pub mod path;
@@ -34,6 +35,7 @@ mod view;
 
 pub use draw::draw;
 pub use loads::{LoadChart, LoadCurves, draw_loads};
+pub use markup::escaped;
 pub use svg::{svg, svg_of_loads, svg_of_tolerances, svg_of_view};
 pub use theme::{PALETTE, Theme};
 pub use tolerances::{Mark, TimeCurve, ToleranceChart, ToleranceFrame, curve_tolerances, draw_tolerances};

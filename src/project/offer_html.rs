@@ -1,6 +1,7 @@
 //! An offer as one HTML document that stands alone and prints on paper: no scripts, no other files, the charts
 //! inline as SVG, and a policy that lets it load nothing. It is well-formed XML but for its first line.
 
+use crate::plot::escaped;
 use crate::project::offer::{Batch, OfferReport, ShareRow};
 
 const STYLE: &str = "body{font:14px/1.5 system-ui,sans-serif;color:#1d242c;background:#fff;max-width:860px;\
@@ -134,13 +135,6 @@ fn table(title: &str, head: &[&str], rows: &[Vec<String>], sum: Option<&[String]
     let sum = sum.map(|row| format!("<tr class=\"sum\">{}</tr>", cells(row))).unwrap_or_default();
     let title = if title.is_empty() { String::new() } else { format!("<h2>{}</h2>\n", escaped(title)) };
     format!("{title}<table><thead><tr>{head}</tr></thead><tbody>{rows}{sum}</tbody></table>\n")
-}
-
-/// Text that is no markup.
-fn escaped(text: &str) -> String {
-    let is_xml = |letter: &char| !letter.is_control() || matches!(letter, '\t' | '\n' | '\r');
-    let text: String = text.chars().filter(is_xml).collect();
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -10,12 +10,11 @@ use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
-use crate::simulation::gcode::{Dialect, Options, read_with};
 use crate::simulation::profile::{Profile, Resolution};
-use crate::simulation::toolpath::trace;
 use crate::web::canvas::Canvas;
 use crate::web::job::object;
 use crate::web::theme::theme;
+use crate::web::traced::toolpath;
 
 /// A cutting job to begin with, as text.
 #[wasm_bindgen(js_name = exampleCutting)]
@@ -81,8 +80,7 @@ pub fn compute_cutting(
 ) -> Result<Cut, String> {
     let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
     let setup = cutting_from_toml(job, &machine).map_err(|fault| fault.to_string())?;
-    let dialect = dialect.as_deref().and_then(Dialect::from_word);
-    let toolpath = trace(&read_with(program, &Options { dialect, ..Options::default() }), &machine);
+    let toolpath = toolpath(program, dialect, &machine);
     let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
     // What a listener throws is its own affair.
     let tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));

@@ -11,10 +11,9 @@ use crate::project::{DiagnosisReport, diagnosis_chart, machine_from_form};
 use crate::quote::quote;
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
-use crate::simulation::gcode::{Dialect, Options, read_with};
-use crate::simulation::toolpath::trace;
 use crate::web::job::object;
 use crate::web::recorded::Runs;
+use crate::web::traced::toolpath;
 
 /// What stands in the document for the chart of a run.
 #[wasm_bindgen(js_name = markOfChart)]
@@ -110,8 +109,7 @@ impl Runs {
 pub fn cycle_time(program: &[u8], machine: &str, dialect: Option<String>) -> Result<f64, String> {
     let machine = machine_from_form(machine)
         .map_err(|faults| faults.iter().map(|fault| fault.to_string()).collect::<Vec<_>>().join("; "))?;
-    let dialect = dialect.as_deref().and_then(Dialect::from_word);
-    let toolpath = trace(&read_with(program, &Options { dialect, ..Options::default() }), &machine);
+    let toolpath = toolpath(program, dialect, &machine);
     let (plan, errors) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
     Ok(quote(&toolpath, &machine, &plan, Tolerances::Programmed, &errors).cycle_time)
 }

@@ -12,9 +12,9 @@ use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_for
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::{cycle_time_within, plan_within};
 use crate::simulation::feed::Tolerances;
-use crate::simulation::gcode::{Dialect, Options};
+use crate::simulation::gcode::Dialect;
 use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::{Toolpath, trace};
+use crate::simulation::toolpath::Toolpath;
 use crate::web::text::ProgramText;
 
 /// A program traced on a machine, ready to be simulated.
@@ -32,8 +32,7 @@ impl Job {
     pub fn new(program: ProgramText, machine: &str, dialect: Option<String>) -> Result<Job, String> {
         let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
         let dialect = dialect.as_deref().and_then(Dialect::from_word);
-        let options = Options { dialect, ..Options::default() };
-        let toolpath = trace(&program.read(&options), &machine);
+        let toolpath = program.toolpath(dialect, &machine);
         Ok(Job { machine, toolpath })
     }
 

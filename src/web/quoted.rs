@@ -6,8 +6,6 @@ use wasm_bindgen::prelude::*;
 use crate::project::{Prediction, QuoteRequest, RequestError};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
-use crate::simulation::gcode::Options;
-use crate::simulation::toolpath::trace;
 use crate::web::job::object;
 use crate::web::text::ProgramText;
 
@@ -24,7 +22,7 @@ pub fn quote_text(program: ProgramText, request: &str, progress: &Function) -> R
     let refused = |error: RequestError| JsValue::from(error.to_json());
     let QuoteRequest { name, machine, tolerances, dialect } =
         QuoteRequest::from_json(request).map_err(refused)?;
-    let toolpath = trace(&program.read(&Options { dialect, ..Options::default() }), &machine);
+    let toolpath = program.toolpath(dialect, &machine);
     let of = tolerances.len() as f64;
     let quotes = tolerances.iter().enumerate().map(|(index, &tolerance)| {
         // What a listener throws is its own affair.

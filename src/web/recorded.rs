@@ -8,10 +8,9 @@ use crate::identification::comparison::{Course, Pointwise, compare, course, poin
 use crate::identification::fit::{Recorded, Run};
 use crate::machine::Machine;
 use crate::project::{CalibrationReport, ComparisonReport, Refusal, faults_to_json, machine_from_form};
-use crate::simulation::gcode::{Dialect, Options, read_with};
 use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::trace;
 use crate::web::job::object;
+use crate::web::traced::toolpath;
 
 /// A recording on its program.
 fn recorded(
@@ -20,10 +19,8 @@ fn recorded(
     recording: &[u8],
     machine: &Machine,
 ) -> Result<Recorded, Refusal> {
-    let dialect = dialect.as_deref().and_then(Dialect::from_word);
-    let options = Options { dialect, ..Options::default() };
-    let toolpath = trace(&read_with(program, &options), machine);
-    Recorded::new(toolpath, recording, machine).map_err(|error| Refusal::from(&error))
+    Recorded::new(toolpath(program, dialect, machine), recording, machine)
+        .map_err(|error| Refusal::from(&error))
 }
 
 /// A recording beside the simulation.

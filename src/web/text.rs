@@ -2,7 +2,9 @@
 
 use wasm_bindgen::prelude::*;
 
-use crate::simulation::gcode::{Options, Program, read_with};
+use crate::machine::Machine;
+use crate::simulation::gcode::{Dialect, Options, read_with};
+use crate::simulation::toolpath::{Toolpath, trace};
 
 /// The bytes of a program that have come so far.
 #[wasm_bindgen]
@@ -33,8 +35,10 @@ impl From<Vec<u8>> for ProgramText {
 }
 
 impl ProgramText {
-    /// Reads the program; its text is given back before the path takes room.
-    pub(super) fn read(self, options: &Options) -> Program {
-        read_with(&self.bytes, options)
+    /// The path of the program on a machine; the text is given back before the path takes room.
+    pub(super) fn toolpath(self, dialect: Option<Dialect>, machine: &Machine) -> Toolpath {
+        let program = read_with(&self.bytes, &Options { dialect, ..Options::default() });
+        drop(self);
+        trace(&program, machine)
     }
 }

@@ -9,6 +9,7 @@ use std::fmt::Write;
 
 use plotters::style::RGBColor;
 
+use crate::plot::escaped;
 use crate::plot::path::{Camera, FIRST_SHADE, MARKED, RAPID, Scene};
 
 /// How a path is drawn in a document.
@@ -143,9 +144,4 @@ fn foot(sheet: &Sheet, width: f64, y: f64) -> String {
 
 fn hex(RGBColor(r, g, b): &RGBColor) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// A text as XML takes it.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
 }

@@ -1,6 +1,7 @@
 //! A diagnosis as one HTML document that stands alone: no scripts, no other files, the charts inline as
 //! SVG. It is well-formed XML but for its first line, and says the same as the page in the same order.
 
+use crate::plot::escaped;
 use crate::project::comparison::lost_label;
 use crate::project::diagnosis::{CauseRow, DiagnosisReport, RegionRow, Sides};
 
@@ -139,11 +140,6 @@ fn rows_of(rows: &[Vec<String>]) -> String {
         |row: &Vec<String>| row.iter().map(|cell| format!("<td>{}</td>", escaped(cell))).collect::<String>();
     let rows: String = rows.iter().map(|row| format!("<tr>{}</tr>", cells(row))).collect();
     format!("<table>{rows}</table>\n")
-}
-
-/// Text that is no markup.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
