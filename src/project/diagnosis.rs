@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use crate::identification::alignment::AlignmentError;
 use crate::identification::comparison::Comparison;
-use crate::identification::diagnosis::{Cause, Diagnosis, Region, Verdict};
+use crate::identification::diagnosis::{Cause, Diagnosis, Pulsation, Region, Verdict};
 use crate::identification::hypotheses::Reported;
 use crate::machine::Machine;
 use crate::project::calibrated_view::rounded;
@@ -39,6 +39,8 @@ pub struct DiagnosisReport {
     regions: Vec<RegionRow>,
     fit: Fit,
     not_excited: Vec<String>,
+    /// A pace that rises and falls with time; null where it does not.
+    pulsation: Option<PulsationRow>,
     messages: Vec<String>,
     /// The extended machine as a filled form; null where nothing is compared.
     values: Option<Map<String, Value>>,
@@ -46,6 +48,13 @@ pub struct DiagnosisReport {
     changes: Vec<Change>,
     /// Names of the recordings, in the order of `run`.
     runs: Vec<String>,
+}
+
+/// How often, and by what part of the feedrate.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct PulsationRow {
+    frequency_hz: f64,
+    depth: f64,
 }
 
 /// A named cause.
@@ -139,6 +148,9 @@ impl DiagnosisReport {
                 },
             },
             not_excited: diagnosis.not_excited.clone(),
+            pulsation: diagnosis
+                .pulsation
+                .map(|Pulsation { frequency, depth }| PulsationRow { frequency_hz: frequency, depth }),
             messages,
             values: Some(values(&machine)),
             changes: Vec::new(),
@@ -172,6 +184,7 @@ impl DiagnosisReport {
             regions: Vec::new(),
             fit: Fit::default(),
             not_excited: Vec::new(),
+            pulsation: None,
             messages: vec![reason.to_string()],
             values: None,
             changes: Vec::new(),

@@ -32,6 +32,22 @@ fn a_match_has_no_cause() {
     assert!(diagnosis.causes.is_empty());
 }
 
+/// Adaptive control, say: no setting of the machine does it, and its mean is no slow clock.
+#[test]
+fn a_pace_that_swings_with_the_clock_is_said_and_not_named() {
+    let (frequency, depth) = (1.3, 0.08);
+    let mut rows = recorded(&program(), &machine(), 100.0);
+    for row in &mut rows {
+        let turn = std::f64::consts::TAU * frequency;
+        row[0] += depth * (0.5 * row[0] + (turn * row[0]).sin() / turn);
+    }
+    let diagnosis = diagnosed(&[&rows], &machine());
+    assert_eq!((diagnosis.verdict, diagnosis.causes.len()), (Verdict::Unknown, 0));
+    let pulsation = diagnosis.pulsation.expect("it pulsates");
+    assert!((pulsation.frequency / frequency - 1.0).abs() < 0.1, "{pulsation:?}");
+    assert!((pulsation.depth / depth - 1.0).abs() < 0.2, "{pulsation:?}");
+}
+
 #[test]
 fn the_answer_follows_the_axis_and_the_strength() {
     for axis in [0, 1] {

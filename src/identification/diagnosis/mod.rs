@@ -29,6 +29,7 @@ mod waits;
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
 pub use plateaus::{Plateau, plateau};
+pub use pulsation::Pulsation;
 pub use regions::{Region, regions};
 pub use rests::feed_holds;
 
@@ -37,7 +38,6 @@ use crate::identification::diagnosis::confidence::weighed;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
-use crate::identification::diagnosis::pulsation::Pulsation;
 use crate::identification::diagnosis::search::{Found, Looked, candidates};
 use crate::identification::diagnosis::verdict::Left;
 use crate::identification::fit::Run;
@@ -94,6 +94,8 @@ pub struct Diagnosis {
     pub regions: Vec<Region>,
     /// Lost time that the causes leave, s, all runs together, and where most of it is.
     pub left: (f64, Option<Region>),
+    /// How the pace rises and falls with time, which nothing in the library does.
+    pub pulsation: Option<Pulsation>,
     /// The machine with the causes.
     pub machine: Machine,
     /// Against the machine believed in, run by run.
@@ -161,6 +163,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         left: (seconds, rest.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))),
         causes,
         regions,
+        pulsation,
         machine: fitted,
         before,
         after,

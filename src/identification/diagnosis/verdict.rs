@@ -9,8 +9,7 @@
 //! So does a pace that pulsates, however little time it loses. What the operator did is explained all the same where it is certain and more than what is left.
 
 use crate::identification::comparison::Comparison;
-use crate::identification::diagnosis::pulsation::Pulsation;
-use crate::identification::diagnosis::{Cause, LEAST, OPERATOR, Verdict};
+use crate::identification::diagnosis::{Cause, LEAST, OPERATOR, Pulsation, Verdict};
 use crate::machine::Machine;
 
 /// What is left unexplained without a word, as a part of the cycle time.
@@ -79,13 +78,7 @@ impl Left {
     /// What to know of it, for people.
     pub fn message(&self, causes: &[Cause]) -> Option<String> {
         let Left { after, known, .. } = self;
-        if let Some(Pulsation { frequency, depth }) = self.pulsation {
-            Some(format!(
-                "The pace rises and falls {frequency:.1} times a second by {:.1} % of the feedrate, with the clock and \
-                 not with the program, as under adaptive control or a load that swings; nothing in the library does",
-                100.0 * depth
-            ))
-        } else if self.asks(causes) && !causes.is_empty() {
+        if self.asks(causes) && !causes.is_empty() {
             Some(format!("{after:.2} s of lost time are left that nothing in the library explains"))
         } else if LEFT * self.whole < *after && self.is_known() {
             Some(format!(

@@ -1,6 +1,6 @@
 //! What the user reads first: what the operator did, then what the machine does, then what is left.
 
-use crate::identification::diagnosis::{Diagnosis, OPERATOR, Verdict};
+use crate::identification::diagnosis::{Diagnosis, OPERATOR, Pulsation, Verdict};
 use crate::project::comparison::seconds;
 use crate::project::diagnosis::CauseRow;
 
@@ -19,6 +19,11 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
     let operators: Vec<&CauseRow> = causes.iter().filter(is_operators).collect();
     let machines: Vec<&CauseRow> = causes.iter().filter(|cause| !is_operators(cause)).collect();
     let mut told = of_operator(&operators);
+    if let Some(pulsation) = diagnosis.pulsation {
+        told.extend(machines.iter().map(|cause| cause.sentence.clone()));
+        told.push(of_pace(pulsation));
+        return told.join(" ");
+    }
     match diagnosis.verdict {
         Verdict::NothingMissing => format!(
             "Nothing is missing: recording and simulation agree within {} as far as this recording shows.",
@@ -47,6 +52,15 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
             told.join(" ")
         }
     }
+}
+
+/// A pace that rises and falls.
+fn of_pace(Pulsation { frequency, depth }: Pulsation) -> String {
+    format!(
+        "The feedrate rises and falls {frequency:.1} times a second by {:.1} %, with the clock and not with the \
+         program, as under adaptive control or a load that swings: no setting of the machine does.",
+        100.0 * depth
+    )
 }
 
 /// What the operator did; several halts are one sentence.
