@@ -29,12 +29,21 @@ export function linesOf(file) {
     async at(line) {
       const { starts } = await (places ??= placesOf(file))
       const group = groupOf(line)
-      const lines = kept.get(group) ?? (await file.slice(starts[group], starts[group + 1]).text()).split(/\r\n|\n|\r/)
+      const lines = kept.get(group) ?? textOf(await file.slice(starts[group], starts[group + 1]).arrayBuffer()).split(/\r\n|\n|\r/)
       kept.delete(group)
       kept.set(group, lines)
       for (const oldest of kept.keys()) if (kept.size > KEPT) kept.delete(oldest)
       return lines[(line - 1) % EVERY] ?? ''
     },
+  }
+}
+
+/** A text in UTF-8, or else in the code page of older controls. @param {ArrayBuffer} bytes */
+function textOf(bytes) {
+  try {
+    return new TextDecoder('utf-8', { fatal: true }).decode(bytes)
+  } catch {
+    return new TextDecoder('windows-1252').decode(bytes)
   }
 }
 

@@ -1,7 +1,7 @@
 //! How the bytes of a file stand for characters.
 //!
 //! Programs are ASCII; a comment may hold UTF-8 or an 8-bit code page, whose bytes are passed over
-//! one by one. A UTF-8 mark at the beginning is dropped. UTF-16, which Windows editors write as
+//! one by one, and shown as Latin-1. A UTF-8 mark at the beginning is dropped. UTF-16, which Windows editors write as
 //! "Unicode", is told by its mark or, without one, by zero bytes beside the first two characters,
 //! and turned into UTF-8.
 
@@ -19,4 +19,13 @@ pub(super) fn text(bytes: &[u8]) -> (Cow<'_, [u8]>, bool) {
     let characters = char::decode_utf16(units).map(|found| found.unwrap_or(char::REPLACEMENT_CHARACTER));
     let text: String = characters.skip_while(|character| *character == '\u{feff}').collect();
     (Cow::Owned(text.into_bytes()), true)
+}
+
+/// A text in UTF-8, or else in Latin-1, as older controls and posts write it; an end that was cut off is left out.
+pub(super) fn characters(text: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(text) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(cut) if cut.error_len().is_none() => String::from_utf8_lossy(&text[..cut.valid_up_to()]),
+        Err(_) => text.iter().map(|byte| char::from(*byte)).collect(),
+    }
 }

@@ -295,8 +295,7 @@ impl<'a> Reader<'a> {
             let text = text[start..end].trim_ascii();
             let text = text.get(..4 * LONGEST_COMMENT).unwrap_or(text);
             let shown = |character: char| if character.is_control() { ' ' } else { character };
-            let text: String =
-                String::from_utf8_lossy(text).chars().take(LONGEST_COMMENT).map(shown).collect();
+            let text: String = encoding::characters(text).chars().take(LONGEST_COMMENT).map(shown).collect();
             if !text.is_empty() {
                 self.program.comments.push(Comment { line: self.line, text, is_alone });
             }

@@ -55,6 +55,15 @@ fn comments_hide_words() {
 }
 
 #[test]
+fn comments_are_read_in_utf_8_or_latin_1() {
+    let comment = |bytes: &[u8]| read(bytes).comments.first().map(|comment| comment.text.clone());
+    assert_eq!(comment("(Nut 45° für Ø8)".as_bytes()).as_deref(), Some("Nut 45° für Ø8"));
+    assert_eq!(comment(b"(Nut 45\xb0 f\xfcr \xd88)").as_deref(), Some("Nut 45° für Ø8"));
+    let long = format!("(°{})", "°".repeat(2000));
+    assert!(comment(long.as_bytes()).is_some_and(|text| text.chars().all(|character| character == '°')));
+}
+
+#[test]
 fn percent_lines_frame_the_program() {
     let framed = [(2, "G0")];
     check("%\nG0\n%\nG1", &framed);
