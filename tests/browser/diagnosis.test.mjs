@@ -166,7 +166,7 @@ pageTest('a diagnosis of what was before is marked, until that is back or it is 
   await box.fill('0.5')
   await box.press('Tab')
   assert.match(await note(), /made with other settings of the machine/)
-  assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector('#diagnosis .plot canvas')).opacity), '0.4')
+  await page.waitForFunction(() => getComputedStyle(document.querySelector('#diagnosis .plot canvas')).opacity === '0.4')
   await page.locator('#diagnosis').screenshot({ path: join(ROOT, 'tests/browser/output/diagnosis-outdated.png') })
   await page.click('.undo-change')
   assert.ok(await holds(), 'the machine it is of is back')
