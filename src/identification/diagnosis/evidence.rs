@@ -152,7 +152,8 @@ impl<'a> Evidence<'a> {
         candidate: &Candidate,
         with: &[Candidate],
     ) -> (Candidate, Vec<Candidate>) {
-        let (base, freed) = freed(machine, candidate, with);
+        let all: Vec<Candidate> = [candidate].into_iter().chain(with).cloned().collect();
+        let (base, freed) = freed(machine, &all);
         let Fit { values, deviations, cost, .. } =
             fit(&base, self.runs, &freed, &self.whitenings, HARDLY, &mut |_| {});
         let mut taken = 0;
@@ -172,18 +173,15 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// What is fitted of a candidate and others, its own first, and the machine with those that have no values between
-/// their trials.
-pub fn freed(machine: &Machine, candidate: &Candidate, with: &[Candidate]) -> (Machine, Vec<Freed>) {
+/// What is fitted of candidates, in their order, and the machine with those that have no values between their trials.
+pub fn freed(machine: &Machine, all: &[Candidate]) -> (Machine, Vec<Freed>) {
     let is_fitted = |each: &&Candidate| each.hypothesis.is_continuous;
-    let taken: Vec<Candidate> =
-        with.iter().chain([candidate]).filter(|each| !is_fitted(each)).cloned().collect();
-    let fitted = [candidate].into_iter().chain(with).filter(is_fitted);
+    let taken: Vec<Candidate> = all.iter().filter(|each| !is_fitted(each)).cloned().collect();
     let own = |each: &Candidate| {
         let own = each.hypothesis.freed.iter().zip(&each.values);
         own.map(|(freed, value)| freed.from(*value)).collect::<Vec<Freed>>()
     };
-    (with_all(machine, &taken), fitted.flat_map(own).collect())
+    (with_all(machine, &taken), all.iter().filter(is_fitted).flat_map(own).collect())
 }
 
 /// The standard deviation of a first parameter that is known to be nearer to a trial than to those beside it.

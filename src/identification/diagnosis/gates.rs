@@ -17,6 +17,8 @@ pub const GAIN: f64 = 12.0;
 const SECTIONS: usize = 8;
 /// A section in which the cost changes by less than this tells nothing.
 const TELLS: f64 = 1.0;
+/// A cause acts where this part of the information on it lies.
+const ACTS: f64 = 1e-3;
 /// In so many of the sections that tell it must be better.
 const MOSTLY: f64 = 0.6;
 
@@ -64,26 +66,28 @@ fn cut(count: usize, sections: usize) -> Vec<Range<usize>> {
     (0..count).step_by(length).map(|first| first..(first + length).min(count)).collect()
 }
 
-/// How a cause, fitted with others on a machine, does against the machine without it, section by section; none where
-/// it acts in one section alone.
+/// How causes do against those before, section by section, both with the values that the other sections give; none
+/// where the first of them, the new one, acts in one section alone.
 pub fn held_out(
     evidence: &Evidence,
     base: &Machine,
-    without: &Machine,
-    cause: &Candidate,
-    others: &[Candidate],
+    before: &[Candidate],
+    after: &[Candidate],
 ) -> Option<HeldOut> {
     let sections = sections_of_each(evidence.runs.len());
-    let (base, freed) = evidence::freed(base, cause, others);
-    let own = if cause.hypothesis.is_continuous { cause.values.len() } else { 0 };
-    let after = left_out(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections));
-    let before = evidence.whitened(without);
-    let before = before.iter().flat_map(|run| cut(run.len(), sections).into_iter().map(|rows| &run[rows]));
+    let left_out = |all: &[Candidate]| {
+        let (base, freed) = evidence::freed(base, all);
+        left_out(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections))
+    };
+    let own =
+        after.first().filter(|cause| cause.hypothesis.is_continuous).map_or(0, |cause| cause.values.len());
     let mut held = HeldOut { better: 0, worse: 0, gain: 0.0 };
-    for (before, after) in
-        before.zip(after).filter(|(_, after)| after.is_known[..own].iter().all(|known| *known))
-    {
-        let gain = cost(before) - cost(&after.whitened);
+    for (before, after) in left_out(before).iter().zip(&left_out(after)) {
+        let acts = own == 0 || after.shares[..own].iter().any(|share| ACTS < *share);
+        if !acts || !(0..own).all(|value| after.is_known(value)) {
+            continue;
+        }
+        let gain = cost(&before.whitened) - cost(&after.whitened);
         held.gain += gain;
         if TELLS < gain {
             held.better += 1;

@@ -113,7 +113,7 @@ pub fn with_next(
     }
     progress(0.95);
     let (found, others) = refined.iter().enumerate().find_map(|(at, (candidate, others))| {
-        passed(base, &current, looked, &fine, (candidate, others), &refined[at + 1..])
+        passed(base, &before, looked, &fine, (candidate, others), &refined[at + 1..])
     })?;
     let refitted = named.iter().zip(others);
     let mut all: Vec<Found> =
@@ -214,13 +214,14 @@ fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(C
 /// A candidate with those named before, if it passes every gate. `rest` are those that are not as good.
 fn passed(
     base: &Machine,
-    current: &Machine,
+    before: &[Candidate],
     looked: &Looked,
     fine: &Evidence,
     (candidate, others): (&Candidate, &[Candidate]),
     rest: &[(Candidate, Vec<Candidate>)],
 ) -> Option<(Found, Vec<Candidate>)> {
     let runs = looked.runs;
+    let current = &with_all(base, before);
     let price = gates::price(runs, candidate.values.len());
     if fine.cost(current) - candidate.cost <= price {
         return None;
@@ -242,7 +243,8 @@ fn passed(
     if gain < LARGE * candidate.cost && !gates::stays_in_place(&last, current, &with) {
         return None;
     }
-    let held_out = gates::held_out(&last, base, current, &candidate, &others);
+    let newest_first: Vec<Candidate> = [&candidate].into_iter().chain(&others).cloned().collect();
+    let held_out = gates::held_out(&last, base, before, &newest_first);
     if held_out.as_ref().is_some_and(|held_out| !held_out.holds()) {
         return None;
     }

@@ -19,16 +19,23 @@ use crate::identification::fit::minimise::linearised;
 use crate::identification::fit::{Freed, Run, Whitening};
 use crate::machine::Machine;
 
-/// The part of all information on a value that the others must have, or they say nothing of it.
-const KNOWN: f64 = 0.05;
+/// The part of all information on a value that a section may have, or the others say nothing of it.
+const MOST: f64 = 0.95;
 
 /// The whitened residuals of one section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
     /// With the values that the other sections give.
     pub whitened: Vec<f64>,
-    /// Which of the values the others know.
-    pub is_known: Vec<bool>,
+    /// Which part of all information on each value lies in it.
+    pub shares: Vec<f64>,
+}
+
+impl LeftOut {
+    /// Whether the others know a value.
+    pub fn is_known(&self, value: usize) -> bool {
+        self.shares[value] < MOST
+    }
 }
 
 /// Every section of every run, one run after another, with what was freed fitted to all the others. The values
@@ -51,18 +58,20 @@ pub fn left_out(
 
 fn without(all: &Information, whitened: &[f64], jacobian: &DMatrix<f64>, rows: Range<usize>) -> LeftOut {
     let own = Information::of(whitened, jacobian, rows.clone());
-    let others = |at: usize| all.normal[(at, at)] - own.normal[(at, at)];
-    let is_known: Vec<bool> =
-        (0..jacobian.ncols()).map(|at| KNOWN * all.normal[(at, at)] < others(at)).collect();
-    let known: Vec<usize> = (0..is_known.len()).filter(|at| is_known[*at]).collect();
+    let share = |at: usize| match all.normal[(at, at)] {
+        whole if 0.0 < whole => own.normal[(at, at)] / whole,
+        _ => 1.0,
+    };
+    let shares = (0..jacobian.ncols()).map(share).collect();
+    let mut left = LeftOut { whitened: whitened[rows.clone()].to_vec(), shares };
+    let known: Vec<usize> = (0..left.shares.len()).filter(|at| left.is_known(*at)).collect();
     let (all, own) = (all.among(&known), own.among(&known));
-    let mut left = whitened[rows.clone()].to_vec();
     if let Some(inverse) = inverse(&(all.normal - own.normal)) {
         let step = inverse * own.gradient;
         let slopes = jacobian.rows(rows.start, rows.len()).select_columns(&known);
-        left.iter_mut().zip((slopes * step).iter()).for_each(|(left, moved)| *left += moved);
+        left.whitened.iter_mut().zip((slopes * step).iter()).for_each(|(left, moved)| *left += moved);
     }
-    LeftOut { whitened: left, is_known }
+    left
 }
 
 #[cfg(test)]
@@ -79,7 +88,7 @@ mod tests {
         let all = Information::of(&whitened, &jacobian, 0..values.len());
         let others = values[3..].iter().sum::<f64>() / 5.0;
         let found = without(&all, &whitened, &jacobian, 0..3);
-        assert_eq!(found.is_known, [true]);
+        assert!(found.is_known(0));
         for (left, value) in found.whitened.iter().zip(&values) {
             assert!((left - (value - others)).abs() < 1e-12, "{left} is not {value} − {others}");
         }
@@ -90,7 +99,11 @@ mod tests {
         let whitened = [0.2, -0.2, 0.1, 0.3];
         let jacobian = DMatrix::from_row_slice(4, 2, &[1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0]);
         let all = Information::of(&whitened, &jacobian, 0..4);
-        assert_eq!(without(&all, &whitened, &jacobian, 0..2).is_known, [true, false]);
-        assert_eq!(without(&all, &whitened, &jacobian, 2..4).is_known, [true, true]);
+        assert_eq!(without(&all, &whitened, &jacobian, 0..2).shares, [0.5, 1.0]);
+        assert_eq!(without(&all, &whitened, &jacobian, 2..4).shares, [0.5, 0.0]);
+        let known = |rows: Range<usize>| {
+            [0, 1].map(|value| without(&all, &whitened, &jacobian, rows.clone()).is_known(value))
+        };
+        assert_eq!((known(0..2), known(2..4)), ([true, false], [true, true]));
     }
 }
