@@ -149,7 +149,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let seconds = regions::left(&after, &rest);
     // Where drives explain the form of the path whole, nothing is missing in time.
     let asked = if is_in_time { seconds } else { 0.0 };
-    let pulsation = if is_in_time { Pulsation::seen(&after, runs) } else { None };
+    let pulsation = in_time.pulsation;
     let left = Left::of(machine, (regions::left(&before, &regions), asked), pulsation, &after);
     let held_out = match &in_time.excerpts {
         Some(excerpts) if !in_time.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
@@ -182,6 +182,8 @@ struct InTime {
     named: Vec<Found>,
     /// Where they were looked for in long runs.
     excerpts: Option<Vec<Vec<Excerpt>>>,
+    /// How the pace that they leave rises and falls.
+    pulsation: Option<Pulsation>,
 }
 
 impl InTime {
@@ -210,11 +212,12 @@ impl InTime {
         }
         // What a search finds beside a pace that pulsates, and goes on to, is a part of that.
         let seen = |machine: &Machine| Pulsation::seen(&compared(machine, runs), runs);
-        let with = seen(&with_all(&base, &candidates(&named)));
-        if with.is_some_and(|with| seen(start).is_some_and(|before| before.is_as_fast(&with))) {
+        let mut pulsation = seen(&with_all(&base, &candidates(&named)));
+        if pulsation.is_some_and(|with| seen(start).is_some_and(|before| before.is_as_fast(&with))) {
             named.clear();
+            pulsation = seen(&base);
         }
-        InTime { named: weighed(&base, runs, named), read_off, excerpts }
+        InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation }
     }
 
     fn is_empty(&self) -> bool {

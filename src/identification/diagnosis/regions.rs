@@ -103,9 +103,10 @@ pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, Vec<(u3
     (seconds, ranges(lines.into_iter()))
 }
 
-/// All that one machine is slower or faster than another, s, nothing set off.
-pub fn moved(without: &Machine, with: &Machine, runs: &[Run]) -> f64 {
-    runs.iter().flat_map(|run| differences(without, with, run)).map(|(_, lost)| lost.abs()).sum()
+/// The time (s) that one machine takes longer than another, and all that it is slower or faster, nothing set off.
+pub fn moved(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, f64) {
+    let each = runs.iter().flat_map(|run| differences(without, with, run));
+    each.fold((0.0, 0.0), |(net, all), (_, lost)| (net + lost, all + lost.abs()))
 }
 
 /// All lines that move or wait.

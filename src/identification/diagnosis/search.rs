@@ -20,7 +20,8 @@ use std::collections::BTreeSet;
 use crate::identification::diagnosis::confidence::odds;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::{GAIN, HeldOut};
-use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions, speeds};
+use crate::identification::diagnosis::speeds::Speeds;
+use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions};
 use crate::identification::fit::{Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Trace};
 use crate::machine::Machine;
@@ -101,8 +102,9 @@ pub fn with_next(
 ) -> Option<Vec<Found>> {
     let before = candidates(named);
     let current = with_all(base, &before);
-    let hypotheses = open(&current, looked, library, &before);
-    let good = screened(&current, looked, &hypotheses, &mut |part| progress(0.7 * part));
+    let coarse = looked.evidence(&current);
+    let hypotheses = open(&current, looked, &coarse, library, &before);
+    let good = screened(&current, &coarse, &hypotheses, &mut |part| progress(0.7 * part));
     let best = good.first()?;
     // At the noise that the best leaves the good ones are told apart.
     let fine = looked.evidence(&best.hypothesis.machine(&current, &best.values));
@@ -123,7 +125,13 @@ pub fn with_next(
 }
 
 /// What of the library is not named yet, with what the residual says where to place.
-fn open(current: &Machine, looked: &Looked, library: &[Hypothesis], named: &[Candidate]) -> Vec<Hypothesis> {
+fn open(
+    current: &Machine,
+    looked: &Looked,
+    coarse: &Evidence,
+    library: &[Hypothesis],
+    named: &[Candidate],
+) -> Vec<Hypothesis> {
     let is_named = |other: &Hypothesis| {
         named.iter().any(|own| own.hypothesis.id == other.id && own.hypothesis.variant == other.variant)
     };
@@ -134,19 +142,18 @@ fn open(current: &Machine, looked: &Looked, library: &[Hypothesis], named: &[Can
         .cloned()
         .collect();
     let has_override = library.iter().any(|hypothesis| hypothesis.id == "feed_override");
-    let whole = Evidence::of(looked.whole, current);
-    all.extend(places::hypotheses(current, looked.whole, &whole, has_override));
+    let whole = if looked.in_parts { &Evidence::of(looked.whole, current) } else { coarse };
+    all.extend(places::hypotheses(current, looked.whole, whole, has_override));
     all
 }
 
 /// The best of the hypotheses at the best of their trials, by cost at the noise that the best of them leaves.
 fn screened(
     current: &Machine,
-    looked: &Looked,
+    coarse: &Evidence,
     hypotheses: &[Hypothesis],
     progress: &mut dyn FnMut(f64),
 ) -> Vec<Candidate> {
-    let coarse = looked.evidence(current);
     let mut candidates: Vec<Candidate> = Vec::new();
     for (at, hypothesis) in hypotheses.iter().enumerate() {
         progress(at as f64 / hypotheses.len() as f64);
@@ -173,8 +180,9 @@ fn refined(
     let mut good: Vec<Candidate> = good.iter().map(at_fine).collect();
     good.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     good.truncate(REFINED);
+    let speeds = Speeds::of(current, fine.runs);
     let is_as_close = |candidate: &Candidate, others: &[Candidate]| {
-        speeds::are_as_close(fine.runs, current, &with_all(base, &together(candidate, others)))
+        speeds.are_kept(&with_all(base, &together(candidate, others)))
     };
     let mut refined: Vec<_> = good.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
     refined.retain(|(candidate, others)| {
@@ -265,8 +273,8 @@ fn passed(
 
 /// What a cause explains, s.
 fn weight(without: &Machine, with: &Machine, runs: &[Run]) -> f64 {
-    let (seconds, _) = regions::acts_on(without, with, runs);
-    seconds.abs().max(NETTED * regions::moved(without, with, runs))
+    let (seconds, moved) = regions::moved(without, with, runs);
+    seconds.abs().max(NETTED * moved)
 }
 
 fn together(candidate: &Candidate, others: &[Candidate]) -> Vec<Candidate> {
@@ -306,7 +314,7 @@ pub fn held(base: &Machine, runs: &[Run], named: Vec<Found>) -> Vec<Found> {
     for found in named {
         let after = found.candidate.hypothesis.machine(&before, &found.candidate.values);
         let gain = whole.cost(&before) - whole.cost(&after);
-        if GAIN < gain && speeds::are_as_close(runs, &before, &after) {
+        if GAIN < gain && Speeds::of(&before, runs).are_kept(&after) {
             kept.push(found);
             before = after;
         }

@@ -24,25 +24,38 @@ pub fn error(machine: &Machine, run: &Run, is_meant: &dyn Fn(f64) -> bool) -> Op
     Simulated::of(machine, run).error(is_meant)
 }
 
-/// Whether feedrates differ no more with a cause than without it, all in all and where it acts.
-pub fn are_as_close(runs: &[Run], without: &Machine, with: &Machine) -> bool {
-    let mut sums = [[Sum::default(); 2]; 2];
-    for run in runs {
-        let sides = [without, with].map(|machine| Simulated::of(machine, run));
-        let acts = acts(&sides[0], &sides[1]);
-        let is_in = |time: f64| {
-            let next = acts.partition_point(|during| during.end < time);
-            acts.get(next).is_some_and(|during| during.start <= time)
-        };
-        for (side, simulated) in sides.iter().enumerate() {
-            sums[0][side].add(simulated.error(&|_| true));
-            sums[1][side].add(simulated.error(&is_in));
-        }
+/// How far feedrates differ without a cause.
+pub struct Speeds<'a> {
+    runs: &'a [Run<'a>],
+    without: Vec<Simulated<'a>>,
+}
+
+impl<'a> Speeds<'a> {
+    /// On a machine.
+    pub fn of(machine: &Machine, runs: &'a [Run<'a>]) -> Speeds<'a> {
+        Speeds { runs, without: runs.iter().map(|run| Simulated::of(machine, run)).collect() }
     }
-    sums.into_iter().zip(WORSE).all(|(sides, worse)| {
-        let [before, after] = sides.map(|sum| sum.rms());
-        before.zip(after).is_none_or(|(before, after)| after <= worse * before)
-    })
+
+    /// Whether they differ no more with a cause, all in all and where it acts.
+    pub fn are_kept(&self, with: &Machine) -> bool {
+        let mut sums = [[Sum::default(); 2]; 2];
+        for (run, without) in self.runs.iter().zip(&self.without) {
+            let with = Simulated::of(with, run);
+            let acts = acts(without, &with);
+            let is_in = |time: f64| {
+                let next = acts.partition_point(|during| during.end < time);
+                acts.get(next).is_some_and(|during| during.start <= time)
+            };
+            for (side, simulated) in [without, &with].into_iter().enumerate() {
+                sums[0][side].add(simulated.error(&|_| true));
+                sums[1][side].add(simulated.error(&is_in));
+            }
+        }
+        sums.into_iter().zip(WORSE).all(|(sides, worse)| {
+            let [before, after] = sides.map(|sum| sum.rms());
+            before.zip(after).is_none_or(|(before, after)| after <= worse * before)
+        })
+    }
 }
 
 /// A run on a machine.
