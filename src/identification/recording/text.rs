@@ -5,6 +5,7 @@
 //! around; no thousands separators, because `1,234` would mean two things.
 
 use crate::identification::recording::RecordingError;
+use crate::simulation::gcode::characters;
 
 /// First bytes of files that people drop by mistake or still have to unpack.
 const MAGIC: &[(&[u8], &str)] = &[
@@ -29,8 +30,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
     let text = match bytes {
         [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
         [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
-        [0xef, 0xbb, 0xbf, rest @ ..] => utf8_or_latin1(rest),
-        _ => utf8_or_latin1(bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => characters(rest).into_owned(),
+        _ => characters(bytes).into_owned(),
     };
     if text.trim().is_empty() {
         return Err(RecordingError::Empty);
@@ -44,17 +45,6 @@ pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
         return Err(RecordingError::Binary("binary data"));
     }
     Ok(text)
-}
-
-fn utf8_or_latin1(bytes: &[u8]) -> String {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        // A cut in the middle of the last character is no reason to misread all the others.
-        Err(error) if error.error_len().is_none() && 0 < error.valid_up_to() => {
-            String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
-        }
-        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
-    }
 }
 
 fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {

@@ -21,11 +21,14 @@ pub(super) fn text(bytes: &[u8]) -> (Cow<'_, [u8]>, bool) {
     (Cow::Owned(text.into_bytes()), true)
 }
 
-/// A text in UTF-8, or else in Latin-1, as older controls and posts write it; an end that was cut off is left out.
-pub(super) fn characters(text: &[u8]) -> Cow<'_, str> {
+/// A text in UTF-8, or else in Latin-1, as older controls, posts and recorders write it.
+pub fn characters(text: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(text) {
         Ok(text) => Cow::Borrowed(text),
-        Err(cut) if cut.error_len().is_none() => String::from_utf8_lossy(&text[..cut.valid_up_to()]),
+        // A cut in the middle of the last character is no reason to misread all the others.
+        Err(cut) if cut.error_len().is_none() && 0 < cut.valid_up_to() => {
+            String::from_utf8_lossy(&text[..cut.valid_up_to()])
+        }
         Err(_) => text.iter().map(|byte| char::from(*byte)).collect(),
     }
 }

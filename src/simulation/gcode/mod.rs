@@ -51,6 +51,7 @@ mod structure;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
 pub use dialect::Dialect;
+pub use encoding::characters;
 pub use expression::{LOCAL_PARAMETERS, STORED_PARAMETERS};
 pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, When};
 pub use formula::{Formula, Function, Operator, Step, Target};
