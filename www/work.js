@@ -86,16 +86,28 @@ export function workOn(state, engine, page) {
         page.hasCurve()
       },
     }
+    const labels = columns.map(columnLabel)
+    return tried(
+      async () => {
+        await engine.simulate({ program: program.file, machine, dialect: program.dialect, columns, labels }, listener)
+        program.outcome = outcome
+        program.failure = null
+      },
+      (reason) => {
+        program.failure = motion
+        page.fail(say.work.notSimulated(program.name, reason))
+      },
+    )
+  }
+
+  /** Does one thing of all; false where that was cancelled. @param {() => Promise<void>} what @param {(reason: string) => void} failed */
+  async function tried(what, failed) {
     try {
       page.update()
-      const labels = columns.map(columnLabel)
-      await engine.simulate({ program: program.file, machine, dialect: program.dialect, columns, labels }, listener)
-      program.outcome = outcome
-      program.failure = null
+      await what()
     } catch (error) {
       if (error instanceof Ended && error.kind === 'cancelled') return false
-      program.failure = motion
-      page.fail(say.work.notSimulated(program.name, reasonOf(error)))
+      failed(reasonOf(error))
     }
     return true
   }
@@ -116,22 +128,22 @@ export function workOn(state, engine, page) {
     const { dialect } = program
     const stage = stageOf(program.id)
     stage('comparing', 0, recording.name)
-    try {
-      page.update()
-      const machine = JSON.stringify(state.machine.values)
-      const request = { program: program.file, machine, dialect, recording: recording.bytes }
-      const { report, refusal, columns } = await engine.compare(request, stage)
-      // It may have been given another program meanwhile.
-      if (recording.program === program.id && program.dialect === dialect) {
-        recording.match = { motion, report, refusal, columns }
-        recording.failure = null
-      }
-    } catch (error) {
-      if (error instanceof Ended && error.kind === 'cancelled') return false
-      recording.failure = motion
-      page.fail(say.work.notCompared(recording.name, reasonOf(error)))
-    }
-    return true
+    const machine = JSON.stringify(state.machine.values)
+    const request = { program: program.file, machine, dialect, recording: recording.bytes }
+    return tried(
+      async () => {
+        const { report, refusal, columns } = await engine.compare(request, stage)
+        // It may have been given another program meanwhile.
+        if (recording.program === program.id && program.dialect === dialect) {
+          recording.match = { motion, report, refusal, columns }
+          recording.failure = null
+        }
+      },
+      (reason) => {
+        recording.failure = motion
+        page.fail(say.work.notCompared(recording.name, reason))
+      },
+    )
   }
 
   /** The recordings that are used, as they are asked about. */
@@ -150,20 +162,20 @@ export function workOn(state, engine, page) {
     const all = collected()
     const before = page.now()
     const [own, { motion }] = [evidence(state), state.machine]
-    try {
-      page.update()
-      const runs = all.map(({ request }) => request)
-      const { report, json, html, runs: columns } = await engine.diagnose({ machine: JSON.stringify(before.values), runs }, stage)
-      state.diagnosing = false
-      const diagnosed = all.map(({ name, program }, index) => ({ name, program, columns: columns[index] }))
-      const motions = [motion, report?.values ? motionOf(JSON.stringify(report.values)) : motion]
-      if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false, evidence: own, motions }
-    } catch (error) {
-      if (error instanceof Ended && error.kind === 'cancelled') return false
-      state.diagnosing = false
-      page.fail(say.work.notDiagnosed(reasonOf(error)))
-    }
-    return true
+    const runs = all.map(({ request }) => request)
+    return tried(
+      async () => {
+        const { report, json, html, runs: columns } = await engine.diagnose({ machine: JSON.stringify(before.values), runs }, stage)
+        state.diagnosing = false
+        const diagnosed = all.map(({ name, program }, index) => ({ name, program, columns: columns[index] }))
+        const motions = [motion, report?.values ? motionOf(JSON.stringify(report.values)) : motion]
+        if (report) state.diagnosis = { report, json, html, runs: diagnosed, before, used: false, evidence: own, motions }
+      },
+      (reason) => {
+        state.diagnosing = false
+        page.fail(say.work.notDiagnosed(reason))
+      },
+    )
   }
 
   /** Calibrates the machine; false where that was cancelled. */
@@ -172,17 +184,17 @@ export function workOn(state, engine, page) {
     stage('calibrating', 0)
     const runs = collected().map(({ request }) => request)
     const before = page.now()
-    try {
-      page.update()
-      const { report } = await engine.calibrate({ machine: JSON.stringify(before.values), runs }, stage)
-      state.calibrating = false
-      if (report) page.take({ report, before })
-    } catch (error) {
-      if (error instanceof Ended && error.kind === 'cancelled') return false
-      state.calibrating = false
-      page.fail(say.work.notCalibrated(reasonOf(error)))
-    }
-    return true
+    return tried(
+      async () => {
+        const { report } = await engine.calibrate({ machine: JSON.stringify(before.values), runs }, stage)
+        state.calibrating = false
+        if (report) page.take({ report, before })
+      },
+      (reason) => {
+        state.calibrating = false
+        page.fail(say.work.notCalibrated(reason))
+      },
+    )
   }
 
   return work
