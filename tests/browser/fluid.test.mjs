@@ -18,20 +18,23 @@ function surface(lines) {
   return [...text, 'M30'].join('\n')
 }
 
-/** The long tasks (ms) during what is done. */
-async function longTasks(page, body) {
-  await page.evaluate(() => {
-    window.longTasks = []
-    window.observer = new PerformanceObserver((list) => window.longTasks.push(...list.getEntries().map(({ duration }) => duration)))
-    window.observer.observe({ entryTypes: ['longtask'] })
-  })
+/**
+ * The longest task of the page during what is done, ms: as the clock saw it, and what the processor worked in any, which is the page's
+ * own share where the machine does other things as well.
+ */
+async function longestTask(page, body) {
+  const browser = page.context().browser()
+  await browser.startTracing(page, { categories: ['toplevel'] })
   await body()
   await frame(page)
   await page.waitForTimeout(200)
-  return page.evaluate(() => {
-    window.observer.disconnect()
-    return window.longTasks
-  })
+  const { traceEvents: events } = JSON.parse(String(await browser.stopTracing()))
+  const place = (/** @type {{ pid: number, tid: number }} */ { pid, tid }) => `${pid} ${tid}`
+  const mains = new Set(events.filter(({ name, args }) => name === 'thread_name' && args.name === 'CrRendererMain').map(place))
+  const tasks = events.filter((event) => event.ph === 'X' && event.name.endsWith('RunTask') && mains.has(place(event)))
+  assert.ok(tasks.length > 0, 'tasks of the page are seen')
+  const longest = (/** @type {string} */ key) => Math.max(...tasks.map((task) => task[key] ?? 0)) / 1000
+  return { clock: longest('dur'), processor: longest('tdur') }
 }
 
 pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay fluid`, async ({ page }) => {
@@ -66,10 +69,12 @@ pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay
     const whole = await picture()
     await page.$eval(`${selector} canvas`, (canvas) => {
       window.coarsest = Infinity
-      const note = () => (window.coarsest = Math.min(window.coarsest, canvas.width / canvas.clientWidth))
+      // Asked for now: asking in a frame makes the browser lay out the page, which would be measured with it.
+      const shown = canvas.clientWidth
+      const note = () => (window.coarsest = Math.min(window.coarsest, canvas.width / shown))
       new MutationObserver(note).observe(canvas, { attributeFilter: ['width'] })
     })
-    const tasks = await longTasks(page, async () => {
+    const { clock, processor } = await longestTask(page, async () => {
       await page.mouse.move(x + 0.6 * width, y + 0.3 * height)
       for (let turn = 0; turn < 12; turn += 1) await page.mouse.wheel(0, -240)
       await page.keyboard.down('Shift')
@@ -79,8 +84,7 @@ pageTest(`a program of ${LINES} lines is drawn soon, and its chart and path stay
       await page.keyboard.up('Shift')
       for (let turn = 0; turn < 6; turn += 1) await page.mouse.wheel(0, 240)
     })
-    const longest = Math.max(0, ...tasks)
-    console.log(`# ${selector}: ${tasks.length} long tasks while zooming and moving, the longest ${ms(longest)}`)
+    console.log(`# ${selector}: the longest task while zooming and moving takes ${ms(clock)}, ${ms(processor)} of a processor`)
     assert.notEqual(await picture(), whole, 'zooming and moving show something else')
     assert.equal(await page.evaluate(() => window.coarsest), 1, 'what moves is drawn no finer than the page')
     await rests()
