@@ -568,7 +568,8 @@ async function mountOthers() {
 
 /** Does something when the page has drawn and has nothing else to do. @param {() => void} what */
 function whenIdle(what) {
-  requestAnimationFrame(() => drawn().then(() => setTimeout(what)))
+  // A picture hears that it is in sight after the frame in which it appears.
+  requestAnimationFrame(() => requestAnimationFrame(() => drawn().then(() => setTimeout(what))))
 }
 
 function update() {

@@ -361,6 +361,7 @@ export const say = {
     hourlyRate: 'Machine’s hourly rate',
     faults: 'There is no price while an entry has a fault: ',
     picture: 'Feedrate over the distance, and contour error below',
+    noPrice: 'No price yet',
     aPart: ' a part',
     batch: (total, currency, parts) => `, ${total} ${currency} for ${parts}`,
     total: 'Total',

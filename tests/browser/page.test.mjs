@@ -431,6 +431,7 @@ pageTest('what is no program is said to be none, and quotes nothing; files of on
   assert.ok(await page.isHidden('#quote'))
 
   for (const length of [10, 100]) await give('part.nc', `G21 G90\nG1 X${length} F1000\nM30`)
+  await page.waitForFunction(() => document.querySelectorAll('.programs li').length === 4)
   await computed(page)
   assert.deepEqual((await page.locator('.programs .file').allTextContents()).slice(2), ['part.nc', 'part.nc (2)'])
   assert.ok(await page.isVisible('#quote'))

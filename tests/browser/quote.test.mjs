@@ -35,6 +35,16 @@ async function downloaded(page, selector) {
   return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) }
 }
 
+pageTest('where nothing has a price, the quote says so and leads to the rate', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  assert.equal(await page.textContent('#quote .headline'), 'No price yet')
+  assert.doesNotMatch(await page.textContent('#quote .answer'), /0\.00/)
+  await page.click('#quote .answer a')
+  await page.keyboard.type('85')
+  await page.waitForFunction(() => document.querySelector('#quote .headline')?.textContent.includes('EUR'))
+})
+
 pageTest('every amount is in sight and they add up to the total', async ({ page }) => {
   await quoted(page)
   const rows = await page.evaluate(() =>

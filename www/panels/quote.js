@@ -205,10 +205,17 @@ function priced(offer, offers) {
     table(say.quote.tools, ['', say.common.time, say.quote.cost], shares(offer.tools)),
   )
   const title = offer.reference || offer.program
+  const of = make('p', { className: 'on-paper' }, make('b', {}, title), say.quote.about(offer.program, offer.machine, worded(offer.tolerance)))
+  const sure = make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence))
+  // Where nothing costs anything, a price of nothing would be taken for one.
+  if (offer.addends.length === 0) {
+    const rate = make('a', { href: `#term-${MACHINE_RATE.replace('.', '-')}` }, say.results.giveRate)
+    return [of, make('p', { className: 'headline' }, make('b', {}, say.quote.noPrice)), make('p', {}, rate), sure]
+  }
   return [
-    make('p', { className: 'on-paper' }, make('b', {}, title), say.quote.about(offer.program, offer.machine, worded(offer.tolerance))),
+    of,
     headline,
-    make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence)),
+    sure,
     table(say.quote.madeOf, ['', say.quote.once, say.quote.eachPart, `${parts}${currency ? `, ${currency}` : ''}`], rows),
     table(say.quote.byQuantity, [say.quote.quantity, say.quote.eachPart, say.quote.total, say.quote.ifOff], breaks),
     ...(tolerances.length > 0 ? [table(say.quote.byTolerance, [say.common.contourTolerance, say.common.cycleTime, say.quote.eachPart, parts], tolerances)] : []),

@@ -117,11 +117,13 @@ function table(outcome, columns, machine) {
   // Rates change no motion: the price is told by the form as it is now, where that has no fault.
   const priceOf = (/** @type {RunSummary} */ run) => price(machine, run.cycle_time_s) ?? run.price
   const priced = [...outcome.runs.values()].some(({ summary }) => priceOf(summary))
-  /** @type {[string, number][]} */
-  const titles = [[say.common.tolerance, 1], [say.common.cycleTime, 2], ...priceTitles(priced), [say.common.programmed, 1], [say.common.difference, 2]]
-  for (const [, title] of PARTS) titles.push([title, 1])
-  titles.push([say.common.contourError, 1])
-  const head = make('tr', {}, ...titles.map(([title, colSpan]) => make('th', { scope: 'col', colSpan }, title)))
+  const title = (/** @type {string} */ text, colSpan = 1, className = '') => make('th', { scope: 'col', colSpan, className }, text)
+  const titles = [title(say.common.tolerance), title(say.common.cycleTime, 2)]
+  if (priced) titles.push(title(say.results.price))
+  titles.push(title(say.common.programmed), title(say.common.difference, 2))
+  for (const [, part] of PARTS) titles.push(title(part, 1, 'part'))
+  titles.push(title(say.common.contourError))
+  const head = make('tr', {}, ...titles)
   const programmed = outcome.summary.programmed_time_s
   const rows = columns.map((column, index) => {
     const label = make(
@@ -140,17 +142,14 @@ function table(outcome, columns, machine) {
       seconds(programmed),
       difference(longer),
       percent(longer / programmed),
-      ...PARTS.map(([key]) => seconds(run.breakdown[key])),
-      deviationLabel(run.max_contour_error_mm),
-    ]
-    return make('tr', { className: column === null ? 'programmed' : '' }, label, ...cells.map((cell) => make('td', {}, cell)))
+    ].map((cell) => make('td', {}, cell))
+    for (const [key] of PARTS) cells.push(make('td', { className: 'part' }, seconds(run.breakdown[key])))
+    cells.push(make('td', {}, deviationLabel(run.max_contour_error_mm)))
+    return make('tr', { className: column === null ? 'programmed' : '' }, label, ...cells)
   })
   const table = make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows))
   return scroll(table)
 }
-
-/** @param {boolean} priced @returns {[string, number][]} */
-const priceTitles = (priced) => (priced ? [[say.results.price, 1]] : [])
 
 /** Why the results in sight are not those of the machine in the form. @param {State} state */
 function outOfDate({ machine, paused }) {
