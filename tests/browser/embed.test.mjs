@@ -1,5 +1,5 @@
 // Quotes embedded elsewhere: two components on one page, a frame under a portal of another origin, hostile messages, and the
-// package in Node. All of them give the times of the command line.
+// package in Node and in a bundle. All of them give the times of the command line.
 
 import assert from 'node:assert/strict'
 import { execFileSync, spawnSync } from 'node:child_process'
@@ -7,7 +7,9 @@ import { mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSyn
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after, before, test } from 'node:test'
+import { build } from 'vite'
 import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
+import { serve } from '../../scripts/serve.mjs'
 import { leaving, openPage } from './harness.mjs'
 import { binary, ROOT, shot } from './steps.mjs'
 
@@ -363,6 +365,30 @@ test('the package quotes in Node as the command line does', async () => {
     await assert.rejects(quote(...request), isOfKind, `${kind} ${request.slice(1)}`)
   }
   await assert.rejects(quote(program, { preset: MACHINE, 'rapid.feed_mm_min': -1 }), (error) => error.faults[0].key === 'rapid.feed_mm_min')
+})
+
+test('a bundle of the package quotes, by function and by component', { timeout: 120_000 }, async () => {
+  const root = mkdtempSync(join(scratch, 'bundle-'))
+  mkdirSync(join(root, 'node_modules'))
+  symlinkSync(PACKAGE, join(root, 'node_modules/truefeed'))
+  writeFileSync(join(root, 'index.html'), '<!doctype html><title>Portal</title><truefeed-quote></truefeed-quote><script type="module" src="portal.js"></script>')
+  const request = [readFileSync(SAMPLE, 'utf8'), MACHINE_FILE, [0.01, 0.05]].map((part) => JSON.stringify(part)).join(', ')
+  writeFileSync(join(root, 'portal.js'), `import { quote } from 'truefeed'\nimport 'truefeed/element'\nquote(${request}).then((result) => { window.quoted = result })`)
+  await build({ root, configFile: false, logLevel: 'error' })
+  const server = await serve(0, [join(root, 'dist')])
+  const { page, errors, requests, close } = await openPage({ path: '/icon.svg' })
+  try {
+    await page.goto(`${server.origin}/`)
+    requests.length = 0
+    const quoted = await page.waitForFunction(() => window.quoted)
+    assertAlike(await quoted.jsonValue(), predicted(SAMPLE, [0.01, 0.05]))
+    await page.waitForFunction(() => document.querySelector('truefeed-quote').shadowRoot?.textContent.includes('Drop a G-code program'))
+    assert.deepEqual(errors.filter((error) => !error.includes('/favicon.ico')), [])
+    assert.deepEqual(leaving(requests, server.origin), [])
+  } finally {
+    await close()
+    await server.close()
+  }
 })
 
 test('the example in Node quotes a folder', () => {
