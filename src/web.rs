@@ -29,6 +29,8 @@ mod quoted;
 #[cfg(not(first_visit))]
 mod recorded;
 mod settings;
+#[cfg(not(first_visit))]
+mod tabled;
 mod text;
 mod theme;
 #[cfg(not(first_visit))]

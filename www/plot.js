@@ -2,7 +2,7 @@
 // the page have one cursor and one stretch of the path in sight.
 
 import { find, make } from './dom.js'
-import { sheetOf } from './drawing.js'
+import { sheetOf, whenStill } from './drawing.js'
 import { offerPictures } from './pictures.js'
 import { say } from './texts.js'
 import { whole } from './whole.js'
@@ -98,16 +98,28 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
 
   const title = plot.getAttribute('aria-label') ?? say.charts.picture
-  offerPictures(find(root, '.tools'), root.id || 'chart', title, async () => {
-    // The module of the first visit draws on no paper.
+  /** Asks the whole module about what is in sight: that of the first visit draws on no paper and makes no table. @template T @param {(twin: WholeChart) => T} ask */
+  async function inSight(ask) {
     const { Chart } = await whole()
     const twin = new Chart()
     fill(twin)
     twin.setView(chart.view())
-    const svg = twin.svgInSight(sheet.width, sheet.height)
+    const answer = ask(twin)
     twin.free()
-    return svg
-  })
+    return answer
+  }
+  offerPictures(find(root, '.tools'), root.id || 'chart', title, () => inSight((twin) => twin.svgInSight(sheet.width, sheet.height)))
+
+  const behind = make('details', { className: 'behind' }, make('summary', {}, say.charts.asTable))
+  plot.after(behind)
+  behind.addEventListener('toggle', tabulate)
+  /** Puts what is in sight into the table, where that is open. */
+  async function tabulate() {
+    if (!behind.open || !isShown()) return
+    const { tableOf } = await import('./table.js')
+    const table = await inSight((twin) => tableOf(twin, title))
+    behind.replaceChildren(behind.children[0], table)
+  }
 
   let readAt = NaN
   /** Whether the pointer is on another chart. */
@@ -119,6 +131,7 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     chart.draw(canvas, sheet.width, sheet.height, sheet.ratio())
     plot.dataset.span = chart.span().join(' ')
     if (Number.isFinite(readAt)) show(chart.reading(readAt), isPassive)
+    whenStill(tabulate)
   })
   const { redraw } = sheet
 

@@ -435,6 +435,12 @@ export const say = {
     picture: 'the chart',
     table: 'Table',
     outOfDate: 'out of date',
+    asTable: 'The chart as a table',
+    inMillimetres: 'Distance (mm)',
+    inMinutes: (what) => `${what} (mm/min)`,
+    errorOf: (label) => `Contour error, ${label}`,
+    lost: 'Lost up to there',
+    lostAfter: 'Lost after the change',
   },
   field: {
     range: (min, max, ofUnit) => `${min} to ${max}${ofUnit}`,

@@ -271,11 +271,7 @@ impl Chart {
 
     /// The distances in sight, mm: first and last.
     pub fn span(&self) -> Vec<f64> {
-        let distance = |at: f64| match &self.timed {
-            None => at,
-            Some(_) => self.chart.distance_at(at).unwrap_or(0.0),
-        };
-        vec![distance(self.view.distance.0), distance(self.view.distance.1)]
+        vec![self.distance_of(self.view.distance.0), self.distance_of(self.view.distance.1)]
     }
 
     /// Everything about a pixel column; none outside the path.
@@ -325,6 +321,14 @@ impl Chart {
     /// What is drawn.
     pub(super) fn shown(&self) -> &FeedChart {
         self.timed.as_ref().unwrap_or(&self.chart)
+    }
+
+    /// The distance (mm) at a place of the abscissa.
+    pub(super) fn distance_of(&self, at: f64) -> f64 {
+        match &self.timed {
+            None => at,
+            Some(_) => self.chart.distance_at(at).unwrap_or(0.0),
+        }
     }
 
     /// Two distances (mm) on the abscissa.

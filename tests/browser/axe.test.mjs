@@ -50,6 +50,8 @@ for (const scheme of ['light', 'dark']) {
     await page.selectOption('#compare .beside', { index: 2 })
     await page.waitForFunction(() => !document.querySelector('#compare .columns').textContent.includes('…'))
     await page.click('#compare details summary')
+    await page.click('#chart .behind summary')
+    await page.waitForSelector('#chart .behind td')
     await page.click('#cutting details summary')
     await page.fill('#tolerances input', 'much')
     await page.press('#tolerances input', 'Enter')

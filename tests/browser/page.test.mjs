@@ -441,3 +441,36 @@ pageTest('what is no program is said to be none, and quotes nothing; files of on
   await page.waitForSelector('#recording .refused')
   assert.equal(await page.locator('.programs li').count(), 4)
 })
+
+pageTest('behind the chart is a table of what is in sight', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  const rows = () =>
+    page.$$eval('#chart .behind tbody tr', (all) => all.map(({ cells }) => [...cells].map((cell) => cell.textContent)))
+  await page.click('#chart .behind summary')
+  await page.waitForSelector('#chart .behind tbody tr')
+  const whole = await rows()
+  assert.equal(whole.length, 20)
+  // The largest contour error of each tolerance is that of the table of cycle times.
+  const largest = await page.$$eval('#results tbody tr', (all) => all.map(({ cells }) => cells[cells.length - 1].textContent))
+  for (const [index, error] of largest.entries()) {
+    const told = whole.map((row) => row[4 + 2 * index])
+    assert.ok(told.includes(error), `${error} is among ${told}`)
+  }
+  const end = (all) => Number(all.at(-1)[0].split(' – ')[1].replaceAll(',', ''))
+  const length = end(whole)
+  assert.ok(length > 0 && whole[0][0].startsWith('0'), whole[0][0])
+
+  // It follows the view and the axis.
+  await page.focus('#chart .plot')
+  await page.keyboard.press('+')
+  await page.waitForFunction((first) => document.querySelector('#chart .behind tbody th').textContent !== first, whole[0][0])
+  const zoomed = await rows()
+  assert.equal(zoomed.length, 20)
+  assert.ok(end(zoomed) < length)
+  await page.selectOption('#chart .over', 'time')
+  await page.waitForFunction(() => document.querySelector('#chart .behind thead th').textContent === 'Time')
+  assert.match((await rows())[0][0], / s$/)
+  await page.locator('#chart .behind').scrollIntoViewIfNeeded()
+  await shot(page, 'behind')
+})

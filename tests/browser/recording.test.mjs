@@ -131,9 +131,11 @@ pageTest('all charts have one cursor and one stretch in sight', async ({ page })
   await drop(page, 'body', [PROGRAM, path])
   await compared(page)
   const plot = page.locator('#recording .plot')
-  await plot.scrollIntoViewIfNeeded()
-  // It is drawn when it comes in sight, and read from then on.
-  await page.waitForFunction(() => document.querySelector('#recording .plot').dataset.span)
+  // A chart is drawn when it comes in sight, and read from then on.
+  for (const chart of ['#chart', '#recording']) {
+    await page.locator(`${chart} .plot`).scrollIntoViewIfNeeded()
+    await page.waitForFunction((chart) => document.querySelector(`${chart} .plot`).dataset.span, chart)
+  }
   const { x, y, width, height } = await plot.boundingBox()
   await page.mouse.move(x + 0.6 * width, y + 0.3 * height)
   await page.waitForFunction(() => document.querySelector('#recording .reading').textContent)

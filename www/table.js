@@ -1,0 +1,44 @@
+// The table behind a chart: what is in sight in rows, for those who do not see the chart or want its numbers.
+
+import { make, scroll } from './dom.js'
+import { count, number, seconds } from './format.js'
+import { deviationLabel } from './labels.js'
+import { say } from './texts.js'
+
+/** @import { Chart } from "./pkg/truefeed_whole.js" */
+
+/** @param {Chart} chart @param {string} caption */
+export function tableOf(chart, caption) {
+  const isOverTime = chart.isOverTime()
+  const labels = chart.labels()
+  const rows = chart.table()
+  const place = isOverTime ? seconds : number
+  const range = (/** @type {ArrayLike<number>} */ pair) => (pair.length > 0 ? between(count(pair[0]), count(pair[1])) : '–')
+  const hasErrors = labels.map((_, index) => rows.some(({ curves }) => curves[index].error !== undefined))
+  const hasLost = rows.some(({ lost }) => lost !== undefined)
+  const hasAfter = rows.some(({ lostAfter }) => lostAfter !== undefined)
+  const titles = [
+    isOverTime ? say.common.time : say.charts.inMillimetres,
+    say.common.lines,
+    say.charts.inMinutes(say.common.programmed),
+    ...labels.flatMap((label, index) => [say.charts.inMinutes(label), ...(hasErrors[index] ? [say.charts.errorOf(label)] : [])]),
+    ...(hasLost ? [say.charts.lost] : []),
+    ...(hasAfter ? [say.charts.lostAfter] : []),
+  ]
+  const body = rows.map(({ from, to, lines, programmed, curves, lost, lostAfter }) => {
+    const cells = [lines.length > 0 ? between(String(lines[0]), String(lines[1])) : '–', range(programmed)]
+    for (const [index, { feedrate, error }] of curves.entries()) {
+      cells.push(range(feedrate))
+      if (hasErrors[index]) cells.push(error === undefined ? '–' : deviationLabel(error))
+    }
+    if (hasLost) cells.push(lost === undefined ? '–' : seconds(lost))
+    if (hasAfter) cells.push(lostAfter === undefined ? '–' : seconds(lostAfter))
+    const head = make('th', { scope: 'row' }, between(place(from), place(to)))
+    return make('tr', {}, head, ...cells.map((cell) => make('td', {}, cell)))
+  })
+  const head = make('tr', {}, ...titles.map((title) => make('th', { scope: 'col' }, title)))
+  return scroll(make('table', {}, make('caption', {}, caption), make('thead', {}, head), make('tbody', {}, ...body)))
+}
+
+/** A range, or what both of its ends are. @param {string} from @param {string} to */
+const between = (from, to) => (from === to ? from : `${from} – ${to}`)
