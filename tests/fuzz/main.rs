@@ -118,6 +118,27 @@ fn mutated_plans_hold_the_laws() {
     run("planned", &seeds("programs"), 0x5eed_0008, borders::planned);
 }
 
+/// What `scripts/fuzz` found to break a law, by target or dialect; `tests/recording_readers.rs` has the recordings.
+#[test]
+fn files_that_broke_a_law_break_it_no_more() {
+    let mut count = 0;
+    for path in files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/known")) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let bytes = std::fs::read(&path).expect("a readable file");
+        println!("{name}");
+        match name.split('-').next() {
+            Some("recording") => continue,
+            Some("program") => laws::program(&bytes),
+            Some("planned") => borders::planned(&bytes),
+            dialect => {
+                laws::program_in(&bytes, Some(dialect.and_then(Dialect::from_word).expect("a dialect")))
+            }
+        }
+        count += 1;
+    }
+    assert!(0 < count);
+}
+
 /// Found by `scripts/fuzz`: a cell with a control character, which the refusal showed, on a line of its own.
 #[test]
 fn cells_of_recordings_are_shown_without_control_characters() {

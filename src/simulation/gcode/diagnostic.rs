@@ -117,7 +117,8 @@ impl<R: Remark> Remarks<R> {
             line: place.line,
             columns: place.columns,
             severity: remark.severity(),
-            message: remark.to_string(),
+            // Names that a program gives may hold anything.
+            message: remark.to_string().replace(char::is_control, " "),
         });
     }
 

@@ -12,7 +12,7 @@
 //! Source: NIST RS274/NGC, Sect. 3.5.19; LinuxCNC, G93, G94, G95.
 
 use crate::simulation::toolpath::block::{Block, bits};
-use crate::simulation::toolpath::motion::ASSUMED_FEEDRATE;
+use crate::simulation::toolpath::motion::{ASSUMED_FEEDRATE, SHORTEST};
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::units::{SECONDS_PER_MINUTE, mm_per_min, mm_per_s};
@@ -89,6 +89,8 @@ impl Tracer<'_> {
             return feedrate;
         }
         match self.modal.feed.mode {
+            // Beside the contour a move without length may get one, for which no time is told.
+            FeedMode::InverseTime if length < SHORTEST => self.feedrate(block),
             FeedMode::InverseTime => {
                 let per_minute = self.per_minute_in_block(block);
                 per_minute.map_or(ASSUMED_FEEDRATE, |rate| length * rate / SECONDS_PER_MINUTE)

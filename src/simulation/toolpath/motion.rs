@@ -17,7 +17,7 @@ pub const ASSUMED_FEEDRATE: f64 = 1000.0 / 60.0;
 pub(super) const REACH: f64 = 1e7;
 
 /// Moves shorter than this are rounding, mm.
-const SHORTEST: f64 = 1e-9;
+pub(super) const SHORTEST: f64 = 1e-9;
 
 /// The longest dwell that is taken at its word, s: some 11 days.
 pub(super) const LONGEST_DWELL: f64 = 1e6;

@@ -13,6 +13,7 @@
 
 use crate::simulation::toolpath::block::{Block, bits};
 use crate::simulation::toolpath::feed_mode::FeedMode;
+use crate::simulation::toolpath::motion::SHORTEST;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::{Family, Tracer};
 use crate::simulation::toolpath::words::Mode;
@@ -106,7 +107,8 @@ impl Tracer<'_> {
         let turn = self.rotary.ahead.map(f64::to_degrees).norm() * self.modal.unit;
         let is_combined = self.family == Family::Fanuc;
         self.remarks.add(block.place(), Untraced::RotaryFeed { is_combined });
-        if is_combined { feedrate * length / length.hypot(turn) } else { feedrate }
+        // Beside the contour a move without length may get one.
+        if is_combined && SHORTEST <= length { feedrate * length / length.hypot(turn) } else { feedrate }
     }
 
     /// Turns what no move has taken along.

@@ -55,6 +55,8 @@ impl Reader<'_> {
 
     /// Reads the O word at `at` and all that follows it; returns where it ends.
     pub(super) fn o_word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
+        // The name may hold characters of several bytes, which are counted when it is read.
+        let first = line.columns(at, at).0;
         let (destination, key, next) = self.o_name(text, at, line)?;
         let Some((keyword, next)) = self.o_word_keyword(text, next) else {
             // Fanuc 30i and later name programs as well: `O<BRACKET>`.
@@ -67,10 +69,10 @@ impl Reader<'_> {
                 return Ok(next);
             }
             let end = code_end(text, at).max(at + 1);
-            return Err((Unread::Text { text: excerpt(&text[at..end]) }, line.columns(at, end)));
+            return Err((Unread::Text { text: excerpt(&text[at..end]) }, (first, line.columns(next, end).1)));
         };
         line.begun = true;
-        let columns = line.columns(at, next);
+        let columns = (first, line.columns(next, next).1);
         let unopened = || (Unread::Unopened { word: excerpt(&text[at..next]) }, columns);
         let (number, index) = (self.line, self.index());
         match keyword {
