@@ -6,8 +6,8 @@
 //! spacing resolves, but for filters that let short pulses through: there rows are laid where it
 //! may bend. So nothing is missed, and the cost is linear in the number of pulses.
 //!
-//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture shows. A
-//! table for pictures that has no room for them is laid anew at equal times, and says at which.
+//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture shows or a
+//! computer holds. A table that has no room for them is laid anew at equal times, and says at which.
 
 use crate::simulation::feed::Phase;
 use crate::simulation::profile::{Motion, Profile, State};
@@ -51,6 +51,9 @@ impl Resolution {
 /// Rows of a table for pictures: a finishing program of a million blocks keeps all of its own.
 const MOST_DRAWN: usize = 4_000_000;
 
+/// Rows of a table for files, with all of which a computer of today has room for their text.
+const MOST_WRITTEN: usize = 16_000_000;
+
 /// Gaps are not halved more often than this.
 const DEEPEST: u32 = 10;
 
@@ -66,13 +69,22 @@ impl Profile<'_> {
     /// The profile as a table for pictures: as [`Resolution::CHART`] has it, or at equal times where that takes
     /// too many rows.
     pub fn drawn(&self) -> Samples {
-        let samples = self.table(Resolution::CHART, MOST_DRAWN, None);
-        if samples.time.len() <= MOST_DRAWN {
+        self.bounded(Resolution::CHART, MOST_DRAWN)
+    }
+
+    /// The same for files, as [`Resolution::FINE`] has it.
+    pub fn written(&self) -> Samples {
+        self.bounded(Resolution::FINE, MOST_WRITTEN)
+    }
+
+    fn bounded(&self, resolution: Resolution, most: usize) -> Samples {
+        let samples = self.table(resolution, most, None);
+        if samples.time.len() <= most {
             return samples;
         }
         drop(samples);
-        let spacing = self.cycle_time() / (MOST_DRAWN / 2) as f64;
-        self.table(Resolution::CHART, usize::MAX, Some(spacing))
+        let spacing = self.cycle_time() / (most / 2) as f64;
+        self.table(resolution, usize::MAX, Some(spacing))
     }
 
     /// The table, cut off where it has more than `most` rows; with a `spacing` (s) its rows are laid at equal times.
