@@ -73,8 +73,8 @@ impl<'a> Steps<'a> {
         Some(self.state_from(border, oldest.w * (age - filter.delay()), travel, rate))
     }
 
-    /// The state where the command was `elapsed` (mm) beyond the beginning of a pulse one delay ago, and the tool has travelled
-    /// on (mm) to this rate.
+    /// The state where the command was so far (`way`, mm) beyond the beginning of a pulse one delay ago, and the tool has
+    /// travelled on from there (mm), to this rate.
     fn state_from(&self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> State {
         let pulse = &self.motion.pulses[pulse];
         let (segment, offset) = (pulse.segment as usize, pulse.offset + way);
