@@ -7,13 +7,13 @@ use std::process::ExitCode;
 use std::thread::{available_parallelism, scope};
 
 use lexopt::prelude::*;
-use truefeed::project::{Prediction, profile_csv, severity_word};
+use truefeed::project::{Prediction, profile_csv, severity_word, spacing_note};
 use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::feed::{Held, Tolerances};
 use truefeed::simulation::gcode::Dialect;
-use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::{Blending, Toolpath};
 
 use crate::command::archive::Archive;
@@ -100,11 +100,14 @@ fn predict_one(request: Request) -> Result<(), Refusal> {
     for (index, (quote, plan)) in results.into_iter().enumerate() {
         quotes.push(quote);
         if let (0, Some(path), Some(plan)) = (index, &request.profile, &plan) {
-            let commanded = Profile::new(&toolpath, plan).samples(Resolution::FINE);
+            let commanded = Profile::new(&toolpath, plan).written();
+            if let Some(note) = spacing_note(&commanded) {
+                eprintln!("truefeed: {}: {note}", path.display());
+            }
             write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;
         }
         if let (Some(cut), Some(plan)) = (&mut cut, &plan) {
-            cut.load(&toolpath, &Profile::new(&toolpath, plan).samples(Resolution::CHART))?;
+            cut.load(&toolpath, &Profile::new(&toolpath, plan).drawn())?;
         }
     }
     let programmed = programmed_time(&toolpath, &machine);

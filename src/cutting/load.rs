@@ -113,6 +113,8 @@ pub struct Loads {
     pub exceeded: Vec<Exceeded>,
     /// Where the programmed feedrate could be higher; empty but for the loads of that.
     pub headroom: Vec<Headroom>,
+    /// Time between the predicted feedrates where they are too few to follow the profile, s.
+    pub spacing: Option<f64>,
 }
 
 impl Peak {
@@ -167,6 +169,7 @@ pub fn programmed_and_predicted(
         loads_with(engagement, toolpath, setup, &[&programmed, &predicted], Some(&mut rooms), progress)?;
     let mut both: [Loads; 2] = both.try_into().expect("two lists of feedrates give two loads");
     both[0].headroom = headroom(engagement, &rooms, &programmed, &predicted);
+    both[1].spacing = samples.spacing;
     Ok(both)
 }
 

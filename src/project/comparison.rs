@@ -11,6 +11,8 @@ use crate::identification::alignment::{Alignment, AlignmentError, Method};
 use crate::identification::comparison::{Comparison, Durations, Lost};
 use crate::identification::fit::RecordedError;
 use crate::identification::recording::{Log, RecordingError, Severity, Switches};
+use crate::project::results::spacing_note;
+use crate::simulation::profile::Samples;
 use crate::simulation::toolpath::{StopCause, Toolpath};
 use crate::units::{micrometres, mm_per_min};
 
@@ -92,6 +94,12 @@ impl ComparisonReport {
             all_stretches: stretches.len(),
             stretches: stretches.into_iter().take(LISTED).collect(),
         }
+    }
+
+    /// The same beside a chart of the simulation, which may leave something out.
+    pub fn drawn_by(mut self, samples: &Samples) -> ComparisonReport {
+        self.remarks.extend(spacing_note(samples));
+        self
     }
 }
 

@@ -286,7 +286,13 @@ pub fn cutting_remarks(
         );
         (place.line, false, text)
     });
-    rapids.chain(beyond).chain(spared).chain(doubted).chain(unlikely).collect()
+    let coarse = predicted.spacing.map(|spacing| {
+        let text = format!(
+            "the program is long, and its predicted feedrates are taken every {spacing:.3} s: loads of shorter dips are not seen"
+        );
+        (0, false, text)
+    });
+    rapids.chain(beyond).chain(spared).chain(doubted).chain(unlikely).chain(coarse).collect()
 }
 
 /// Chips thicker than this are a mistake in the job or in the program.

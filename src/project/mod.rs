@@ -31,7 +31,7 @@ pub use form::{dialects, edited, faults_to_json, form, machine_from_form, machin
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use offer::OfferReport;
 pub use request::{QuoteRequest, RequestError};
-pub use results::{HeldTolerance, Prediction, profile_csv, severity_word};
+pub use results::{HeldTolerance, Prediction, profile_csv, severity_word, spacing_note};
 pub use settings::{SettingsError, settings_from_text, settings_text};
 pub use terms::{terms_form, terms_from_form};
 

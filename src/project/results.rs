@@ -314,6 +314,13 @@ impl Prediction {
     }
 }
 
+/// What a table leaves out, as a sentence; none where it follows the profile.
+pub fn spacing_note(samples: &Samples) -> Option<String> {
+    samples.spacing.map(|spacing| {
+        format!("One point every {spacing:.3} s, as the program is long: shorter dips of the feedrate may be missing. Times and errors are exact.")
+    })
+}
+
 /// A profile as CSV, one row a sample.
 pub fn profile_csv(samples: &Samples) -> String {
     let mut csv = String::from("time_s,distance_mm,feed_mm_min,x_mm,y_mm,z_mm,line\n");

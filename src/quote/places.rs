@@ -287,7 +287,8 @@ impl Walk<'_> {
         for index in stretch.segments.clone() {
             let segment = &self.toolpath.segments[index];
             let own;
-            (own, pulses) = pulses.split_at(pulses.partition_point(|pulse| pulse.segment as usize <= index));
+            let count = pulses.iter().take_while(|pulse| pulse.segment as usize <= index).count();
+            (own, pulses) = pulses.split_at(count);
             let mut behind = 0.0;
             while let Some((_, seconds)) = lost.next_if(|(at, _)| *at <= index) {
                 behind += seconds;

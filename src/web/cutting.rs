@@ -10,7 +10,7 @@ use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
-use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::profile::Profile;
 use crate::web::canvas::Canvas;
 use crate::web::job::object;
 use crate::web::theme::theme;
@@ -87,7 +87,7 @@ pub fn compute_cutting(
     let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATION * part));
     let quote = quote(&toolpath, &machine, &plan, tolerances, &errors);
     let cut = engagement_told(&toolpath, &setup, &mut |part| tell(SIMULATION + (HALF - SIMULATION) * part));
-    let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+    let samples = Profile::new(&toolpath, &plan).drawn();
     let loads: Vec<_> = cut
         .iter()
         .map(|cut| {

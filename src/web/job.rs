@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use crate::machine::Machine;
 use crate::plot::Programmed;
 use crate::plot::path::{Pace, Trail};
-use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_form};
+use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_form, spacing_note};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::contour::{cycle_time_within, plan_within};
 use crate::simulation::feed::Tolerances;
@@ -75,11 +75,8 @@ impl Job {
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
         let samples = Profile::new(&self.toolpath, &plan).drawn();
         let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&samples);
-        let note = samples.spacing.map(|spacing| {
-            format!("Drawn every {spacing:.3} s, as the program is long: shorter dips of the feedrate may be missing. Times and errors are exact.")
-        });
         Ok(Run {
-            note,
+            note: spacing_note(&samples),
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
             columns: Columns {
                 distance: samples.distance,

@@ -88,8 +88,9 @@ pub fn compare_recording(
     let Pointwise { distance, recorded_time, recorded, .. } = pointwise(toolpath, &plan, alignment);
     let Course { distance: lost_distance, seconds: lost_seconds } = course(toolpath, alignment, &comparison);
     let begin = alignment.marks.first().map_or(0.0, |mark| mark.time);
+    let report = ComparisonReport::new(log, switches, toolpath, alignment, &comparison);
     Ok(Matched {
-        report: object(&ComparisonReport::new(log, switches, toolpath, alignment, &comparison))?,
+        report: object(&report.drawn_by(&samples))?,
         refusal: JsValue::UNDEFINED,
         columns: MatchedColumns {
             recorded_distance: distance,

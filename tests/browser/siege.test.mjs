@@ -147,6 +147,6 @@ pageTest('a loop that runs to its bound is quoted and drawn, and the chart says 
   const begin = performance.now()
   await page.waitForFunction((note) => document.querySelector(note)?.textContent, note, { timeout: 250_000 })
   console.log(`first curve after ${(1e-3 * (performance.now() - begin)).toFixed(1)} s`)
-  assert.match(await page.textContent(note), /Drawn every 0\.\d+ s/)
+  assert.match(await page.textContent(note), /One point every 0\.\d+ s/)
   assert.ok(await page.isHidden('#failure'))
 })

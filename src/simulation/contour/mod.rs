@@ -25,7 +25,7 @@ pub use regions::{Region, regions_beyond};
 use std::cmp::Ordering;
 
 use crate::simulation::feed::{Bound, FeedPlan, Pulse, Stretch};
-use crate::simulation::profile::{Motion, Profile, State};
+use crate::simulation::profile::{Profile, State, Steps};
 use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
 /// Contour errors along a program, one entry a segment.
@@ -122,12 +122,12 @@ fn measure(
     mut found: impl FnMut(usize, SegmentErrors),
 ) {
     for stretch in plan.stretches() {
-        let motion = profile.motion(stretch);
+        let mut steps = Steps::of(profile.motion(stretch));
         let mut first = stretch.pulses.start;
         for pulses in plan.pulses[stretch.pulses.clone()].chunk_by(|a, b| a.segment == b.segment) {
             let number = pulses[0].segment as usize;
             if wanted(number) {
-                found(number, segment_errors(toolpath, stretch, &motion, pulses, first));
+                found(number, segment_errors(toolpath, stretch, &mut steps, pulses, first));
             }
             first += pulses.len();
         }
@@ -138,10 +138,11 @@ fn measure(
 fn segment_errors(
     toolpath: &Toolpath,
     stretch: &Stretch,
-    motion: &Motion,
+    steps: &mut Steps,
     pulses: &[Pulse],
     first: usize,
 ) -> SegmentErrors {
+    let motion = steps.motion;
     let number = pulses[0].segment as usize;
     let segment = &toolpath.segments[number];
     let delay = motion.filter().delay();
@@ -152,7 +153,7 @@ fn segment_errors(
         (stretch.segments.start < number, number + 1 < stretch.segments.end);
     let mut errors = SegmentErrors::default();
     if ends_at_corner {
-        errors.end = distance_from_path(motion, segment.end, end, last);
+        errors.end = distance_from_path(steps, segment.end, end, last);
     }
     if segment.curve == Curve::Line {
         return errors;
@@ -176,7 +177,7 @@ fn segment_errors(
             let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
             let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
             let point = segment.point(offset);
-            let state = motion.state(motion.moment_from(index, commanded + 0.5 * delay));
+            let state = steps.state(motion.moment_from(index, commanded + 0.5 * delay));
             let away = state.position - point;
             let along = away.dot(&state.velocity) / state.velocity.norm();
             let likely = away.norm_squared() - along * along;
@@ -198,7 +199,7 @@ fn segment_errors(
         if at_most <= *place {
             continue;
         }
-        *place = place.max(nearest(motion, point, commanded, first, state, *place));
+        *place = place.max(nearest(steps, point, commanded, first, state, *place));
         if *place < at_most {
             let number = number - stretch.segments.start;
             *place = place.max(distance_from_programmed(around, number, offset, state.position));
@@ -224,20 +225,22 @@ struct OnArc {
 
 /// Distance (mm) of the filtered path from a point that was commanded at `commanded` (s since the
 /// beginning of the stretch), no earlier than the pulse `pulse`.
-fn distance_from_path(motion: &Motion, point: Point, commanded: f64, pulse: usize) -> f64 {
-    let state = motion.state(motion.moment_from(pulse, commanded + 0.5 * motion.filter().delay()));
-    nearest(motion, point, commanded, pulse, state, 0.0)
+fn distance_from_path(steps: &mut Steps, point: Point, commanded: f64, pulse: usize) -> f64 {
+    let motion = steps.motion;
+    let state = steps.state(motion.moment_from(pulse, commanded + 0.5 * motion.filter().delay()));
+    nearest(steps, point, commanded, pulse, state, 0.0)
 }
 
 /// The same from the state half a filter delay later on; anything up to `enough` where it is no more than that.
 fn nearest(
-    motion: &Motion,
+    steps: &mut Steps,
     point: Point,
     commanded: f64,
     pulse: usize,
     mut state: State,
     enough: f64,
 ) -> f64 {
+    let motion = steps.motion;
     let delay = motion.filter().delay();
     let mut time = commanded + 0.5 * delay;
     let mut nearest = f64::INFINITY;
@@ -274,7 +277,7 @@ fn nearest(
             break;
         }
         time = next;
-        state = motion.state(motion.moment_from(pulse, time));
+        state = steps.state(motion.moment_from(pulse, time));
     }
     nearest
 }

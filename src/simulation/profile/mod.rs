@@ -15,10 +15,12 @@ mod crowds;
 mod retiming;
 mod samples;
 mod state;
+mod steps;
 
 pub use retiming::retimed;
 pub use samples::{Resolution, Samples};
 pub use state::{Dynamics, Moment, State};
+pub use steps::Steps;
 
 use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulse, Stretch, retiming::lost, running_sum};
 use crate::simulation::filter::FilterChain;

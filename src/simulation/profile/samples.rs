@@ -6,11 +6,11 @@
 //! spacing resolves, but for filters that let short pulses through: there rows are laid where it
 //! may bend. So nothing is missed, and the cost is linear in the number of pulses.
 //!
-//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture shows. A
-//! table for pictures that has no room for them is laid anew at equal times, and says at which.
+//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture shows or a
+//! computer holds. A table that has no room for them is laid anew at equal times, and says at which.
 
 use crate::simulation::feed::Phase;
-use crate::simulation::profile::{Motion, Profile, State};
+use crate::simulation::profile::{Moment, Motion, Profile, State};
 use crate::simulation::toolpath::{self, Curve};
 
 /// A profile as columns of equal length, straight lines between the rows.
@@ -51,6 +51,9 @@ impl Resolution {
 /// Rows of a table for pictures: a finishing program of a million blocks keeps all of its own.
 const MOST_DRAWN: usize = 4_000_000;
 
+/// Rows of a table for files, with all of which a computer of today has room for their text.
+const MOST_WRITTEN: usize = 16_000_000;
+
 /// Gaps are not halved more often than this.
 const DEEPEST: u32 = 10;
 
@@ -66,13 +69,22 @@ impl Profile<'_> {
     /// The profile as a table for pictures: as [`Resolution::CHART`] has it, or at equal times where that takes
     /// too many rows.
     pub fn drawn(&self) -> Samples {
-        let samples = self.table(Resolution::CHART, MOST_DRAWN, None);
-        if samples.time.len() <= MOST_DRAWN {
+        self.bounded(Resolution::CHART, MOST_DRAWN)
+    }
+
+    /// The same for files, as [`Resolution::FINE`] has it.
+    pub fn written(&self) -> Samples {
+        self.bounded(Resolution::FINE, MOST_WRITTEN)
+    }
+
+    fn bounded(&self, resolution: Resolution, most: usize) -> Samples {
+        let samples = self.table(resolution, most, None);
+        if samples.time.len() <= most {
             return samples;
         }
         drop(samples);
-        let spacing = self.cycle_time() / (MOST_DRAWN / 2) as f64;
-        self.table(Resolution::CHART, usize::MAX, Some(spacing))
+        let spacing = self.cycle_time() / (most / 2) as f64;
+        self.table(resolution, usize::MAX, Some(spacing))
     }
 
     /// The table, cut off where it has more than `most` rows; with a `spacing` (s) its rows are laid at equal times.
@@ -140,11 +152,12 @@ impl Samples {
     }
 }
 
-/// A row to be: time since the beginning of the stretch, true and filtered (s), and state.
+/// A row to be: time since the beginning of the stretch, true and filtered (s), the moment of the latter, and state.
 #[derive(Clone, Copy)]
 struct Row {
     time: f64,
     filtered: f64,
+    moment: Moment,
     state: State,
 }
 
@@ -165,10 +178,10 @@ impl Sampler<'_> {
     /// Lays rows where they are needed, until there are more than `most`.
     fn run(&mut self, most: usize) {
         let duration = self.motion.duration();
-        let mut last = self.row(0.0);
+        let mut last = self.row(self.motion.first_pulse, 0.0);
         self.push(last);
         while last.filtered < duration && self.samples.time.len() <= most {
-            let next = self.row(self.next_time(last.filtered).min(duration));
+            let next = self.row(last.moment.pulse, self.next_time(last).min(duration));
             self.fill(last, next, 0);
             last = next;
         }
@@ -178,32 +191,36 @@ impl Sampler<'_> {
     fn run_evenly(&mut self, spacing: f64) {
         let duration = self.motion.duration();
         let parts = (duration / spacing).ceil().max(2.0);
+        let mut pulse = self.motion.first_pulse;
         for part in 0..=parts as u64 {
-            self.push(self.row(duration * (part as f64 / parts)));
+            let row = self.row(pulse, duration * (part as f64 / parts));
+            pulse = row.moment.pulse;
+            self.push(row);
         }
     }
 
-    fn row(&self, filtered: f64) -> Row {
+    /// The row at a filtered time (s), no earlier than the pulse `from` begins.
+    fn row(&self, from: usize, filtered: f64) -> Row {
+        let moment = self.motion.moment_from(from, filtered);
         if self.motion.knots.is_empty() {
-            let state = self.motion.state(self.motion.moment(filtered));
-            return Row { time: filtered, filtered, state };
+            return Row { time: filtered, filtered, moment, state: self.motion.state(moment) };
         }
         let time = self.motion.true_time(filtered);
-        Row { time, filtered, state: self.motion.state_at(time) }
+        Row { time, filtered, moment, state: self.motion.state_at(time) }
     }
 
-    /// Where the next row of the first spacing goes: on by an eighth of the filter delay, or to
+    /// Where the row of the first spacing after `last` goes: on by an eighth of the filter delay, or to
     /// the end of the time in which nothing changes.
-    fn next_time(&self, time: f64) -> f64 {
+    fn next_time(&self, last: Row) -> f64 {
+        let time = last.filtered;
         let delay = self.motion.filter.delay();
         let step = self.next_kink(time, time + delay / 8.0);
         // A ramp behind the filters may begin or end where nothing changes before them.
         let knots = self.motion.knots;
         let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));
         let edge = edge.map_or(f64::INFINITY, |knot| knot.filtered);
-        let moment = self.motion.moment(time);
-        let pulse = &self.motion.pulses[moment.pulse];
-        if moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
+        let pulse = &self.motion.pulses[last.moment.pulse];
+        if last.moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
             return step;
         }
         let segment = &self.motion.segments[pulse.segment as usize];
@@ -211,7 +228,7 @@ impl Sampler<'_> {
             Curve::Line => f64::INFINITY,
             Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
         };
-        let end = self.motion.pulse_starts[moment.pulse] + pulse.duration;
+        let end = self.motion.pulse_starts[last.moment.pulse] + pulse.duration;
         step.max(end.min(time + widest).min(edge))
     }
 
@@ -237,12 +254,10 @@ impl Sampler<'_> {
 
     /// Adds the rows after `a` up to `b`.
     fn fill(&mut self, a: Row, b: Row, depth: u32) {
-        let middle = self.row(0.5 * (a.filtered + b.filtered));
+        let middle = self.row(a.moment.pulse, 0.5 * (a.filtered + b.filtered));
+        let at = |part: f64| self.row(a.moment.pulse, a.filtered + part * (b.filtered - a.filtered));
         let bends = depth < DEEPEST
-            && (self.bends(a, middle, b)
-                || [0.25, 0.75]
-                    .iter()
-                    .any(|part| self.bends(a, self.row(a.filtered + part * (b.filtered - a.filtered)), b)));
+            && (self.bends(a, middle, b) || [0.25, 0.75].iter().any(|part| self.bends(a, at(*part), b)));
         if bends {
             self.fill(a, middle, depth + 1);
             self.fill(middle, b, depth + 1);
