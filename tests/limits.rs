@@ -1,6 +1,6 @@
 //! Limits of the machine hold in the filtered motion, at ramps and corners alike.
 
-use truefeed::machine::{Machine, TimeConstants};
+use truefeed::machine::{Machine, PathLimits, TimeConstants};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::Profile;
@@ -49,4 +49,30 @@ fn no_axis_accelerates_beyond_its_limit() {
         }
     }
     assert!(100 < reached, "the limits are what holds the axes back: {reached}");
+}
+
+/// A move from stand to stand takes L/F and the filters' delay D; a limit before the filters adds all of its ramp,
+/// one behind them what of its ramp is not in theirs.
+#[test]
+fn ramps_before_the_filters_take_both() {
+    let program = read(b"G1 X100 F3000\n");
+    let mut machine = Machine::default();
+    machine.interpolator.filters = 3;
+    machine.interpolator.time_constants = TimeConstants::Equal(0.02);
+    let time = |machine: &Machine| {
+        let (plan, _) = plan_within(&trace(&program, machine), machine, 0.05, &mut |_| {});
+        plan.cycle_time()
+    };
+    assert_eq!(time(&machine), time(&Machine { path: before(f64::INFINITY, &machine), ..machine.clone() }));
+    machine.path.acceleration = 400.0;
+    let behind = time(&machine);
+    machine.path = before(400.0, &machine);
+    let before = time(&machine);
+    assert!((before - (2.0 + 50.0 / 400.0 + 0.06)).abs() < 1e-9, "{before}");
+    assert!((2.0 + 50.0 / 400.0..before - 0.02).contains(&behind), "{behind} behind, {before} before");
+}
+
+/// The limits along the path of a machine, with this acceleration (mm/s²) before the filters.
+fn before(acceleration: f64, machine: &Machine) -> PathLimits {
+    PathLimits { acceleration, limits_command: true, ..machine.path }
 }

@@ -101,9 +101,15 @@ fn ramp(phases: &mut Vec<Phase>, leg: &Leg, start: f64, (from, to): (f64, f64), 
     }
     let sign = (to - from).signum();
     let seconds = ramp_seconds(change, a, j);
-    let rounding = if a * a / j <= change { a / j } else { seconds / 2.0 };
-    let (mut at, mut speed, mut acceleration) = (start, from, 0.0);
-    for (t, jerk) in [(rounding, sign * j), (seconds - 2.0 * rounding, 0.0), (rounding, -sign * j)] {
+    // Without a limit of jerk the acceleration is there at once.
+    let (rounding, steepest) =
+        if a * a / j <= change { (a / j, sign * a) } else { (seconds / 2.0, sign * j * seconds / 2.0) };
+    let (mut at, mut speed) = (start, from);
+    for (t, acceleration, jerk) in [
+        (rounding, 0.0, sign * j),
+        (seconds - 2.0 * rounding, steepest, 0.0),
+        (rounding, steepest, -sign * j),
+    ] {
         if t <= 0.0 {
             continue;
         }
@@ -111,7 +117,6 @@ fn ramp(phases: &mut Vec<Phase>, leg: &Leg, start: f64, (from, to): (f64, f64), 
         phases.push(Phase { shape, line, start: at, seconds: t, speed, acceleration, jerk });
         at += t * (speed + t * (acceleration / 2.0 + t * jerk / 6.0));
         speed += t * (acceleration + t * jerk / 2.0);
-        acceleration += t * jerk;
     }
     at
 }

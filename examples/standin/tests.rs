@@ -245,15 +245,17 @@ fn every_effect_acts() {
     }
 }
 
-/// With an acceleration limit alone, a move takes L/F + F/A and the filters' delay; with a jerk limit
-/// alone, a ramp takes 2 √(F/J).
+/// With an acceleration limit alone, a move takes L/F + F/A and the filters' delay, and never jumps; with a jerk
+/// limit alone, a ramp takes 2 √(F/J).
 #[test]
 fn ramps_take_their_time() {
     let steps = read("F3000\nG1 X100\nM30\n");
     let mut physics = Physics::base(3, 0.02, 0.02);
     physics.path_acceleration = 400.0;
-    let time = fir::command(&steps, &physics).cycle_time;
+    let motion = fir::command(&steps, &physics);
+    let (time, fastest) = (motion.cycle_time, greatest(speeds(&motion).into_iter()));
     assert!((time - (2.0 + 50.0 / 400.0 + 0.06)).abs() < 1e-6, "{time}");
+    assert!(fastest < 50.0 * (1.0 + 1e-9), "{fastest}");
     physics.path_acceleration = f64::INFINITY;
     physics.jerk = 5000.0;
     let time = fir::command(&steps, &physics).cycle_time;

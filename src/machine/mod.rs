@@ -171,6 +171,9 @@ pub struct PathLimits {
     pub acceleration: f64,
     /// Jerk along the path of each change of the command, mm/s³; neutral infinite.
     pub jerk: f64,
+    /// Whether the limits of acceleration, of the axes too, shape the command that goes into the filters; neutral
+    /// false: what leaves them is run slower where it is beyond one.
+    pub limits_command: bool,
     /// Acceleration towards the centre of an arc, mm/s²; neutral infinite.
     pub centripetal_acceleration: f64,
 }
@@ -288,6 +291,14 @@ pub struct Rates {
     pub hourly: f64,
 }
 
+impl Machine {
+    /// Whether limits of acceleration shape the command, before any filter: laws of junctions that are laws of
+    /// acceleration plan their ramps by themselves.
+    pub fn limits_command(&self) -> bool {
+        self.path.limits_command || self.interpolator.junction != Junction::Tolerance
+    }
+}
+
 /// Free of every optional effect; the five numbers a machine file must give are those of the
 /// first preset.
 impl Default for Machine {
@@ -320,6 +331,7 @@ impl Default for Machine {
             path: PathLimits {
                 acceleration: f64::INFINITY,
                 jerk: f64::INFINITY,
+                limits_command: false,
                 centripetal_acceleration: f64::INFINITY,
             },
             axes: [Axis::default(); 3],

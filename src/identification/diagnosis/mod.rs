@@ -146,11 +146,11 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         held_out: None,
     }));
     let (regions, rest) = (located(&before, runs, machine), located(&after, runs, &fitted));
-    let seconds = regions::left(&after, &rest);
+    let seconds = regions::left(&after, &rest, runs);
     // Where drives explain the form of the path whole, nothing is missing in time.
     let asked = if is_in_time { seconds } else { 0.0 };
     let pulsation = in_time.pulsation;
-    let left = Left::of(machine, (regions::left(&before, &regions), asked), pulsation, &after);
+    let left = Left::of(machine, (regions::left(&before, &regions, runs), asked), pulsation, &after);
     let held_out = match &in_time.excerpts {
         Some(excerpts) if !in_time.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
         Some(_) => None,

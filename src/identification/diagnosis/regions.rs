@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::identification::alignment::{Alignment, Place, times, visits};
+use crate::identification::alignment::{Alignment, Place, median, times, visits};
 use crate::identification::comparison::Comparison;
 use crate::identification::fit::Run;
 use crate::machine::Machine;
@@ -33,10 +33,14 @@ pub struct Region {
     pub seconds: f64,
 }
 
+/// What the times of most marks are off by, s.
+fn noise(alignment: &Alignment) -> f64 {
+    median(&mut alignment.marks.iter().map(|mark| mark.deviation).collect::<Vec<f64>>()).max(1e-4)
+}
+
 /// The regions of the comparison of one of the runs, by what they lost, the most first.
 pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
-    let mut deviations: Vec<f64> = alignment.marks.iter().map(|mark| mark.deviation).collect();
-    let noise = crate::identification::alignment::median(&mut deviations).max(1e-4);
+    let noise = noise(alignment);
     // Close to a stop, where hardly anything moves, times are known less well.
     let marks = &alignment.marks;
     let deviation = |time: f64| {
@@ -131,12 +135,17 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
     ranges
 }
 
-/// Lost time, s: what the residual wanders from end to end, or between, by its regions.
-pub fn left(comparisons: &[Comparison], regions: &[Region]) -> f64 {
-    let of_run = |(run, comparison): (usize, &Comparison)| {
-        let own = regions.iter().filter(|region| region.run == run);
+/// Lost time, s: what the residual wanders between the first and the last mark whose times are known well, as they
+/// are not close to a stop, or by its regions.
+pub fn left(comparisons: &[Comparison], regions: &[Region], runs: &[Run]) -> f64 {
+    let of_run = |(at, (comparison, run)): (usize, (&Comparison, &Run))| {
+        let own = regions.iter().filter(|region| region.run == at);
         let located: f64 = own.map(|region| region.seconds.abs()).sum();
-        located.max((comparison.whole.recorded - comparison.whole.simulated).abs())
+        let noise = noise(run.alignment);
+        let known = run.alignment.marks.iter().zip(&comparison.residuals);
+        let mut known = known.filter(|(mark, _)| mark.deviation <= noise).map(|(_, residual)| *residual);
+        let first = known.next().unwrap_or(0.0);
+        located.max((known.next_back().unwrap_or(first) - first).abs())
     };
-    comparisons.iter().enumerate().map(of_run).sum()
+    comparisons.iter().zip(runs).enumerate().map(of_run).sum()
 }

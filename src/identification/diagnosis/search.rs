@@ -10,7 +10,7 @@
 //! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
 //! | held out | with the values that the others give a section is better, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
-//! | feedrate | feedrates differ no more with it than without it, all in all and where it acts |
+//! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
 //! Others that cannot be told from it on these runs are alike.

@@ -27,11 +27,11 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     for axis in 0..3 {
         all.extend(axis_limits(axis, &demand));
     }
-    all.push(single(
+    all.extend(accelerations(
         "path_acceleration_limit",
-        Freed::number("path.acceleration_mm_s2", 1e3, (10.0, 2e5), Scale::Ratio),
-        ratios(50.0, 2e4, 10),
-        |value| vec![("a_mm_s2", Reported::Number(value))],
+        "path.acceleration_mm_s2",
+        String::new(),
+        |machine, value| machine.path.acceleration = value,
     ));
     if demand.has_arc {
         all.push(single(
@@ -125,28 +125,46 @@ fn axis_limits(axis: usize, demand: &Demand) -> Vec<Option<Hypothesis>> {
         Scale::Ratio,
         move |machine, value| machine.axes[axis].velocity = value,
     );
-    let acceleration = Freed::new(
-        format!("axis.{}.acceleration_mm_s2", name.to_ascii_lowercase()),
-        1e3,
-        (10.0, 2e5),
-        Scale::Ratio,
-        move |machine, value| machine.axes[axis].acceleration = value,
-    );
     let of_axis = |hypothesis: Option<Hypothesis>| {
         hypothesis.map(|hypothesis| Hypothesis { variant: name.to_string(), ..hypothesis })
     };
     let word = move || ("axis", Reported::Word(name.to_string()));
-    vec![
-        of_axis(single("axis_acceleration_limit", Some(acceleration), ratios(50.0, 2e4, 10), move |value| {
-            vec![word(), ("a_mm_s2", Reported::Number(value))]
-        })),
-        of_axis(single(
-            "axis_velocity_limit",
-            Some(velocity),
-            ratios(0.02 * fastest, 0.97 * fastest, 14),
-            move |value| vec![word(), ("v_mm_min", Reported::Number(mm_per_min(value)))],
-        )),
-    ]
+    let key = format!("axis.{}.acceleration_mm_s2", name.to_ascii_lowercase());
+    let mut all = accelerations("axis_acceleration_limit", &key, name.to_string(), move |machine, value| {
+        machine.axes[axis].acceleration = value;
+    });
+    all.push(of_axis(single(
+        "axis_velocity_limit",
+        Some(velocity),
+        ratios(0.02 * fastest, 0.97 * fastest, 14),
+        move |value| vec![word(), ("v_mm_min", Reported::Number(mm_per_min(value)))],
+    )));
+    all
+}
+
+/// A limit of acceleration: on what leaves the filters, and on the command before them.
+fn accelerations(
+    id: &'static str,
+    key: &str,
+    axis: String,
+    set: impl Fn(&mut Machine, f64) + Send + Sync + Copy + 'static,
+) -> Vec<Option<Hypothesis>> {
+    let of = |is_before: bool| {
+        let freed = Freed::new(key, 1e3, (10.0, 2e5), Scale::Ratio, move |machine, value| {
+            set(machine, value);
+            machine.path.limits_command |= is_before;
+        });
+        let word = (!axis.is_empty()).then(|| ("axis", Reported::Word(axis.clone())));
+        let place = is_before.then(|| ("at", Reported::Word("command".to_string())));
+        let hypothesis = single(id, Some(freed), ratios(50.0, 2e4, 10), move |value| {
+            let limit = ("a_mm_s2", Reported::Number(value));
+            word.iter().cloned().chain([limit]).chain(place.clone()).collect()
+        });
+        let before = if is_before { "before the filters" } else { "" };
+        let variant = [&axis[..], before].into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>();
+        hypothesis.map(|hypothesis| Hypothesis { variant: variant.join(", "), ..hypothesis })
+    };
+    vec![of(false), of(true)]
 }
 
 fn filters(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {

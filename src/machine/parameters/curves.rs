@@ -1,10 +1,10 @@
 //! Rows of what is particular to arcs and to positioning: how closely arcs are followed, and how rapids ramp.
 
-use crate::machine::parameters::{JERK_MM_S3, Parameter, TOLERANCE_MM, finite, number};
+use crate::machine::parameters::{Access, JERK_MM_S3, Parameter, TOLERANCE_MM, finite, number};
 use crate::units::Unit;
 
 /// The rows.
-pub(super) const CURVES: [Parameter; 3] = [
+pub(super) const CURVES: [Parameter; 4] = [
     Parameter {
         key: "interpolator.arc_tolerance_mm",
         label: "Contour tolerance of arcs",
@@ -37,5 +37,11 @@ pub(super) const CURVES: [Parameter; 3] = [
             |m| finite(m.path.jerk),
             |m, v| m.path.jerk = v.unwrap_or(f64::INFINITY),
         ),
+    },
+    Parameter {
+        key: "path.acceleration_limits_command",
+        label: "Acceleration before the filters",
+        doc: "Acceleration limits of axes and path shape the command that goes into the filters, so that each ramp takes both; else what leaves the filters is run slower where it is beyond them.",
+        access: Access::Flag { get: |m| m.path.limits_command, set: |m, v| m.path.limits_command = v },
     },
 ];

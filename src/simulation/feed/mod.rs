@@ -29,8 +29,8 @@
 //! what the stand-in machine does, by a millisecond; a corner on an arc may so leave the tolerance by
 //! itself, which `CornerMode::Guaranteed` corrects.
 //!
-//! Acceleration limits of axes and path act behind the filters, in [`retiming`]; only where junctions
-//! follow laws of acceleration they shape the command itself.
+//! Acceleration limits of axes and path act behind the filters, in [`retiming`]; where the machine says so, or
+//! junctions follow laws of acceleration, they shape the command itself.
 //!
 //! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest feedrate asked for in
 //! the stretch, so that the filters are constant while the machine moves; feed and rapid then
@@ -381,7 +381,7 @@ fn add_stretch(
         }
     }
     limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
-    if machine.interpolator.junction == Junction::Tolerance {
+    if !machine.limits_command() {
         // There the limits act behind the filters.
         accelerations = Vec::new();
     }

@@ -24,10 +24,10 @@
 //! the number of pulses. Limits: N counts with its magnitude, which takes a little too much where
 //! turning and braking would push an axis opposite ways; rotary axes are left out.
 //!
-//! Controls whose junctions follow laws of acceleration plan their ramps before any filter, as in
-//! [`crate::simulation::feed::block`]; their plans are left as they are.
+//! Controls that plan their ramps before any filter, as in [`crate::simulation::feed::block`], have their plans
+//! left as they are.
 
-use crate::machine::{Junction, Machine};
+use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Knot, Retiming, Stretch, retiming, running_sum};
 use crate::simulation::profile::{Dynamics, Motion, Profile, State};
 use crate::simulation::toolpath::{Curve, Toolpath, Vector};
@@ -50,7 +50,7 @@ const ROUNDING: f64 = 1e-12;
 /// The plan with the time that acceleration limits cost behind the filters.
 pub fn retimed(toolpath: &Toolpath, machine: &Machine, plan: FeedPlan) -> FeedPlan {
     let limits = Limits::of(machine);
-    if machine.interpolator.junction != Junction::Tolerance || !limits.are_finite() {
+    if machine.limits_command() || !limits.are_finite() {
         return plan;
     }
     let mut lost = Retiming::default();
