@@ -174,7 +174,7 @@ export const say = {
     distance: 'distance',
     time: 'time',
     stacked: 'Stacked',
-    label: 'Feedrate and contour error over distance for each tolerance',
+    label: 'Feedrate and contour error for each tolerance',
     help: 'Wheel or drag to zoom, Shift-drag or drag an axis to move, double-click for the whole. Keys: + − ← → Home; Shift ← → reads.',
     off: (error) => `${error} off`,
     placeOf: (label) => `Place and line of ${label}`,
