@@ -48,6 +48,8 @@ const ENCODERS = {
  */
 export async function serve(port, folders = [WWW]) {
   const server = createServer((request, response) => answer(folders, request, response))
+  // A connection stays open until the page leaves; a time limit would be told with each of the page's many small files.
+  server.keepAliveTimeout = 0
   await new Promise((resolve, reject) => {
     server.once('error', reject).listen(port, '127.0.0.1', () => resolve(undefined))
   })
