@@ -13,7 +13,8 @@ export function tableOf(chart, caption) {
   const labels = chart.labels()
   const rows = chart.table()
   const place = isOverTime ? seconds : number
-  const range = (/** @type {ArrayLike<number>} */ pair) => (pair.length > 0 ? between(count(pair[0]), count(pair[1])) : '–')
+  const range = (/** @type {ArrayLike<number>} */ pair, write = count) => (pair.length > 0 ? between(write(pair[0]), write(pair[1])) : '–')
+  const told = (/** @type {number | undefined} */ value, /** @type {(value: number) => string} */ write) => (value === undefined ? '–' : write(value))
   const hasErrors = labels.map((_, index) => rows.some(({ curves }) => curves[index].error !== undefined))
   const hasLost = rows.some(({ lost }) => lost !== undefined)
   const hasAfter = rows.some(({ lostAfter }) => lostAfter !== undefined)
@@ -26,13 +27,13 @@ export function tableOf(chart, caption) {
     ...(hasAfter ? [say.charts.lostAfter] : []),
   ]
   const body = rows.map(({ from, to, lines, programmed, curves, lost, lostAfter }) => {
-    const cells = [lines.length > 0 ? between(String(lines[0]), String(lines[1])) : '–', range(programmed)]
+    const cells = [range(lines, String), range(programmed)]
     for (const [index, { feedrate, error }] of curves.entries()) {
       cells.push(range(feedrate))
-      if (hasErrors[index]) cells.push(error === undefined ? '–' : deviationLabel(error))
+      if (hasErrors[index]) cells.push(told(error, deviationLabel))
     }
-    if (hasLost) cells.push(lost === undefined ? '–' : seconds(lost))
-    if (hasAfter) cells.push(lostAfter === undefined ? '–' : seconds(lostAfter))
+    if (hasLost) cells.push(told(lost, seconds))
+    if (hasAfter) cells.push(told(lostAfter, seconds))
     const head = make('th', { scope: 'row' }, between(place(from), place(to)))
     return make('tr', {}, head, ...cells.map((cell) => make('td', {}, cell)))
   })

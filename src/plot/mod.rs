@@ -297,7 +297,8 @@ impl Curve {
 mod tests {
     use super::*;
 
-    fn ramp() -> FeedChart {
+    /// From rest to 5 mm/s over 10 mm, a wait, and back to rest over as much; a rapid of 5 mm before a cut of 15 mm.
+    pub(super) fn ramp() -> FeedChart {
         let curve = Curve {
             label: "10 µm".to_string(),
             distance: vec![0.0, 10.0, 10.0, 20.0],

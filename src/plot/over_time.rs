@@ -72,6 +72,7 @@ fn between(column: &[f64], of: &[f64], value: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::tests::ramp;
     use crate::simulation::contour::ContourErrors;
 
     fn chart() -> FeedChart {
@@ -83,12 +84,7 @@ mod tests {
             errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.0], ..Default::default() },
             ..Curve::default()
         };
-        let programmed = Programmed {
-            end: vec![5.0, 20.0],
-            feedrate: vec![100.0, 10.0],
-            rapid: vec![true, false],
-            line: vec![3, 4],
-        };
+        let programmed = ramp().programmed;
         FeedChart { programmed, curves: vec![curve(1.0), curve(3.0)], ..FeedChart::default() }
     }
 

@@ -91,24 +91,13 @@ fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::contour::ContourErrors;
+    use crate::plot::tests::ramp;
 
-    /// From rest to 5 mm/s over 10 mm, a wait, and back to rest over as much; a rapid of 5 mm before a cut of 15 mm.
+    /// A curve, and one that is empty.
     fn chart() -> FeedChart {
-        let curve = Curve {
-            distance: vec![0.0, 10.0, 10.0, 20.0],
-            feedrate: vec![0.0, 5.0, 5.0, 0.0],
-            time: vec![0.0, 4.0, 6.0, 10.0],
-            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003], ..Default::default() },
-            ..Curve::default()
-        };
-        let programmed = Programmed {
-            end: vec![5.0, 20.0],
-            feedrate: vec![100.0, 10.0],
-            rapid: vec![true, false],
-            line: vec![3, 4],
-        };
-        FeedChart { programmed, curves: vec![curve, Curve::default()], ..FeedChart::default() }
+        let mut chart = ramp();
+        chart.curves.push(Curve::default());
+        chart
     }
 
     #[test]
