@@ -117,7 +117,7 @@ impl<R: Remark> Remarks<R> {
             line: place.line,
             columns: place.columns,
             severity: remark.severity(),
-            // Names that a program gives may hold anything.
+            // Names and excerpts of a program may hold anything.
             message: remark.to_string().replace(char::is_control, " "),
         });
     }

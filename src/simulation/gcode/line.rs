@@ -102,14 +102,11 @@ pub(super) fn character_length(text: &[u8]) -> usize {
     1 + text[1..].iter().take_while(|byte| is_continuation(**byte)).count()
 }
 
-/// The offending text, short and printable whatever its bytes are.
+/// The offending text, short whatever its bytes are.
 pub(super) fn excerpt(text: &[u8]) -> String {
     const LONGEST: usize = 24;
-    let mut shown: String = String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST)])
-        .chars()
-        .take(LONGEST)
-        .map(|character| if character.is_control() { ' ' } else { character })
-        .collect();
+    let mut shown: String =
+        String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST)]).chars().take(LONGEST).collect();
     if LONGEST < text.len() {
         shown.push('…');
     }
