@@ -14,6 +14,9 @@ import { say } from './texts.js'
  * @property {(value: Value, message: string) => void} show  shows a value, unless it is what the user is typing
  */
 
+/** The id of a field's control. @param {string} prefix @param {string} key */
+export const idOf = (prefix, key) => `${prefix}-${key.replaceAll('.', '-')}`
+
 /**
  * @param {string} prefix  of its id
  * @param {Parameter} parameter
@@ -22,7 +25,7 @@ import { say } from './texts.js'
  */
 export function field(prefix, parameter, changed) {
   const { key, label, doc, kind, unit, min, max, words, neutral } = parameter
-  const id = `${prefix}-${key.replaceAll('.', '-')}`
+  const id = idOf(prefix, key)
   const control =
     kind === 'choice'
       ? make('select', { id }, ...words.map((word) => make('option', { value: word }, worded(word))))

@@ -3,7 +3,7 @@
 import { Chart, Offered, termsForm, toleranceLabel } from '../pkg/truefeed_whole.js'
 import { addCurve, columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
-import { field, same } from '../field.js'
+import { field, idOf, same } from '../field.js'
 import { amount, clock, count, seconds, worded, wordedHtml } from '../format.js'
 import { addressOf } from '../pictures.js'
 import { saveFile } from '../save.js'
@@ -209,7 +209,7 @@ function priced(offer, offers) {
   const sure = make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence))
   // Where nothing costs anything, a price of nothing would be taken for one.
   if (offer.addends.length === 0) {
-    const rate = make('a', { href: `#term-${MACHINE_RATE.replace('.', '-')}` }, say.results.giveRate)
+    const rate = make('a', { href: `#${idOf('term', MACHINE_RATE)}` }, say.results.giveRate)
     return [of, make('p', { className: 'headline' }, make('b', {}, say.quote.noPrice)), make('p', {}, rate), sure]
   }
   return [
