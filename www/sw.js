@@ -24,8 +24,9 @@ worker.addEventListener('fetch', (/** @type {any} */ event) => {
 
 async function fetchAll() {
   const cache = await caches.open(NAME)
-  // The browser's own cache is asked, but made to check that it is up to date.
-  await cache.addAll(files.map((file) => new Request(file, { cache: 'no-cache' })))
+  // The browser's own cache is asked, but made to check that it is up to date. One file after the other, as all at once
+  // would take the processors from a page in use.
+  for (const file of files) await cache.add(new Request(file, { cache: 'no-cache' }))
 }
 
 async function dropOthers() {
