@@ -25,6 +25,8 @@ function surface(lines) {
 async function longestTask(page, body) {
   const browser = page.context().browser()
   await browser.startTracing(page, { categories: ['toplevel'] })
+  // The start of a trace keeps the browser busy itself.
+  await page.waitForTimeout(300)
   await body()
   await frame(page)
   await page.waitForTimeout(200)
