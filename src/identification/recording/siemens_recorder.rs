@@ -27,6 +27,7 @@ use crate::identification::recording::assemble::{Capture, Data, Signal};
 use crate::identification::recording::clock::{iso, stretches};
 use crate::identification::recording::events::{name_not_read, signal};
 use crate::identification::recording::field::{Field, Label, Side};
+use crate::identification::recording::text::is_plausible;
 use crate::identification::recording::unit::MM;
 use crate::identification::recording::{RecordingError, Remarks, Sampling};
 
@@ -174,7 +175,7 @@ fn labels(header: &Value) -> Vec<Label> {
 
 /// A number, also one written as text.
 fn as_number(value: &Value) -> Option<f64> {
-    value.as_f64().or_else(|| value.as_str()?.trim().parse().ok()).filter(|number| number.is_finite())
+    value.as_f64().or_else(|| value.as_str()?.trim().parse().ok()).filter(|number| is_plausible(*number))
 }
 
 /// A value as text; null is none.

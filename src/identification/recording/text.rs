@@ -57,10 +57,18 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
 pub(super) enum Cell {
     /// A finite number.
     Number(f64),
-    /// Nothing known: empty, NaN, infinite, UNAVAILABLE.
+    /// Nothing known: empty, NaN, infinite or nearly so, UNAVAILABLE.
     Missing,
     /// Something else.
     Other,
+}
+
+/// Larger than anything that a machine records, in any unit, and small enough for every conversion.
+const LARGEST: f64 = 1e30;
+
+/// Whether `value` may be one of a machine.
+pub(super) fn is_plausible(value: f64) -> bool {
+    value.abs() <= LARGEST
 }
 
 /// Words for a value that is not known.
@@ -88,7 +96,7 @@ pub(super) fn number(text: &str, comma: bool) -> Cell {
         text.parse::<f64>()
     };
     match parsed {
-        Ok(value) if value.is_finite() => Cell::Number(value),
+        Ok(value) if is_plausible(value) => Cell::Number(value),
         Ok(_) => Cell::Missing,
         Err(_) => Cell::Other,
     }

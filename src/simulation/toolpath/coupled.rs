@@ -15,13 +15,11 @@
 //! Source: LinuxCNC 2.9, G-code reference, G33, G33.1 and G38; Fanuc B-63944EN, G31.
 
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block};
+use crate::simulation::toolpath::feed_mode::FEEDRATES;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::{Curve, Motion, Point};
 use crate::units::mm_per_s;
-
-/// The feedrates that a spindle can ask for, mm/s.
-const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 impl Tracer<'_> {
     /// G31 and G38: to the end, at the feedrate in force, where the tool then stands still.

@@ -18,7 +18,7 @@ use crate::simulation::toolpath::trace::Tracer;
 use crate::units::{SECONDS_PER_MINUTE, mm_per_min, mm_per_s};
 
 /// The feedrates that are taken at their word, mm/s.
-const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+pub(super) const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// The inverse times that are taken at their word, 1/min.
 const INVERSE_TIMES: std::ops::RangeInclusive<f64> = 1e-6..=1e7;

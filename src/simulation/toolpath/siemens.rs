@@ -28,6 +28,7 @@ pub(super) use words::{SiemensWord, meaning};
 use crate::machine::AXES;
 use crate::simulation::gcode::{SIEMENS_STATEMENTS, Word, address};
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, POLAR_WORDS};
+use crate::simulation::toolpath::feed_mode::FEEDRATES;
 use crate::simulation::toolpath::frame::{Affine, Kind};
 use crate::simulation::toolpath::motion::LONGEST_DWELL;
 use crate::simulation::toolpath::path_mode::Blending;
@@ -230,7 +231,7 @@ let source = format!("CYCLE832({tolerance})");
         let Some(target) = self.target(block) else { return };
         let length = (target - self.position).norm();
         match self.siemens.pitch.zip(speed).map(|(pitch, speed)| pitch * speed / 60.0) {
-            Some(feedrate) if (1e-6..=1e6).contains(&feedrate) => {
+            Some(feedrate) if FEEDRATES.contains(&feedrate) => {
                 self.exact_stop |= turn.is_some();
                 self.push(block, target, Curve::Line, length, Motion::Feed { feedrate });
                 if let Some(turn) = turn {

@@ -145,6 +145,8 @@ impl Queue {
             // A move of no length was let in for a tool beside the path; here it is on it.
             if ROUNDING <= segment.length {
                 out.segments.push(segment);
+            } else if segment.start != segment.end {
+                self.at = Some(segment.start);
             }
             return;
         };

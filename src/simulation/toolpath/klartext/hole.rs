@@ -25,12 +25,10 @@
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::cycle::hole::{Pecks, Step, Turn, Work, peck};
+use crate::simulation::toolpath::feed_mode::FEEDRATES;
 use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::units::MM_PER_INCH;
-
-/// The feedrates that are taken at their word, mm/s.
-const FEEDRATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// From here on a feed of a cycle means rapid, units of length per minute.
 const RAPID: f64 = 99_999.0;

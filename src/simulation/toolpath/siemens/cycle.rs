@@ -31,6 +31,7 @@ use crate::simulation::gcode::address;
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::cycle::hole::{Kind, Turn};
 use crate::simulation::toolpath::cycle::{Hole, NoHole};
+use crate::simulation::toolpath::feed_mode::FEEDRATES;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::units::MM_PER_INCH;
@@ -197,6 +198,13 @@ impl Tracer<'_> {
                 hole.dwell = dwell;
             }
             _ => {}
+        }
+        for feedrate in [&mut hole.feed_in, &mut hole.feed_out] {
+            if !FEEDRATES.contains(feedrate) {
+                let what = "no feedrate can be told from its arguments: run at the feedrate in force";
+                self.remarks.add(block.place(), Untraced::Statement { name: drilling.name, what });
+                *feedrate = feed_in;
+            }
         }
         Ok(hole)
     }

@@ -158,6 +158,10 @@ fn drilling_cycles_make_their_holes() {
         })
         .collect();
     assert_eq!(feedrates, [12.5, 12.5], "pitch 1.25 mm at 10 turns a second");
+    let still = run("G0 Z50\nS0 M3\nG1 F600\nCYCLE84(50,0,2,-10,,0,3,,1.25)");
+    let is_in_force = |motion: Motion| motion == Motion::Feed { feedrate: 10.0 };
+    assert_eq!(still.segments.iter().filter(|s| is_in_force(s.motion)).count(), 2, "there and back");
+    assert!(still.diagnostics.iter().any(|found| found.message.contains("feedrate in force")));
     let row = clean(
         "G0 Z50\nG1 F600\nMCALL CYCLE81(50,0,2,-10)\nHOLES1(0,0,90,10,5,3)\nHOLES2(0,0,20,0,90,4)\nMCALL",
     );
