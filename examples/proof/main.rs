@@ -85,9 +85,10 @@ fn one(case: &Path, out: &Path) -> Result<(), Refusal> {
         Ok(recorded) => {
             let run = recorded.unswitched();
             let diagnosis = diagnose(&machine, std::slice::from_ref(&run), &mut |_| {});
-            let report = DiagnosisReport::new(&diagnosis, &["recording.csv".into()]);
-            let chart = diagnosis_chart(&diagnosis, &machine, std::slice::from_ref(&run), 0);
-            if let Some(picture) = chart.and_then(|chart| svg(&chart, &Theme::LIGHT, CHART)) {
+            let charts = diagnosis_chart(&diagnosis, &machine, std::slice::from_ref(&run), 0);
+            let charts = Vec::from_iter(charts);
+            let report = DiagnosisReport::new(&diagnosis, &["recording.csv".into()]).drawn_by(&charts);
+            if let Some(picture) = charts.first().and_then(|run| svg(&run.chart, &Theme::LIGHT, CHART)) {
                 std::fs::write(out.join("chart.svg"), picture)?;
             }
             let second = case.join("transfer");

@@ -101,7 +101,7 @@ fn predict_one(request: Request) -> Result<(), Refusal> {
         quotes.push(quote);
         if let (0, Some(path), Some(plan)) = (index, &request.profile, &plan) {
             let commanded = Profile::new(&toolpath, plan).written();
-            if let Some(note) = spacing_note(&commanded) {
+            if let Some(note) = spacing_note(commanded.spacing) {
                 eprintln!("truefeed: {}: {note}", path.display());
             }
             write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;

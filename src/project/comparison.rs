@@ -98,7 +98,7 @@ impl ComparisonReport {
 
     /// The same beside a chart of the simulation, which may leave something out.
     pub fn drawn_by(mut self, samples: &Samples) -> ComparisonReport {
-        self.remarks.extend(spacing_note(samples));
+        self.remarks.extend(spacing_note(samples.spacing));
         self
     }
 }

@@ -6,7 +6,7 @@ mod html;
 mod sentence;
 mod told;
 
-pub use chart::diagnosis_chart;
+pub use chart::{RunChart, diagnosis_chart};
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -22,6 +22,7 @@ use crate::project::comparison::{Refusal, sentence_of};
 use crate::project::diagnosis::sentence::sentence;
 use crate::project::diagnosis::told::{Change, Told, changes, told};
 use crate::project::form::values;
+use crate::project::results::spacing_note;
 use crate::units::mm_per_min;
 
 /// Digits of what is changed in the form.
@@ -198,6 +199,15 @@ impl DiagnosisReport {
         let values = self.values.map(|values| rounded(values, &before, DIGITS));
         let changes = values.as_ref().map_or(Vec::new(), |values| changes(&before, values));
         DiagnosisReport { values, changes, ..self }
+    }
+
+    /// The same beside a chart of each run, which may leave something out.
+    pub fn drawn_by(mut self, charts: &[RunChart]) -> DiagnosisReport {
+        for (chart, name) in charts.iter().zip(&self.runs) {
+            let note = spacing_note(chart.spacing).map(|note| format!("Chart of {name}: {note}"));
+            self.messages.extend(note);
+        }
+        self
     }
 
     /// As JSON.

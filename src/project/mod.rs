@@ -26,7 +26,7 @@ pub use calibrated_view::CalibrationReport;
 pub use comparison::{ComparisonReport, Refusal, lost_label};
 pub use cutting_file::{EXAMPLE_CUTTING, cutting_from_toml};
 pub use cutting_results::{cutting_refusal, cutting_remarks, cutting_table, loads_csv, materials_json};
-pub use diagnosis::{DiagnosisReport, diagnosis_chart, extended};
+pub use diagnosis::{DiagnosisReport, RunChart, diagnosis_chart, extended};
 pub use form::{dialects, edited, faults_to_json, form, machine_from_form, machine_values};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use offer::OfferReport;

@@ -314,9 +314,9 @@ impl Prediction {
     }
 }
 
-/// What a table leaves out, as a sentence; none where it follows the profile.
-pub fn spacing_note(samples: &Samples) -> Option<String> {
-    samples.spacing.map(|spacing| {
+/// What a table with this spacing (s) leaves out, as a sentence; none where it follows the profile.
+pub fn spacing_note(spacing: Option<f64>) -> Option<String> {
+    spacing.map(|spacing| {
         format!("One point every {spacing:.3} s, as the program is long: shorter dips of the feedrate may be missing. Times and errors are exact.")
     })
 }

@@ -12,7 +12,8 @@
 //! None of them changes the cycle time. Between two rows of the profile the command is taken as
 //! the cubic through position and velocity at both, for which the two differential equations are
 //! solved in closed form; rows are first added so that a time constant or a radian of vibration
-//! spans at least two. The cubic's error falls with the fourth power of the spacing; over steps that are
+//! spans at least two, until what was before has died away: from there the motion bends no more than its
+//! command, and a dwell or a slow move costs the same however long it lasts. The cubic's error falls with the fourth power of the spacing; over steps that are
 //! very short against the time constant, where its higher terms are rounding alone, it is its mean. An axis with
 //! nothing to follow through keeps its columns bit for bit.
 //!
@@ -28,7 +29,8 @@ pub fn actual_motion(commanded: &Samples, machine: &Machine) -> Samples {
     if finest == f64::INFINITY && machine.axes.iter().all(|axis| axis.backlash == 0.0) {
         return commanded.clone();
     }
-    let mut actual = refined(commanded, finest);
+    let longest = machine.axes.iter().map(memory).fold(0.0, f64::max);
+    let mut actual = refined(commanded, finest, SETTLED * longest);
     for (axis, machine_axis) in machine.axes.iter().enumerate() {
         let position = &mut actual.position[axis];
         let velocity = &mut actual.velocity[axis];
@@ -56,12 +58,20 @@ fn longest_spacing(axis: &Axis) -> f64 {
     lag.min(mode)
 }
 
+/// Of so many time constants together a 10¹³th of what was before is left.
+const SETTLED: f64 = 30.0;
+
+/// The time constants with which an axis forgets, one after the other, s.
+fn memory(axis: &Axis) -> f64 {
+    axis.servo_lag + axis.mode.map_or(0.0, |mode| 1.0 / (mode.damping * angular(mode)))
+}
+
 fn angular(mode: Mode) -> f64 {
     2.0 * std::f64::consts::PI * mode.frequency
 }
 
-/// The same profile with rows added where they lie farther apart than `spacing` (s).
-fn refined(samples: &Samples, spacing: f64) -> Samples {
+/// The same profile with rows added where they lie farther apart than `spacing` (s), until `settling` (s) after a row.
+fn refined(samples: &Samples, spacing: f64, settling: f64) -> Samples {
     let mut refined = Samples::default();
     for row in 0..samples.time.len() {
         if 0 < row {
@@ -70,6 +80,9 @@ fn refined(samples: &Samples, spacing: f64) -> Samples {
             let parts = (duration / spacing).ceil().max(1.0);
             for part in 1..parts as usize {
                 let elapsed = duration * part as f64 / parts;
+                if settling < elapsed {
+                    break;
+                }
                 let mix =
                     |column: &[f64]| column[before] + (column[row] - column[before]) * part as f64 / parts;
                 refined.time.push(samples.time[before] + elapsed);
@@ -338,5 +351,51 @@ mod tests {
         let last = actual.time.len() - 1;
         assert!((actual.position[0][last] - 2.0).abs() < 1e-9);
         assert!(300 < actual.time.len(), "rows were added while it settles");
+    }
+    #[test]
+    fn what_settles_needs_no_more_rows_and_loses_nothing() {
+        let mut machine = Machine::default();
+        machine.axes[0].servo_lag = 0.05;
+        machine.axes[0].mode = Some(Mode { frequency: 20.0, damping: 0.05 });
+        // It runs to where it stands for so long (s), creeps on for as long, and stops.
+        let ended = |seconds: f64| {
+            let mut samples = sine(2.0);
+            for column in [&mut samples.time, &mut samples.distance, &mut samples.feedrate] {
+                column.truncate(251);
+            }
+            samples.line.truncate(251);
+            for column in samples.position.iter_mut().chain(&mut samples.velocity) {
+                column.truncate(251);
+            }
+            let at = samples.position[0][250];
+            let rows =
+                [(seconds, at, 0.0), (0.1, at + 1e-4, 2e-3), (seconds, at + 1e-4 + 2e-3 * seconds, 2e-3)];
+            for (after, position, velocity) in rows {
+                let before = samples.time[samples.time.len() - 1];
+                samples.time.push(before + after);
+                samples.distance.push(0.0);
+                samples.feedrate.push(velocity);
+                samples.line.push(1);
+                for axis in 0..3 {
+                    samples.position[axis].push(if axis == 0 { position } else { 0.0 });
+                    samples.velocity[axis].push(if axis == 0 { velocity } else { 0.0 });
+                }
+            }
+            samples
+        };
+        let rows = |seconds| actual_motion(&ended(seconds), &machine).time.len();
+        // Rows divide their gap evenly, so that the last one before all is settled may be another.
+        assert!(rows(3600.0) <= rows(60.0) + 2, "an hour is no more than a minute");
+
+        let sparse = actual_motion(&ended(60.0), &machine);
+        let everywhere = refined(&ended(60.0), longest_spacing(&machine.axes[0]), f64::INFINITY);
+        let dense = actual_motion(&everywhere, &machine);
+        assert!(4 * sparse.time.len() < dense.time.len());
+        for (row, time) in sparse.time.iter().enumerate() {
+            let same = dense.time.partition_point(|other| other < time);
+            assert!((dense.time[same] - time).abs() < 1e-9);
+            assert!((dense.position[0][same] - sparse.position[0][row]).abs() < 1e-11);
+            assert!((dense.velocity[0][same] - sparse.velocity[0][row]).abs() < 1e-9);
+        }
     }
 }

@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 use crate::identification::diagnosis::diagnose;
 use crate::identification::fit::{Recorded, Run};
 use crate::plot::FeedChart;
-use crate::project::{DiagnosisReport, diagnosis_chart, machine_from_form};
+use crate::project::{DiagnosisReport, RunChart, diagnosis_chart, machine_from_form};
 use crate::quote::quote;
 use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
@@ -91,14 +91,14 @@ impl Runs {
         let runs: Vec<Run> = self.aligned.iter().map(Recorded::unswitched).collect();
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let diagnosis = diagnose(&self.machine, &runs, &mut tell);
-        let report = DiagnosisReport::new(&diagnosis, &self.names).beside(&self.machine);
-        let charts: Vec<FeedChart> =
+        let charts: Vec<RunChart> =
             (0..runs.len()).filter_map(|at| diagnosis_chart(&diagnosis, &self.machine, &runs, at)).collect();
+        let report = DiagnosisReport::new(&diagnosis, &self.names).beside(&self.machine).drawn_by(&charts);
         Ok(Some(Diagnosed {
             report: object(&report)?,
             json: report.to_json(),
             html: report.to_html(&(0..charts.len()).map(mark).collect::<Vec<_>>()),
-            runs: charts.into_iter().map(DiagnosedColumns::from).collect(),
+            runs: charts.into_iter().map(|drawn| drawn.chart.into()).collect(),
         }))
     }
 }

@@ -76,7 +76,7 @@ impl Job {
         let samples = Profile::new(&self.toolpath, &plan).drawn();
         let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&samples);
         Ok(Run {
-            note: spacing_note(&samples),
+            note: spacing_note(samples.spacing),
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
             columns: Columns {
                 distance: samples.distance,

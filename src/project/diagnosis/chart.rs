@@ -8,6 +8,14 @@ use crate::machine::Machine;
 use crate::plot::{Curve, FeedChart, LostTime, Programmed};
 use crate::simulation::profile::Profile;
 
+/// The chart of a diagnosed run.
+pub struct RunChart {
+    /// It.
+    pub chart: FeedChart,
+    /// Time between the points of a simulated curve, s, where they are too few to follow it.
+    pub(super) spacing: Option<f64>,
+}
+
 /// The chart of a diagnosed run, `index` of those that were diagnosed on the machine `before`; none where
 /// there is no such run.
 pub fn diagnosis_chart(
@@ -15,7 +23,7 @@ pub fn diagnosis_chart(
     before: &Machine,
     runs: &[Run],
     index: usize,
-) -> Option<FeedChart> {
+) -> Option<RunChart> {
     let run = runs.get(index)?;
     let plan = run.plan(before);
     let rows = pointwise(run.toolpath, &plan, run.alignment);
@@ -27,9 +35,11 @@ pub fn diagnosis_chart(
         time: rows.recorded_time.into_iter().map(|time| time - begin).collect(),
         ..Curve::default()
     };
-    let simulated = |label: &str, machine: &Machine| {
+    let mut spacing: Option<f64> = None;
+    let mut simulated = |label: &str, machine: &Machine| {
         let plan = run.plan(machine);
         let samples = Profile::new(run.toolpath, &plan).drawn();
+        spacing = spacing.into_iter().chain(samples.spacing).reduce(f64::max);
         let (distance, feedrate, time) = (samples.distance, samples.feedrate, samples.time);
         Curve { label: label.to_string(), distance, feedrate, time, ..Curve::default() }
     };
@@ -37,7 +47,7 @@ pub fn diagnosis_chart(
         let course = course(run.toolpath, run.alignment, comparison);
         LostTime { distance: course.distance, seconds: course.seconds }
     };
-    Some(FeedChart {
+    let chart = FeedChart {
         programmed: Programmed::of(run.toolpath, before),
         curves: vec![
             recorded,
@@ -47,5 +57,6 @@ pub fn diagnosis_chart(
         lost: diagnosis.before.get(index).map(lost),
         lost_after: diagnosis.after.get(index).map(lost),
         ..FeedChart::default()
-    })
+    };
+    Some(RunChart { chart, spacing })
 }

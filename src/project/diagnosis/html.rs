@@ -147,8 +147,8 @@ mod tests {
     use super::*;
     use crate::identification::diagnosis::diagnose;
     use crate::identification::fit::{Recorded, Run};
-    use crate::plot::{Theme, svg};
-    use crate::project::{diagnosis_chart, machine_from_toml};
+    use crate::plot::{FeedChart, Theme, svg};
+    use crate::project::{RunChart, diagnosis_chart, machine_from_toml};
     use crate::simulation::gcode::read;
     use crate::simulation::toolpath::trace;
 
@@ -165,8 +165,12 @@ mod tests {
         let diagnosis = diagnose(&machine, &runs, &mut |_| {});
         let name = "a <b> & \"c\".csv".to_string();
         let report = DiagnosisReport::new(&diagnosis, &[name]).beside(&machine);
-        let chart = diagnosis_chart(&diagnosis, &machine, &runs, 0).expect("there is a run");
-        let picture = svg(&chart, &Theme::LIGHT, (1040, 560)).expect("it can be drawn");
+        let drawn = diagnosis_chart(&diagnosis, &machine, &runs, 0).expect("there is a run");
+        let picture = svg(&drawn.chart, &Theme::LIGHT, (1040, 560)).expect("it can be drawn");
+        let messages = report.messages.clone();
+        let report = report.drawn_by(&[drawn]);
+        assert_eq!(report.messages, messages, "a chart that leaves nothing out says nothing");
+        let report = report.drawn_by(&[RunChart { spacing: Some(0.02), chart: FeedChart::default() }]);
         let html = report.to_html(&[picture]);
         let (first, rest) = html.split_once('\n').expect("it has lines");
         assert_eq!(first, "<!doctype html>");
@@ -180,6 +184,7 @@ mod tests {
             "simulated after",
             "Time lost",
             "a <b> & \"c\".csv",
+            "Chart of a <b> & \"c\".csv: One point every 0.020 s",
         ] {
             assert!(all.contains(words), "{words} is missing");
         }

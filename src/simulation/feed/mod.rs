@@ -455,6 +455,9 @@ fn add_stretch(
     }
     let first_pulse = plan.pulses.len();
     for (i, segment) in segments.iter().enumerate() {
+        if range.start + i == FIRST_SEGMENTS {
+            make_room(&mut plan.pulses, toolpath.segments.len() - FIRST_SEGMENTS);
+        }
         // Beyond the corner before the first segment, and beyond that after the last, the motion does not go on.
         let end = |feedrate: f64, blended: bool| End {
             feedrate,
@@ -491,6 +494,16 @@ fn add_stretch(
         pulses: first_pulse..plan.pulses.len(),
         filter,
     }));
+}
+
+/// After so many segments it is known how many pulses the others need.
+const FIRST_SEGMENTS: usize = 2_000;
+
+/// Makes room for the pulses of the segments that follow the first ones: a list that grows by doubling ends with up to
+/// twice the room it needs, beside what it had before. It is a guess, and does no harm where there is no such room.
+fn make_room(pulses: &mut Vec<Pulse>, segments: usize) {
+    let of_a_segment = pulses.len() as f64 / FIRST_SEGMENTS as f64;
+    pulses.try_reserve_exact((1.02 * of_a_segment * segments as f64) as usize).ok();
 }
 
 /// The filters of a stretch, by index; they are made where the plan does not have them yet.

@@ -59,10 +59,12 @@ pub struct Motion<'a> {
 impl<'a> Profile<'a> {
     /// The profile of a plan for a toolpath.
     pub fn new(toolpath: &'a Toolpath, plan: &'a FeedPlan) -> Profile<'a> {
-        let from_zero =
-            |sums: &mut dyn Iterator<Item = f64>| [0.0].into_iter().chain(sums).collect::<Vec<f64>>();
-        let distances = from_zero(&mut running_sum(toolpath.segments.iter().map(|segment| segment.length)));
-        let mut pulse_starts = Vec::with_capacity(plan.pulses.len());
+        // Sums do not tell how many they are: without room for all of them lists would grow to twice their size.
+        let mut distances = Vec::with_capacity(toolpath.segments.len() + 1);
+        distances.push(0.0);
+        distances.extend(running_sum(toolpath.segments.iter().map(|segment| segment.length)));
+        // Where a stretch ends is entered and taken back.
+        let mut pulse_starts = Vec::with_capacity(plan.pulses.len() + 1);
         for stretch in plan.stretches() {
             let durations = plan.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
             pulse_starts.push(0.0);
@@ -223,5 +225,30 @@ impl Motion<'_> {
         let near = &starts[..reach.min(starts.len())];
         let pulse = from + near.partition_point(|&start| start <= time).max(1) - 1;
         Moment { pulse, elapsed: (time - self.pulse_starts[pulse]).max(0.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+    use crate::simulation::feed::{Rule, plan};
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    #[test]
+    fn lists_of_a_long_program_have_no_more_room_than_they_need() {
+        // More than a power of two of everything, so that lists that grow by doubling would be seen.
+        let moves = (0..5000).map(|at| format!("X{}.{} Y{}\n", at / 4, 25 * (at % 4), at % 3));
+        let text: String = ["G21 G90 G1 F6000\n".to_string()].into_iter().chain(moves).collect();
+        let machine = Machine::default();
+        let toolpath = trace(&read(text.as_bytes()), &machine);
+        let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+        let profile = Profile::new(&toolpath, &plan);
+        let is_close = |room: usize, needed: usize| (needed..needed + needed / 20).contains(&room);
+        assert!(4800 < toolpath.segments.len());
+        assert!(is_close(plan.pulses.capacity(), plan.pulses.len()), "{}", plan.pulses.capacity());
+        assert!(is_close(profile.pulse_starts.capacity(), plan.pulses.len()));
+        assert!(is_close(profile.distances.capacity(), toolpath.segments.len()));
     }
 }
