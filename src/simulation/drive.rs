@@ -352,6 +352,7 @@ mod tests {
         assert!((actual.position[0][last] - 2.0).abs() < 1e-9);
         assert!(300 < actual.time.len(), "rows were added while it settles");
     }
+
     #[test]
     fn what_settles_needs_no_more_rows_and_loses_nothing() {
         let mut machine = Machine::default();
