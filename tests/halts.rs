@@ -92,6 +92,27 @@ fn two_feed_holds_are_found_with_their_lines_and_seconds() {
     assert!((places[&10] - 0.3).abs() < 0.01 && (places[&34] - 0.7).abs() < 0.01, "{places:?}");
 }
 
+/// The ramps of so short a hold take up most of it: the tool stands for less than a tenth of a second.
+#[test]
+fn a_feed_hold_hardly_longer_than_its_ramps_is_found_inside_a_line() {
+    let mut machine = Machine::default();
+    machine.halts.feed_holds = [(10, 0.13)].into();
+    machine.halts.feed_hold_places = [(10, 0.3)].into();
+    let found = causes(&diagnosed(&machine));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!((found[0].0, found[0].1), ("feed_hold", 10));
+    assert!((found[0].2 - 0.13).abs() < 0.02, "{found:?}");
+}
+
+/// Full stops at corners leave rests as short, but where blocks end.
+#[test]
+fn exact_stops_are_no_feed_holds() {
+    let mut machine = Machine::default();
+    machine.interpolator.exact_stop_angle = 0.5;
+    let found = causes(&diagnosed(&machine));
+    assert_eq!(found.iter().map(|cause| cause.0).collect::<Vec<_>>(), ["exact_stop"], "{found:?}");
+}
+
 #[test]
 fn a_wait_before_a_line_is_not_a_feed_hold() {
     let mut machine = Machine::default();

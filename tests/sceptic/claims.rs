@@ -129,3 +129,38 @@ fn a_feed_that_comes_and_goes_is_unknown_and_located() {
     assert_eq!(diagnosis.verdict, Verdict::Unknown, "{:?}", diagnosis.causes);
     assert!(!diagnosis.regions.is_empty(), "it is located");
 }
+
+/// An override has one ratio on all of its lines. Here the long ones lose 8 % on a third of theirs.
+#[test]
+fn a_place_that_is_slow_on_parts_of_lines_is_no_override_that_explains_it() {
+    let mut rows = recorded(&program(), &machine(), 200.0);
+    let (mut late, mut before) = (0.0, 0.0);
+    for row in &mut rows {
+        let (time, is_slow) = (row[0], (8.0..20.0).contains(&row[1]) && row[2] < 25.0);
+        late += if is_slow { 0.08 * (time - before) } else { 0.0 };
+        before = time;
+        row[0] += late;
+    }
+    let diagnosis = diagnosed(&[&rows], &machine());
+    assert_eq!(diagnosis.verdict, Verdict::Unknown, "{:?}", diagnosis.causes);
+}
+
+/// An axis that sticks after it turned round loses no time.
+#[test]
+fn an_axis_that_sticks_where_it_turns_is_unknown_though_times_agree() {
+    let mut rows = recorded(&program(), &machine(), 200.0);
+    let (mut behind, mut side, mut before) = (0.0, 1.0, rows[0][1]);
+    for row in &mut rows {
+        let moved = row[1] - before;
+        before = row[1];
+        if 0.01 < moved.abs() && moved.signum() != side {
+            (behind, side) = (0.06 * -moved.signum(), moved.signum());
+        }
+        row[1] += behind;
+        behind *= 0.85;
+    }
+    let diagnosis = diagnosed(&[&rows], &machine());
+    assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
+    assert!(diagnosis.is_of_form, "{:?} {:?}", diagnosis.verdict, diagnosis.form);
+    assert_eq!(diagnosis.verdict, Verdict::Unknown);
+}

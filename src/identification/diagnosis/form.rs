@@ -38,6 +38,17 @@ pub fn error(machine: &Machine, runs: &[Run]) -> Option<f64> {
     of(true).zip(of(false)).map(|(on_time, in_step)| on_time.min(in_step))
 }
 
+/// What a form error that noise or a simulation without drives leaves is below, mm.
+fn floor(runs: &[Run], (times, least): (f64, f64)) -> f64 {
+    let noise = runs.iter().filter_map(|run| run.alignment.track.as_ref()).map(|track| track.noise);
+    (times * noise.fold(0.0, f64::max)).max(least)
+}
+
+/// Whether a form error is more than noise or a simulation without drives leaves.
+pub fn is_seen(error: f64, runs: &[Run]) -> bool {
+    floor(runs, SEEN) < error
+}
+
 /// The runs with their times as they are, `on_time`, or in step with the recording.
 fn forms(machine: &Machine, runs: &[Run], on_time: bool) -> Vec<Form> {
     let of_run = |run: &Run| {
@@ -61,9 +72,7 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     if forms.is_empty() {
         return Vec::new();
     }
-    let noise = runs.iter().filter_map(|run| run.alignment.track.as_ref()).map(|track| track.noise);
-    let (times, least) = if whole { WHOLE } else { SEEN };
-    let floor = (times * noise.fold(0.0, f64::max)).max(least);
+    let floor = floor(runs, if whole { WHOLE } else { SEEN });
     let before = rms(&forms, machine);
     if before < floor {
         return Vec::new();

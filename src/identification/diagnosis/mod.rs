@@ -94,6 +94,8 @@ pub struct Diagnosis {
     pub regions: Vec<Region>,
     /// Lost time that the causes leave, s, all runs together, and where most of it is.
     pub left: (f64, Option<Region>),
+    /// Whether it is unknown for the form of the path alone, which loses no time.
+    pub is_of_form: bool,
     /// How the pace rises and falls with time, which nothing in the library does.
     pub pulsation: Option<Pulsation>,
     /// The machine with the causes.
@@ -150,7 +152,8 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     // Where drives explain the form of the path whole, nothing is missing in time.
     let asked = if is_in_time { seconds } else { 0.0 };
     let pulsation = in_time.pulsation;
-    let left = Left::of(machine, (regions::left(&before, &regions, runs), asked), pulsation, &after);
+    let left = Left::of(machine, (regions::left(&before, &regions, runs), asked), pulsation, &after)
+        .with_form(form.map(|(_, after)| after).filter(|error| form::is_seen(*error, runs)));
     let held_out = match &in_time.excerpts {
         Some(excerpts) if !in_time.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
         Some(_) => None,
@@ -159,6 +162,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     progress(1.0);
     Diagnosis {
         verdict: left.verdict(&causes),
+        is_of_form: left.is_of_form(&causes),
         messages: left.message(&causes).into_iter().collect(),
         left: (seconds, rest.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))),
         causes,

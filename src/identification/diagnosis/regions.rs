@@ -48,9 +48,15 @@ pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Ve
         let beside = [marks.get(after.saturating_sub(1)), marks.get(after)];
         beside.into_iter().flatten().map(|mark| mark.deviation).fold(noise, f64::max)
     };
+    // A visit that ends before it begins shows by how much its ends, and so those of its neighbours, are off.
+    let lost = &comparison.lost;
+    let backward = |at: usize| {
+        let beside = &lost[at.saturating_sub(1)..(at + 2).min(lost.len())];
+        beside.iter().map(|visit| visit.recorded.start - visit.recorded.end).fold(0.0, f64::max)
+    };
     let mut found: Vec<(usize, usize)> = Vec::new();
-    for (at, visit) in comparison.lost.iter().enumerate() {
-        let noise = deviation(visit.recorded.start).max(deviation(visit.recorded.end));
+    for (at, visit) in lost.iter().enumerate() {
+        let noise = deviation(visit.recorded.start).max(deviation(visit.recorded.end)).max(backward(at));
         if visit.seconds().abs() < (SEEN * noise).max(LEAST) {
             continue;
         }
@@ -148,4 +154,56 @@ pub fn left(comparisons: &[Comparison], regions: &[Region], runs: &[Run]) -> f64
         located.max((known.next_back().unwrap_or(first) - first).abs())
     };
     comparisons.iter().zip(runs).enumerate().map(of_run).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::{Mark, Method};
+    use crate::identification::comparison::{Durations, Lost};
+    use crate::simulation::gcode::LineNumber;
+
+    /// The lines of the regions of visits that follow each other, by when they begin and end in the recording and how
+    /// long they take in the simulation, s.
+    fn lines(visits: &[(f64, f64, f64)]) -> Vec<(u32, u32)> {
+        let mark = |time: f64| Mark { place: Place::Along(time), time, deviation: 1e-3 };
+        let alignment = Alignment {
+            method: Method::Positions,
+            run: 0.0..10.0,
+            marks: (0..=100).map(|at| mark(0.1 * f64::from(at))).collect(),
+            fixes: Vec::new(),
+            covered: 0.0..1.0,
+            length: 1.0,
+            poll: None,
+            fit: 1.0,
+            spread: None,
+            track: None,
+            feed: None,
+            remarks: Vec::new(),
+        };
+        let lost = visits.iter().zip(1..).map(|((begin, end, takes), line)| Lost {
+            line: LineNumber(line),
+            distance: 0.0..1.0,
+            recorded: *begin..*end,
+            simulated: 0.0..*takes,
+            stops: 0..0,
+        });
+        let comparison = Comparison {
+            residuals: Vec::new(),
+            simulated: Vec::new(),
+            lost: lost.collect(),
+            whole: Durations::default(),
+            motion: Durations::default(),
+            feed: None,
+            position: None,
+        };
+        regions(&comparison, &alignment, 0).into_iter().map(|region| region.lines).collect()
+    }
+
+    #[test]
+    fn time_that_runs_backwards_is_not_lost() {
+        assert_eq!(lines(&[(0.0, 1.0, 1.0), (1.0, 1.3, 0.2), (1.3, 2.3, 1.0)]), [(2, 2)]);
+        let backward = [(0.0, 1.0, 1.0), (1.0, 2.3, 1.0), (2.3, 2.2, 0.2), (2.2, 3.2, 1.0)];
+        assert_eq!(lines(&backward), []);
+    }
 }

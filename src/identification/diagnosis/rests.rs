@@ -13,6 +13,10 @@
 //!
 //! Rests of one visit of a line are one, where the longer one was.
 //!
+//! A hold that is hardly longer than the filter delay leaves a shorter rest, as its ramps take up the rest of what it
+//! cost. Inside a block, where no control stops by itself, that counts instead; at the ends of blocks a machine may be
+//! met standing for a moment by an exact stop.
+//!
 //! A machine that is polled may be met standing for a moment at a corner, at the bottom of a plunge or before a
 //! block that is not read yet; and what is seen once was so for less than two polls. There a rest is a hold
 //! only where feedrates were recorded that say nothing else for [`SAID`] polls, and it cost as much: one in
@@ -37,6 +41,8 @@ const LEAST: f64 = 0.1;
 const SHORT: (f64, f64) = (0.02, 6.0);
 /// From one sample to the next the machine stood if it lost this part of the time.
 const STANDS: f64 = 0.8;
+/// A rest inside a block that is shorter than the shortest lasts for so many samples.
+const SEEN: usize = 3;
 /// A block is long that is so many times as long as a rest.
 const LONG: f64 = 10.0;
 /// Rests of one run at most.
@@ -92,6 +98,11 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let least = LEAST.max(2.0 * poll);
     let ramp = plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
     let visits = visits(run.toolpath);
+    // Only positions tell where inside a block a machine stands.
+    let ends: Vec<f64> = match run.alignment.method {
+        Method::Positions => (0..=segments.len()).map(|at| profile.distance_before(at)).collect(),
+        Method::Lines | Method::Feed => Vec::new(),
+    };
     let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
     while from + 1 < fixes.len() {
@@ -102,15 +113,20 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         // At a low rate the first sample after a rest may be far from it.
         let stands = to == from + 1 && STANDS * (fixes[to].time - fixes[from].time) <= lost(from, to);
         let is_short = stands || fixes[to].distance - fixes[from].distance <= short;
-        if !is_short || lost(from, to) < least {
-            from += 1;
-            continue;
-        }
         // What still begins or ends it is part of it.
         let first = fixes[..from].partition_point(|fix| fix.time < fixes[from].time - ramp);
         let last =
             to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp.max(2.0 * poll));
         let at = 0.5 * (fixes[from].distance + fixes[to].distance);
+        let is_brief = || {
+            let stood = STANDS * (fixes[to].time - fixes[from].time) <= lost(from, to);
+            let samples = fixes[to].sample.zip(fixes[from].sample).map_or(0, |(to, from)| to - from);
+            stood && SEEN <= samples && least <= lost(first, last) && is_inside(&ends, at, 2.0 * short)
+        };
+        if !is_short || lost(from, to) < least && !is_brief() {
+            from += 1;
+            continue;
+        }
         let rest = match run.alignment.method {
             Method::Positions => rest_at(run, &profile, at, short, lost(first, last)),
             // Where the recorder slept the machine went on: one that stands says so.
@@ -141,6 +157,13 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         found.retain(|rest| OUT * usual < rest.seconds);
     }
     if MOST < found.len() { Vec::new() } else { found }
+}
+
+/// Whether a distance along the path is farther from the ascending ends of all blocks than so much, mm.
+fn is_inside(ends: &[f64], at: f64, away: f64) -> bool {
+    let next = ends.partition_point(|end| *end < at);
+    let beside = [next.checked_sub(1), Some(next)].map(|end| end.and_then(|end| ends.get(end)));
+    matches!(beside, [Some(before), Some(after)] if away < at - before && away < after - at)
 }
 
 /// The rest at a distance along the path; none where a function is near.

@@ -6,7 +6,12 @@
 //! | `LEFT` of the cycle time | always |
 //! | `MUCH` of what there was | in place of `LEFT`, beside causes |
 //!
-//! So does a pace that pulsates, however little time it loses. What the operator did is explained all the same where it is certain and more than what is left.
+//! Where a machine file was calibrated, it is also known to be a little off in form. Of another one a form error
+//! that noise does not leave asks for a cause where none is named: an axis that sticks loses no time.
+//!
+//! So does a pace that pulsates, however little time it loses. What the operator did is explained all the same where
+//! it is certain and more than what is left. That does not hold for an override on lines that were chosen by what was
+//! lost there: it has one ratio, and what it leaves speaks against it, as for a place that is slow on parts of them.
 
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::{Cause, LEAST, OPERATOR, Pulsation, Verdict};
@@ -31,6 +36,8 @@ pub struct Left {
     known: f64,
     /// How its pace pulsates.
     pulsation: Option<Pulsation>,
+    /// The form error that is left, mm, where it is more than noise.
+    form: Option<f64>,
 }
 
 impl Left {
@@ -42,7 +49,13 @@ impl Left {
         compared: &[Comparison],
     ) -> Left {
         let whole = compared.iter().map(|comparison| comparison.whole.recorded).sum();
-        Left { before, after, whole, known: machine.cycle_time_error.map_or(0.0, f64::abs), pulsation }
+        let known = machine.cycle_time_error.map_or(0.0, f64::abs);
+        Left { before, after, whole, known, pulsation, form: None }
+    }
+
+    /// The same with a form error (mm) that is more than noise, unless the machine file is known to be off.
+    pub fn with_form(self, error: Option<f64>) -> Left {
+        Left { form: error.filter(|_| self.known == 0.0), ..self }
     }
 
     fn is_known(&self) -> bool {
@@ -60,13 +73,23 @@ impl Left {
         self.pulsation.is_some() || is_seen && is_much
     }
 
+    /// Whether nothing but the form of the path asks for a cause.
+    pub fn is_of_form(&self, causes: &[Cause]) -> bool {
+        causes.is_empty() && self.form.is_some() && !self.asks(causes)
+    }
+
     /// The verdict, of time that is looked for a cause of.
     pub fn verdict(&self, causes: &[Cause]) -> Verdict {
-        let is_done = |cause: &&Cause| OPERATOR.contains(&cause.candidate.hypothesis.id);
+        let is_done = |cause: &&Cause| {
+            let hypothesis = &cause.candidate.hypothesis;
+            let is_placed = hypothesis.id == "feed_override" && !hypothesis.variant.is_empty();
+            OPERATOR.contains(&hypothesis.id) && !is_placed
+        };
         let sure = causes.iter().filter(is_done).filter(|cause| CERTAIN <= cause.confidence);
         let by_operator: f64 = sure.map(|cause| cause.seconds.abs()).sum();
         match (causes.is_empty(), self.asks(causes)) {
             (true, true) => Verdict::Unknown,
+            (true, false) if self.is_of_form(causes) => Verdict::Unknown,
             (true, false) => Verdict::NothingMissing,
             _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
             (false, true) if self.pulsation.is_some() => Verdict::Unknown,

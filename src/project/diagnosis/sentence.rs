@@ -29,6 +29,10 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
             "Nothing is missing: recording and simulation agree within {} as far as this recording shows.",
             seconds(lost.abs().max(0.01))
         ),
+        Verdict::Unknown if diagnosis.is_of_form => format!(
+            "Times agree, but the path differs by {:.1} µm in the mean, more than noise, and nothing known explains it.",
+            1e3 * diagnosis.form.map_or(0.0, |(_, after)| after)
+        ),
         Verdict::Unknown if causes.is_empty() => {
             format!(
                 "Something differs by {} that nothing known explains{place}.",
