@@ -29,7 +29,8 @@ impl Reader<'_> {
     ) -> Result<usize, Refusal> {
         let name = text[at..end].to_ascii_uppercase();
         let address = match &name[..] {
-            [letter] => Some(*letter),
+            // `$` and `_` are names.
+            [letter] if letter.is_ascii_alphabetic() => Some(*letter),
             // The number of a spindle, or of an axis.
             [letter @ (b'S' | b'M' | b'T'), digits @ ..] if digits.iter().all(u8::is_ascii_digit) => {
                 Some(*letter)
