@@ -142,7 +142,7 @@ impl Queue {
     /// A move without compensation: as programmed, from wherever the tool is.
     fn leave(&mut self, segment: Segment, out: &mut Toolpath) {
         let Some(at) = self.at.take().filter(|at| *at != segment.start) else {
-            // A move of no length was let in for a tool beside the path; here it is on it.
+            // A move of no length was let in for a tool beside the path; here it is on it, or off by what rounding left.
             if ROUNDING <= segment.length {
                 out.segments.push(segment);
             } else if segment.start != segment.end {
