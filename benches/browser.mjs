@@ -74,7 +74,9 @@ async function quoted() {
   /** @type {any} */
   const { Engine } = await import(/** @type {any} */ ('/engine.js'))
   const module = { module: await WebAssembly.compileStreaming(fetch('/pkg/truefeed_whole_bg.wasm')), isWhole: true }
-  const request = JSON.stringify({ machine: {}, tolerances: [0.01], name: '' })
+  // What the native program takes where nothing is given.
+  const machine = { 'interpolator.filters': 3, 'interpolator.time_constant_s': 0.0255, 'rapid.feed_mm_min': 12000 }
+  const request = JSON.stringify({ machine, tolerances: [0.01], name: '' })
   const begin = performance.now()
   const { quote, refusal } = await new Engine(module).quote({ program: /** @type {any} */ (window).made, request }, () => {})
   if (!quote) throw new Error(JSON.stringify(refusal))
