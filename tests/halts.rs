@@ -69,6 +69,15 @@ fn causes(diagnosis: &Diagnosis) -> Vec<(&'static str, u32, f64)> {
     causes.collect()
 }
 
+/// One cause is found and no other, in its line and with its seconds.
+#[track_caller]
+fn assert_alone(machine: &Machine, (cause, line, seconds): (&str, u32, f64)) {
+    let found = causes(&diagnosed(machine));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!((found[0].0, found[0].1), (cause, line));
+    assert!((found[0].2 - seconds).abs() < 0.02, "{found:?}");
+}
+
 #[test]
 fn nothing_is_missing_where_nothing_was_held() {
     let diagnosis = diagnosed(&Machine::default());
@@ -98,10 +107,7 @@ fn a_feed_hold_hardly_longer_than_its_ramps_is_found_inside_a_line() {
     let mut machine = Machine::default();
     machine.halts.feed_holds = [(10, 0.13)].into();
     machine.halts.feed_hold_places = [(10, 0.3)].into();
-    let found = causes(&diagnosed(&machine));
-    assert_eq!(found.len(), 1, "{found:?}");
-    assert_eq!((found[0].0, found[0].1), ("feed_hold", 10));
-    assert!((found[0].2 - 0.13).abs() < 0.02, "{found:?}");
+    assert_alone(&machine, ("feed_hold", 10, 0.13));
 }
 
 /// Full stops at corners leave rests as short, but where blocks end.
@@ -117,10 +123,7 @@ fn exact_stops_are_no_feed_holds() {
 fn a_wait_before_a_line_is_not_a_feed_hold() {
     let mut machine = Machine::default();
     machine.halts.waits = [(14, 0.9)].into();
-    let found = causes(&diagnosed(&machine));
-    assert_eq!(found.len(), 1, "{found:?}");
-    assert_eq!((found[0].0, found[0].1), ("unmodelled_wait", 14));
-    assert!((found[0].2 - 0.9).abs() < 0.02, "{found:?}");
+    assert_alone(&machine, ("unmodelled_wait", 14, 0.9));
 }
 
 #[test]

@@ -153,7 +153,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let asked = if is_in_time { seconds } else { 0.0 };
     let pulsation = in_time.pulsation;
     let left = Left::of(machine, (regions::left(&before, &regions, runs), asked), pulsation, &after)
-        .with_form(form.map(|(_, after)| after).filter(|error| form::is_seen(*error, runs)));
+        .with_form(form.is_some_and(|(_, after)| form::is_seen(after, runs)));
     let held_out = match &in_time.excerpts {
         Some(excerpts) if !in_time.is_empty() => crossed::outside(machine, &fitted, runs, excerpts),
         Some(_) => None,

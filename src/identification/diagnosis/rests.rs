@@ -34,6 +34,7 @@ use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
+use crate::simulation::toolpath::Segment;
 
 /// The shortest rest, s.
 const LEAST: f64 = 0.1;
@@ -98,11 +99,6 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let least = LEAST.max(2.0 * poll);
     let ramp = plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
     let visits = visits(run.toolpath);
-    // Only positions tell where inside a block a machine stands.
-    let ends: Vec<f64> = match run.alignment.method {
-        Method::Positions => (0..=segments.len()).map(|at| profile.distance_before(at)).collect(),
-        Method::Lines | Method::Feed => Vec::new(),
-    };
     let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
     while from + 1 < fixes.len() {
@@ -110,20 +106,25 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         while to + 1 < fixes.len() && fixes[to + 1].distance - fixes[from].distance <= short {
             to += 1;
         }
+        let stands = STANDS * (fixes[to].time - fixes[from].time) <= lost(from, to);
         // At a low rate the first sample after a rest may be far from it.
-        let stands = to == from + 1 && STANDS * (fixes[to].time - fixes[from].time) <= lost(from, to);
-        let is_short = stands || fixes[to].distance - fixes[from].distance <= short;
+        if !(stands && to == from + 1 || fixes[to].distance - fixes[from].distance <= short) {
+            from += 1;
+            continue;
+        }
         // What still begins or ends it is part of it.
         let first = fixes[..from].partition_point(|fix| fix.time < fixes[from].time - ramp);
         let last =
             to + fixes[to + 1..].partition_point(|fix| fix.time <= fixes[to].time + ramp.max(2.0 * poll));
         let at = 0.5 * (fixes[from].distance + fixes[to].distance);
         let is_brief = || {
-            let stood = STANDS * (fixes[to].time - fixes[from].time) <= lost(from, to);
             let samples = fixes[to].sample.zip(fixes[from].sample).map_or(0, |(to, from)| to - from);
-            stood && SEEN <= samples && least <= lost(first, last) && is_inside(&ends, at, 2.0 * short)
+            // Only positions tell where inside a block a machine stands.
+            let is_placed = matches!(run.alignment.method, Method::Positions);
+            let is_one = stands && SEEN <= samples && least <= lost(first, last);
+            is_one && is_placed && is_inside(segments, &profile, at, 2.0 * short)
         };
-        if !is_short || lost(from, to) < least && !is_brief() {
+        if lost(from, to) < least && !is_brief() {
             from += 1;
             continue;
         }
@@ -159,11 +160,23 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     if MOST < found.len() { Vec::new() } else { found }
 }
 
-/// Whether a distance along the path is farther from the ascending ends of all blocks than so much, mm.
-fn is_inside(ends: &[f64], at: f64, away: f64) -> bool {
-    let next = ends.partition_point(|end| *end < at);
-    let beside = [next.checked_sub(1), Some(next)].map(|end| end.and_then(|end| ends.get(end)));
-    matches!(beside, [Some(before), Some(after)] if away < at - before && away < after - at)
+/// The segment at a distance along the path, mm; the first or the last one beyond its ends.
+fn segment_at(segments: &[Segment], profile: &Profile, at: f64) -> usize {
+    let mut low = 0;
+    let mut high = segments.len();
+    while low + 1 < high {
+        let middle = low.midpoint(high);
+        if profile.distance_before(middle) <= at { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Whether a distance along the path is farther from both ends of its segment than so much, mm.
+fn is_inside(segments: &[Segment], profile: &Profile, at: f64, away: f64) -> bool {
+    let segment = segment_at(segments, profile, at);
+    segment < segments.len()
+        && away < at - profile.distance_before(segment)
+        && away < profile.distance_before(segment + 1) - at
 }
 
 /// The rest at a distance along the path; none where a function is near.
@@ -175,12 +188,7 @@ fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Op
     if stops.chain([0.0, profile.length()]).any(|stop| (stop - at).abs() <= 2.0 * near) {
         return None;
     }
-    let mut low = 0;
-    let mut high = segments.len();
-    while low + 1 < high {
-        let middle = low.midpoint(high);
-        if end(middle) <= at { low = middle } else { high = middle }
-    }
+    let low = segment_at(segments, profile, at);
     let is_long = |segment: usize| LONG * near < segments[segment].length;
     let boundary = [low, low + 1].into_iter().find(|segment| {
         (end(*segment) - at).abs() <= near

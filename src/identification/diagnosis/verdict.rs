@@ -36,8 +36,8 @@ pub struct Left {
     known: f64,
     /// How its pace pulsates.
     pulsation: Option<Pulsation>,
-    /// The form error that is left, mm, where it is more than noise.
-    form: Option<f64>,
+    /// Whether the form that is left is off by more than noise and what the machine file is known to be off by.
+    is_off_in_form: bool,
 }
 
 impl Left {
@@ -50,12 +50,12 @@ impl Left {
     ) -> Left {
         let whole = compared.iter().map(|comparison| comparison.whole.recorded).sum();
         let known = machine.cycle_time_error.map_or(0.0, f64::abs);
-        Left { before, after, whole, known, pulsation, form: None }
+        Left { before, after, whole, known, pulsation, is_off_in_form: false }
     }
 
-    /// The same with a form error (mm) that is more than noise, unless the machine file is known to be off.
-    pub fn with_form(self, error: Option<f64>) -> Left {
-        Left { form: error.filter(|_| self.known == 0.0), ..self }
+    /// The same where the form `is_off` by more than noise, unless the machine file is known to be off.
+    pub fn with_form(self, is_off: bool) -> Left {
+        Left { is_off_in_form: is_off && self.known == 0.0, ..self }
     }
 
     fn is_known(&self) -> bool {
@@ -75,7 +75,7 @@ impl Left {
 
     /// Whether nothing but the form of the path asks for a cause.
     pub fn is_of_form(&self, causes: &[Cause]) -> bool {
-        causes.is_empty() && self.form.is_some() && !self.asks(causes)
+        causes.is_empty() && self.is_off_in_form && !self.asks(causes)
     }
 
     /// The verdict, of time that is looked for a cause of.
