@@ -1,6 +1,6 @@
 //! The law by which a control limits the feedrate at corners, and its rows in the table of parameters.
 
-use crate::machine::parameters::{Access, Parameter, number};
+use crate::machine::parameters::{Access, Parameter, finite, number};
 use crate::units::Unit;
 
 /// What limits the feedrate at a corner beside the contour tolerance.
@@ -22,7 +22,7 @@ const RULES: [&str; 2] = ["tolerance", "acceleration_blend"];
 
 /// The rows of the law. Each law with a value has a row of its own, so that the value carries its
 /// unit; giving it chooses the law, and taking it away takes back that law alone.
-pub(super) const JUNCTION: [Parameter; 5] = [
+pub(super) const JUNCTION: [Parameter; 6] = [
     Parameter {
         key: "interpolator.junction_rule",
         label: "Junctions",
@@ -89,6 +89,17 @@ pub(super) const JUNCTION: [Parameter; 5] = [
                 (None, Junction::AxisStep(_)) => m.interpolator.junction = Junction::Tolerance,
                 _ => (),
             },
+        ),
+    },
+    Parameter {
+        key: "interpolator.slowing_angle_deg",
+        label: "Corners slow to a stop at",
+        doc: "Corners are slowed by the fourth power of their turn, down to a full stop from this angle on; empty: not so.",
+        access: number(
+            Unit::Degree,
+            (1.0, 3600.0),
+            |m| finite(m.interpolator.slowing_angle),
+            |m, v| m.interpolator.slowing_angle = v.unwrap_or(f64::INFINITY),
         ),
     },
     Parameter {

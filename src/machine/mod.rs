@@ -87,6 +87,8 @@ pub struct Interpolator {
     pub junction: Junction,
     /// Full stop where the path turns by more than this, rad; neutral π.
     pub exact_stop_angle: f64,
+    /// Corners are slowed by the fourth power of their turn, down to a full stop from this turn on, rad; neutral infinite.
+    pub slowing_angle: f64,
     /// An arc is run as chords that turn by so much, rad, and what the command holds for a corner on
     /// an arc ends with the first of them; neutral at 20π or more: an arc is one block. 1° where nothing is said.
     pub arc_step: f64,
@@ -117,6 +119,13 @@ pub enum CornerMode {
     Paper,
     /// By the filtered path, everywhere.
     Guaranteed,
+}
+
+impl Interpolator {
+    /// The turn from which on corners are full stops, rad; π where none is.
+    pub fn stopping_angle(&self) -> f64 {
+        self.exact_stop_angle.min(self.slowing_angle)
+    }
 }
 
 impl CornerMode {
@@ -315,6 +324,7 @@ impl Default for Machine {
                 corner_mode: CornerMode::Paper,
                 junction: Junction::Tolerance,
                 exact_stop_angle: std::f64::consts::PI,
+                slowing_angle: f64::INFINITY,
                 arc_step: ARC_STEP,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,

@@ -114,7 +114,7 @@ pub fn parameter(key: &str) -> Option<&'static Parameter> {
 }
 
 /// An infinite limit is written by leaving the key out.
-fn finite(value: f64) -> Option<f64> {
+pub(super) fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 

@@ -14,6 +14,8 @@ use crate::units::{PERCENT, Unit, mm_per_min};
 
 /// Fitted numbers in the form have so many digits.
 const DIGITS: usize = 5;
+/// What planners with steps of velocity are known by.
+const STEP: &str = "interpolator.axis_velocity_step_mm_min";
 /// A correlation from which two parameters are said to depend on each other.
 const DEPENDENT: f64 = 0.95;
 
@@ -259,6 +261,14 @@ fn remarks(calibration: &Calibration) -> Vec<String> {
     let mut all = Vec::new();
     if !calibration.converged {
         all.push("The fit did not come to its end; the values may still move.".to_string());
+    }
+    let is_new = |estimate: &Estimate| estimate.key == STEP && estimate.before.is_infinite();
+    if calibration.estimates.iter().any(is_new) {
+        all.push(
+            "Filters do not explain these runs: the control plans its ramps and passes corners with a step of velocity, \
+             so that the time constant and the contour tolerance of this machine say nothing."
+                .to_string(),
+        );
     }
     let (keys, correlations) = &calibration.correlations;
     let label =

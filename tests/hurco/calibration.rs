@@ -3,6 +3,7 @@
 
 use truefeed::identification::calibration::calibrate;
 use truefeed::identification::comparison::{Comparison, compare};
+use truefeed::identification::diagnosis::{Plateau, plateau};
 use truefeed::identification::fit::{Recorded, Run};
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
@@ -49,14 +50,22 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
     let found = calibrate(&machine, &runs, &mut |_| {}).machine;
     for (program, run) in [
         ("box-op2", "box-op2-12"),
-        ("box-op3", "box-op3-07"),
+        ("box-op2", "box-op2-13"),
         ("plate-13", "plate-13"),
         ("box-op1", "box-op1-12"),
-        ("box-op2", "box-op2-13"),
+        ("box-op3", "box-op3-07"),
+        ("box-op3", "box-op3-10"),
     ] {
         let other = recorded(&folder, program, run, &machine, true);
-        let (whole, motion, feed) = error(&compared(&other.run(), &found));
-        let programmed = compared(&other.run(), &found).feed.expect("feed moves were recorded");
+        let mut found = found.clone();
+        // The switch of box-op2 was turned before the log begins: it is read off the plateaus, as a diagnosis does.
+        if program == "box-op2" {
+            let Plateau { ratio, .. } = plateau(&other.unswitched()).expect("it has plateaus");
+            found.overrides.feed = ratio;
+        }
+        let compared = compared(&other.run(), &found);
+        let (whole, motion, feed) = error(&compared);
+        let programmed = compared.feed.expect("feed moves were recorded");
         eprintln!(
             "{run}: whole {:+.2} %, motion {:+.2} %, feedrate {:.2} %, CAM's {:.2} %",
             1e2 * whole,
@@ -65,7 +74,7 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
             1e2 * programmed.programmed_rms / programmed.programmed
         );
         assert!(whole.abs() < 0.02, "{run}: whole {whole}");
-        assert!(motion.abs() < 0.025, "{run}: motion {motion}");
+        assert!(motion.abs() < 0.005, "{run}: motion {motion}");
         assert!(feed < 0.06, "{run}: feedrate {feed}");
     }
 }

@@ -54,6 +54,7 @@ fn limits_out_of_reach_change_no_bit() {
         assert_eq!(neutral.plan(), plan, "case {}", case.number);
 
         machine.interpolator.exact_stop_angle = std::f64::consts::PI * (1.0 - f64::EPSILON);
+        machine.interpolator.slowing_angle = 1e9;
         machine.interpolator.block_time = 1e-12;
         machine.interpolator.look_ahead = 1e6;
         machine.path.centripetal_acceleration = 1e15;
@@ -258,6 +259,31 @@ fn the_machine_stands_where_it_has_to() {
             assert!(away <= 1e-9 * profile.length(), "case {} at {time} s: {away} mm off", case.number);
         }
     }
+}
+
+#[test]
+fn corners_are_slowed_by_their_turn_down_to_a_stop() {
+    let limit = |machine: &mut Machine, random: &mut Random| {
+        machine.interpolator.slowing_angle = random.log_between(0.1, 10.0);
+    };
+    let mut slowed = 0;
+    for (case, _) in limited(42, CASES, limit) {
+        let (plan, angle) = (case.plan(), case.machine.interpolator.slowing_angle);
+        for (_, stretch) in stretches(&plan) {
+            for index in stretch.segments.start..stretch.segments.end - 1 {
+                let (before, after) = (&case.toolpath.segments[index], &case.toolpath.segments[index + 1]);
+                let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
+                let turn = u1.dot(&u2).clamp(-1.0, 1.0).acos();
+                assert!(turn <= angle + 1e-6, "case {}, corner {index}: {turn} of {angle}", case.number);
+                let slower = plan.segment_feedrates[index].min(plan.segment_feedrates[index + 1]);
+                let most = slower * (1.0 - ((u2 - u1).amax() / angle).powi(4));
+                let corner = plan.corner_feedrates[index];
+                assert!(corner <= most * (1.0 + 1e-12), "case {}, corner {index}: {corner}", case.number);
+                slowed += usize::from(corner == most);
+            }
+        }
+    }
+    assert!(CASES / 10 < slowed, "the law decides on many corners: {slowed}");
 }
 
 #[test]

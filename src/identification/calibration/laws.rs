@@ -14,6 +14,7 @@
 //! filters become shorter, and that a guess does not know. The first two exclude each other, and so do
 //! the two of arcs.
 
+use crate::identification::calibration::planner::CONSTANT;
 use crate::identification::calibration::spindle;
 use crate::identification::fit::Run;
 use crate::machine::{Junction, Machine, TimeConstants};
@@ -35,6 +36,9 @@ const ARCS: [f64; 3] = [0.3, 3.0, 30.0];
 /// Centripetal accelerations tried first, mm/s², and a tolerance of arcs that leaves it to them, mm.
 const CENTRIPETAL: [f64; 6] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0];
 const NO_TOLERANCE: f64 = 1.0;
+
+/// A machine file has a constant with few digits.
+const LESS: f64 = 0.999;
 
 /// Machines to begin the fit of one law from.
 pub type Law = Vec<Machine>;
@@ -110,7 +114,14 @@ fn arcs(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
     laws
 }
 
-/// Whether its ramps are those of filters. A planner of trapezoids has one that is shorter than its period.
+/// Whether its ramps are those of filters. Planners have some that are shorter than their period.
 pub fn has_filters(machine: &Machine) -> bool {
-    machine.interpolator.junction != Junction::AccelerationBlend
+    let interpolator = &machine.interpolator;
+    match (interpolator.junction, &interpolator.time_constants) {
+        (Junction::AccelerationBlend, _) => false,
+        (Junction::AxisStep(_), TimeConstants::Equal(constant)) => {
+            CONSTANT < interpolator.filters as f64 * constant * LESS
+        }
+        _ => true,
+    }
 }

@@ -1,8 +1,8 @@
 //! Machine and runs → [`Calibration`]: the machine that predicts the next program.
 //!
 //! What is fitted, each where the runs show it: order and constant of the filters, contour tolerance,
-//! rapid feedrate, and the time of each kind of stop; of a planner with the junctions of LinuxCNC, which
-//! has no filters, instead of these the accelerations of its axes. The fit is of [`crate::identification::fit`]; what
+//! rapid feedrate, and the time of each kind of stop; of planners, which have no filters, instead of these the
+//! accelerations of axes (with the junctions of LinuxCNC, `planner`) or what ramps and corners are planned by (`steps`). The fit is of [`crate::identification::fit`]; what
 //! belongs here is the judgement of its result:
 //!
 //! - a parameter that the runs say nothing of, or less than ±`UNKNOWN` of, stays at its value, and the
@@ -14,11 +14,14 @@
 //!   of waits the median of the visits is taken, which no error of the motion moves;
 //! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
 //!   the filters of feed moves unless they are better by the margin of `laws`, the total delay being the
-//!   first guess of each. So it is with the other laws there: one that is taken in is not put back.
+//!   first guess of each. So it is with the other laws there: one that is taken in is not put back. Another family
+//!   must be better by `BETTER_FAMILY` or `BETTER_STEPS`, beside the filters with all laws that they need.
 
 mod laws;
+mod motion;
 mod planner;
 mod spindle;
+mod steps;
 mod waits;
 
 use nalgebra::DMatrix;
@@ -28,6 +31,7 @@ pub use waits::{Kind, guesses};
 
 use crate::identification::alignment::Method;
 use crate::identification::calibration::laws::has_filters;
+use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, cost_of, fit};
 use crate::machine::{Machine, TimeConstants};
@@ -38,6 +42,8 @@ const UNKNOWN: f64 = 0.4;
 const BETTER_ORDER: (f64, f64) = (15.0, 0.1);
 /// By what part the cost must fall for another family of controls.
 const BETTER_FAMILY: f64 = 0.3;
+/// The same for planners with steps of velocity at corners, whose runs are often logs of lines.
+const BETTER_STEPS: f64 = 0.02;
 /// A wait that is uncertain by more than itself and by more than this, s, counts as unknown.
 const MOST_UNCERTAIN: f64 = 0.5;
 /// A value is contradicted where going back to it costs more than this: two standard deviations.
@@ -126,8 +132,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
     let parameters =
         |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
-            let is_other = machine.interpolator.junction != guess.interpolator.junction;
-            let mut all = motion(if is_other { guess } else { machine }, guess, order, runs);
+            let mut all = motion(machine, guess, order, runs);
             all.extend(spindle_ramp(machine, guess));
             all.extend(waits.iter().map(|(freed, value)| {
                 (freed.from(current(&freed.key, guess).unwrap_or(freed.start)), *value)
@@ -135,7 +140,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             all
         };
     let nominal = machine.interpolator.filters;
-    let mut share = Share { done: 0.0, part: 0.25, progress };
+    let mut share = Share { done: 0.0, part: 0.2, progress };
     let first =
         run_fit(&guess, runs, &parameters(nominal, &guess), &whitened(&guess, runs), ROUGHLY, &mut share);
     let mut whitenings = whitened(&first.machine, runs);
@@ -157,7 +162,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         }
     }
     orders.sort_by_key(|(order, _)| *order);
-    share.part = 0.06;
+    share.part = 0.05;
     // A planner has no use for the laws of filters.
     let plain = best.machine.clone();
     whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
@@ -173,13 +178,28 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             best = run_fit(&found.machine, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
         }
     }
+    share.part = 0.03;
+    let starts = steps::guesses(machine, &best.machine, runs, &whitenings);
+    let found = starts
+        .iter()
+        .map(|start| run_fit(start, runs, &parameters(order, start), &whitenings, ROUGHLY, &mut share));
+    let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
+    if let Some(found) = found.filter(|found| found.cost < (1.0 - BETTER_STEPS) * best.cost) {
+        whitenings = whitened(&found.machine, runs);
+        let all = parameters(order, &found.machine);
+        best = run_fit(&found.machine, runs, &all, &whitenings, ROUGHLY, &mut share);
+    }
     let all = parameters(order, &best.machine);
+    // Of a log of lines waits are read off, and the fit has no say in them.
+    let is_read_off =
+        |freed: &Freed| freed.key.starts_with("times.") && runs.iter().all(|run| polled(run).is_some());
     let mut verdicts: Vec<Verdict> = all
         .iter()
         .enumerate()
         .map(|(at, (freed, before))| {
             // What was not there before cannot be put back.
-            match before.is_finite() && is_unknown(freed, best.values[at], best.deviations[at]) {
+            let may_be_unknown = before.is_finite() && !is_read_off(freed);
+            match may_be_unknown && is_unknown(freed, best.values[at], best.deviations[at]) {
                 true => Verdict::Unknown,
                 false => Verdict::Fitted,
             }
@@ -369,81 +389,6 @@ fn is_unknown(freed: &Freed, value: f64, deviation: f64) -> bool {
         Scale::Ratio => UNKNOWN * value < deviation,
         Scale::Difference => !deviation.is_finite() || value.abs().max(MOST_UNCERTAIN) < deviation,
     }
-}
-
-/// The key of the acceleration of each axis.
-const ACCELERATIONS: [&str; 3] =
-    ["axis.x.acceleration_mm_s2", "axis.y.acceleration_mm_s2", "axis.z.acceleration_mm_s2"];
-
-/// Least and largest jerk of positioning and along the path, mm/s³.
-const POSITIONING_BOUNDS: (f64, f64) = (5e3, 5e6);
-const JERK_BOUNDS: (f64, f64) = (1e3, 1e6);
-
-/// How far, as a ratio, they may be from what they are in the machine file.
-const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
-
-/// The parameters of motion, each with the value it has before: time constant or accelerations of
-/// axes, tolerance, rapid rate.
-fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<(Freed, f64)> {
-    let mut all = Vec::new();
-    let mut add = |key: &'static str, before: f64, start: f64, bounds: (f64, f64)| {
-        all.extend(Freed::number(key, start, bounds, Scale::Ratio).map(|freed| (freed, before)));
-    };
-    let has_filters = has_filters(before);
-    if !has_filters {
-        for (key, (own, start)) in ACCELERATIONS.into_iter().zip(before.axes.iter().zip(&guess.axes)) {
-            let (own, start) = (own.acceleration, start.acceleration);
-            if own.is_finite() {
-                add(key, own, start, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own));
-            }
-        }
-    } else if let (TimeConstants::Equal(own), TimeConstants::Equal(start)) =
-        (&before.interpolator.time_constants, &guess.interpolator.time_constants)
-    {
-        let own = own * before.interpolator.filters as f64 / order as f64;
-        add("interpolator.time_constant_s", own, *start, (5e-4, 0.5));
-    }
-    let tolerance = (before.interpolator.contour_tolerance, guess.interpolator.contour_tolerance);
-    add("interpolator.contour_tolerance_mm", tolerance.0, tolerance.1, (2e-4, 1.0));
-    if guess.path.centripetal_acceleration.is_finite() {
-        let (own, start) = (before.path.centripetal_acceleration, guess.path.centripetal_acceleration);
-        add("path.centripetal_acceleration_mm_s2", own, start, (10.0, 1e5));
-    } else if let Some(start) = guess.interpolator.arc_tolerance {
-        let own = before.interpolator.arc_tolerance.unwrap_or(f64::INFINITY);
-        add("interpolator.arc_tolerance_mm", own, start, (2e-4, 1.0));
-    }
-    if guess.path.jerk.is_finite() {
-        add("path.jerk_mm_s3", before.path.jerk, guess.path.jerk, JERK_BOUNDS);
-    }
-    if runs.iter().any(Run::has_rapid) {
-        let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
-        add("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own));
-        let own = before.rapid.time_constants.as_ref().unwrap_or(&before.interpolator.time_constants);
-        if let (TimeConstants::Equal(own), Some(TimeConstants::Equal(start))) =
-            (own, &guess.rapid.time_constants)
-            && has_filters
-        {
-            let own = own * before.interpolator.filters as f64 / order as f64;
-            add("rapid.time_constant_s", own, *start, (5e-4, 0.5));
-        }
-        if guess.rapid.positioning_jerk.is_finite() {
-            let (own, start) = (before.rapid.positioning_jerk, guess.rapid.positioning_jerk);
-            add("rapid.positioning_jerk_mm_s3", own, start, POSITIONING_BOUNDS);
-        }
-        if before.path.acceleration.is_finite() {
-            add("path.acceleration_mm_s2", before.path.acceleration, guess.path.acceleration, (10.0, 1e5));
-        }
-    }
-    all
-}
-
-/// The ramp of a spindle that words wait for, with the value it has before.
-fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(Freed, f64)> {
-    let (own, start) = (before.times.spindle.ramp, guess.times.spindle.ramp);
-    let awaited = before.times.spindle_awaited_by.is_empty() && !guess.times.spindle_awaited_by.is_empty();
-    let ramp = awaited
-        .then(|| Freed::number("times.spindle_s_per_1000_rpm", start, (0.0, 0.1), Scale::Difference))?;
-    ramp.map(|freed| (freed.linear(), own))
 }
 
 /// Gives a machine another number of filters with the same delay in all.

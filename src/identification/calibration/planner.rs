@@ -11,7 +11,7 @@ use crate::machine::{Junction, Machine, TimeConstants};
 /// Accelerations tried first, mm/s².
 const ACCELERATIONS: [f64; 10] = [50.0, 100.0, 200.0, 350.0, 500.0, 800.0, 1300.0, 2500.0, 5000.0, 10_000.0];
 /// The filter that is left: half a servo period, which rounds nothing.
-const CONSTANT: f64 = 5e-4;
+pub const CONSTANT: f64 = 5e-4;
 
 /// The planner that is nearest to the runs, before any fit. `machine` is as it was, `fitted` has the waits and
 /// the rapid feed that filters need.

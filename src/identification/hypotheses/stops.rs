@@ -58,7 +58,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
 fn in_position(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     let mut all = Vec::new();
     let has_rapid = runs.iter().any(Run::has_rapid);
-    let has_stops = machine.interpolator.exact_stop_angle < std::f64::consts::PI
+    let has_stops = machine.interpolator.stopping_angle() < std::f64::consts::PI
         || runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.exact_stop));
     for (at, is_offered) in [(InPosition::RapidEnds, has_rapid), (InPosition::ExactStops, has_stops)] {
         if !is_offered {

@@ -10,6 +10,12 @@
 //! axis velocity step    V / max_k |u2 − u1|_k
 //! ```
 //!
+//! Beside any of them corners may be slowed by their turn, down to an exact stop from the turn φ₀ on:
+//!
+//! ```text
+//! F (1 − (max_k |u2 − u1|_k / φ₀)⁴)
+//! ```
+//!
 //! An acceleration blend is a circle of radius R that touches both legs: it passes the corner at
 //! ε (1/C − 1 = ε/R), and takes no more than half of the shorter leg, L. The acceleration a is the
 //! largest vector that keeps every axis within its own limit, whatever its direction in the plane of
@@ -30,7 +36,8 @@
 //! acceleration ½ is left. Nor has a turn a circle that is faster without one, at 0.1 F/κ. Legs that
 //! double back have a stop.
 //!
-//! Limits: the legs of an arc are its tangents; h is 1 ms. Source: the laws of LinuxCNC (src/emc/tp,
+//! Limits: the legs of an arc are its tangents; h is 1 ms; what slows a corner by its turn is read off helices and half
+//! circles of short lines on a recorded mill at two feedrates, and not derived. Source: the laws of LinuxCNC (src/emc/tp,
 //! blendmath.c and tp.c: ratios of acceleration, altitude, tangent kink), grbl, Klipper and Marlin, derived
 //! from the geometry, and recordings of LinuxCNC 2.9.
 
@@ -204,6 +211,16 @@ impl Turn {
     }
 }
 
+/// The fastest command at a corner where the direction changes by `change`, of legs of which the slower runs at
+/// `feedrate`, that is slowed by its turn alone, mm/s; infinite where none is.
+pub fn slowed(change: &Vector, feedrate: f64, machine: &Machine) -> f64 {
+    let stopping = machine.interpolator.slowing_angle;
+    if stopping == f64::INFINITY {
+        return f64::INFINITY;
+    }
+    feedrate * (1.0 - (change.amax() / stopping).powi(4)).max(0.0)
+}
+
 /// The unit vector along `vector`; zero where that has no direction.
 fn direction(vector: Vector) -> Vector {
     let length = vector.norm();
@@ -271,6 +288,19 @@ mod tests {
             let found = corner.feedrate(&machine(junction), 0.02);
             assert!(found == feedrate || (found / feedrate - 1.0).abs() < 1e-12, "{junction:?}: {found}");
         }
+    }
+
+    #[test]
+    fn corners_are_slowed_by_the_largest_step_of_an_axis() {
+        let corner = turn(std::f64::consts::FRAC_PI_6);
+        let change = corner.after - corner.before;
+        let mut machine = Machine::default();
+        assert_eq!(slowed(&change, 40.0, &machine), f64::INFINITY);
+        machine.interpolator.slowing_angle = 1.0;
+        // sin 30° is more than 1 − cos 30°.
+        assert!((slowed(&change, 40.0, &machine) - 40.0 * (1.0 - 0.5f64.powi(4))).abs() < 1e-12);
+        machine.interpolator.slowing_angle = 0.4;
+        assert_eq!(slowed(&change, 40.0, &machine), 0.0);
     }
 
     /// Feedrates that LinuxCNC 2.9 was recorded at on its circles.

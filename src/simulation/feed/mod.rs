@@ -329,8 +329,8 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
 
 /// Whether the corner between two segments is sharper than the machine's exact-stop angle.
 fn exact_stop_by_turn(before: &Segment, after: &Segment, machine: &Machine) -> bool {
-    machine.interpolator.exact_stop_angle < std::f64::consts::PI
-        && machine.interpolator.exact_stop_angle < turn(before, after)
+    let angle = machine.interpolator.stopping_angle();
+    angle < std::f64::consts::PI && angle < turn(before, after)
 }
 
 /// Whether the stop before segment `next` is one of the path mode, known before it is reached, and not
@@ -364,7 +364,10 @@ fn add_stretch(
     let filter = filter_of_stretch(plan, segments, &requested, machine);
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
-    let mut accelerations: Vec<f64> = segments.iter().map(|s| limits::acceleration(s, machine)).collect();
+    let mut accelerations: Vec<f64> = segments
+        .iter()
+        .map(|s| positioning::acceleration(s, limits::acceleration(s, machine), machine))
+        .collect();
     let mut without_tolerance = requested;
     for ((feedrate, segment), acceleration) in without_tolerance.iter_mut().zip(segments).zip(&accelerations)
     {
@@ -415,6 +418,7 @@ fn add_stretch(
                 law.feedrate(limit.towards(next_limit, turn) / turn, before, after)
             }
         };
+        let by_rule = by_rule.min(junction::slowed(&change, slower, machine));
         let by_limits = match machine.interpolator.junction {
             Junction::Tolerance => axis_corner_feedrate(&change, machine, chain),
             Junction::AccelerationBlend => {

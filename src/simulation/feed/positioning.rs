@@ -41,6 +41,11 @@ pub fn feedrate(segment: &Segment, requested: f64, machine: &Machine) -> f64 {
     requested.min((segment.length * jerk(segment, machine).sqrt() / order).powf(2.0 / 3.0))
 }
 
+/// The acceleration limit of a segment whose `own` is that of path and axes, mm/s²: positioned, it has ramps of its own.
+pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
+    if applies(segment, machine) { f64::INFINITY } else { own }
+}
+
 /// The filters' time constant for a positioned segment that reaches `feedrate` (mm/s), s.
 pub fn time_constant(segment: &Segment, feedrate: f64, machine: &Machine) -> f64 {
     (feedrate / jerk(segment, machine)).sqrt()

@@ -57,7 +57,7 @@ struct Cover {
 /// The toolpath with its chains merged; none where nothing is.
 pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) -> Option<Merged> {
     let leaves_it = machine.interpolator.junction == Junction::AccelerationBlend
-        && std::f64::consts::PI <= machine.interpolator.exact_stop_angle;
+        && std::f64::consts::PI <= machine.interpolator.stopping_angle();
     if !(machine.interpolator.path_smoothing.map_or(leaves_it, |within| 0.0 < within)) {
         return None;
     }
@@ -136,7 +136,7 @@ impl Merging<'_> {
                 let middle = segment.point(half);
                 let chord = segment.start + 0.5 * (segment.end - segment.start);
                 let is_level = arc.e1.z.abs().max(arc.e2.z.abs()) < TILT;
-                let stays_whole = machine.interpolator.exact_stop_angle < std::f64::consts::PI;
+                let stays_whole = machine.interpolator.stopping_angle() < std::f64::consts::PI;
                 if is_level
                     && !stays_whole
                     && arc.sweep < std::f64::consts::PI
