@@ -46,6 +46,8 @@ const BETTER_FAMILY: f64 = 0.3;
 const BETTER_STEPS: f64 = 0.02;
 /// A wait that is uncertain by more than itself and by more than this, s, counts as unknown.
 const MOST_UNCERTAIN: f64 = 0.5;
+/// One that is read off a log of lines counts as unknown where the fit leaves more than this, s.
+const SEPARATED: f64 = 5.0;
 /// A value is contradicted where going back to it costs more than this: two standard deviations.
 const CONTRADICTED: f64 = 4.0;
 /// Values farther than this from the one before, in standard deviations, are not tried again.
@@ -190,19 +192,19 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         best = run_fit(&found.machine, runs, &all, &whitenings, ROUGHLY, &mut share);
     }
     let all = parameters(order, &best.machine);
-    // Of a log of lines waits are read off, and the fit has no say in them.
-    let is_read_off =
-        |freed: &Freed| freed.key.starts_with("times.") && runs.iter().all(|run| polled(run).is_some());
+    let are_polled = runs.iter().all(|run| polled(run).is_some());
     let mut verdicts: Vec<Verdict> = all
         .iter()
         .enumerate()
         .map(|(at, (freed, before))| {
+            let deviation = best.deviations[at];
+            let is_unknown = match are_polled && freed.key.starts_with("times.") {
+                // Of a log of lines waits are read off, and the fit only says whether anything separates them.
+                true => !deviation.is_finite() || SEPARATED < deviation,
+                false => is_unknown(freed, best.values[at], deviation),
+            };
             // What was not there before cannot be put back.
-            let may_be_unknown = before.is_finite() && !is_read_off(freed);
-            match may_be_unknown && is_unknown(freed, best.values[at], best.deviations[at]) {
-                true => Verdict::Unknown,
-                false => Verdict::Fitted,
-            }
+            if before.is_finite() && is_unknown { Verdict::Unknown } else { Verdict::Fitted }
         })
         .collect();
     share.part = 0.04;
@@ -224,7 +226,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             verdicts[at] = Verdict::Fitted;
         }
     }
-    if runs.iter().all(|run| polled(run).is_some()) {
+    if are_polled {
         settle_waits(&mut last, &all, &verdicts, runs);
     }
     let kept: Vec<(Freed, f64)> = (all.iter().zip(&verdicts))
