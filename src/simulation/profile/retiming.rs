@@ -20,8 +20,8 @@
 //! is a trapezoid. The path, and with it the contour error, is that of the filters.
 //!
 //! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered motion changes, and nowhere else:
-//! where it is constant the ramps are straight, and their ends are put in exactly. The work is linear in
-//! the number of pulses. Limits: N counts with its magnitude, which takes a little too much where
+//! where it is constant the ramps are straight, and their ends are put in exactly, and where it only follows a slope of
+//! the command a few samples do. The work is linear in the number of pulses. Limits: N counts with its magnitude, which takes a little too much where
 //! turning and braking would push an axis opposite ways; rotary axes are left out.
 //!
 //! Controls that plan their ramps before any filter, as in [`crate::simulation::feed::block`], have their plans
@@ -37,6 +37,9 @@ const SAMPLES_PER_DELAY: (f64, f64) = (48.0, 480.0);
 
 /// Samples within the shortest filter.
 const SAMPLES_PER_FILTER: f64 = 12.0;
+
+/// Samples within a pulse whose command rises or falls, where the filters only follow it.
+const SAMPLES_PER_SLOPE: f64 = 16.0;
 
 /// Largest angle turned on an arc between two samples, rad.
 const WIDEST_ANGLE: f64 = 0.02;
@@ -312,13 +315,15 @@ fn next_time(motion: &Motion, time: f64) -> f64 {
     let step = time + (shortest / SAMPLES_PER_FILTER).clamp(delay / most, delay / fewest);
     let moment = motion.moment(time);
     let pulse = &motion.pulses[moment.pulse];
-    if moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
+    if moment.elapsed < delay {
         return step;
     }
     let segment = &motion.segments[pulse.segment as usize];
+    let [first, last] = pulse.feedrate;
     let widest = match &segment.curve {
         Curve::Line => f64::INFINITY,
-        Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
+        Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * first.max(last)),
     };
+    let widest = if first == last { widest } else { widest.min(pulse.duration / SAMPLES_PER_SLOPE) };
     step.max((motion.pulse_starts[moment.pulse] + pulse.duration).min(time + widest))
 }
