@@ -167,15 +167,20 @@ fn row(estimate: &Estimate) -> Row {
         key: estimate.key.clone(),
         label,
         unit: unit.symbol(),
-        before: if before.is_finite() { as_short(before) } else { "–".to_string() },
+        before: as_limit(before),
         after: match deviation {
             Some(deviation) if estimate.verdict == Verdict::Fitted => to_the_digits_of(after, deviation),
-            _ => as_short(after),
+            _ => as_limit(after),
         },
         deviation: deviation.map(|deviation| to_the_digits_of(deviation, deviation)),
         verdict: word(estimate.verdict),
         numbers: [Some(before), Some(after), deviation].map(|number| number.filter(|n| n.is_finite())),
     }
+}
+
+/// A number, where a limit that is none has a dash.
+fn as_limit(value: f64) -> String {
+    if value.is_finite() { as_short(value) } else { "–".to_string() }
 }
 
 /// A number with at most five digits, without zeros at its end.

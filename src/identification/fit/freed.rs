@@ -85,9 +85,10 @@ impl Freed {
         get(machine)
     }
 
-    /// Gives a machine the value (core units), within bounds.
+    /// Gives a machine the value (core units), within bounds; an infinite one is no limit, and is given as it is.
     pub fn apply(&self, machine: &mut Machine, value: f64) {
-        (self.set)(machine, value.clamp(self.bounds.0, self.bounds.1));
+        let within = if value.is_finite() { value.clamp(self.bounds.0, self.bounds.1) } else { value };
+        (self.set)(machine, within);
     }
 
     /// The value as it is varied.
