@@ -213,7 +213,11 @@ pub fn known(id: &str) -> Known {
         "unmodelled_wait" => of(
             |p, lines, _| {
                 let code = word(p, "code");
-                let what = if code.is_empty() { at_lines(lines) } else { format!("at {code}") };
+                let what = match (code.as_str(), word(p, "or_code").as_str()) {
+                    ("", _) => at_lines(lines),
+                    (code, "") => format!("at {code}"),
+                    (code, others) => format!("at {code} or {others}, between which nothing moves"),
+                };
                 let seconds = p.get("seconds").and_then(Value::as_f64).unwrap_or(f64::NAN);
                 let more = if seconds < 0.0 { "less" } else { "more" };
                 format!(

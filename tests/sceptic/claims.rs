@@ -1,9 +1,10 @@
 //! A diagnosis says what there is, follows what is done to the recording, and is silent where nothing is.
 
-use truefeed::identification::diagnosis::Verdict;
+use truefeed::identification::diagnosis::{Verdict, diagnose};
 use truefeed::identification::hypotheses::Reported;
+use truefeed::simulation::toolpath::{Motion, Segment};
 
-use crate::{Rows, diagnosed, machine, program, recorded};
+use crate::{Rows, csv, diagnosed, laid, machine, program, recorded, toolpath};
 
 /// A limit of the X axis, mm/s².
 const LIMIT: f64 = 600.0;
@@ -163,4 +164,40 @@ fn an_axis_that_sticks_where_it_turns_is_unknown_though_times_agree() {
     assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
     assert!(diagnosis.is_of_form, "{:?} {:?}", diagnosis.verdict, diagnosis.form);
     assert_eq!(diagnosis.verdict, Verdict::Unknown);
+}
+
+#[test]
+fn a_wait_at_words_between_which_nothing_moves_is_said_to_be_of_either() {
+    let text = program().replace("M8\n", "M8\nM50\n");
+    let mut believed = machine();
+    believed.times.m_codes = [(8, 1.0)].into();
+    let mut truth = believed.clone();
+    truth.times.m_codes.insert(8, 3.0);
+    let recorded =
+        laid(&text, &csv(&recorded(&text, &truth, 200.0)), &believed).expect("it is of this program");
+    let diagnosis = diagnose(&believed, &[recorded.unswitched()], &mut |_| {});
+    assert_eq!(diagnosis.causes.len(), 1);
+    let candidate = &diagnosis.causes[0].candidate;
+    let told = (candidate.hypothesis.report)(&candidate.values);
+    let word = |key: &str| told.iter().find(|(own, _)| *own == key).map(|(_, value)| value.clone());
+    // Of M50 the machine file says nothing.
+    assert_eq!(word("code"), Some(Reported::Word("M50".to_string())));
+    assert_eq!(word("or_code"), Some(Reported::Word("M8".to_string())));
+    assert!((candidate.values[0] - 2.0).abs() < 0.01, "{told:?}");
+}
+
+#[test]
+fn an_override_acts_on_every_line_on_which_it_is_in_force() {
+    let mut truth = machine();
+    truth.overrides.feed = 0.8;
+    truth.overrides.lines = (8, u32::MAX);
+    let diagnosis = diagnosed(&[&recorded(&program(), &truth, 200.0)], &machine());
+    let ids: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.id).collect();
+    assert_eq!(ids, ["feed_override"]);
+    let lines = &diagnosis.causes[0].lines;
+    let feeds = |segment: &&Segment| segment.motion != Motion::Rapid && 8 < segment.line.0;
+    for segment in toolpath(&program(), &machine()).segments.iter().filter(feeds) {
+        let line = segment.line.0;
+        assert!(lines.iter().any(|(first, last)| *first <= line && line <= *last), "{line}: {lines:?}");
+    }
 }

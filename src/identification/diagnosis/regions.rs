@@ -1,11 +1,13 @@
 //! Where: visits that lost time, taken together as ranges of lines.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use crate::identification::alignment::{Alignment, Place, median, times, visits};
 use crate::identification::comparison::Comparison;
 use crate::identification::fit::Run;
 use crate::machine::Machine;
+use crate::simulation::toolpath::{Motion, Segment};
 
 /// What a visit lost counts from so many standard deviations of its ends.
 const SEEN: f64 = 5.0;
@@ -17,6 +19,8 @@ const APART: usize = 2;
 const MOST: usize = 100;
 /// A cause acts on a line whose time it changes by so much, s.
 const ACTS: f64 = 5e-4;
+/// And on the lines that hold this part of what it changes.
+const ACTS_ON_PART: f64 = 0.95;
 
 /// A stretch in which simulation and recording differ.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,19 +102,36 @@ fn differences(without: &Machine, with: &Machine, run: &Run) -> Vec<(u32, f64)> 
     visits.iter().enumerate().map(|(at, visit)| (visit.line.0, lost(at))).collect()
 }
 
-/// The time (s) that one machine takes longer than another, and the lines on which it does.
+/// The time (s) that one machine takes longer than another, and the lines on which it does: those on which it is
+/// much, and where it is little everywhere those that hold nearly all of it. An override is in force on all its lines.
 pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, Vec<(u32, u32)>) {
-    let mut seconds = 0.0;
-    let mut lines = std::collections::BTreeSet::new();
-    for run in runs {
-        for (line, lost) in differences(without, with, run) {
-            seconds += lost;
-            if ACTS < lost.abs() {
-                lines.insert(line);
-            }
-        }
+    let each: Vec<(u32, f64)> = runs.iter().flat_map(|run| differences(without, with, run)).collect();
+    let mut sizes: Vec<f64> = each.iter().map(|(_, lost)| lost.abs()).collect();
+    sizes.sort_by(|a, b| b.total_cmp(a));
+    let nearly_all = ACTS_ON_PART * sizes.iter().sum::<f64>();
+    let mut sum = 0.0;
+    let least = sizes.into_iter().find(|size| {
+        sum += size;
+        nearly_all <= sum
+    });
+    let least = least.unwrap_or(0.0).min(ACTS);
+    let mut lines: BTreeSet<u32> =
+        each.iter().filter(|(_, lost)| *lost != 0.0 && least <= lost.abs()).map(|(line, _)| *line).collect();
+    lines.extend(runs.iter().flat_map(|run| switched(without, with, run)));
+    (each.iter().map(|(_, lost)| lost).sum(), ranges(lines.into_iter()))
+}
+
+/// The lines that move with another override.
+fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
+    let [before, after] = [without, with].map(|machine| run.machine(machine).overrides);
+    if before == after {
+        return Vec::new();
     }
-    (seconds, ranges(lines.into_iter()))
+    let differs = |segment: &&Segment| match segment.motion {
+        Motion::Rapid => before.of_rapid(segment.line.0) != after.of_rapid(segment.line.0),
+        Motion::Feed { .. } => before.of_feed(segment.line.0) != after.of_feed(segment.line.0),
+    };
+    run.toolpath.segments.iter().filter(differs).map(|segment| segment.line.0).collect()
 }
 
 /// The time (s) that one machine takes longer than another, and all that it is slower or faster, nothing set off.
@@ -121,7 +142,7 @@ pub fn moved(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, f64) {
 
 /// All lines that move or wait.
 pub fn all_lines(runs: &[Run]) -> Vec<(u32, u32)> {
-    let lines: std::collections::BTreeSet<u32> =
+    let lines: BTreeSet<u32> =
         runs.iter().flat_map(|run| visits(run.toolpath)).map(|visit| visit.line.0).collect();
     match (lines.first(), lines.last()) {
         (Some(first), Some(last)) => vec![(*first, *last)],

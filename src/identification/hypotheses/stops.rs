@@ -1,17 +1,22 @@
 //! Effects at places: full stops and waits.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use crate::identification::alignment::Place;
 use crate::identification::calibration::Kind;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
 use crate::machine::{InPosition, Machine};
+use crate::simulation::toolpath::Stop;
 
 /// Angles between which no corner turns are one, where they are closer than this, rad.
 const CLOSE: f64 = 0.01;
 /// Least angles that stop, at most so many; the widest gaps between corners first.
 const MOST_ANGLES: usize = 16;
+
+/// Kinds of stops that are looked at beside one another, at most.
+const MOST_BESIDE: usize = 8;
 
 pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     let gaps = gaps(runs);
@@ -50,7 +55,15 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
             }
         }
     }
-    all.extend(lines.into_iter().map(|(kind, lines)| wait(kind, kind.value(machine), lines[0])));
+    // Of words that are not told apart all explain the same: those come first of which the machine file says nothing.
+    let mut waits: Vec<(Kind, Vec<u32>)> = lines.into_iter().collect();
+    waits.sort_by_key(|(kind, _)| 0.0 < kind.value(machine));
+    let companions = companions(runs);
+    all.extend(waits.into_iter().map(|(kind, lines)| {
+        let others =
+            companions[&kind].iter().filter(|other| **other != kind && companions[other].contains(&kind));
+        wait(kind, kind.value(machine), lines[0], others.map(|other| other.word()).collect())
+    }));
     all
 }
 
@@ -107,14 +120,42 @@ fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
     gaps
 }
 
-/// Longer or shorter waits at one kind of stop.
-fn wait(kind: Kind, believed: f64, line: u32) -> Hypothesis {
+/// For each kind of stop those that come with each of its stops, without motion or a mark between them.
+fn companions(runs: &[Run]) -> BTreeMap<Kind, BTreeSet<Kind>> {
+    let mut all: BTreeMap<Kind, BTreeSet<Kind>> = BTreeMap::new();
+    for run in runs {
+        // The stops after which a mark tells them from the next one.
+        let told: BTreeSet<usize> = (run.alignment.marks.iter())
+            .filter_map(|mark| match mark.place {
+                Place::After(stop) => Some(stop),
+                Place::Stop(stop) => stop.checked_sub(1),
+                Place::Start | Place::Along(_) => None,
+            })
+            .collect();
+        let stops: Vec<(usize, &Stop)> = run.toolpath.stops.iter().enumerate().collect();
+        for group in stops.chunk_by(|a, b| a.1.after == b.1.after && !told.contains(&a.0)) {
+            let kinds: BTreeSet<Kind> = group.iter().filter_map(|(_, stop)| Kind::of(&stop.cause)).collect();
+            for kind in &kinds {
+                let beside = if kinds.len() <= MOST_BESIDE { kinds.clone() } else { [*kind].into() };
+                all.entry(*kind).or_insert_with(|| beside.clone()).retain(|other| beside.contains(other));
+            }
+        }
+    }
+    all
+}
+
+/// Longer or shorter waits at one kind of stop, from which others are not told apart.
+fn wait(kind: Kind, believed: f64, line: u32, others: Vec<String>) -> Hypothesis {
     let report: Report = Arc::new(move |values| {
-        vec![
+        let mut all = vec![
             ("line", Reported::Number(f64::from(line))),
             ("code", Reported::Word(kind.word())),
             ("seconds", Reported::Number(values[0] - believed)),
-        ]
+        ];
+        if !others.is_empty() {
+            all.push(("or_code", Reported::Word(others.join(", "))));
+        }
+        all
     });
     let trials = [0.0, 0.3, 1.0, 3.0, 8.0, 20.0];
     Hypothesis {
