@@ -5,7 +5,7 @@ use truefeed::machine::{Axis, Junction, Machine};
 use truefeed::simulation::feed::limits::requested_feedrate;
 use truefeed::simulation::feed::{Pulse, Stretch};
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::{Motion, Point, Segment, Toolpath};
+use truefeed::simulation::toolpath::{Motion, Point, Segment, Toolpath, Vector};
 
 const CASES: usize = 10_000;
 
@@ -29,6 +29,16 @@ fn times(profile: &Profile, random: &mut Random, count: usize) -> Vec<f64> {
 /// The larger command of a pulse, mm/s.
 fn highest(pulse: &Pulse) -> f64 {
     pulse.feedrate[0].max(pulse.feedrate[1])
+}
+
+/// By how much the direction changes between two segments.
+fn change(before: &Segment, after: &Segment) -> Vector {
+    after.tangent(0.0) - before.tangent(before.length)
+}
+
+/// The angle by which the path turns between two segments, rad.
+fn turn(before: &Segment, after: &Segment) -> f64 {
+    before.tangent(before.length).dot(&after.tangent(0.0)).clamp(-1.0, 1.0).acos()
 }
 
 /// Limits that are finite, but beyond the reach of any path here, take other ways through the
@@ -238,12 +248,10 @@ fn the_machine_stands_where_it_has_to() {
         let segments = &case.toolpath.segments;
         let stands_after = |index: usize| {
             let (before, after) = (&segments[index], &segments[index + 1]);
-            let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
-            let turn = u1.dot(&u2).clamp(-1.0, 1.0).acos();
             let has_rapid = before.motion == Motion::Rapid || after.motion == Motion::Rapid;
             before.exact_stop
                 || case.toolpath.stops.iter().any(|stop| stop.after == index + 1)
-                || case.machine.interpolator.exact_stop_angle + 1e-6 < turn
+                || case.machine.interpolator.exact_stop_angle + 1e-6 < turn(before, after)
                 || (case.machine.rapid.exact_stop && has_rapid)
         };
         let stretches = stretches(&plan);
@@ -272,11 +280,10 @@ fn corners_are_slowed_by_their_turn_down_to_a_stop() {
         for (_, stretch) in stretches(&plan) {
             for index in stretch.segments.start..stretch.segments.end - 1 {
                 let (before, after) = (&case.toolpath.segments[index], &case.toolpath.segments[index + 1]);
-                let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
-                let turn = u1.dot(&u2).clamp(-1.0, 1.0).acos();
+                let turn = turn(before, after);
                 assert!(turn <= angle + 1e-6, "case {}, corner {index}: {turn} of {angle}", case.number);
                 let slower = plan.segment_feedrates[index].min(plan.segment_feedrates[index + 1]);
-                let most = slower * (1.0 - ((u2 - u1).amax() / angle).powi(4));
+                let most = slower * (1.0 - (change(before, after).amax() / angle).powi(4));
                 let corner = plan.corner_feedrates[index];
                 assert!(corner <= most * (1.0 + 1e-12), "case {}, corner {index}: {corner}", case.number);
                 slowed += usize::from(corner == most);
@@ -298,7 +305,7 @@ fn corners_keep_the_jerk_of_each_axis() {
             let filter = &plan.filters[stretch.filter];
             for index in stretch.segments.start..stretch.segments.end - 1 {
                 let (before, after) = (&case.toolpath.segments[index], &case.toolpath.segments[index + 1]);
-                let change = after.tangent(0.0) - before.tangent(before.length);
+                let change = change(before, after);
                 let slope = filter.peak_impulse_slope();
                 for k in (0..3).filter(|_| slope.is_finite()) {
                     let jerk = plan.corner_feedrates[index] * change[k].abs() * slope;

@@ -2,8 +2,8 @@
 //!
 //! What is fitted, each where the runs show it: order and constant of the filters, contour tolerance,
 //! rapid feedrate, and the time of each kind of stop; of planners, which have no filters, instead of these the
-//! accelerations of axes (with the junctions of LinuxCNC, `planner`) or what ramps and corners are planned by (`steps`). The fit is of [`crate::identification::fit`]; what
-//! belongs here is the judgement of its result:
+//! accelerations of axes (with the junctions of LinuxCNC, `planner`) or what ramps and corners are planned by
+//! (`steps`). The fit is of [`crate::identification::fit`]; what belongs here is the judgement of its result:
 //!
 //! - a parameter that the runs say nothing of, or less than ±`UNKNOWN` of, stays at its value, and the
 //!   reason is said;
@@ -292,6 +292,16 @@ fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
     runs.iter().map(whiten).collect()
 }
 
+/// The machine that is nearest to the runs, the first of those that are equally near; none of none.
+fn nearest(
+    machines: impl IntoIterator<Item = Machine>,
+    runs: &[Run],
+    whitenings: &[Whitening],
+) -> Option<Machine> {
+    let costs = machines.into_iter().map(|machine| (cost_of(&machine, runs, whitenings), machine));
+    costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, machine)| machine)
+}
+
 /// Takes into `best` every law that the runs show, and gives the whitening at the noise that is left.
 fn with_laws(
     before: &Machine,
@@ -302,10 +312,7 @@ fn with_laws(
 ) -> Vec<Whitening> {
     let mut is_other = false;
     for choice in laws::CHOICES {
-        let first = |law: laws::Law| {
-            let guesses = law.into_iter().map(|machine| (cost_of(&machine, runs, &whitenings), machine));
-            guesses.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, machine)| machine)
-        };
+        let first = |law: laws::Law| nearest(law, runs, &whitenings);
         let laws = choice(before, &best.machine, runs).into_iter().filter_map(first);
         let found = laws.map(|machine| fitted(&machine, &whitenings));
         let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));

@@ -34,74 +34,57 @@ const POSITION_BOUNDS: (f64, f64) = (1e-4, 0.5);
 /// The parameters of motion of the family of `guess`, each with the value it has `before`.
 pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<(Freed, f64)> {
     let mut all = Vec::new();
-    let mut add = |key: &'static str, before: f64, start: f64, bounds: (f64, f64)| {
-        all.extend(Freed::number(key, start, bounds, Scale::Ratio).map(|freed| (freed, before)));
+    let from = |key: &'static str, own: f64, start: f64, bounds: (f64, f64)| {
+        Freed::number(key, start, bounds, Scale::Ratio).map(|freed| (freed, own))
+    };
+    // From what the guess has under this key; a limit that is none, and a time of 0, is not there.
+    let limit = |key: &'static str, bounds: (f64, f64)| {
+        let (freed, _) = from(key, f64::INFINITY, bounds.0, bounds)?;
+        let of = |machine: &Machine| freed.of(machine).filter(|value| 0.0 < *value);
+        Some((freed.from(of(guess)?), of(before).unwrap_or(f64::INFINITY)))
     };
     let has_filters = has_filters(guess);
-    let (own, start) = (&before.interpolator, &guess.interpolator);
     let constant = |of: &TimeConstants| match of {
         TimeConstants::Equal(constant) => Some(*constant),
         _ => None,
     };
+    let constants = &before.interpolator.time_constants;
     // The same delay in all with another order.
-    let as_order = own.filters as f64 / order as f64;
+    let as_order = before.interpolator.filters as f64 / order as f64;
     if !has_filters {
         for (key, (own, start)) in ACCELERATIONS.into_iter().zip(before.axes.iter().zip(&guess.axes)) {
             let (own, start) = (own.acceleration, start.acceleration);
             let usual = if own.is_finite() { own } else { start };
-            if start.is_finite() {
-                add(key, own, start, (AXIS_BOUNDS.0 * usual, AXIS_BOUNDS.1 * usual));
-            }
+            all.extend(limit(key, (AXIS_BOUNDS.0 * usual, AXIS_BOUNDS.1 * usual)));
         }
-    } else if let Some((own, start)) = constant(&own.time_constants).zip(constant(&start.time_constants)) {
-        add("interpolator.time_constant_s", own * as_order, start, CONSTANT_BOUNDS);
+    } else if let Some((own, start)) = constant(constants).zip(constant(&guess.interpolator.time_constants)) {
+        all.extend(from("interpolator.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
     }
-    if let Junction::AxisStep(start) = start.junction {
-        let own = match own.junction {
-            Junction::AxisStep(own) => own,
-            _ => f64::INFINITY,
-        };
-        add("interpolator.axis_velocity_step_mm_min", own, start, STEP_BOUNDS);
+    all.extend(limit("interpolator.axis_velocity_step_mm_min", STEP_BOUNDS));
+    if has_filters || guess.interpolator.junction == Junction::AccelerationBlend {
+        all.extend(limit("interpolator.contour_tolerance_mm", TOLERANCE_BOUNDS));
     }
-    if has_filters || start.junction == Junction::AccelerationBlend {
-        let key = "interpolator.contour_tolerance_mm";
-        add(key, own.contour_tolerance, start.contour_tolerance, TOLERANCE_BOUNDS);
+    all.extend(limit("interpolator.slowing_angle_deg", ANGLE_BOUNDS));
+    if !has_filters {
+        all.extend(limit("halts.in_position_s", POSITION_BOUNDS));
     }
-    if start.slowing_angle.is_finite() {
-        add("interpolator.slowing_angle_deg", own.slowing_angle, start.slowing_angle, ANGLE_BOUNDS);
-    }
-    if 0.0 < guess.halts.in_position && !has_filters {
-        let own = if 0.0 < before.halts.in_position { before.halts.in_position } else { f64::INFINITY };
-        add("halts.in_position_s", own, guess.halts.in_position, POSITION_BOUNDS);
-    }
-    if guess.path.centripetal_acceleration.is_finite() {
-        let (own, start) = (before.path.centripetal_acceleration, guess.path.centripetal_acceleration);
-        add("path.centripetal_acceleration_mm_s2", own, start, ACCELERATION_BOUNDS);
-    } else if let Some(start) = start.arc_tolerance {
-        let own = own.arc_tolerance.unwrap_or(f64::INFINITY);
-        add("interpolator.arc_tolerance_mm", own, start, TOLERANCE_BOUNDS);
-    }
+    let of_arcs = limit("path.centripetal_acceleration_mm_s2", ACCELERATION_BOUNDS);
+    all.extend(of_arcs.or_else(|| limit("interpolator.arc_tolerance_mm", TOLERANCE_BOUNDS)));
     let has_rapid = runs.iter().any(Run::has_rapid);
     // Along the path filters hide an acceleration but in rapids.
-    if guess.path.acceleration.is_finite() && (has_rapid || !has_filters) {
-        let (own, start) = (before.path.acceleration, guess.path.acceleration);
-        add("path.acceleration_mm_s2", own, start, ACCELERATION_BOUNDS);
+    if has_rapid || !has_filters {
+        all.extend(limit("path.acceleration_mm_s2", ACCELERATION_BOUNDS));
     }
-    if guess.path.jerk.is_finite() {
-        add("path.jerk_mm_s3", before.path.jerk, guess.path.jerk, JERK_BOUNDS);
-    }
+    all.extend(limit("path.jerk_mm_s3", JERK_BOUNDS));
     if has_rapid {
         let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
-        add("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own));
-        let own = before.rapid.time_constants.as_ref().unwrap_or(&before.interpolator.time_constants);
+        all.extend(from("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own)));
+        let own = before.rapid.time_constants.as_ref().unwrap_or(constants);
         let start = guess.rapid.time_constants.as_ref().and_then(constant);
         if let Some((own, start)) = constant(own).zip(start).filter(|_| has_filters) {
-            add("rapid.time_constant_s", own * as_order, start, CONSTANT_BOUNDS);
+            all.extend(from("rapid.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
         }
-        if guess.rapid.positioning_jerk.is_finite() {
-            let (own, start) = (before.rapid.positioning_jerk, guess.rapid.positioning_jerk);
-            add("rapid.positioning_jerk_mm_s3", own, start, POSITIONING_BOUNDS);
-        }
+        all.extend(limit("rapid.positioning_jerk_mm_s3", POSITIONING_BOUNDS));
     }
     all
 }

@@ -5,7 +5,8 @@
 //! axes ([`crate::simulation::feed::blend`]), the machine is one of these. The first guess is the best of a
 //! few accelerations, the same for all axes; axes are as fast as the rapid feed, singly or along the path.
 
-use crate::identification::fit::{Run, Whitening, cost_of};
+use crate::identification::calibration::nearest;
+use crate::identification::fit::{Run, Whitening};
 use crate::machine::{Junction, Machine, TimeConstants};
 
 /// Accelerations tried first, mm/s².
@@ -29,9 +30,7 @@ pub fn guess(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[Wh
             }
         }
     }
-    let costs: Vec<f64> = all.iter().map(|machine| cost_of(machine, runs, whitenings)).collect();
-    let best = (0..all.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
-    all.swap_remove(best)
+    nearest(all, runs, whitenings).unwrap_or_else(|| fitted.clone())
 }
 
 /// Makes a machine one of the family, all axes with this acceleration (mm/s²) or their own lower one; each

@@ -9,8 +9,9 @@
 //! Source: two recorded mills, whose runs of programs that were not fitted to it predicts (`docs/diagnosis.md`).
 
 use crate::identification::calibration::laws::has_filters;
+use crate::identification::calibration::nearest;
 use crate::identification::calibration::planner::CONSTANT;
-use crate::identification::fit::{Run, Whitening, cost_of};
+use crate::identification::fit::{Run, Whitening};
 use crate::machine::{InPosition, Junction, Machine, TimeConstants};
 
 /// Steps of velocity tried first, mm/s.
@@ -41,15 +42,15 @@ pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[
     plain.path.centripetal_acceleration = plain.path.centripetal_acceleration.min(CENTRIPETAL);
     plain.halts.in_position = plain.halts.in_position.max(IN_POSITION);
     plain.halts.in_position_at = InPosition::ExactStops;
-    let nearest = |acceleration: f64| {
+    let guess = |acceleration: f64| {
         let pairs = JERKS.iter().flat_map(|jerk| STEPS.map(|step| (*jerk, step)));
         let planners = pairs.map(|(jerk, step)| {
             let mut planner = plain.clone();
             planner.interpolator.junction = Junction::AxisStep(step);
             (planner.path.acceleration, planner.path.jerk) = (acceleration, jerk);
-            (cost_of(&planner, runs, whitenings), planner)
+            planner
         });
-        planners.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, planner)| planner)
+        nearest(planners, runs, whitenings)
     };
-    ACCELERATIONS.into_iter().filter_map(nearest).collect()
+    ACCELERATIONS.into_iter().filter_map(guess).collect()
 }

@@ -244,7 +244,7 @@ fn passed(
     }
     let with = with_all(base, &together(&candidate, &others));
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
-    let explained = regions::acts_on(base, current, runs).0.abs();
+    let explained = regions::moved(base, current, runs).0.abs();
     if weight(current, &with, runs) < LEAST.max(SIZE * whole).max(BESIDE * explained) {
         return None;
     }

@@ -21,8 +21,8 @@
 //!
 //! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered motion changes, and nowhere else:
 //! where it is constant the ramps are straight, and their ends are put in exactly, and where it only follows a slope of
-//! the command a few samples do. The work is linear in the number of pulses. Limits: N counts with its magnitude, which takes a little too much where
-//! turning and braking would push an axis opposite ways; rotary axes are left out.
+//! the command a few samples do. The work is linear in the number of pulses. Limits: N counts with its magnitude, which
+//! takes a little too much where turning and braking would push an axis opposite ways; rotary axes are left out.
 //!
 //! Controls that plan their ramps before any filter, as in [`crate::simulation::feed::block`], have their plans
 //! left as they are.
