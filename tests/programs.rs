@@ -26,9 +26,13 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     paths.into_iter().flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
+/// The toolpath of the program read whole, which is that of the program read part by part.
 fn trace(path: &Path) -> Toolpath {
     let bytes = std::fs::read(path).expect("a readable file");
-    toolpath::trace(&gcode::read(&bytes), &Machine::default())
+    let (options, machine) = (gcode::Options::default(), Machine::default());
+    let toolpath = toolpath::trace(&gcode::read(&bytes), &machine);
+    assert_eq!(toolpath::trace_text(bytes, &options, &machine), toolpath, "{}", path.display());
+    toolpath
 }
 
 /// A dozen lines that say what a toolpath holds.

@@ -24,9 +24,9 @@ use truefeed::machine::Machine;
 use truefeed::quote::quote;
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::{Rule, Tolerances, plan};
-use truefeed::simulation::gcode::read;
+use truefeed::simulation::gcode::{Options, Parts};
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::toolpath::trace_text;
 
 /// Contour tolerances, mm.
 const TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
@@ -41,7 +41,7 @@ enum Work {
     Bytes,
     /// `async-gcode` parses it.
     Yardstick,
-    /// It is read.
+    /// It is read, part by part.
     Read,
     /// It is read and traced.
     Trace,
@@ -87,13 +87,18 @@ impl Work {
     /// Does it once; the number keeps the work from being left out.
     fn run(self, text: Vec<u8>) -> f64 {
         let machine = Machine::default();
-        // As the command does it: the text is given back before the path takes room.
-        let program = |text: Vec<u8>| read(&text);
-        let toolpath = |text: Vec<u8>| trace(&program(text), &machine);
+        let toolpath = |text: Vec<u8>| trace_text(text, &Options::default(), &machine);
         match self {
             Work::Bytes => text.iter().map(|byte| u64::from(*byte)).sum::<u64>() as f64,
             Work::Yardstick => parsed_elsewhere(&text) as f64,
-            Work::Read => program(text).blocks.len() as f64,
+            Work::Read => {
+                let (options, mut blocks) = (Options::default(), 0);
+                let mut parts = Parts::new(&text, &options);
+                while parts.next_part(1_000) {
+                    blocks += parts.part().blocks.len();
+                }
+                blocks as f64
+            }
             Work::Trace => toolpath(text).segments.len() as f64,
             Work::Plan => plan(&toolpath(text), &machine, Rule::Isolated(TOLERANCES[1])).cycle_time(),
             Work::PlanFour => {

@@ -23,8 +23,8 @@ use truefeed::project::{ArchiveLine, Keys, LineOwner, Prediction};
 use truefeed::quote::{programmed_time, quote};
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
-use truefeed::simulation::gcode::{Dialect, Options, read_with};
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::gcode::{Dialect, Options};
+use truefeed::simulation::toolpath::trace_text;
 
 use crate::command::programs::{Found, programs};
 use crate::command::{Refusal, bytes_of, print};
@@ -125,12 +125,8 @@ impl Archive {
 
     /// What `predict --json` says of a program, its tolerances one after another.
     fn prediction(&self, file: &Path, bytes: Vec<u8>) -> Prediction {
-        let toolpath = {
-            let program = read_with(&bytes, &Options { dialect: self.dialect, ..Options::default() });
-            // The text is given back before the path takes room.
-            drop(bytes);
-            trace(&program, &self.machine)
-        };
+        let options = Options { dialect: self.dialect, ..Options::default() };
+        let toolpath = trace_text(bytes, &options, &self.machine);
         let own = [Tolerances::Programmed];
         let given: Vec<Tolerances> = self.tolerances.iter().copied().map(Tolerances::One).collect();
         let tolerances = if given.is_empty() { &own[..] } else { &given };

@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
-use truefeed::simulation::gcode::{Dialect, Options, read_with};
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::gcode::{Dialect, Options};
+use truefeed::simulation::toolpath::{Toolpath, trace_text};
 
 /// What is wrong with a request, in one line.
 pub type Refusal = String;
@@ -54,12 +54,7 @@ pub fn machine_of(path: &Path) -> Result<Machine, Refusal> {
 /// The toolpath of a program on a machine.
 pub fn toolpath_of(program: &Path, dialect: Option<Dialect>, machine: &Machine) -> Result<Toolpath, Refusal> {
     let options = Options { dialect, ..Options::default() };
-    // The text is given back before the path takes room.
-    let program = {
-        let text = bytes_of(program)?;
-        read_with(&text, &options)
-    };
-    Ok(trace(&program, machine))
+    Ok(trace_text(bytes_of(program)?, &options, machine))
 }
 
 /// The bytes of a file, or of standard input for `-`.

@@ -3,8 +3,8 @@
 use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Dialect, Options, read_with};
-use crate::simulation::toolpath::{Toolpath, trace};
+use crate::simulation::gcode::{Dialect, Options};
+use crate::simulation::toolpath::{Toolpath, trace_text};
 
 /// The bytes of a program that have come so far.
 #[wasm_bindgen]
@@ -35,10 +35,8 @@ impl From<Vec<u8>> for ProgramText {
 }
 
 impl ProgramText {
-    /// The path of the program on a machine; the text is given back before the path takes room.
+    /// The path of the program on a machine.
     pub(super) fn toolpath(self, dialect: Option<Dialect>, machine: &Machine) -> Toolpath {
-        let program = read_with(&self.bytes, &Options { dialect, ..Options::default() });
-        drop(self);
-        trace(&program, machine)
+        trace_text(self.bytes, &Options { dialect, ..Options::default() }, machine)
     }
 }

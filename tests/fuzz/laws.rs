@@ -3,7 +3,7 @@
 use truefeed::machine::{Machine, Tool};
 use truefeed::project::{machine_from_toml, toml_from_machine};
 use truefeed::simulation::gcode::{Dialect, Options, read_with};
-use truefeed::simulation::toolpath::{Curve, Motion, Toolpath, trace_within};
+use truefeed::simulation::toolpath::{Curve, Motion, Toolpath, trace_straight, trace_within};
 
 /// Blocks that loops may run here: the bound of a program as it is quoted takes a second to reach, and nothing that
 /// is read depends on it; tests/siege reaches it.
@@ -26,8 +26,14 @@ pub fn program(bytes: &[u8]) {
 /// The same in a dialect that is chosen.
 #[allow(dead_code)]
 pub fn program_in(bytes: &[u8], dialect: Option<Dialect>) {
-    let program = read_with(bytes, &Options { dialect, ..Options::default() });
-    check(bytes, &trace_within(&program, &machine(), MOST_REPEATED));
+    let (options, machine) = (Options { dialect, ..Options::default() }, machine());
+    let toolpath = trace_within(&read_with(bytes, &options), &machine, MOST_REPEATED);
+    check(bytes, &toolpath);
+    // Part by part it is the same, wherever the parts end.
+    let lines = 1 + bytes.len() as u32 % 7;
+    if let Some(straight) = trace_straight(bytes, &options, &machine, lines) {
+        assert_eq!(straight, toolpath, "in parts of {lines} lines");
+    }
 }
 
 /// A machine that knows tools and reference points, so that compensation and G28 move.

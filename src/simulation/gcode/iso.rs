@@ -25,9 +25,9 @@ const CALLING_G: &[f64] = &[65.0, 66.0, 66.1, 67.0];
 const OUTPUT: &[&[u8]] = &[b"POPEN", b"PCLOS", b"DPRNT", b"BPRNT", b"SETVN"];
 
 impl Reader<'_> {
-    /// Reads one line of an ISO program.
+    /// Reads one line of an ISO program that holds more than plain words.
     pub(super) fn iso_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
-        if self.plain_line(text) || self.is_command_of_sender(text) {
+        if self.is_command_of_sender(text) {
             return Ok(());
         }
         let mut at = 0;

@@ -59,7 +59,7 @@ pub use klartext::{
     CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, POSITION_PARAMETERS,
     STATEMENTS as KLARTEXT_STATEMENTS,
 };
-pub use reader::{Options, read, read_with};
+pub use reader::{Options, Parts, read, read_with};
 pub use siemens::STATEMENTS as SIEMENS_STATEMENTS;
 
 use std::ops::Range;

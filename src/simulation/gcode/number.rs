@@ -71,39 +71,39 @@ pub(super) fn number(text: &[u8], at: usize) -> Option<Number> {
 }
 
 /// The number that begins at `at` where it is written without blanks, in 15 digits at most, and no more of a
-/// number follows; what it is [`number`] says too.
+/// number follows in its line; what it is [`number`] says too.
+#[inline]
 pub(super) fn plain_number(text: &[u8], at: usize) -> Option<Number> {
     let sign = text.get(at).copied();
     let is_negative = sign == Some(b'-');
     let first = at + usize::from(is_negative || sign == Some(b'+'));
     let mut value = 0_u64;
-    let mut digits = |from: usize| {
-        let rest = text.get(from..).unwrap_or_default();
-        let mut end = from;
-        for byte in rest.iter().map(|byte| byte.wrapping_sub(b'0')).take_while(|digit| *digit < 10) {
-            value = value.wrapping_mul(10).wrapping_add(u64::from(byte));
-            end += 1;
+    let (mut end, mut point) = (first, None);
+    for byte in text.get(first..).unwrap_or_default() {
+        let digit = byte.wrapping_sub(b'0');
+        if digit < 10 {
+            value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
+        } else if *byte == b'.' && point.is_none() {
+            point = Some(end);
+        } else {
+            break;
         }
-        end
-    };
-    let mut end = digits(first);
-    let mut count = end - first;
-    let mut decimals = 0;
-    let has_point = text.get(end) == Some(&b'.');
-    if has_point {
-        let point = end + 1;
-        end = digits(point);
-        decimals = end - point;
-        count += decimals;
+        end += 1;
     }
-    let next = skip_blanks(text, end);
+    let decimals = point.map_or(0, |point| end - point - 1);
+    let count = end - first - usize::from(point.is_some());
+    let mut next = end;
+    while text.get(next).is_some_and(|byte| is_blank(*byte) && !matches!(byte, b'\n' | b'\r')) {
+        next += 1;
+    }
     let goes_on = matches!(text.get(next), Some(b'0'..=b'9' | b'.' | b'+' | b'-'));
     // 15 digits are less than 2^53, and the product cannot have wrapped.
     if count == 0 || 15 < count || goes_on {
         return None;
     }
     let magnitude = value as f64 / EXACT_POWERS[decimals];
-    Some(Number { value: if is_negative { -magnitude } else { magnitude }, has_point, end })
+    let value = if is_negative { -magnitude } else { magnitude };
+    Some(Number { value, has_point: point.is_some(), end })
 }
 
 #[cfg(test)]

@@ -1,4 +1,6 @@
 //! The reader: one pass over the bytes, line by line, each line by the rules of its dialect.
+//!
+//! A program is read whole, or part by part, where nobody needs the words of a part once the next one is read.
 
 use crate::simulation::gcode::dialect::detect;
 use crate::simulation::gcode::encoding;
@@ -12,6 +14,7 @@ use crate::simulation::gcode::{
     Action, Block, Comment, Dialect, Formula, Label, LabelKind, LineNumber, Place, Program, Reference,
     Remarks, Target, Word,
 };
+use std::borrow::Cow;
 
 /// What is chosen apart from the program itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -29,28 +32,91 @@ pub fn read(bytes: &[u8]) -> Program {
 
 /// Reads a program.
 pub fn read_with(bytes: &[u8], options: &Options) -> Program {
-    let (text, is_utf16) = encoding::text(bytes);
-    let text = &text[..];
-    let mut reader = Reader::new(options, text);
-    let mut rest = text;
-    while let Some((line, after)) = split_line(rest) {
-        reader.line.0 = reader.line.0.saturating_add(1);
-        rest = after;
-        if reader.line.0 == FIRST_LINES {
-            reader.make_room(text.len(), text.len() - rest.len());
-        }
-        let is_percent = reader.has_percent_lines() && line.get(skip_blanks(line, 0)) == Some(&b'%');
-        if !is_percent {
-            reader.block(line);
-        } else if reader.percent_closes(rest) {
-            reader.trailer(rest);
-            break;
-        }
+    let mut parts = Parts::new(bytes, options);
+    if parts.read_on(FIRST_LINES) {
+        parts.reader.make_room(parts.text.len(), parts.read);
+        parts.read_on(u32::MAX);
     }
-    if is_utf16 {
-        reader.remarks.add(Place::line(LineNumber(1)), Unread::Utf16);
+    parts.finish()
+}
+
+/// A program that is read part by part.
+pub struct Parts<'a> {
+    text: Cow<'a, [u8]>,
+    is_utf16: bool,
+    /// How many bytes are read.
+    read: usize,
+    reader: Reader<'a>,
+}
+
+impl<'a> Parts<'a> {
+    /// Nothing of the program is read yet.
+    pub fn new(bytes: &'a [u8], options: &'a Options) -> Parts<'a> {
+        let (text, is_utf16) = encoding::text(bytes);
+        let reader = Reader::new(options, &text);
+        Parts { text, is_utf16, read: 0, reader }
     }
-    reader.finish(text)
+
+    /// Reads the next part of so many lines, and forgets words and blocks of the one before; false at the end of
+    /// the program.
+    pub fn next_part(&mut self, lines: u32) -> bool {
+        self.reader.forget_blocks();
+        self.read_on(lines)
+    }
+
+    /// The program with the blocks of the part read last; of what is no block, with all that was read so far.
+    pub fn part(&self) -> &Program {
+        &self.reader.program
+    }
+
+    /// Whether blocks are run one after another as they are read: nothing so far leads elsewhere, is to be worked
+    /// out, or says that what was read before does not belong to the program.
+    pub fn goes_straight_on(&self) -> bool {
+        let Program { flow, formulas, .. } = self.part();
+        flow.is_empty() && formulas.is_empty() && !self.reader.began_anew
+    }
+
+    /// How many blocks the whole program has, if the rest of it is like what was read.
+    pub fn expected_blocks(&self) -> usize {
+        let whole = self.text.len() as f64 / self.read.max(1) as f64;
+        (1.02 * whole * f64::from(self.reader.index())) as usize
+    }
+
+    /// The program; words and blocks are those of the part read last.
+    pub fn finish(mut self) -> Program {
+        if self.is_utf16 {
+            self.reader.remarks.add(Place::line(LineNumber(1)), Unread::Utf16);
+        }
+        self.reader.finish(&self.text)
+    }
+
+    /// Reads so many lines more; false where there was none.
+    fn read_on(&mut self, most: u32) -> bool {
+        let reader = &mut self.reader;
+        let mut rest = &self.text[self.read..];
+        let last = reader.line.0.saturating_add(most);
+        let has_more = !rest.is_empty();
+        let is_iso = reader.is_iso();
+        while reader.line.0 < last && !rest.is_empty() {
+            reader.line.0 += 1;
+            if is_iso && let Some(after) = reader.plain_line(rest) {
+                rest = after;
+                continue;
+            }
+            let Some((line, after)) = split_line(rest) else { break };
+            rest = after;
+            let is_percent = is_iso && line.get(skip_blanks(line, 0)) == Some(&b'%');
+            if !is_percent {
+                reader.block(line);
+            } else if reader.percent_closes(rest) {
+                reader.trailer(rest);
+                rest = &[];
+            }
+        }
+        self.read = self.text.len() - rest.len();
+        reader.settle_tape();
+        has_more
+    }
 }
 
 /// Why a block is not run, and the columns it concerns.
@@ -82,7 +148,11 @@ pub(super) struct Reader<'a> {
     /// A `%` line was seen.
     opened: bool,
     /// Words and formulas before the block being read.
-    before: [usize; 4],
+    pub(super) before: [usize; 4],
+    /// Blocks that were read and forgotten.
+    forgotten: u32,
+    /// A `%` line came after blocks that are forgotten, which were none of the program.
+    began_anew: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -101,6 +171,8 @@ impl<'a> Reader<'a> {
             names_sequence: false,
             opened: false,
             before: [0; 4],
+            forgotten: 0,
+            began_anew: false,
         }
     }
 
@@ -115,20 +187,22 @@ impl<'a> Reader<'a> {
         drop((words, blocks));
     }
 
-    fn has_percent_lines(&self) -> bool {
+    /// Its lines are those of ISO, plain ones and `%` lines among them.
+    fn is_iso(&self) -> bool {
         !matches!(self.program.dialect, Dialect::Siemens | Dialect::Klartext | Dialect::HeidenhainIso)
     }
 
     /// A `%` line: whether it ends the program. What was read before an opening one is leader.
     fn percent_closes(&mut self, rest: &[u8]) -> bool {
         let another_follows = || lines(rest).any(|line| line.get(skip_blanks(line, 0)) == Some(&b'%'));
-        let is_first = self.program.blocks.is_empty() && self.remarks.is_empty();
+        let is_first = self.index() == 0 && self.remarks.is_empty();
         self.program.is_tape = true;
         if self.opened || (!is_first && !another_follows()) {
             return true;
         }
         self.opened = true;
-        let blocks = self.program.blocks.len();
+        let blocks = self.index() as usize;
+        self.began_anew = 0 < std::mem::take(&mut self.forgotten);
         self.program = Program { dialect: self.program.dialect, is_tape: true, ..Program::default() };
         self.names = Names::default();
         self.structures = Structures::default();
@@ -165,9 +239,6 @@ impl<'a> Reader<'a> {
         if self.names_sequence {
             self.label_sequence(text);
         }
-        // LinuxCNC and its relatives know % lines too, but count dwells as they always do.
-        self.program.is_tape &=
-            !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Grbl | Dialect::Mach);
         self.program.labels.sort_unstable();
         self.program.labels.dedup();
         self.program.names = self.names.finish();
@@ -175,9 +246,22 @@ impl<'a> Reader<'a> {
         self.program
     }
 
+    /// LinuxCNC and its relatives know % lines too, but count dwells as they always do.
+    fn settle_tape(&mut self) {
+        self.program.is_tape &=
+            !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Grbl | Dialect::Mach);
+    }
+
+    fn forget_blocks(&mut self) {
+        self.forgotten = self.index();
+        self.program.blocks.clear();
+        self.program.words.clear();
+        self.before = self.sizes();
+    }
+
     /// An opening word without its closing one; the jumps that wait for it go to the end.
     pub(super) fn unclosed(&mut self, open: &Open) {
-        let end = self.program.blocks.len() as u32;
+        let end = self.index();
         let indices: Vec<usize> = open.next.iter().chain(&open.exits).chain(&open.to_end).copied().collect();
         self.program.complete(&indices, end);
         self.remarks.add(Place::line(open.line), Unread::Unclosed { word: open.kind.word() });
@@ -185,7 +269,7 @@ impl<'a> Reader<'a> {
 
     /// Index of the block being read.
     pub(super) fn index(&self) -> u32 {
-        self.program.blocks.len() as u32
+        self.forgotten + self.program.blocks.len() as u32
     }
 
     fn sizes(&self) -> [usize; 4] {

@@ -14,7 +14,7 @@
 //!
 //! Source: Fanuc B-63944EN, decimal point programming.
 
-use crate::simulation::gcode::{Program, Word};
+use crate::simulation::gcode::{self, Place, Program, Word};
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::{Family, Tracer};
@@ -31,6 +31,15 @@ const OTHER_M: [f64; 3] = [97.0, 98.0, 198.0];
 
 /// A number without a point that is at least this looks like increments, units of length.
 const LARGE: f64 = 1000.0;
+
+/// What a program shows of its decimal points.
+#[derive(Default)]
+pub(super) struct Points {
+    /// Some length has one.
+    are_written: bool,
+    /// The first large length that has none.
+    missing: Option<(Place, Untraced)>,
+}
 
 fn has_lengths(words: &[Word]) -> bool {
     !words.iter().any(|word| match word.letter {
@@ -68,23 +77,32 @@ impl Tracer<'_> {
         Some(words)
     }
 
-    /// Tells of a large length without a point in a program that writes points.
-    pub(super) fn tell_missing_points(&mut self, program: &Program) {
+    /// Looks for large lengths without a point and for lengths with one in these blocks.
+    pub(super) fn look_for_points(&mut self, program: &Program) {
         if self.family != Family::Fanuc || self.machine.program.increment.is_some() {
             return;
         }
         let is_length = |word: &Word| LENGTHS.contains(&word.letter);
-        if !program.words.iter().any(|word| word.has_point && is_length(word)) {
-            return;
-        }
+        let are_written = |word: &Word| word.has_point && is_length(word);
+        self.points.are_written = self.points.are_written || program.words.iter().any(are_written);
         let is_large = |word: &&Word| !word.has_point && LARGE <= word.value.abs() && is_length(word);
-        for block in &program.blocks {
+        let is_missing = |block: &gcode::Block| {
             let words = program.words(block);
-            let Some(word) = words.iter().find(is_large).filter(|_| has_lengths(words)) else { continue };
+            let word = words.iter().find(is_large).filter(|_| has_lengths(words))?;
             let place = Block { words, line: block.line }.place_of(word);
-            let letter = char::from(word.letter);
-            self.remarks.add(place, Untraced::MissingPoint { letter, value: word.value });
-            return;
+            let remark = Untraced::MissingPoint { letter: char::from(word.letter), value: word.value };
+            Some((place, remark))
+        };
+        if self.points.missing.is_none() && program.words.iter().any(|word| is_large(&word)) {
+            self.points.missing = program.blocks.iter().find_map(is_missing);
+        }
+    }
+
+    /// Tells of a large length without a point in a program that writes points.
+    pub(super) fn tell_missing_points(&mut self) {
+        let missing = self.points.missing.take().filter(|_| self.points.are_written);
+        if let Some((place, remark)) = missing {
+            self.remarks.add(place, remark);
         }
     }
 }

@@ -59,6 +59,7 @@ mod remark;
 mod rotary;
 mod run;
 mod siemens;
+mod straight;
 mod trace;
 mod words;
 
@@ -66,6 +67,7 @@ pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
 pub use operations::{MOST_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
+pub use straight::{trace_straight, trace_text};
 pub use trace::{trace, trace_within};
 
 use crate::machine::Spin;

@@ -8,7 +8,7 @@ use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::ROTARY_WORDS;
 use crate::simulation::toolpath::trace::Tracer;
 use crate::simulation::toolpath::words::{Mode, Special};
-use crate::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, StopCause};
+use crate::simulation::toolpath::{Arc, Curve, Motion, Point, Rotation, Segment, StopCause};
 
 /// Feedrate of feed moves before the first F, mm/s: 1000 mm/min.
 pub const ASSUMED_FEEDRATE: f64 = 1000.0 / 60.0;
@@ -276,7 +276,7 @@ impl Tracer<'_> {
         }
         self.klartext_before_move(end, &curve, length);
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
-        let rotation = self.turned_along().into();
+        let rotation = self.turned_along().map_or(Rotation::NONE, Rotation::from);
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, line };
         self.contour.take(segment, self.modal.plane, &mut self.toolpath);
         self.tell_troubles();

@@ -35,8 +35,8 @@ const SMALLEST: f64 = 1e-12;
 pub(super) struct Rotary {
     /// Machine coordinates, rad.
     pub(super) position: Vector,
-    /// How far the block being run still has to turn, rad.
-    ahead: Vector,
+    /// How far the block being run still has to turn, rad; none where it says nothing of rotary axes.
+    ahead: Option<Vector>,
 }
 
 impl Tracer<'_> {
@@ -89,22 +89,22 @@ impl Tracer<'_> {
     }
 
     fn turn_axis(&mut self, axis: usize, target: f64) {
-        self.rotary.ahead[axis] += target - self.rotary.position[axis];
+        self.rotary.ahead.get_or_insert_default()[axis] += target - self.rotary.position[axis];
         self.rotary.position[axis] = target;
     }
 
     /// The turn that the move being made takes along, rad.
-    pub(super) fn turned_along(&mut self) -> Vector {
-        std::mem::take(&mut self.rotary.ahead)
+    pub(super) fn turned_along(&mut self) -> Option<Vector> {
+        self.rotary.ahead.take()
     }
 
     /// The feedrate along X, Y and Z of a feed move of `length` (mm) whose rotary axes turn along.
     pub(super) fn linear_share(&mut self, block: Block, length: f64, feedrate: f64) -> f64 {
-        if self.rotary.ahead.iter().all(|turn| *turn == 0.0) || self.modal.feed.mode == FeedMode::InverseTime
-        {
+        let ahead = self.rotary.ahead.filter(|ahead| *ahead != Vector::zeros());
+        let Some(ahead) = ahead.filter(|_| self.modal.feed.mode != FeedMode::InverseTime) else {
             return feedrate;
-        }
-        let turn = self.rotary.ahead.map(f64::to_degrees).norm() * self.modal.unit;
+        };
+        let turn = ahead.map(f64::to_degrees).norm() * self.modal.unit;
         let is_combined = self.family == Family::Fanuc;
         self.remarks.add(block.place(), Untraced::RotaryFeed { is_combined });
         // Beside the contour a move without length may get one.
@@ -113,10 +113,9 @@ impl Tracer<'_> {
 
     /// Turns what no move has taken along.
     pub(super) fn turn_alone(&mut self, block: Block, is_rapid: bool) {
-        let rotation = self.turned_along();
-        if rotation.amax() < SMALLEST {
+        let Some(rotation) = self.turned_along().filter(|rotation| SMALLEST <= rotation.amax()) else {
             return;
-        }
+        };
         let rate = (!is_rapid).then(|| self.rotary_feedrate(block, rotation.norm()));
         self.stop(block, StopCause::Rotary { rotation, rate });
     }

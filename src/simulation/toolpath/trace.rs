@@ -1,13 +1,14 @@
 //! The tracer: runs block after block under the modal state.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Dialect, Place, Program, Remarks, Word, address};
+use crate::simulation::gcode::{Dialect, LineNumber, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::compensation::{CompensationWords, Contour, KnownDiameters};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
+use crate::simulation::toolpath::increment::Points;
 use crate::simulation::toolpath::klartext::Klartext;
 use crate::simulation::toolpath::motion::has_dwell_by_feed;
 use crate::simulation::toolpath::own::{self, OwnState};
@@ -29,13 +30,10 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
 
 /// The same with a bound of its own: blocks that loops and calls may run beyond once each.
 pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) -> Toolpath {
-    let mut tracer = Tracer::new(machine, program.is_tape);
-    tracer.family = Family::of(program.dialect);
-    tracer.dialect = program.dialect;
-    tracer.is_tape |= program.dialect == Dialect::Okuma;
+    let mut tracer = Tracer::new(machine, program.dialect, program.is_tape);
     let mut parameters = Parameters::new(program.dialect);
-    tracer.compensation.known = KnownDiameters::told_by(&program.comments);
-    tracer.tell_missing_points(program);
+    tracer.compensation.known.hear(&program.comments);
+    tracer.look_for_points(program);
     // Most blocks of a long program are one move each.
     tracer.toolpath.segments.try_reserve_exact(program.blocks.len()).ok();
     let mut run = Run::new(program, most_repeated);
@@ -71,26 +69,15 @@ pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) 
         if let Err(remark) = outcome {
             tracer.remarks.add(Place::line(block.line), remark);
         }
-        if let Some(code) = tracer.ended {
-            // Subprograms stand behind the end of Heidenhain programs.
-            if let Some((line, blocks)) = run.rest(index + 1).filter(|_| !tracer.is_heidenhain()) {
-                tracer.remarks.add(Place::line(line), Untraced::AfterEnd { blocks, code });
-            }
+        if tracer.ended.is_some() {
+            tracer.tell_rest(run.rest(index + 1));
             break;
         }
     }
-    tracer.end_klartext();
-    tracer.end_contour();
-    tracer.find_operations(&program.comments);
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
     }
-    let mut toolpath = tracer.toolpath;
-    toolpath.dialect = program.dialect;
-    toolpath.diagnostics = program.diagnostics.clone();
-    toolpath.diagnostics.append(&mut tracer.remarks.finish());
-    toolpath.diagnostics.sort_by_key(|diagnostic| diagnostic.line);
-    toolpath
+    tracer.finish(program)
 }
 
 /// What stays in force from block to block.
@@ -182,15 +169,16 @@ pub(super) struct Tracer<'a> {
     pub(super) ended: Option<Code>,
     pub(super) compensation: CompensationWords,
     pub(super) contour: Contour,
+    pub(super) points: Points,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
 }
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(machine: &'a Machine, is_tape: bool) -> Tracer<'a> {
+    pub(super) fn new(machine: &'a Machine, dialect: Dialect, is_tape: bool) -> Tracer<'a> {
         Tracer {
             machine,
-            is_tape,
+            is_tape: is_tape || dialect == Dialect::Okuma,
             modal: Modal {
                 mode: None,
                 plane: Plane::Xy,
@@ -209,8 +197,8 @@ impl<'a> Tracer<'a> {
             frame: Frame::new(machine),
             probed: None,
             rotary: Rotary::default(),
-            family: Family::default(),
-            dialect: Dialect::default(),
+            family: Family::of(dialect),
+            dialect,
             siemens: Siemens::default(),
             own: OwnState::default(),
             klartext: Klartext::default(),
@@ -220,9 +208,32 @@ impl<'a> Tracer<'a> {
             ended: None,
             compensation: CompensationWords::default(),
             contour: Contour::new(),
-            toolpath: Toolpath::default(),
+            points: Points::default(),
+            toolpath: Toolpath { dialect, ..Toolpath::default() },
             remarks: Remarks::default(),
         }
+    }
+
+    /// Tells of what stands behind the end, by its first line and how many blocks.
+    pub(super) fn tell_rest(&mut self, rest: Option<(LineNumber, usize)>) {
+        // Subprograms stand behind the end of Heidenhain programs.
+        let rest = rest.filter(|_| !self.is_heidenhain());
+        if let Some(((line, blocks), code)) = rest.zip(self.ended) {
+            self.remarks.add(Place::line(line), Untraced::AfterEnd { blocks, code });
+        }
+    }
+
+    /// The toolpath, once all blocks of the program are run.
+    pub(super) fn finish(mut self, program: &Program) -> Toolpath {
+        self.end_klartext();
+        self.end_contour();
+        self.find_operations(&program.comments);
+        self.tell_missing_points();
+        let mut toolpath = self.toolpath;
+        toolpath.diagnostics = program.diagnostics.clone();
+        toolpath.diagnostics.append(&mut self.remarks.finish());
+        toolpath.diagnostics.sort_by_key(|diagnostic| diagnostic.line);
+        toolpath
     }
 
     /// Runs one block in the order of execution of the module's head.

@@ -5,25 +5,32 @@
 //! number = [ "+" | "-" ] digits [ "." [ digits ] ]  |  [ "+" | "-" ] "." digits     without blanks, 15 digits at most
 //! ```
 //!
-//! They are read as the rules for all lines read them, in one pass and without a look at what they cannot be.
+//! They are read as the rules for all lines read them, in one pass, their end included, and without a look at what
+//! they cannot be.
 
 use crate::simulation::gcode::iso::{CALLING_G, CALLING_M};
 use crate::simulation::gcode::number::{is_blank, plain_number};
 use crate::simulation::gcode::reader::Reader;
-use crate::simulation::gcode::{Reference, Word};
+use crate::simulation::gcode::{Block, Reference, Word};
 
 impl Reader<'_> {
-    /// Reads a line of plain words; false where it holds anything else, and then nothing of it is kept.
-    pub(super) fn plain_line(&mut self, text: &[u8]) -> bool {
+    /// Reads the line that `text` begins with, and gives what follows it; none where the line holds anything but plain
+    /// words, and then nothing of it is kept.
+    pub(in crate::simulation::gcode) fn plain_line<'a>(&mut self, text: &'a [u8]) -> Option<&'a [u8]> {
         let words = &mut self.program.words;
         let before = words.len();
         let mut at = 0;
-        while let Some(&byte) = text.get(at) {
-            if is_blank(byte) {
-                at += 1;
-                continue;
-            }
-            let letter = byte.to_ascii_uppercase();
+        let end = loop {
+            let letter = match text.get(at) {
+                None => break at,
+                Some(b'\n') => break at + 1,
+                Some(b'\r') => break at + 1 + usize::from(text.get(at + 1) == Some(&b'\n')),
+                Some(byte) if is_blank(*byte) => {
+                    at += 1;
+                    continue;
+                }
+                Some(byte) => byte.to_ascii_uppercase(),
+            };
             let number = if letter.is_ascii_uppercase() { plain_number(text, at + 1) } else { None };
             let Some(number) = number.filter(|number| match letter {
                 b'O' => false,
@@ -32,7 +39,7 @@ impl Reader<'_> {
                 _ => true,
             }) else {
                 words.truncate(before);
-                return false;
+                return None;
             };
             if letter != b'N' {
                 let columns = (at as u32 + 1, number.end as u32 + 1);
@@ -40,7 +47,11 @@ impl Reader<'_> {
                 words.push(Word { value, columns: columns.into(), letter, has_point, reference });
             }
             at = number.end;
+        };
+        if before < words.len() {
+            self.before[0] = words.len();
+            self.program.blocks.push(Block { line: self.line, words: before as u32..words.len() as u32 });
         }
-        true
+        Some(&text[end..])
     }
 }

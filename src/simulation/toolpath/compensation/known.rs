@@ -36,19 +36,23 @@ pub(in crate::simulation::toolpath) struct KnownDiameters {
     set: BTreeMap<u32, f64>,
     /// By comments, in the program's unit, with their lines.
     told: BTreeMap<u32, (f64, LineNumber)>,
+    /// A diameter was looked for among those that comments tell.
+    was_asked: bool,
 }
 
 impl KnownDiameters {
-    /// Those that comments tell; the first one of a tool counts.
-    pub(in crate::simulation::toolpath) fn told_by(comments: &[Comment]) -> KnownDiameters {
-        let mut told = BTreeMap::new();
+    /// Takes in what further comments tell; the first one of a tool counts. False where that comes too late, as a
+    /// diameter was looked for before.
+    pub(in crate::simulation::toolpath) fn hear(&mut self, comments: &[Comment]) -> bool {
+        let mut is_in_time = true;
         for note in comments {
             let Some((tool, text)) = tool_and_name(&note.text) else { continue };
             if let Some(diameter) = diameter_in(text) {
-                told.entry(tool).or_insert((diameter, note.line));
+                self.told.entry(tool).or_insert((diameter, note.line));
+                is_in_time = !self.was_asked;
             }
         }
-        KnownDiameters { set: BTreeMap::new(), told }
+        is_in_time
     }
 }
 
@@ -72,6 +76,7 @@ impl Tracer<'_> {
         if let Some(known) = set.or_else(by_machine) {
             return Some(known);
         }
+        self.compensation.known.was_asked = true;
         let tools = [tool, self.compensation.spindle.or(self.modal.tool)];
         let told = |tool| Some((tool, *self.compensation.known.told.get(&tool)?));
         let (tool, (diameter, line)) = tools.into_iter().flatten().find_map(told)?;

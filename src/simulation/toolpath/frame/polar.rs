@@ -30,12 +30,19 @@ pub(in crate::simulation::toolpath) struct Polar {
 /// How far the tool may be from a point and be there, mm.
 const THERE: f64 = 1e-6;
 
+/// Words of a point that is given by an angle or a radius.
+const BY_ANGLE: u64 =
+    bits(&[address::POLAR_RADIUS, address::POLAR_ANGLE, address::LINE_ANGLE, address::OPENING_ANGLE]);
+
 impl Tracer<'_> {
     /// The words for X, Y and Z in mm, increments under G91; those of a point given by radius and
     /// angle are worked out from it.
     pub(in crate::simulation::toolpath) fn axis_values(&mut self) -> [Option<f64>; 3] {
         let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
         self.refer_to_mode(&mut values);
+        if !self.given.has(BY_ANGLE) && self.frame.polar.is_none() {
+            return values;
+        }
         let [a, b, _] = self.modal.plane.axes();
         if let Some((axis, value)) = self.siemens_by_angle(&values) {
             values[axis] = Some(value);

@@ -1,7 +1,7 @@
 //! Laws of maps, and the words whose meaning depends on the family of the control.
 
 use super::*;
-use crate::simulation::gcode::read;
+use crate::simulation::gcode::{Dialect, read};
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::random::Random;
 use crate::simulation::toolpath::trace::{Family, Tracer, trace};
@@ -41,7 +41,7 @@ fn quarter_turns_keep_right_angles() {
 /// Runs a program by the rules of a family.
 fn run<'a>(text: &str, family: Family, machine: &'a Machine) -> Tracer<'a> {
     let program = read(text.as_bytes());
-    let mut tracer = Tracer::new(machine, false);
+    let mut tracer = Tracer::new(machine, Dialect::default(), false);
     tracer.family = family;
     for block in &program.blocks {
         tracer.block(Block { words: program.words(block), line: block.line });

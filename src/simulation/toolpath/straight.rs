@@ -1,0 +1,115 @@
+//! Bytes → toolpath at once, for a program whose blocks are run one after another.
+//!
+//! Nearly every long program is one: it has no jumps, subprograms or parameters. Its words are then needed only
+//! while their block is run, and so it is read part by part, each part run before the next is read in its
+//! place. What comes out is what [`trace`] makes of the whole; a test compares the two.
+//!
+//! Where something turns up that touches what was run before, the whole program is read: whatever leads elsewhere or
+//! is to be worked out; behind the first part, a sign of a tape, which makes the P of a dwell milliseconds; a
+//! diameter told by a comment after one was looked for. Heidenhain programs nearly always have some of it.
+
+use crate::machine::Machine;
+use crate::simulation::gcode::{Dialect, Options, Parts, read_with};
+use crate::simulation::toolpath::Toolpath;
+use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::trace::{Tracer, trace};
+
+/// Lines of a part: what is read of them stays near the processor until it is run.
+const LINES_OF_A_PART: u32 = 1_000;
+
+/// Reads a program and runs it on the geometry of `machine`; the text is given back before a path takes room beside
+/// all its words.
+pub fn trace_text(text: Vec<u8>, options: &Options, machine: &Machine) -> Toolpath {
+    trace_straight(&text, options, machine, LINES_OF_A_PART).unwrap_or_else(|| {
+        let program = read_with(&text, options);
+        drop(text);
+        trace(&program, machine)
+    })
+}
+
+/// The toolpath of a program that goes straight on, read in parts of so many lines; none of others.
+pub fn trace_straight(text: &[u8], options: &Options, machine: &Machine, lines: u32) -> Option<Toolpath> {
+    let mut parts = Parts::new(text, options);
+    if matches!(parts.part().dialect, Dialect::Klartext | Dialect::HeidenhainIso) {
+        return None;
+    }
+    parts.next_part(lines);
+    let is_tape = parts.part().is_tape;
+    let mut tracer = Tracer::new(machine, parts.part().dialect, is_tape);
+    // Most blocks of a long program are one move each.
+    tracer.toolpath.segments.try_reserve_exact(parts.expected_blocks()).ok();
+    let (mut heard, mut rest) = (0, None);
+    loop {
+        let part = parts.part();
+        if !parts.goes_straight_on() || part.is_tape != is_tape {
+            return None;
+        }
+        if !tracer.compensation.known.hear(&part.comments[heard..]) {
+            return None;
+        }
+        heard = part.comments.len();
+        tracer.look_for_points(part);
+        for block in &part.blocks {
+            if tracer.ended.is_some() {
+                rest.get_or_insert((block.line, 0)).1 += 1;
+                continue;
+            }
+            let words = part.words(block);
+            let scaled = tracer.by_increments(words, words);
+            tracer.block(Block { words: scaled.as_deref().unwrap_or(words), line: block.line });
+        }
+        if !parts.next_part(lines) {
+            break;
+        }
+    }
+    tracer.tell_rest(rest);
+    Some(tracer.finish(&parts.finish()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the parts of a few lines give, after a comparison with the whole.
+    fn in_parts(text: &str, lines: u32) -> Option<Toolpath> {
+        let (options, machine) = (Options::default(), Machine::default());
+        let straight = trace_straight(text.as_bytes(), &options, &machine, lines);
+        let whole = trace(&read_with(text.as_bytes(), &options), &machine);
+        if let Some(straight) = &straight {
+            assert_eq!(*straight, whole, "{text:?} in parts of {lines}");
+        }
+        assert_eq!(trace_text(text.as_bytes().to_vec(), &options, &machine), whole, "{text:?}");
+        straight
+    }
+
+    #[test]
+    fn programs_without_flow_go_straight_on() {
+        for text in [
+            "",
+            "\n\n\n",
+            "G1 X1 F500\nX2\nX3\nX4\n",
+            "%\nO1234 (PART)\n(T1 D=10. END MILL)\nT1 M6\nG4 P500\nG41 D1 G1 X10. F500\nY20.\nG40 X0.\nM30\n%\n",
+            "O7\nG1 X5. F100\nG4 P200\nM30\n%\n",
+            "G1 X5. F100\nX20000\nM30\nG0 X3\n\nX7 (never run)\n(T2 D=4. DRILL)\n",
+            "G20\r\nG1 X1 F10\rG2 X2 I.5\r\nG81 Z-1 R1\nX3\nG80\nbad line!\nG1 X1 X2\n",
+        ] {
+            for lines in [1, 2, 3, 1000] {
+                assert!(in_parts(text, lines).is_some(), "{text:?} in parts of {lines}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_touches_the_blocks_before_is_read_whole() {
+        for text in [
+            "G1 X1 F500\nM98 P7\nM30\nO7\nX2\nM99\n",
+            "G1 X1 F500\n#1=5\nX#1\n",
+            "G1 X1 F500\nG4 P500\nX2\n%\n",
+            "G1 X1 F500\nX2\n%\nX3\nM30\n%\n",
+            "O7\nG1 X1 F500\nX2\n%\nX3\nM30\n%\n",
+            "T1 M6\nG41 D1 G1 X10 F500\nY20\n(T1 D=10. END MILL)\n",
+        ] {
+            assert!(in_parts(text, 1).is_none(), "{text:?}");
+        }
+    }
+}
