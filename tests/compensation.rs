@@ -239,13 +239,13 @@ fn random_contours_run_as_on_linuxcnc() {
             let digit = expected.digit;
             // It may change the end of the last move in the plane before it.
             let normal = if text.contains("G18") { 1 } else { 2 };
-            let is_before = |segment: &&Segment| {
+            let is_before = |segment: &Segment| {
                 let mut way = segment.end - segment.start;
                 way[normal] = 0.0;
                 segment.line.0 < first && digit < way.norm()
             };
             let changed = toolpath.segments.iter().rfind(is_before).map_or(0, |segment| segment.line.0);
-            toolpath.segments.retain(|segment| segment.line.0 < changed);
+            toolpath.segments = toolpath.segments.iter().filter(|segment| segment.line.0 < changed).collect();
             let before = toolpath.segments.iter().filter(|segment| digit < segment.length).count();
             expected.moves.truncate(before);
         } else if !expected.has_ended {

@@ -90,7 +90,7 @@ fn commanded(toolpath: &Toolpath, plan: &FeedPlan, begins: &[(f64, f64)], time: 
     let elapsed = (time - begin).clamp(0.0, pulse.duration);
     let [first, last] = pulse.feedrate;
     let run = elapsed * (first + 0.5 * (last - first) * elapsed / pulse.duration);
-    let segment = &toolpath.segments[pulse.segment as usize];
+    let segment = toolpath.segments.at(pulse.segment as usize);
     place(segment.point(pulse.offset + run), travelled + run)
 }
 
@@ -345,7 +345,8 @@ fn an_hour_of_motion_loses_no_digits() {
     assert!((whole(whole_profile.length()) - length).abs() <= whole(f64::EPSILON * whole_profile.length()));
 
     // The same last blocks alone; only the first of them is run otherwise, from a full stop.
-    let alone = Toolpath { segments: toolpath.segments[blocks - 1000..].to_vec(), ..Toolpath::default() };
+    let alone =
+        Toolpath { segments: toolpath.segments.iter().skip(blocks - 1000).collect(), ..Toolpath::default() };
     let alone_plan = plan(&alone, &Machine::default(), Rule::Isolated(TOLERANCE));
     let alone_profile = Profile::new(&alone, &alone_plan);
     let before = whole_profile.distance_before(blocks - 1000);

@@ -38,7 +38,7 @@ fn corner(turn: f64, feedrates: [f64; 2]) -> Toolpath {
 /// Distance (mm) of the filtered path from the corner, by looking at all of it.
 fn deviation(toolpath: &Toolpath, plan: &FeedPlan) -> f64 {
     let profile = Profile::new(toolpath, plan);
-    let corner = toolpath.segments[0].end;
+    let corner = toolpath.segments.at(0).end;
     let distance = |t: f64| (profile.at_time(t).position - corner).norm();
     let steps = 2000;
     let step = profile.cycle_time() / steps as f64;

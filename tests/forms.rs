@@ -8,7 +8,7 @@
 
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{self, Dialect, Options, Severity};
-use truefeed::simulation::toolpath::{self, Segment, Stop, Toolpath};
+use truefeed::simulation::toolpath::{self, Segments, Stop, Toolpath};
 
 /// The dialects whose words are letters with numbers, white space or not.
 const WORDS: [Dialect; 5] = [Dialect::Iso, Dialect::LinuxCnc, Dialect::Grbl, Dialect::Mach, Dialect::Okuma];
@@ -35,7 +35,7 @@ fn trace(bytes: &[u8], dialect: Dialect) -> Toolpath {
 }
 
 /// What the machine is told, line by line.
-fn run(bytes: &[u8], dialect: Dialect) -> (Vec<Segment>, Vec<Stop>) {
+fn run(bytes: &[u8], dialect: Dialect) -> (Segments, Vec<Stop>) {
     let toolpath = trace(bytes, dialect);
     (toolpath.segments, toolpath.stops)
 }

@@ -538,7 +538,7 @@ fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
             &gcode::read(&file(nist.join("programs").join(program).with_extension("nc"))),
             &Machine::default(),
         );
-        let cuts = |segment: &&toolpath::Segment| matches!(segment.motion, toolpath::Motion::Feed { .. });
+        let cuts = |segment: &toolpath::Segment| matches!(segment.motion, toolpath::Motion::Feed { .. });
         let path: f64 = program.segments.iter().filter(cuts).map(|segment| segment.length).sum();
         let lines: HashSet<u32> =
             program.segments.iter().filter(cuts).map(|segment| segment.line.0).collect();

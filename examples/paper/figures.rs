@@ -217,7 +217,7 @@ fn commands(toolpath: &Toolpath, plan: &FeedPlan) -> [Curve; 2] {
         let mut points = vec![(0.0, 0.0)];
         let mut begin = 0.0;
         for pulse in &plan.pulses {
-            let direction = toolpath.segments[pulse.segment as usize].tangent(0.0)[axis];
+            let direction = toolpath.segments.at(pulse.segment as usize).tangent(0.0)[axis];
             let end = begin + pulse.duration;
             points.push((1e3 * begin, direction * pulse.feedrate[0]));
             points.push((1e3 * end, direction * pulse.feedrate[1]));
@@ -241,7 +241,7 @@ fn velocities(profile: &Profile) -> Vec<Curve> {
 fn right_angle() -> String {
     let (toolpath, plan) = right_angle_plan(2);
     let profile = Profile::new(&toolpath, &plan);
-    let corner = toolpath.segments[0].end;
+    let corner = toolpath.segments.at(0).end;
     let middle = profile.time_at_distance(10.0);
     let near = |i: u32| profile.at_time(middle + 0.09 * (f64::from(i) / 200.0 - 0.5)).position - corner;
     let path = Curve {

@@ -4,7 +4,7 @@ use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::feed::{FeedPlan, Rule, plan};
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Toolpath, Vector};
+use truefeed::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Segments, Toolpath, Vector};
 use truefeed::units::mm_per_s;
 
 /// T1 = Tacc/3 of Sect. 2.2, s.
@@ -52,7 +52,7 @@ impl Pen {
 
     /// The toolpath at `feedrate` (mm/min), cut or drawn out at its end to `length` (mm).
     pub fn toolpath(&self, length: f64, feedrate: f64) -> Toolpath {
-        let mut segments: Vec<Segment> = Vec::with_capacity(self.points.len());
+        let mut segments = Segments::default();
         let mut left = length;
         let last = self.points.len() - 2;
         for (index, pair) in self.points.windows(2).enumerate() {

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use truefeed::identification::comparison::{Comparison, Lost, compare};
 use truefeed::identification::fit::{Freed, Recorded, Run, Scale, Whitening, fit, simulate};
 use truefeed::machine::Machine;
-use truefeed::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
+use truefeed::simulation::toolpath::{Curve, Motion, Toolpath};
 
 /// Blocks that the model without physics takes the mean of.
 const NEAREST: usize = 5;
@@ -137,11 +137,10 @@ fn features(toolpath: &Toolpath, ends: &[f64], range: &Range<f64>, visit: &Lost)
     let at = ends.partition_point(|end| *end <= middle).clamp(1, toolpath.segments.len().max(1)) - 1;
     let simulated = visit.simulated.end - visit.simulated.start;
     let Some(segment) = toolpath.segments.get(at) else { return [0.0; 11] };
-    let turn = |a: Option<&Segment>, b: Option<&Segment>| {
-        let Some((a, b)) = a.zip(b) else { return 0.0 };
+    let turn_after = |k: usize| {
+        let Some((a, b)) = toolpath.segments.get(k).zip(toolpath.segments.get(k + 1)) else { return 0.0 };
         a.tangent(a.length).dot(&b.tangent(0.0)).clamp(-1.0, 1.0).acos()
     };
-    let before = at.checked_sub(1).and_then(|k| toolpath.segments.get(k));
     let (rapid, feedrate) = match segment.motion {
         Motion::Feed { feedrate } => (0.0, feedrate),
         Motion::Rapid => (1.0, 0.0),
@@ -159,8 +158,8 @@ fn features(toolpath: &Toolpath, ends: &[f64], range: &Range<f64>, visit: &Lost)
         (nominal + 1e-4).ln(),
         (length + 1e-3).ln(),
         feedrate,
-        turn(before, Some(segment)),
-        turn(Some(segment), toolpath.segments.get(at + 1)),
+        at.checked_sub(1).map_or(0.0, turn_after),
+        turn_after(at),
         curvature,
         direction.x.abs(),
         direction.y.abs(),

@@ -210,7 +210,7 @@ pub fn engagement_told(
                 (Err(error), Motion::Feed { .. }) => return Err(error),
             }
         }
-        run.segment(index, segment, distance, mirrored)?;
+        run.segment(index, &segment, distance, mirrored)?;
         distance += segment.length;
     }
     run.cut_up_to(f64::INFINITY);

@@ -127,7 +127,7 @@ impl Peak {
 
 /// Programmed feedrate at each place, mm/s.
 pub fn programmed_feedrates(engagement: &Engagement, toolpath: &Toolpath) -> Vec<f64> {
-    let of = |segment: usize| match toolpath.segments[segment].motion {
+    let of = |segment: usize| match toolpath.segments.at(segment).motion {
         Motion::Feed { feedrate } => feedrate,
         Motion::Rapid => 0.0,
     };

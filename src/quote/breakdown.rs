@@ -119,7 +119,7 @@ impl<'a> Ledger<'a> {
             breakdown.functions.start = self.plan.start;
             breakdown.other = self.plan.start;
         }
-        let is_rapid = |segment: usize| self.toolpath.segments[segment].motion == Motion::Rapid;
+        let is_rapid = |segment: usize| self.toolpath.segments.at(segment).motion == Motion::Rapid;
         let pulses = &self.plan.pulses;
         let before = |segment: usize| pulses.partition_point(|pulse| (pulse.segment as usize) < segment);
         let pulses = &pulses[before(segments.start)..before(segments.end)];

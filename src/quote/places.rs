@@ -130,7 +130,7 @@ pub fn lost(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan, tolerances:
 
 /// Cycle time less length over feedrate, s.
 fn total(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> f64 {
-    let moves = toolpath.segments.iter().map(|segment| -segment.length / programmed(segment, machine));
+    let moves = toolpath.segments.iter().map(|segment| -segment.length / programmed(&segment, machine));
     let turns = toolpath.stops.iter().filter(|stop| matches!(stop.cause, StopCause::Rotary { .. }));
     let turns = turns.map(|stop| -programmed_wait(&stop.cause, machine));
     running_sum([plan.cycle_time()].into_iter().chain(moves).chain(turns)).last().unwrap_or(0.0)
@@ -285,7 +285,7 @@ impl Walk<'_> {
         let mut tolerance = 0.0;
         self.end_row();
         for index in stretch.segments.clone() {
-            let segment = &self.toolpath.segments[index];
+            let segment = self.toolpath.segments.at(index);
             let own;
             let count = pulses.iter().take_while(|pulse| pulse.segment as usize <= index).count();
             (own, pulses) = pulses.split_at(count);
@@ -293,7 +293,7 @@ impl Walk<'_> {
             while let Some((_, seconds)) = lost.next_if(|(at, _)| *at <= index) {
                 behind += seconds;
             }
-            let feedrate = programmed(segment, self.machine);
+            let feedrate = programmed(&segment, self.machine);
             let division = Division::of(own, feedrate);
             let command = plan.segment_feedrates.get(index).copied().unwrap_or(feedrate).min(feedrate);
             let is_rapid = segment.motion == Motion::Rapid;
@@ -313,7 +313,7 @@ impl Walk<'_> {
 
             if is_whole {
                 let seconds = head + body + tail + behind + if is_rapid { before + after } else { 0.0 };
-                self.extend_row(segment, is_rapid, seconds, (here, there));
+                self.extend_row(&segment, is_rapid, seconds, (here, there));
                 if !is_rapid && index == last {
                     self.tail = Some(Tail { line: segment.line, distance: (there, there), seconds: after });
                 }
@@ -348,7 +348,7 @@ impl Walk<'_> {
         is_short: bool,
     ) {
         let segments = &self.toolpath.segments;
-        let line = segments[index].line;
+        let line = segments.at(index).line;
         let tail = self.tail.take();
         let (first_line, from) =
             tail.as_ref().map_or((line, self.travelled), |tail| (tail.line, tail.distance.0));
@@ -366,7 +366,8 @@ impl Walk<'_> {
             row.seconds += seconds;
             row.distance.1 = to;
         } else if let Some(before) = index.checked_sub(1) {
-            let (u1, u2) = (segments[before].tangent(segments[before].length), segments[index].tangent(0.0));
+            let before = segments.at(before);
+            let (u1, u2) = (before.tangent(before.length), segments.at(index).tangent(0.0));
             let turn = 2.0 * (u2 - u1).norm().atan2((u2 + u1).norm());
             self.tell(Reason::Corner { turn, tolerance }, lines, (from, to), seconds);
         }

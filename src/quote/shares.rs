@@ -79,11 +79,11 @@ pub struct ToolShare {
 /// What CAM would say, s: length over programmed feedrate, rapids at the rapid feedrate, dwells;
 /// no ramps, no corners, no changes, no overrides.
 pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
-    programmed_time_of(&toolpath.segments, &toolpath.stops, machine)
+    programmed_time_of(toolpath.segments.iter(), &toolpath.stops, machine)
 }
 
-fn programmed_time_of(segments: &[Segment], stops: &[Stop], machine: &Machine) -> f64 {
-    let moves = segments.iter().map(|segment| match segment.motion {
+fn programmed_time_of(segments: impl Iterator<Item = Segment>, stops: &[Stop], machine: &Machine) -> f64 {
+    let moves = segments.map(|segment| match segment.motion {
         Motion::Rapid => segment.length / machine.rapid.feedrate,
         Motion::Feed { feedrate } => segment.length / feedrate,
     });
@@ -112,7 +112,7 @@ pub(super) fn of_operations(toolpath: &Toolpath, machine: &Machine, plan: &FeedP
     let shares = operations.iter().zip(ends).map(|(operation, (segments_end, stops_end))| {
         let (segments, stops) = (operation.first_segment..segments_end, operation.first_stop..stops_end);
         let share = share(toolpath, machine, &ledger, segments.clone(), stops.clone());
-        let lines = toolpath.segments[segments].iter().map(|segment| segment.line);
+        let lines = toolpath.segments.range(segments).map(|segment| segment.line);
         let lines = lines.chain(toolpath.stops[stops].iter().map(|stop| stop.line));
         let (first, last) = lines.fold((LineNumber(u32::MAX), LineNumber(0)), |(first, last), line| {
             (first.min(line), last.max(line))
@@ -136,13 +136,13 @@ fn share(
     segments: Range<usize>,
     stops: Range<usize>,
 ) -> Share {
-    let moves = &toolpath.segments[segments.clone()];
+    let moves = toolpath.segments.range(segments.clone());
     let length = |rapid: bool| {
-        let moves = moves.iter().filter(|segment| (segment.motion == Motion::Rapid) == rapid);
+        let moves = moves.clone().filter(|segment| (segment.motion == Motion::Rapid) == rapid);
         running_sum(moves.map(|segment| segment.length)).last().unwrap_or(0.0)
     };
     Share {
-        programmed: programmed_time_of(moves, &toolpath.stops[stops.clone()], machine),
+        programmed: programmed_time_of(moves.clone(), &toolpath.stops[stops.clone()], machine),
         feed_length: length(false),
         rapid_length: length(true),
         moves: moves.len(),

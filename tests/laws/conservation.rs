@@ -12,13 +12,13 @@ fn pulses_add_up_to_the_length_and_keep_to_the_feedrate() {
         let plan = case.plan();
         let mut areas = vec![0.0; case.toolpath.segments.len()];
         for pulse in &plan.pulses {
-            let segment = &case.toolpath.segments[pulse.segment as usize];
+            let segment = case.toolpath.segments.at(pulse.segment as usize);
             let area = &mut areas[pulse.segment as usize];
             assert!((pulse.offset - *area).abs() <= 1e-9 * segment.length, "case {}", case.number);
             *area += 0.5 * pulse.duration * (pulse.feedrate[0] + pulse.feedrate[1]);
             assert!(0.0 < pulse.duration, "case {}: {pulse:?}", case.number);
             for feedrate in pulse.feedrate {
-                let most = case.requested(segment);
+                let most = case.requested(&segment);
                 assert!((0.0..=most).contains(&feedrate), "case {}: {pulse:?}, {most}", case.number);
             }
         }
@@ -47,7 +47,7 @@ fn the_profile_ends_where_the_program_ends() {
         }
         let start = profile.at_time(0.0);
         assert_eq!((start.distance, start.velocity.norm()), (0.0, 0.0));
-        assert!((start.position - segments[0].start).norm() <= scale);
+        assert!((start.position - segments.at(0).start).norm() <= scale);
         // Distance and time are each other's inverse.
         let distance = random.between(0.0, length);
         let there = profile.at_time(profile.time_at_distance(distance)).distance;

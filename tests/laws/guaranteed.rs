@@ -7,12 +7,14 @@ use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::FeedPlan;
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Rotation, Segment, Toolpath, Vector};
+use truefeed::simulation::toolpath::{
+    Arc, Curve, Motion, Point, Rotation, Segment, Segments, Toolpath, Vector,
+};
 
 fn path(random: &mut Random) -> Toolpath {
     let count = 2 + (random.unit() * 14.0) as usize;
     let longest = random.log_between(0.1, 30.0);
-    let mut segments: Vec<Segment> = Vec::new();
+    let mut segments = Segments::default();
     let mut start = Point::new(0.0, 0.0, 0.0);
     let mut heading = random.between(0.0, std::f64::consts::TAU);
     let mut feedrate = random.log_between(100.0, 20_000.0) / 60.0;
@@ -41,7 +43,7 @@ fn path(random: &mut Random) -> Toolpath {
             heading += side * sweep;
             let end = center + radius * (sweep.cos() * -normal + sweep.sin() * along);
             let length = arc.length();
-            (Curve::Arc(Box::new(arc)), end, length)
+            (Curve::Arc(arc.into()), end, length)
         } else {
             let end = start + length * along;
             (Curve::Line, end, (end - start).norm())
@@ -105,7 +107,7 @@ fn independent_error(toolpath: &Toolpath, plan: &FeedPlan) -> f64 {
     let times = command_times(plan);
     let mut largest = 0.0f64;
     for (pulse, &time) in plan.pulses.iter().zip(&times) {
-        let segment = &toolpath.segments[pulse.segment as usize];
+        let segment = toolpath.segments.at(pulse.segment as usize);
         for part in [0.0, 0.37, 0.81] {
             let elapsed = part * pulse.duration;
             let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
@@ -132,7 +134,7 @@ fn reverse_error(toolpath: &Toolpath, plan: &FeedPlan) -> f64 {
         let within = |&index: &usize| times[index] <= t && t - delay <= times[index + 1];
         let distances = (0..plan.pulses.len()).filter(within).map(|index| {
             let pulse = &plan.pulses[index];
-            let segment = &toolpath.segments[pulse.segment as usize];
+            let segment = toolpath.segments.at(pulse.segment as usize);
             let length = 0.5 * (pulse.feedrate[0] + pulse.feedrate[1]) * pulse.duration;
             let far = (pulse.offset + length).min(segment.length);
             least(pulse.offset, far, 6, |s| (segment.point(s) - position).norm())
@@ -164,8 +166,8 @@ fn where_the_isolated_law_is_right_nothing_is_gained_or_lost() {
         let corner = Point::new(far, 0.0, 0.0);
         let end = corner + far * Vector::new(turn.cos(), turn.sin(), 0.0);
         let motion = Motion::Feed { feedrate: random.log_between(5.0, 100.0) };
-        let segments = vec![line(Point::origin(), corner, motion), line(corner, end, motion)];
-        let toolpath = Toolpath { segments, ..Toolpath::default() };
+        let segments = [line(Point::origin(), corner, motion), line(corner, end, motion)];
+        let toolpath = Toolpath { segments: segments.into_iter().collect(), ..Toolpath::default() };
         let mut machine = machine(&mut random);
         let guaranteed = plan_within(&toolpath, &machine, 0.01, &mut |_| {}).0.cycle_time();
         machine.interpolator.corner_mode = CornerMode::Paper;

@@ -89,7 +89,7 @@ fn the_machine_stands_where_it_is_held() {
         let plan = held.plan();
         let profile = Profile::new(&case.toolpath, &plan);
         let segment = line as usize - 1;
-        let there = profile.distance_before(segment) + place * case.toolpath.segments[segment].length;
+        let there = profile.distance_before(segment) + place * case.toolpath.segments.length(segment);
         // The last moment before the command comes back.
         let before = profile.time_at_distance(there * (1.0 - 1e-9));
         let state = profile.at_time(before + 5.0);
@@ -126,7 +126,7 @@ fn a_wait_for_position_comes_at_each_full_stop_of_motion() {
         });
         let segments = &case.toolpath.segments;
         let waits = |after: usize| case.toolpath.stops.iter().any(|stop| stop.after == after);
-        let stops = (1..segments.len()).filter(|after| segments[after - 1].exact_stop && !waits(*after));
+        let stops = (1..segments.len()).filter(|after| segments.at(after - 1).exact_stop && !waits(*after));
         assert_close(exact.time(), case.time() + seconds * stops.count() as f64, &case);
     }
 }

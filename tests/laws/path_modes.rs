@@ -84,7 +84,7 @@ fn a_program_is_the_sum_of_its_parts_between_full_stops() {
         let halves = [blending(&mut random), blending(&mut random)];
         case.toolpath.path_modes = vec![mode(0, halves[0]), mode(middle, halves[1])];
         let part = |range: std::ops::Range<usize>, half: Blending| Toolpath {
-            segments: case.toolpath.segments[range].to_vec(),
+            segments: case.toolpath.segments.range(range).collect(),
             path_modes: vec![mode(0, half)],
             ..Toolpath::default()
         };
@@ -120,7 +120,7 @@ fn isolated_corners_take_the_tolerance_that_holds_there() {
                 let in_force = toolpath.path_modes.iter().rfind(|mode| mode.from <= segment);
                 let own = machine.interpolator.contour_tolerance;
                 let turn: Vector =
-                    toolpath.segments[corner + 1].tangent(0.0) - toolpath.segments[corner].tangent(0.0);
+                    toolpath.segments.at(corner + 1).tangent(0.0) - toolpath.segments.at(corner).tangent(0.0);
                 match in_force.map_or(Blending::Machine, |mode| mode.blending) {
                     Blending::Within(tolerance) => tolerance,
                     Blending::Distance(d) => (0.25 * d * turn.norm()).max(own.min(0.5 * d)),

@@ -181,7 +181,7 @@ fn arc(random: &mut Random, start: Point, heading: &Vector, length: f64, motion:
     };
     let end = arc.center + radius * (sweep.cos() * e1 + sweep.sin() * heading) + arc.rise;
     let length = arc.length();
-    Segment { end, curve: Curve::Arc(Box::new(arc)), length, ..line(start, end, motion) }
+    Segment { end, curve: Curve::Arc(arc.into()), length, ..line(start, end, motion) }
 }
 
 fn machine(random: &mut Random) -> Machine {

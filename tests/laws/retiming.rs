@@ -98,7 +98,7 @@ fn derivatives_are_those_of_the_motion() {
     let mut compared = 0;
     for (case, mut random, [_, slowed]) in slowed(44).filter(|(.., [_, slowed])| slowed.retiming.is_some()) {
         let profile = Profile::new(&case.toolpath, &slowed);
-        let fastest = case.toolpath.segments.iter().map(|s| case.requested(s)).fold(0.0, f64::max);
+        let fastest = case.toolpath.segments.iter().map(|s| case.requested(&s)).fold(0.0, f64::max);
         for _ in 0..50 {
             let time = random.between(0.0, profile.cycle_time());
             let gap = 1e-6;

@@ -75,7 +75,7 @@ fn each_segment_keeps_its_length() {
         let mut last = 0;
         for pulse in &plan.pulses {
             let index = pulse.segment as usize;
-            let length = segments[index].length;
+            let length = segments.length(index);
             assert!(last <= index && 0.0 < pulse.duration, "case {}", case.number);
             assert!((pulse.offset - reached[index]).abs() <= 1e-9 * length, "case {}", case.number);
             reached[index] += 0.5 * pulse.duration * (pulse.feedrate[0] + pulse.feedrate[1]);

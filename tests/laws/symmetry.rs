@@ -18,7 +18,7 @@ fn transformed(toolpath: &Toolpath, matrix: &nalgebra::Matrix3<f64>, scale: f64)
     let segments = toolpath.segments.iter().map(|segment| {
         let curve = match &segment.curve {
             Curve::Line => Curve::Line,
-            Curve::Arc(arc) => Curve::Arc(Box::new(Arc {
+            Curve::Arc(arc) => Curve::Arc(std::sync::Arc::new(Arc {
                 center: point(&arc.center),
                 e1: matrix * arc.e1,
                 e2: matrix * arc.e2,
@@ -51,7 +51,7 @@ fn reversed(toolpath: &Toolpath) -> Toolpath {
             Curve::Line => Curve::Line,
             Curve::Arc(arc) => {
                 let (sin, cos) = arc.sweep.sin_cos();
-                Curve::Arc(Box::new(Arc {
+                Curve::Arc(std::sync::Arc::new(Arc {
                     center: arc.center + arc.rise,
                     e1: cos * arc.e1 + sin * arc.e2,
                     e2: sin * arc.e1 - cos * arc.e2,
@@ -63,7 +63,7 @@ fn reversed(toolpath: &Toolpath) -> Toolpath {
             }
         };
         // What stops at the end of a segment stops before the next: that is its end now.
-        let exact_stop = 0 < index && toolpath.segments[index - 1].exact_stop;
+        let exact_stop = 0 < index && toolpath.segments.at(index - 1).exact_stop;
         Segment { start: segment.end, end: segment.start, curve, exact_stop, ..segment.clone() }
     });
     let stops = toolpath.stops.iter().rev().map(|stop| Stop { after: count - stop.after, ..*stop });
@@ -73,11 +73,13 @@ fn reversed(toolpath: &Toolpath) -> Toolpath {
 /// The path with other feedrates and dwells.
 fn retimed(toolpath: &Toolpath, feed_factor: f64, dwell_factor: f64) -> Toolpath {
     let mut toolpath = toolpath.clone();
-    for segment in &mut toolpath.segments {
+    let faster = |mut segment: Segment| {
         if let Motion::Feed { feedrate } = &mut segment.motion {
             *feedrate *= feed_factor;
         }
-    }
+        segment
+    };
+    toolpath.segments = toolpath.segments.iter().map(faster).collect();
     for stop in &mut toolpath.stops {
         if let StopCause::Dwell { seconds } = &mut stop.cause {
             *seconds *= dwell_factor;

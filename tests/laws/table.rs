@@ -35,8 +35,8 @@ fn straight_lines_between_fine_rows_follow_the_profile() {
         let fastest = plan.pulses.iter().flat_map(|pulse| pulse.feedrate).fold(0.0, f64::max);
         // The line of a row is the number of its segment.
         let commanded = |row: usize| {
-            let segment = &case.toolpath.segments[samples.line[row] as usize - 1];
-            if segment.motion == Motion::Rapid { fastest } else { case.requested(segment) }
+            let segment = case.toolpath.segments.at(samples.line[row] as usize - 1);
+            if segment.motion == Motion::Rapid { fastest } else { case.requested(&segment) }
         };
         for _ in 0..200 {
             let at = random.between(0.0, time);

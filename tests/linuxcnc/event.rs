@@ -109,7 +109,7 @@ pub fn events(toolpath: &Toolpath) -> Vec<Event> {
             events.extend(deed_of_stop(stop.cause).map(|deed| Event { deed, line: stop.line.0 }));
         }
         if let Some(segment) = toolpath.segments.get(index) {
-            events.push(Event { deed: Deed::Move(move_of(segment)), line: segment.line.0 });
+            events.push(Event { deed: Deed::Move(move_of(&segment)), line: segment.line.0 });
         }
     }
     events

@@ -6,14 +6,14 @@
 
 use std::ops::Range;
 
-use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath, Vector};
+use crate::simulation::toolpath::{Curve, Point, Segment, Segments, Toolpath, Vector};
 
 /// Points laid on an arc to search from are no farther apart than this, rad.
 const ARC_STEP: f64 = 0.2;
 
 /// A path with its distances.
 pub struct Path<'a> {
-    segments: &'a [Segment],
+    segments: &'a Segments,
     /// Distance before each segment, and at the end, mm.
     distances: Vec<f64>,
     /// 1 for each axis that counts, 0 for the others.
@@ -55,7 +55,7 @@ impl<'a> Path<'a> {
 
     /// The length of the path in the axes that count, mm.
     pub fn recorded_length(&self) -> f64 {
-        let part = |segment: &Segment| match &segment.curve {
+        let part = |segment: Segment| match &segment.curve {
             Curve::Line => self.norm(segment.end - segment.start),
             Curve::Arc(_) => {
                 let parts = 64;
@@ -96,7 +96,7 @@ impl<'a> Path<'a> {
             let high = (within.end - begin).clamp(low, segment.length);
             match &segment.curve {
                 Curve::Line => {
-                    let offset = self.on_line(segment, point).clamp(low, high);
+                    let offset = self.on_line(&segment, point).clamp(low, high);
                     found.push(self.foot(index, offset, point));
                 }
                 Curve::Arc(arc) => {
@@ -104,7 +104,7 @@ impl<'a> Path<'a> {
                     let parts = ((high - low) * turning / ARC_STEP).ceil().clamp(1.0, 1e4) as usize;
                     for part in 0..=parts {
                         let offset = low + (high - low) * part as f64 / parts as f64;
-                        let offset = self.improved(segment, offset, point).clamp(low, high);
+                        let offset = self.improved(&segment, offset, point).clamp(low, high);
                         found.push(self.foot(index, offset, point));
                     }
                 }
@@ -118,7 +118,7 @@ impl<'a> Path<'a> {
     }
 
     fn foot(&self, segment: usize, offset: f64, point: Point) -> Foot {
-        let away = self.norm(self.segments[segment].point(offset) - point);
+        let away = self.norm(self.segments.at(segment).point(offset) - point);
         Foot { along: self.distances[segment] + offset, away }
     }
 

@@ -58,7 +58,7 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
             .stops
             .get(stop)
             .is_some_and(|next| next.after <= segment || segment == toolpath.segments.len());
-        let line = if is_stop { toolpath.stops[stop].line } else { toolpath.segments[segment].line };
+        let line = if is_stop { toolpath.stops[stop].line } else { toolpath.segments.at(segment).line };
         if visits.last().is_none_or(|visit| visit.line != line) {
             let begin = match (is_stop, last_was_stop) {
                 (true, _) => Place::Stop(stop),
@@ -72,7 +72,7 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
             stop += 1;
             visit.stops.end = stop;
         } else {
-            distance += toolpath.segments[segment].length;
+            distance += toolpath.segments.length(segment);
             segment += 1;
             visit.segments.end = segment;
         }

@@ -139,9 +139,9 @@ fn marks_of_fixes(fixes: &[Fix], track: &Track, toolpath: &Toolpath, tolerance: 
 fn corners(toolpath: &Toolpath) -> Vec<(f64, f64)> {
     let mut distance = 0.0;
     let mut corners = Vec::new();
-    for pair in toolpath.segments.windows(2) {
-        distance += pair[0].length;
-        let cosine = pair[0].tangent(pair[0].length).dot(&pair[1].tangent(0.0));
+    for (before, after) in toolpath.segments.pairs() {
+        distance += before.length;
+        let cosine = before.tangent(before.length).dot(&after.tangent(0.0));
         let jump = 2.0 * (1.0 - cosine);
         if 0.01 < jump {
             corners.push((distance, jump));

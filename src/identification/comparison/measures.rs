@@ -88,7 +88,7 @@ pub fn feed_error_during(
         let at =
             |distance: f64| distances.partition_point(|end| *end < distance).min(toolpath.segments.len());
         let times =
-            toolpath.segments[at(range.start)..at(range.end)].iter().map(|segment| match segment.motion {
+            toolpath.segments.range(at(range.start)..at(range.end)).map(|segment| match segment.motion {
                 Motion::Feed { feedrate } => segment.length / feedrate,
                 Motion::Rapid => f64::NAN,
             });

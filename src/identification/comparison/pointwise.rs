@@ -81,14 +81,14 @@ struct Stretch {
 /// The programmed feedrate on a segment, mm/s; none where it, or what lies between two distances (mm)
 /// around it, is rapid.
 fn programmed(toolpath: &Toolpath, profile: &Profile, segment: usize, around: [f64; 2]) -> Option<f64> {
-    let is_rapid = |at: usize| toolpath.segments[at].motion == Motion::Rapid;
+    let is_rapid = |at: usize| toolpath.segments.at(at).motion == Motion::Rapid;
     let before = (0..segment).rev().take_while(|at| around[0] < profile.distance_before(at + 1));
     let after =
         (segment + 1..toolpath.segments.len()).take_while(|at| profile.distance_before(*at) < around[1]);
     if before.chain(after).any(is_rapid) {
         return None;
     }
-    match toolpath.segments[segment].motion {
+    match toolpath.segments.at(segment).motion {
         Motion::Feed { feedrate } => Some(feedrate),
         Motion::Rapid => None,
     }

@@ -94,7 +94,7 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
 }
 
 /// How many of these segments, from a window on, are enough of a margin.
-fn enough<'a>(segments: impl Iterator<Item = &'a Segment>) -> usize {
+fn enough(segments: impl Iterator<Item = Segment>) -> usize {
     let mut seconds = 0.0;
     let mut is_missing = |segment: &Segment| {
         let is_near = seconds < MARGIN.1;
@@ -122,8 +122,8 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let count = toolpath.segments.len();
     let first = segment_of(marks.first()?.place).min(count);
     let last = (segment_of(marks.last()?.place) + 1).min(count);
-    let from = first - enough(toolpath.segments[..first].iter().rev());
-    let to = last + enough(toolpath.segments[last..].iter());
+    let from = first - enough(toolpath.segments.range(0..first).rev());
+    let to = last + enough(toolpath.segments.range(last..count));
     if to <= from {
         return None;
     }
@@ -152,7 +152,7 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let modes = toolpath.path_modes[modes..].iter().filter(|mode| mode.from < to);
     let modes = modes.map(|mode| PathMode { from: mode.from.saturating_sub(from), ..mode.clone() });
     let part = Toolpath {
-        segments: toolpath.segments[from..to].to_vec(),
+        segments: toolpath.segments.range(from..to).collect(),
         dialect: toolpath.dialect,
         path_modes: modes.collect(),
         operations: Vec::new(),

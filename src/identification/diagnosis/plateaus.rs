@@ -131,12 +131,12 @@ fn readings(run: &Run) -> Vec<Reading> {
 fn programmed(run: &Run) -> Vec<(f64, f64, f64)> {
     let visits = visits(run.toolpath);
     let feed_of = |visit: usize| {
-        let segments = &run.toolpath.segments[visits[visit].segments.clone()];
-        let first = match segments.first()?.motion {
+        let mut segments = run.toolpath.segments.range(visits[visit].segments.clone());
+        let first = match segments.next()?.motion {
             Motion::Feed { feedrate } if visits[visit].stops.is_empty() => feedrate,
             _ => return None,
         };
-        segments.iter().all(|segment| segment.motion == Motion::Feed { feedrate: first }).then_some(first)
+        segments.all(|segment| segment.motion == Motion::Feed { feedrate: first }).then_some(first)
     };
     let mut at = 0;
     let mut starts: Vec<(f64, usize)> = Vec::new();

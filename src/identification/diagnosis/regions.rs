@@ -127,7 +127,7 @@ fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
     if before == after {
         return Vec::new();
     }
-    let differs = |segment: &&Segment| match segment.motion {
+    let differs = |segment: &Segment| match segment.motion {
         Motion::Rapid => before.of_rapid(segment.line.0) != after.of_rapid(segment.line.0),
         Motion::Feed { .. } => before.of_feed(segment.line.0) != after.of_feed(segment.line.0),
     };

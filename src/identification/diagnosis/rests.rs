@@ -34,7 +34,7 @@ use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::Segment;
+use crate::simulation::toolpath::Segments;
 
 /// The shortest rest, s.
 const LEAST: f64 = 0.1;
@@ -161,7 +161,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
 }
 
 /// The segment at a distance along the path, mm; the first or the last one beyond its ends.
-fn segment_at(segments: &[Segment], profile: &Profile, at: f64) -> usize {
+fn segment_at(segments: &Segments, profile: &Profile, at: f64) -> usize {
     let mut low = 0;
     let mut high = segments.len();
     while low + 1 < high {
@@ -172,7 +172,7 @@ fn segment_at(segments: &[Segment], profile: &Profile, at: f64) -> usize {
 }
 
 /// Whether a distance along the path is farther from both ends of its segment than so much, mm.
-fn is_inside(segments: &[Segment], profile: &Profile, at: f64, away: f64) -> bool {
+fn is_inside(segments: &Segments, profile: &Profile, at: f64, away: f64) -> bool {
     let segment = segment_at(segments, profile, at);
     segment < segments.len()
         && away < at - profile.distance_before(segment)
@@ -189,21 +189,21 @@ fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Op
         return None;
     }
     let low = segment_at(segments, profile, at);
-    let is_long = |segment: usize| LONG * near < segments[segment].length;
+    let is_long = |segment: usize| LONG * near < segments.length(segment);
     let boundary = [low, low + 1].into_iter().find(|segment| {
         (end(*segment) - at).abs() <= near
             && 0 < *segment
             && *segment < segments.len()
             && is_long(segment - 1)
             && is_long(*segment)
-            && segments[segment - 1].line != segments[*segment].line
+            && segments.at(segment - 1).line != segments.at(*segment).line
     });
     if let Some(boundary) = boundary {
-        return Some(Rest { line: segments[boundary].line.0, place: None, begin: at, seconds });
+        return Some(Rest { line: segments.at(boundary).line.0, place: None, begin: at, seconds });
     }
-    let line = segments[low].line;
-    let first = (0..=low).rev().take_while(|segment| segments[*segment].line == line).last()?;
-    let after = (low..segments.len()).take_while(|segment| segments[*segment].line == line).last()? + 1;
+    let line = segments.at(low).line;
+    let first = (0..=low).rev().take_while(|segment| segments.at(*segment).line == line).last()?;
+    let after = (low..segments.len()).take_while(|segment| segments.at(*segment).line == line).last()? + 1;
     let place = (at - end(first)) / (end(after) - end(first)).max(1e-9);
     Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), begin: end(first), seconds })
 }

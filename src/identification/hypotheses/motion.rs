@@ -6,7 +6,7 @@ use crate::identification::calibration::become_planner;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
 use crate::machine::{AXES, Junction, Machine, TimeConstants};
-use crate::simulation::toolpath::{Curve, Motion, Vector};
+use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 use crate::units::mm_per_min;
 
 /// What the programs ask for, by which limits are tried below it.
@@ -311,13 +311,13 @@ const WIDEST_JOINT: f64 = 0.3;
 
 /// How far the joint of two feed moves along lines is from the line past it, mm, where it is least but not nothing.
 fn least_joint(runs: &[Run]) -> f64 {
-    let pairs = runs.iter().flat_map(|run| run.toolpath.segments.windows(2));
-    let joints = pairs.filter_map(|pair| {
-        let is_cut = |at: usize| pair[at].curve == Curve::Line && pair[at].motion != Motion::Rapid;
-        if !is_cut(0) || !is_cut(1) || pair[0].motion != pair[1].motion || pair[0].exact_stop {
+    let pairs = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
+    let joints = pairs.filter_map(|(before, after)| {
+        let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
+        if !is_cut(&before) || !is_cut(&after) || before.motion != after.motion || before.exact_stop {
             return None;
         }
-        let (before, after) = (pair[0].length * pair[0].tangent(0.0), pair[1].length * pair[1].tangent(0.0));
+        let (before, after) = (before.length * before.tangent(0.0), after.length * after.tangent(0.0));
         let past = before + after;
         Some(before.cross(&after).norm() / past.norm()).filter(|joint| 1e-6 < *joint)
     });

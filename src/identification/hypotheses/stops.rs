@@ -103,9 +103,8 @@ fn in_position(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
 fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
     let mut turns = vec![0.0];
     for run in runs {
-        let segments = &run.toolpath.segments;
-        turns.extend(segments.windows(2).map(|pair| {
-            let (before, after) = (pair[0].tangent(pair[0].length), pair[1].tangent(0.0));
+        turns.extend(run.toolpath.segments.pairs().map(|(before, after)| {
+            let (before, after) = (before.tangent(before.length), after.tangent(0.0));
             (before - after).norm().atan2((before + after).norm()) * 2.0
         }));
     }

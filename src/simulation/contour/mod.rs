@@ -23,10 +23,11 @@ pub use guaranteed::{cycle_time_within, plan_within};
 pub use regions::{Region, regions_beyond};
 
 use std::cmp::Ordering;
+use std::ops::Range;
 
 use crate::simulation::feed::{Bound, FeedPlan, Pulse, Stretch};
 use crate::simulation::profile::{Profile, State, Steps};
-use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
+use crate::simulation::toolpath::{Curve, Point, Toolpath};
 
 /// Contour errors along a program, one entry a segment.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -144,7 +145,7 @@ fn segment_errors(
 ) -> SegmentErrors {
     let motion = steps.motion;
     let number = pulses[0].segment as usize;
-    let segment = &toolpath.segments[number];
+    let segment = toolpath.segments.at(number);
     let delay = motion.filter().delay();
     let last = first + pulses.len() - 1;
     let (start, end) =
@@ -158,7 +159,6 @@ fn segment_errors(
     if segment.curve == Curve::Line {
         return errors;
     }
-    let around = &toolpath.segments[stretch.segments.clone()];
     let mut points = Vec::new();
     for (pulse, index) in pulses.iter().zip(first..) {
         let count = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, POINTS_ON_ARC);
@@ -201,8 +201,8 @@ fn segment_errors(
         }
         *place = place.max(nearest(steps, point, commanded, first, state, *place));
         if *place < at_most {
-            let number = number - stretch.segments.start;
-            *place = place.max(distance_from_programmed(around, number, offset, state.position));
+            let away = distance_from_programmed(toolpath, stretch, number, offset, state.position);
+            *place = place.max(away);
         }
     }
     errors
@@ -283,11 +283,18 @@ fn nearest(
 }
 
 /// Distance (mm) of a filtered point from the programmed path near the distance `offset` (mm) on
-/// the segment `number` of `segments`: from that segment and its neighbours.
-fn distance_from_programmed(segments: &[Segment], number: usize, offset: f64, point: Point) -> f64 {
-    let neighbours = number.saturating_sub(1)..segments.len().min(number + 2);
+/// the segment `number`: from that segment and its neighbours in the stretch.
+fn distance_from_programmed(
+    toolpath: &Toolpath,
+    stretch: &Stretch,
+    number: usize,
+    offset: f64,
+    point: Point,
+) -> f64 {
+    let Range { start, end } = stretch.segments;
+    let neighbours = start.max(number.saturating_sub(1))..end.min(number + 2);
     let distances = neighbours.map(|near| {
-        let segment = &segments[near];
+        let segment = toolpath.segments.at(near);
         let mut s = match near.cmp(&number) {
             Ordering::Less => segment.length,
             Ordering::Equal => offset,

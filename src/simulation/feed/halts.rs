@@ -16,10 +16,11 @@
 //! Limits: a feed hold takes the command away at once, whatever the acceleration limit before the filters.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, exact_stop_by_turn};
-use crate::simulation::toolpath::{Motion, Segment, Toolpath};
+use crate::simulation::toolpath::{Motion, Segment, Segments, Toolpath};
 
 /// The halts of a toolpath on a machine.
 #[derive(Debug, Default)]
@@ -46,7 +47,7 @@ impl Halting {
         while segment < segments.len() || stop < stops.len() {
             let is_stop =
                 stops.get(stop).is_some_and(|next| next.after <= segment || segment == segments.len());
-            let line = if is_stop { stops[stop].line } else { segments[segment].line };
+            let line = if is_stop { stops[stop].line } else { segments.at(segment).line };
             if last_line != Some(line)
                 && let Some(&seconds) = halts.waits.get(&line.0)
                 && 0.0 < seconds
@@ -63,14 +64,15 @@ impl Halting {
                 continue;
             }
             // A line's path goes on over its stops, up to the next line.
-            let end = segment + segments[segment..].iter().take_while(|next| next.line == line).count();
-            let begins = segment == 0 || segments[segment - 1].line != line;
+            let end = segment
+                + segments.range(segment..segments.len()).take_while(|next| next.line == line).count();
+            let begins = segment == 0 || segments.at(segment - 1).line != line;
             if begins
                 && let Some(&seconds) = halts.feed_holds.get(&line.0)
                 && 0.0 < seconds
             {
-                let (held, along) = place_on(&segments[segment..end], halts.place(line.0));
-                found.holds.insert(segment + held, (along, seconds));
+                let (held, along) = place_on(segments, segment..end, halts.place(line.0));
+                found.holds.insert(held, (along, seconds));
             }
             segment += 1;
         }
@@ -120,9 +122,9 @@ impl Halting {
             let goes_on = matches!(phases.peek(), Some(Phase::Motion(_)));
             if 0.0 < in_position
                 && goes_on
-                && waits_for_position(&toolpath.segments[last], &toolpath.segments[last + 1], machine)
+                && waits_for_position(&toolpath.segments.at(last), &toolpath.segments.at(last + 1), machine)
             {
-                plan.pulses.push(halt(last, toolpath.segments[last].length, in_position));
+                plan.pulses.push(halt(last, toolpath.segments.length(last), in_position));
             }
             stretch.pulses = first..plan.pulses.len();
         }
@@ -142,17 +144,18 @@ fn waits_for_position(before: &Segment, after: &Segment, machine: &Machine) -> b
     rapid_ends_stop(before, machine) || (is_exact && machine.halts.in_position_at.has_exact_stops())
 }
 
-/// The segment, and how far along it (mm), at this part of the length of all.
-fn place_on(segments: &[Segment], part: f64) -> (usize, f64) {
-    let mut left = part * segments.iter().map(|segment| segment.length).sum::<f64>();
-    let last = segments.len() - 1;
-    for (at, segment) in segments[..last].iter().enumerate() {
-        if left < segment.length {
+/// The segment, and how far along it (mm), at this part of the length of those in a range.
+fn place_on(segments: &Segments, range: Range<usize>, part: f64) -> (usize, f64) {
+    let mut left = part * segments.range(range.clone()).map(|segment| segment.length).sum::<f64>();
+    let last = range.end - 1;
+    for at in range.start..last {
+        let length = segments.length(at);
+        if left < length {
             return (at, left);
         }
-        left -= segment.length;
+        left -= length;
     }
-    (last, left.min(segments[last].length))
+    (last, left.min(segments.length(last)))
 }
 
 /// The pulses of a segment with the command taken away at a place (mm along it) for so many seconds.

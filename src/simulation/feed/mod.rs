@@ -241,7 +241,7 @@ fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPl
         let mut end = begin + 1;
         while end < segments.len()
             && end != next_stop
-            && !stands_between(&segments[end - 1], &segments[end], machine)
+            && !stands_between(&segments.at(end - 1), &segments.at(end), machine)
             && !halting.stands_before(end)
         {
             end += 1;
@@ -337,9 +337,9 @@ fn exact_stop_by_turn(before: &Segment, after: &Segment, machine: &Machine) -> b
 /// the end of the program or a function that waits.
 fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bool {
     let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
-    let before = &toolpath.segments[next - 1];
+    let before = toolpath.segments.at(next - 1);
     before.exact_stop
-        || (!waits && toolpath.segments.get(next).is_some_and(|next| stands_between(before, next, machine)))
+        || (!waits && toolpath.segments.get(next).is_some_and(|next| stands_between(&before, &next, machine)))
 }
 
 /// The angle by which the path turns between two segments, rad.
@@ -356,34 +356,32 @@ fn add_stretch(
     machine: &Machine,
     rule: Rule,
 ) {
-    let segments = &toolpath.segments[range.clone()];
-    let requested: Vec<f64> = segments
-        .iter()
-        .map(|s| positioning::feedrate(s, limits::requested_feedrate(s, machine), machine))
+    // By their indices, so that lists know how long they will be.
+    let segments = range.clone().map(|index| toolpath.segments.at(index));
+    let requested: Vec<f64> = (segments.clone())
+        .map(|s| positioning::feedrate(&s, limits::requested_feedrate(&s, machine), machine))
         .collect();
-    let filter = filter_of_stretch(plan, segments, &requested, machine);
+    let filter = filter_of_stretch(plan, &toolpath.segments.at(range.start), &requested, machine);
     let chain = &plan.filters[filter];
     let law = CornerLaw::new(chain);
-    let mut accelerations: Vec<f64> = segments
-        .iter()
-        .map(|s| positioning::acceleration(s, limits::acceleration(s, machine), machine))
-        .collect();
-    let mut without_tolerance = requested;
-    for ((feedrate, segment), acceleration) in without_tolerance.iter_mut().zip(segments).zip(&accelerations)
-    {
-        let on_curve = limits::curve_feedrate(segment, machine);
-        *feedrate = feedrate.min(on_curve).min(junction::arc_feedrate(segment, *acceleration, machine));
+    let (mut without_tolerance, mut accelerations) = (requested, Vec::with_capacity(range.len()));
+    for (segment, feedrate) in segments.clone().zip(&mut without_tolerance) {
+        let own = positioning::acceleration(&segment, limits::acceleration(&segment, machine), machine);
+        let on_curve = limits::curve_feedrate(&segment, machine);
+        *feedrate = feedrate.min(on_curve).min(junction::arc_feedrate(&segment, own, machine));
+        accelerations.push(own);
     }
     let tolerances = rule.tolerances();
     if machine.interpolator.junction == Junction::AccelerationBlend {
-        for (acceleration, segment) in accelerations.iter_mut().zip(segments) {
-            *acceleration = junction::acceleration(segment, *acceleration, machine);
+        for (acceleration, segment) in accelerations.iter_mut().zip(segments.clone()) {
+            *acceleration = junction::acceleration(&segment, *acceleration, machine);
         }
         if !is_stopped_by_mode(toolpath, range.end, machine) {
-            accelerations[segments.len() - 1] *= 0.5;
+            accelerations[range.len() - 1] *= 0.5;
         }
     }
-    limit_by_look_ahead(&mut without_tolerance, segments, &accelerations, machine, chain);
+    let lengths = range.clone().map(|index| toolpath.segments.length(index));
+    limit_by_look_ahead(&mut without_tolerance, lengths, &accelerations, machine, chain);
     if !machine.limits_command() {
         // There the limits act behind the filters.
         accelerations = Vec::new();
@@ -392,11 +390,11 @@ fn add_stretch(
     // Feedrates and corners of the stretch are those of the plan, which keeps them: a long program has no room for both.
     let (first_feedrate, first_corner) = (plan.segment_feedrates.len(), plan.corner_feedrates.len());
     let held = tolerances.limits(toolpath, machine, range.start);
-    let feedrates = (segments.iter().zip(&without_tolerance).zip(held).enumerate()).map(
+    let feedrates = (segments.clone().zip(&without_tolerance).zip(held).enumerate()).map(
         |(i, ((segment, &feedrate), limit))| match rule {
             Rule::Given { segments, .. } => feedrate.min(segments[range.start + i]),
             _ => feedrate.min(limits::arc_feedrate(
-                segment,
+                &segment,
                 chain,
                 machine.interpolator.arc_tolerance.unwrap_or(limit.along()),
             )),
@@ -407,10 +405,12 @@ fn add_stretch(
     let mut blends = vec![Blend::none(0.0)];
     let held = tolerances.limits(toolpath, machine, range.start);
     let held = held.zip(tolerances.limits(toolpath, machine, range.start + 1));
-    for ((i, pair), (limit, next_limit)) in segments.windows(2).enumerate().zip(held) {
+    let mut first = toolpath.segments.at(range.start);
+    for (i, (limit, next_limit)) in (0..range.len() - 1).zip(held) {
+        let second = toolpath.segments.at(range.start + i + 1);
         let (before, after) = (feedrates[i], feedrates[i + 1]);
         let slower = before.min(after);
-        let change = pair[1].tangent(0.0) - pair[0].tangent(pair[0].length);
+        let change = second.tangent(0.0) - first.tangent(first.length);
         let by_rule = match rule {
             Rule::Given { corners, .. } => corners[range.start + i].min(slower),
             _ => {
@@ -422,18 +422,19 @@ fn add_stretch(
         let by_limits = match machine.interpolator.junction {
             Junction::Tolerance => axis_corner_feedrate(&change, machine, chain),
             Junction::AccelerationBlend => {
-                let blend = Turn::between(&pair[0], &pair[1]).blend(machine, limit.along(), slower);
+                let blend = Turn::between(&first, &second).blend(machine, limit.along(), slower);
                 blends.push(Blend { feedrate: blend.feedrate.min(by_rule), ..blend });
                 blend.feedrate
             }
-            _ => Turn::between(&pair[0], &pair[1]).feedrate(machine, limit.along()),
+            _ => Turn::between(&first, &second).feedrate(machine, limit.along()),
         };
         plan.corner_feedrates.push(by_rule.min(by_limits));
+        first = second;
     }
     if machine.interpolator.junction == Junction::AccelerationBlend {
         blends.push(Blend::none(0.0));
         let first_pulse = plan.pulses.len();
-        let legs: Vec<Leg> = (segments.iter().zip(feedrates).zip(&accelerations))
+        let legs: Vec<Leg> = (segments.zip(feedrates).zip(&accelerations))
             .map(|((segment, &feedrate), &acceleration)| Leg {
                 length: segment.length,
                 feedrate,
@@ -451,14 +452,15 @@ fn add_stretch(
     // The full stop at the end.
     plan.corner_feedrates.push(0.0);
     let corners = &mut plan.corner_feedrates[first_corner..];
-    let ramp = |i: usize| {
-        Ramp::of(machine, acceleration(i)).filter(|_| !positioning::applies(&segments[i], machine))
-    };
+    let segment = |i: usize| toolpath.segments.at(range.start + i);
+    let ramp =
+        |i: usize| Ramp::of(machine, acceleration(i)).filter(|_| !positioning::applies(&segment(i), machine));
     if !accelerations.is_empty() || machine.path.jerk.is_finite() {
-        limit_by_acceleration(corners, segments, acceleration, ramp);
+        let length = |i: usize| toolpath.segments.length(range.start + i);
+        limit_by_acceleration(corners, length, acceleration, ramp);
     }
     let first_pulse = plan.pulses.len();
-    for (i, segment) in segments.iter().enumerate() {
+    for (i, segment) in segments.enumerate() {
         if range.start + i == FIRST_SEGMENTS {
             make_room(&mut plan.pulses, toolpath.segments.len() - FIRST_SEGMENTS);
         }
@@ -466,14 +468,14 @@ fn add_stretch(
         let end = |feedrate: f64, blended: bool| End {
             feedrate,
             hold: if blended {
-                let chord = limits::first_chord(segment, machine) / feedrate;
+                let chord = limits::first_chord(&segment, machine) / feedrate;
                 law.hold(feedrate, without_tolerance[i]).min(chord)
             } else {
                 0.0
             },
         };
         let before = if i == 0 { end(0.0, false) } else { end(corners[i - 1], true) };
-        let ends = [before, end(corners[i], i + 1 < segments.len())];
+        let ends = [before, end(corners[i], i + 1 < range.len())];
         let mut offset = 0.0;
         let mut add = |(duration, first, last): Part| {
             if 0.0 < duration {
@@ -510,21 +512,16 @@ fn make_room(pulses: &mut Vec<Pulse>, segments: usize) {
     pulses.try_reserve_exact((1.02 * of_a_segment * segments as f64) as usize).ok();
 }
 
-/// The filters of a stretch, by index; they are made where the plan does not have them yet.
-fn filter_of_stretch(
-    plan: &mut FeedPlan,
-    segments: &[Segment],
-    feedrates: &[f64],
-    machine: &Machine,
-) -> usize {
-    let setting = match (segments[0].motion, &machine.rapid.time_constants) {
+/// The filters of a stretch with this `first` segment, by index; they are made where the plan does not have them yet.
+fn filter_of_stretch(plan: &mut FeedPlan, first: &Segment, feedrates: &[f64], machine: &Machine) -> usize {
+    let setting = match (first.motion, &machine.rapid.time_constants) {
         (Motion::Rapid, Some(own)) => own,
         _ => &machine.interpolator.time_constants,
     };
     let order = machine.interpolator.filters;
     let constants = match setting {
-        _ if positioning::applies(&segments[0], machine) => {
-            vec![positioning::time_constant(&segments[0], feedrates[0], machine); order]
+        _ if positioning::applies(first, machine) => {
+            vec![positioning::time_constant(first, feedrates[0], machine); order]
         }
         TimeConstants::Equal(constant) => vec![*constant; order],
         TimeConstants::FromJerk(jerk) => {
@@ -555,7 +552,7 @@ fn axis_corner_feedrate(change: &Vector, machine: &Machine, filter: &FilterChain
 /// Lowers feedrates from which the motion could not stop within the blocks the control sees.
 fn limit_by_look_ahead(
     feedrates: &mut [f64],
-    segments: &[Segment],
+    lengths: impl Iterator<Item = f64>,
     accelerations: &[f64],
     machine: &Machine,
     filter: &FilterChain,
@@ -565,8 +562,8 @@ fn limit_by_look_ahead(
     }
     let blocks = machine.interpolator.look_ahead as usize;
     let mut travelled = vec![0.0];
-    travelled.extend(running_sum(segments.iter().map(|segment| segment.length)));
-    for i in 0..segments.len().saturating_sub(blocks) {
+    travelled.extend(running_sum(lengths));
+    for i in 0..feedrates.len().saturating_sub(blocks) {
         let visible = travelled[i + blocks] - travelled[i];
         let stopping = limits::stopping_feedrate(visible, filter.half_delay(), accelerations[i]);
         feedrates[i] = feedrates[i].min(stopping);
@@ -577,20 +574,20 @@ fn limit_by_look_ahead(
 /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
 fn limit_by_acceleration(
     corners: &mut [f64],
-    segments: &[Segment],
+    length: impl Fn(usize) -> f64,
     acceleration: impl Fn(usize) -> f64,
     ramp: impl Fn(usize) -> Option<Ramp>,
 ) {
     let reach = |from: f64, to: f64, i: usize| match ramp(i) {
-        Some(ramp) => ramp.reach(from, segments[i].length, to),
-        None => (from * from + 2.0 * acceleration(i) * segments[i].length).sqrt(),
+        Some(ramp) => ramp.reach(from, length(i), to),
+        None => (from * from + 2.0 * acceleration(i) * length(i)).sqrt(),
     };
     let mut before = 0.0;
     for (i, corner) in corners.iter_mut().enumerate() {
         *corner = corner.min(reach(before, *corner, i));
         before = *corner;
     }
-    for i in (1..segments.len()).rev() {
+    for i in (1..corners.len()).rev() {
         let to = corners[i - 1];
         corners[i - 1] = to.min(reach(corners[i], to, i));
     }

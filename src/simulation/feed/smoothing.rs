@@ -78,7 +78,7 @@ pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) ->
             let from = merging.merged.covers.len();
             merging.merged.toolpath.path_modes.push(PathMode { from, ..mode.clone() });
         }
-        merging.take(number, segment, within, machine);
+        merging.take(number, &segment, within, machine);
     }
     merging.flush();
     merging.take_stops(usize::MAX);
@@ -124,7 +124,8 @@ impl Merging<'_> {
             before.motion == segment.motion && !before.exact_stop && of_feed(before) == of_feed(segment)
         };
         let next_stop = self.toolpath.stops.get(self.stops).map_or(usize::MAX, |stop| stop.after);
-        if next_stop <= number || !number.checked_sub(1).is_some_and(|k| joins(&self.toolpath.segments[k])) {
+        if next_stop <= number || !number.checked_sub(1).is_some_and(|k| joins(&self.toolpath.segments.at(k)))
+        {
             self.flush();
             self.take_stops(number);
         }
@@ -179,24 +180,26 @@ impl Merging<'_> {
     }
 
     fn begin(&self) -> Point {
-        self.toolpath.segments[self.cover.first].point(self.cover.offset)
+        let first = self.toolpath.segments.at(self.cover.first);
+        // Worked out, the beginning of an arc is not its start to the last digit, and segments chain bit for bit.
+        if self.cover.offset == 0.0 { first.start } else { first.point(self.cover.offset) }
     }
 
     /// Ends the chain.
     fn flush(&mut self) {
         let Some(&end) = self.points.last() else { return };
         let cover = self.cover;
-        let last = &self.toolpath.segments[cover.last];
+        let last = self.toolpath.segments.at(cover.last);
         let is_alone = cover.first == cover.last && cover.length == last.length;
         let segment = if is_alone && last.curve == Curve::Line {
-            last.clone()
+            last
         } else {
             self.has_merged = true;
             let start = self.begin();
             let length = (end - start).norm();
             // The first half of an arc does not stop where that ends.
             let exact_stop = last.exact_stop && end == last.end;
-            Segment { start, end, curve: Curve::Line, length, exact_stop, ..last.clone() }
+            Segment { start, end, curve: Curve::Line, length, exact_stop, ..last }
         };
         self.points.clear();
         self.push(segment, cover);
@@ -288,7 +291,7 @@ impl Merged {
 
     /// Length along the program over that which is run.
     fn ratio(&self, index: usize) -> f64 {
-        let (run, written) = (self.toolpath.segments[index].length, self.covers[index].length);
+        let (run, written) = (self.toolpath.segments.length(index), self.covers[index].length);
         if run == written { 1.0 } else { written / run }
     }
 }
@@ -312,7 +315,7 @@ fn lay(
     let slope = (feedrate[1] - feedrate[0]) / pulse.duration;
     loop {
         let (number, offset) = *place;
-        let room = program.segments[number].length - offset;
+        let room = program.segments.length(number) - offset;
         let passed = left * 0.5 * (feedrate[0] + feedrate[1]);
         if number == last || passed < room {
             let segment = number as u32;
@@ -369,9 +372,9 @@ mod tests {
         for (spacing, height) in [(0.1, 0.5), (0.3, 2.0), (0.05, 0.05), (1.0, 0.2)] {
             let (program, merged) = merged_of(&wave(spacing, height), &machine()).expect("some merge");
             let passed = |k: usize, cover: Cover, upto: usize| {
-                let begin = merged.toolpath.segments[k].start;
-                let chord = program.segments[upto].end - begin;
-                let points = program.segments[cover.first..upto].iter();
+                let begin = merged.toolpath.segments.at(k).start;
+                let chord = program.segments.at(upto).end - begin;
+                let points = program.segments.range(cover.first..upto);
                 let away = points.map(move |segment| {
                     let from = segment.end - begin;
                     let along = (from.dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0);

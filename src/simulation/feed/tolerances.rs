@@ -125,13 +125,13 @@ impl Tolerances {
         limits.zip(&toolpath.segments).enumerate().map(move |(index, (limit, segment))| {
             let along = limit.along;
             let Some(next) = following.next() else { return Bound { along, corner: along, near: along } };
-            let next_segment = &toolpath.segments[index + 1];
+            let next_segment = toolpath.segments.at(index + 1);
             let has_distance = limit.distance != 0.0 || next.distance != 0.0;
-            let change = if has_distance { change(segment, next_segment) } else { 0.0 };
+            let change = if has_distance { change(&segment, &next_segment) } else { 0.0 };
             let corner = limit.towards(next, change);
             let of_arc =
                 |segment: &Segment, along: f64| if segment.curve == Curve::Line { 0.0 } else { along };
-            let near = corner.max(of_arc(segment, along)).max(of_arc(next_segment, next.along));
+            let near = corner.max(of_arc(&segment, along)).max(of_arc(&next_segment, next.along));
             Bound { along, corner, near }
         })
     }

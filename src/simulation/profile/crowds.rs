@@ -21,7 +21,7 @@
 use crate::simulation::feed::{FeedPlan, Pulse};
 use crate::simulation::filter::Expansion;
 use crate::simulation::profile::state::{InPlane, Slice, quadrature};
-use crate::simulation::toolpath::{Curve, Segment, Vector};
+use crate::simulation::toolpath::{Curve, Segment, Segments, Vector};
 
 /// Pulses in the smallest crowd.
 const SMALLEST: usize = 16;
@@ -74,7 +74,7 @@ const ABSENT: u32 = u32::MAX;
 
 impl Crowds {
     /// The crowds of a plan for these segments.
-    pub fn of(plan: &FeedPlan, segments: &[Segment]) -> Crowds {
+    pub fn of(plan: &FeedPlan, segments: &Segments) -> Crowds {
         let mut smallest = Vec::new();
         for stretch in plan.stretches() {
             let delay = plan.filters[stretch.filter].delay();
@@ -151,10 +151,10 @@ impl Crowd {
     }
 
     /// These pulses, of which the first has the index `first`.
-    fn of(pulses: &[Pulse], first: usize, segments: &[Segment]) -> Crowd {
+    fn of(pulses: &[Pulse], first: usize, segments: &Segments) -> Crowd {
         let mut whole = Crowd::none(first);
         for (index, pulse) in pulses.iter().enumerate().rev() {
-            whole.add_before(&Crowd::of_one(pulse, first + index, &segments[pulse.segment as usize]));
+            whole.add_before(&Crowd::of_one(pulse, first + index, &segments.at(pulse.segment as usize)));
         }
         whole
     }
@@ -174,7 +174,7 @@ impl Crowd {
             }
             Curve::Arc(arc) => {
                 let mut moments = [InPlane::default(); POWERS];
-                quadrature(&Slice::of_whole(pulse, segment), arc, 0.0, pulse.duration, |node| {
+                quadrature(&Slice::of_whole(pulse), arc, segment.length, 0.0..pulse.duration, |node| {
                     let mut factor = node.weight;
                     for moment in &mut moments {
                         moment.add(factor, &node);

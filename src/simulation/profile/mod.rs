@@ -25,7 +25,7 @@ pub use steps::Steps;
 use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulse, Stretch, retiming::lost, running_sum};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::profile::crowds::Crowds;
-use crate::simulation::toolpath::{Point, Segment, Toolpath};
+use crate::simulation::toolpath::{Point, Segments, Toolpath};
 
 /// The filtered motion of a whole program.
 pub struct Profile<'a> {
@@ -43,7 +43,7 @@ pub struct Profile<'a> {
 /// One stretch of motion between two full stops as it leaves the filters: its times are filtered times.
 #[derive(Clone, Copy)]
 pub struct Motion<'a> {
-    segments: &'a [Segment],
+    segments: &'a Segments,
     pulses: &'a [Pulse],
     filter: &'a FilterChain,
     distances: &'a [f64],
@@ -179,7 +179,7 @@ impl<'a> Profile<'a> {
     fn standing(&self, segments: usize) -> State {
         let all = &self.toolpath.segments;
         let position = match segments.checked_sub(1) {
-            Some(last) => all[last].end,
+            Some(last) => all.at(last).end,
             None => all.first().map_or(Point::origin(), |first| first.start),
         };
         State { distance: self.distances[segments], position, velocity: Default::default() }

@@ -318,7 +318,7 @@ fn next_time(motion: &Motion, time: f64) -> f64 {
     if moment.elapsed < delay {
         return step;
     }
-    let segment = &motion.segments[pulse.segment as usize];
+    let segment = motion.segments.at(pulse.segment as usize);
     let [first, last] = pulse.feedrate;
     let widest = match &segment.curve {
         Curve::Line => f64::INFINITY,

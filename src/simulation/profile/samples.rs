@@ -223,7 +223,7 @@ impl Sampler<'_> {
         if last.moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
             return step;
         }
-        let segment = &self.motion.segments[pulse.segment as usize];
+        let segment = self.motion.segments.at(pulse.segment as usize);
         let widest = match &segment.curve {
             Curve::Line => f64::INFINITY,
             Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
@@ -256,9 +256,9 @@ impl Sampler<'_> {
     fn fill(&mut self, a: Row, b: Row, depth: u32) {
         let middle = self.row(a.moment.pulse, 0.5 * (a.filtered + b.filtered));
         let at = |part: f64| self.row(a.moment.pulse, a.filtered + part * (b.filtered - a.filtered));
-        let bends = depth < DEEPEST
-            && (self.bends(a, middle, b) || [0.25, 0.75].iter().any(|part| self.bends(a, at(*part), b)));
-        if bends {
+        let allowed = self.resolution.feedrate * self.commanded(a).min(self.commanded(b));
+        let bends = |between: Row| self.bends(a, between, b, allowed);
+        if depth < DEEPEST && (bends(middle) || [0.25, 0.75].iter().any(|part| bends(at(*part)))) {
             self.fill(a, middle, depth + 1);
             self.fill(middle, b, depth + 1);
         } else {
@@ -266,8 +266,8 @@ impl Sampler<'_> {
         }
     }
 
-    /// Whether the straight line from `a` to `b` misses `between`.
-    fn bends(&self, a: Row, between: Row, b: Row) -> bool {
+    /// Whether the straight line from `a` to `b` misses `between`, by more than is `allowed` (mm/s) in feedrate.
+    fn bends(&self, a: Row, between: Row, b: Row, allowed: f64) -> bool {
         let part_of = |begin: f64, value: f64, end: f64| {
             if begin < end { (value - begin) / (end - begin) } else { 0.5 }
         };
@@ -275,7 +275,6 @@ impl Sampler<'_> {
         let over_distance = part_of(a.state.distance, between.state.distance, b.state.distance);
         let (v0, v, v1) = (a.state.velocity.norm(), between.state.velocity.norm(), b.state.velocity.norm());
         let miss = |part: f64| (v0 + part * (v1 - v0) - v).abs();
-        let allowed = self.resolution.feedrate * self.commanded(a).min(self.commanded(b));
         if allowed < miss(over_time) || allowed < miss(over_distance) {
             return true;
         }
@@ -285,13 +284,13 @@ impl Sampler<'_> {
 
     fn push(&mut self, row: Row) {
         self.segment = self.segment_at(row.state.distance);
-        let line = self.motion.segments[self.segment].line.0;
+        let line = self.motion.segments.at(self.segment).line.0;
         self.samples.push(self.start + row.time, &row.state, line);
     }
 
     /// The feedrate that the resolution refers to where a row lies, mm/s.
     fn commanded(&self, row: Row) -> f64 {
-        match self.motion.segments[self.segment_at(row.state.distance)].motion {
+        match self.motion.segments.at(self.segment_at(row.state.distance)).motion {
             toolpath::Motion::Feed { feedrate } => feedrate,
             toolpath::Motion::Rapid => self.fastest,
         }

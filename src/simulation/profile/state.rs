@@ -27,7 +27,8 @@ use crate::simulation::feed::Pulse;
 use crate::simulation::filter::{Expansion, FilterChain};
 use crate::simulation::profile::Motion;
 use crate::simulation::profile::crowds::Crowd;
-use crate::simulation::toolpath::{Arc, Curve, Point, Segment, Vector};
+use crate::simulation::toolpath::{Arc, Curve, Point, Vector};
+use std::ops::Range;
 
 /// A moment in a stretch: so long after a pulse began. After the last pulse the filters run empty,
 /// and `elapsed` goes on beyond its duration.
@@ -75,8 +76,9 @@ impl Dynamics {
 }
 
 /// A pulse within the window: from the older age to the younger one.
-pub(super) struct Slice<'a> {
-    segment: &'a Segment,
+pub(super) struct Slice {
+    /// Index of its segment.
+    segment: usize,
     /// Age of its beginning, s; at most D.
     older: f64,
     /// Age of its end, s; 0 where it is still going on.
@@ -89,16 +91,16 @@ pub(super) struct Slice<'a> {
     offset: f64,
 }
 
-impl<'a> Slice<'a> {
+impl Slice {
     /// A whole pulse that has just ended.
-    pub(super) fn of_whole(pulse: &Pulse, segment: &'a Segment) -> Slice<'a> {
-        let [first, last] = pulse.feedrate;
+    pub(super) fn of_whole(pulse: &Pulse) -> Slice {
+        let (segment, [first, last]) = (pulse.segment as usize, pulse.feedrate);
         Slice { segment, older: pulse.duration, younger: 0.0, first, last, offset: pulse.offset }
     }
 
     /// What of it lies within the window: from its beginning, or from the edge, to its end, or to now. Ends that are
     /// not cut keep their numbers bit for bit.
-    fn within(self, delay: f64) -> Slice<'a> {
+    fn within(self, delay: f64) -> Slice {
         let (begin, end) = (self.older.min(delay), self.younger.max(0.0));
         let (first, offset) =
             if begin == self.older { (self.first, self.offset) } else { self.at(begin.max(self.younger)) };
@@ -106,18 +108,18 @@ impl<'a> Slice<'a> {
         Slice { older: begin, younger: end, first, last, offset, ..self }
     }
 
-    /// What has arrived of it along an arc (mm), and how fast it arrives (mm/s). Apart from the sum over the window, which
-    /// nearly always is of lines and has no registers to spare.
+    /// What has arrived of it along an arc of `length` mm (mm), and how fast it arrives (mm/s). Apart from the sum over the
+    /// window, which nearly always is of lines and has no registers to spare.
     #[inline(never)]
-    fn along_arc(&self, arc: &Arc, filter: &FilterChain) -> (Vector, Vector) {
+    fn along_arc(&self, arc: &Arc, length: f64, filter: &FilterChain) -> (Vector, Vector) {
         let (mut arrived, mut arrives) = (InPlane::default(), InPlane::default());
         for span in filter.spans(self.younger, self.older) {
-            quadrature(self, arc, span.begin, span.end, |node| {
+            quadrature(self, arc, length, span.begin..span.end, |node| {
                 arrived.add(node.weight * span.step(node.age), &node);
                 arrives.add(node.weight * span.impulse(node.age), &node);
             });
         }
-        (arrived.over(arc, self.segment.length), arrives.over(arc, self.segment.length))
+        (arrived.over(arc, length), arrives.over(arc, length))
     }
 
     /// Slope of the command, mm/s².
@@ -186,14 +188,15 @@ impl Motion<'_> {
         let of_slice = |(progress, travel, velocity): &mut (Progress, &mut Vector, &mut Vector),
                         slice: Slice| {
             let (arrived, arrives) = progress.add(&slice, filter);
-            match &slice.segment.curve {
+            match self.segments.curve(slice.segment) {
                 Curve::Line => {
-                    let direction = slice.segment.tangent(0.0);
+                    let direction = self.segments.direction(slice.segment);
                     **travel += arrived * direction;
                     **velocity += arrives * direction;
                 }
                 Curve::Arc(arc) => {
-                    let (arrived, arrives) = slice.along_arc(arc, filter);
+                    let (arrived, arrives) =
+                        slice.along_arc(arc, self.segments.length(slice.segment), filter);
                     **travel += arrived;
                     **velocity += arrives;
                 }
@@ -207,7 +210,7 @@ impl Motion<'_> {
         });
         State {
             distance: self.distances[oldest.segment] + oldest.offset + sums.0.distance,
-            position: self.segments[oldest.segment].point(oldest.offset) + travel,
+            position: self.segments.at(oldest.segment).point(oldest.offset) + travel,
             velocity,
         }
     }
@@ -230,25 +233,26 @@ impl Motion<'_> {
         let mut jerk = Vector::zeros();
         let of_slice = |(acceleration, jerk): &mut (&mut Vector, &mut Vector), slice: Slice| {
             let slope = slice.slope();
+            let segment = self.segments.at(slice.segment);
             for (age, sign) in [(slice.older, 1.0), (slice.younger, -1.0)] {
                 let (feedrate, s) = slice.at(age);
-                let [first, second, _] = slice.segment.derivatives(s);
+                let [first, second, _] = segment.derivatives(s);
                 let commanded = feedrate * first;
                 let change = slope * first + feedrate * feedrate * second;
                 **acceleration += sign * filter.impulse(age) * commanded;
                 **jerk += sign * (filter.impulse_slope(age) * commanded + filter.impulse(age) * change);
             }
-            match &slice.segment.curve {
+            match &segment.curve {
                 Curve::Line if slope == 0.0 => {}
                 Curve::Line => {
                     let arrived = filter.step(slice.older) - filter.step(slice.younger);
-                    **acceleration += slope * arrived * slice.segment.tangent(0.0);
+                    **acceleration += slope * arrived * segment.tangent(0.0);
                 }
                 Curve::Arc(arc) => {
                     for span in filter.spans(slice.younger, slice.older) {
-                        quadrature(&slice, arc, span.begin, span.end, |node| {
+                        quadrature(&slice, arc, segment.length, span.begin..span.end, |node| {
                             let (feedrate, s) = slice.at(node.age);
-                            let [first, second, third] = slice.segment.derivatives(s);
+                            let [first, second, third] = segment.derivatives(s);
                             let impulse = node.weight * span.impulse(node.age);
                             **acceleration += impulse * (slope * first + feedrate * feedrate * second);
                             **jerk += impulse * (3.0 * feedrate * slope * second + feedrate.powi(3) * third);
@@ -293,8 +297,7 @@ impl Motion<'_> {
             let segment = pulse.segment as usize;
             let older = if index == moment.pulse { moment.elapsed } else { younger + pulse.duration };
             let [first, last] = pulse.feedrate;
-            let whole =
-                Slice { segment: &self.segments[segment], older, younger, first, last, offset: pulse.offset };
+            let whole = Slice { segment, older, younger, first, last, offset: pulse.offset };
             let is_inside = index != moment.pulse && older < delay;
             let slice = if is_inside { whole } else { whole.within(delay) };
             let offset = slice.offset;
@@ -394,13 +397,19 @@ fn nested<const TERMS: usize>(x: f64, terms: [f64; TERMS]) -> f64 {
     terms.iter().rev().fold(1.0, |sum, term| 1.0 - x * term * sum)
 }
 
-/// Calls `visit(node)` so that Σ weight f(age) = ∫ f da over the ages from `begin` to `end` (s) of a slice of an
-/// arc, for f smooth between them.
-pub(super) fn quadrature(slice: &Slice, arc: &Arc, begin: f64, end: f64, mut visit: impl FnMut(Node)) {
-    let per_length = 1.0 / slice.segment.length;
+/// Calls `visit(node)` so that Σ weight f(age) = ∫ f da over these ages (s) of a slice of an arc of `length` (mm), for
+/// f smooth between them.
+pub(super) fn quadrature(
+    slice: &Slice,
+    arc: &Arc,
+    length: f64,
+    ages: Range<f64>,
+    mut visit: impl FnMut(Node),
+) {
+    let per_length = 1.0 / length;
     let turning = arc.sweep * per_length * slice.first.max(slice.last);
-    let intervals = ((end - begin) * turning / QUADRATURE_ANGLE).ceil().clamp(1.0, 1e4) as usize;
-    let half = 0.5 * (end - begin) / intervals as f64;
+    let intervals = ((ages.end - ages.start) * turning / QUADRATURE_ANGLE).ceil().clamp(1.0, 1e4) as usize;
+    let half = 0.5 * (ages.end - ages.start) / intervals as f64;
     let is_even = slice.first == slice.last;
     // At an even command each interval turns by the same angles around its middle.
     let mut turned = [(0.0, 1.0); GAUSS.len()];
@@ -411,7 +420,7 @@ pub(super) fn quadrature(slice: &Slice, arc: &Arc, begin: f64, end: f64, mut vis
         }
     }
     for interval in 0..intervals {
-        let middle = begin + (2 * interval + 1) as f64 * half;
+        let middle = ages.start + (2 * interval + 1) as f64 * half;
         let (sin, cos) = (arc.sweep * (slice.at(middle).1 * per_length)).sin_cos();
         for k in 0..GAUSS.len() {
             let ((node, weight), (sin_node, cos_node)) = (GAUSS[k], turned[k]);

@@ -80,7 +80,7 @@ impl<'a> Steps<'a> {
         let (segment, offset) = (pulse.segment as usize, pulse.offset + way);
         State {
             distance: self.motion.distances[segment] + offset + travel.w,
-            position: self.motion.segments[segment].point(offset) + travel.xyz(),
+            position: self.motion.segments.at(segment).point(offset) + travel.xyz(),
             velocity: rate.xyz(),
         }
     }
@@ -107,9 +107,10 @@ impl Motion<'_> {
     /// The command of a pulse that is even along a line.
     fn even_rate(&self, pulse: usize) -> Option<Rate> {
         let pulse = &self.pulses[pulse];
-        let segment = &self.segments[pulse.segment as usize];
+        let segment = pulse.segment as usize;
         let [first, last] = pulse.feedrate;
-        (first == last && segment.curve == Curve::Line).then(|| first * segment.tangent(0.0).push(1.0))
+        (first == last && *self.segments.curve(segment) == Curve::Line)
+            .then(|| first * self.segments.direction(segment).push(1.0))
     }
 }
 

@@ -19,8 +19,8 @@ use std::f64::consts::TAU;
 pub enum Curve {
     /// Straight from start to end.
     Line,
-    /// Circular arc, full circle or helix.
-    Arc(Box<Arc>),
+    /// Circular arc, full circle or helix; copies share it.
+    Arc(std::sync::Arc<Arc>),
 }
 
 /// A circular or helical arc.
@@ -151,6 +151,7 @@ impl Segment {
     }
 
     /// Position at distance `s` from the start, mm.
+    #[inline]
     pub fn point(&self, s: f64) -> Point {
         match &self.curve {
             Curve::Line => self.start + (self.end - self.start) * (s / self.length),
@@ -159,6 +160,7 @@ impl Segment {
     }
 
     /// Derivative of the position by the distance at `s`: the unit tangent.
+    #[inline]
     pub fn tangent(&self, s: f64) -> Vector {
         match &self.curve {
             Curve::Line => (self.end - self.start) / self.length,

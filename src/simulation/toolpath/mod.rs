@@ -58,6 +58,7 @@ mod random;
 mod remark;
 mod rotary;
 mod run;
+mod segments;
 mod siemens;
 mod straight;
 mod trace;
@@ -67,6 +68,7 @@ pub use curve::{Arc, Curve};
 pub use motion::ASSUMED_FEEDRATE;
 pub use operations::{MOST_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
+pub use segments::Segments;
 pub use straight::{trace_straight, trace_text};
 pub use trace::{trace, trace_within};
 
@@ -112,9 +114,9 @@ pub struct Segment {
 }
 
 /// How far rotary axes turn along a segment, rad. On nearly all segments they do not, and a long program has
-/// millions of those: it takes room only where they do.
+/// millions of those: it takes room only where they do, and copies share it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rotation(Option<Box<Vector>>);
+pub struct Rotation(Option<std::sync::Arc<Vector>>);
 
 impl Rotation {
     /// No turn.
@@ -128,7 +130,7 @@ impl Rotation {
 
 impl From<Vector> for Rotation {
     fn from(turn: Vector) -> Rotation {
-        Rotation((turn != Vector::zeros()).then(|| Box::new(turn)))
+        Rotation((turn != Vector::zeros()).then(|| std::sync::Arc::new(turn)))
     }
 }
 
@@ -196,8 +198,8 @@ pub struct Stop {
 /// All moves and stops of a program, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Toolpath {
-    /// The moves; each begins where the one before ends.
-    pub segments: Vec<Segment>,
+    /// The moves; each begins where the one before ends, and is put together when it is read.
+    pub segments: Segments,
     /// The control the program was read for.
     pub dialect: Dialect,
     /// The stops, by ascending `after`; those with the same `after` in program order.

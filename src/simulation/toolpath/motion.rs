@@ -208,7 +208,7 @@ impl Tracer<'_> {
         let length = arc.length();
         let feedrate = self.feedrate_along(block, length);
         let feedrate = self.linear_share(block, length, feedrate);
-        self.push(block, end, Curve::Arc(Box::new(arc)), length, Motion::Feed { feedrate });
+        self.push(block, end, Curve::Arc(arc.into()), length, Motion::Feed { feedrate });
     }
 
     /// The centre by R, or by two of I, J and K; one that is left out is that of the start.

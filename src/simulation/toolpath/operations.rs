@@ -20,7 +20,7 @@
 use std::collections::BTreeMap;
 
 use crate::simulation::gcode::{Comment, LineNumber};
-use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause};
+use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause};
 
 /// The most operations of a program; the last one takes all the rest.
 pub const MOST_OPERATIONS: usize = 500;
@@ -47,7 +47,7 @@ pub struct Operation {
 
 /// The operations of a toolpath with the comments of its program by ascending line, and how many more there would be beyond the most.
 pub(super) fn operations(
-    segments: &[Segment],
+    segments: &Segments,
     stops: &[Stop],
     comments: &[Comment],
 ) -> (Vec<Operation>, usize) {
@@ -73,7 +73,7 @@ pub(super) fn operations(
             cutter.stop(next, index, stop);
             stop += 1;
         }
-        cutter.segment(segment, index, stop);
+        cutter.segment(&segment, index, stop);
     }
     for (index, next) in stops.iter().enumerate().skip(stop) {
         cutter.stop(next, segments.len(), index);

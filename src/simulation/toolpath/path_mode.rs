@@ -233,7 +233,7 @@ impl Tracer<'_> {
         for index in std::mem::take(&mut self.path_mode.early) {
             let Some(mode) = path_modes.get_mut(index) else { continue };
             let from = mode.from.max(least);
-            let kept_back = segments[from..].iter().take(MOST_KEPT_BACK);
+            let kept_back = segments.range(from..segments.len()).take(MOST_KEPT_BACK);
             mode.from = from + kept_back.take_while(|segment| segment.line < mode.line).count();
             least = mode.from;
         }

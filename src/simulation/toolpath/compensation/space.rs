@@ -59,7 +59,7 @@ pub(super) fn draw(
         && let Some(arc) = arc(plane, (start, end), (center, turn), sweep)
     {
         let length = arc.length();
-        return Some(Segment { start, end, curve: Curve::Arc(Box::new(arc)), length, ..like.clone() });
+        return Some(Segment { start, end, curve: Curve::Arc(arc.into()), length, ..like.clone() });
     }
     let length = (end - start).norm();
     (ROUNDING <= length).then(|| Segment { start, end, curve: Curve::Line, length, ..like.clone() })

@@ -20,10 +20,7 @@ fn run(text: &str) -> Toolpath {
 /// What holds of every toolpath.
 #[track_caller]
 fn check_laws(toolpath: &Toolpath, text: &str) {
-    for pair in toolpath.segments.windows(2) {
-        assert_eq!(pair[0].end, pair[1].start, "{text}");
-        assert!(pair[0].line <= pair[1].line, "{text}");
-    }
+    assert!(toolpath.segments.iter().is_sorted_by_key(|segment| segment.line), "{text}");
     for segment in &toolpath.segments {
         assert!(0.0 < segment.length && segment.length.is_finite(), "{text}\n{segment:?}");
         let size = 1.0 + segment.start.coords.norm() + segment.end.coords.norm();
@@ -57,8 +54,8 @@ impl Random {
 }
 
 /// Points every 0.02 mm along segments, with their ends.
-fn samples<'a>(segments: impl IntoIterator<Item = &'a Segment>) -> Vec<Point> {
-    let along = |segment: &'a Segment| {
+fn samples(segments: impl IntoIterator<Item = Segment>) -> Vec<Point> {
+    let along = |segment: Segment| {
         let count = (segment.length / 0.02).ceil().max(1.0) as usize;
         (0..=count).map(move |k| segment.point(segment.length * k as f64 / count as f64))
     };
@@ -184,7 +181,7 @@ fn left_is_right_of_the_contour_run_backwards() {
             continue;
         }
         assert_eq!(left.segments.len(), right.segments.len());
-        for (one, two) in left.segments[2..].iter().zip(right.segments[2..].iter().rev()) {
+        for (one, two) in left.segments.iter().skip(2).zip(right.segments.iter().skip(2).rev()) {
             for share in [0.0, 0.4, 1.0] {
                 let apart = one.point(share * one.length) - two.point((1.0 - share) * two.length);
                 // An inner corner keeps no trace of the direction; a slight turn does.
@@ -246,7 +243,7 @@ fn stops_and_heights_stay_in_their_place() {
     assert_eq!(lines, [4, 6, 8, 10]);
     let stops: Vec<_> = path.stops.iter().map(|stop| (stop.line.0, stop.after)).collect();
     assert_eq!(stops, [(3, 0), (5, 1), (7, 2), (9, 3), (11, 4), (13, 4)]);
-    assert_eq!(path.segments[2].end.z, -5.0);
+    assert_eq!(path.segments.at(2).end.z, -5.0);
 }
 
 /// What does not fit is left out or run straight, and says so.
@@ -348,16 +345,16 @@ fn roundings_touch_both_moves() {
     let path = treated(&flat, None, |_| rounding(5.0));
     assert!(path.diagnostics.is_empty());
     assert_eq!(path.segments.len(), 7);
-    for pair in path.segments.windows(2) {
-        assert!((pair[0].tangent(pair[0].length) - pair[1].tangent(0.0)).norm() < 1e-9);
+    for (before, after) in path.segments.pairs() {
+        assert!((before.tangent(before.length) - after.tangent(0.0)).norm() < 1e-9);
     }
     let expected = 160.0 - 3.0 * (10.0 - 2.5 * std::f64::consts::PI);
     assert!((length(&path) - expected).abs() < 1e-9);
     let risen = treated(SQUARE, None, |_| rounding(5.0));
     assert_eq!(risen.segments.last().map(|last| last.end), Some(Point::new(0.0, 0.0, 8.0)));
-    assert!(risen.segments.windows(2).all(|pair| pair[0].end.z <= pair[1].end.z));
+    assert!(risen.segments.pairs().all(|(before, after)| before.end.z <= after.end.z));
     // The line in X has 40 mm for its 8; its corners take 5 mm off each end.
-    assert_eq!(risen.segments[3].end.z, 1.0);
+    assert_eq!(risen.segments.at(3).end.z, 1.0);
 }
 
 #[test]
@@ -367,9 +364,9 @@ fn roundings_touch_arcs_too() {
     for _ in 0..60 {
         let text = format!("F600\n{}\n", contour(random, 8, false).join("\n"));
         let path = treated(&text, None, |_| rounding(2.0));
-        for pair in path.segments.windows(2) {
-            let bend = (pair[0].tangent(pair[0].length) - pair[1].tangent(0.0)).norm();
-            let is_said = path.diagnostics.iter().any(|found| found.line == pair[0].line);
+        for (before, after) in path.segments.pairs() {
+            let bend = (before.tangent(before.length) - after.tangent(0.0)).norm();
+            let is_said = path.diagnostics.iter().any(|found| found.line == before.line);
             assert!(bend < 2e-4 || is_said, "{bend}\n{text}\n{:?}", path.diagnostics);
         }
         left_out += path.diagnostics.len();
@@ -384,8 +381,8 @@ fn chamfers_take_off_what_they_say() {
     let chamfer = |shape| move |index| (index == 0).then_some(CornerTreatment { shape, feedrate: Some(3.0) });
     let by_leg = treated(&flat, None, chamfer(CornerShape::Chamfer { leg: 4.0 }));
     assert_eq!(ends(&by_leg)[..2], [[36.0, 0.0], [40.0, 4.0]]);
-    assert_eq!(by_leg.segments[1].motion, Motion::Feed { feedrate: 3.0 });
-    assert_eq!(by_leg.segments[2].motion, Motion::Feed { feedrate: 10.0 });
+    assert_eq!(by_leg.segments.at(1).motion, Motion::Feed { feedrate: 3.0 });
+    assert_eq!(by_leg.segments.at(2).motion, Motion::Feed { feedrate: 10.0 });
     let by_width = treated(&flat, None, chamfer(CornerShape::ChamferWidth { width: 4.0 * 2f64.sqrt() }));
     assert_eq!(ends(&by_width), ends(&by_leg));
     let whole = treated(&flat, None, chamfer(CornerShape::Chamfer { leg: 40.0 }));
@@ -418,7 +415,7 @@ fn outer_corners_can_be_prolonged() {
         let (mut contour, mut path) = (Contour::new(), Toolpath::default());
         contour.queue.outer_corner = outer_corner;
         contour.set(Some(Setting { plane: Plane::Xy, side: -1.0, radius: 2.0 }), &mut path);
-        for segment in run(text).segments {
+        for segment in &run(text).segments {
             contour.take(segment, Plane::Xy, &mut path);
         }
         contour.finish(&mut path);

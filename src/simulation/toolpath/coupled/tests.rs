@@ -10,7 +10,7 @@ fn run(text: &str) -> Toolpath {
 
 /// Start, end and feedrate of every move.
 fn moves(toolpath: &Toolpath) -> Vec<([f64; 3], [f64; 3], Motion)> {
-    let ends = |segment: &Segment| (segment.start.into(), segment.end.into(), segment.motion);
+    let ends = |segment: Segment| (segment.start.into(), segment.end.into(), segment.motion);
     toolpath.segments.iter().map(ends).collect()
 }
 

@@ -30,7 +30,7 @@ fn assert_error(text: &str, part: &str) {
 }
 
 fn feed_length(toolpath: &Toolpath) -> f64 {
-    let is_feed = |segment: &&crate::simulation::toolpath::Segment| segment.motion != Motion::Rapid;
+    let is_feed = |segment: &crate::simulation::toolpath::Segment| segment.motion != Motion::Rapid;
     toolpath.segments.iter().filter(is_feed).map(|segment| segment.length).sum()
 }
 

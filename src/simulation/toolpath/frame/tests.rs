@@ -65,7 +65,7 @@ fn settings_of_work_offsets_follow_the_family() {
 fn a_degree_is_a_millimetre_of_feed_on_fanuc_controls_alone() {
     let machine = Machine::default();
     let feedrate =
-        |family: Family| match run("G94 G1 F600 X3 A4", family, &machine).toolpath.segments[0].motion {
+        |family: Family| match run("G94 G1 F600 X3 A4", family, &machine).toolpath.segments.at(0).motion {
             Motion::Feed { feedrate } => feedrate,
             Motion::Rapid => 0.0,
         };

@@ -308,7 +308,7 @@ impl Tracer<'_> {
         match bow.plane.arc(ends, bow.center, bow.turn, 1) {
             Ok(arc) => {
                 let length = Arc::length(&arc);
-                self.push(block, end, Curve::Arc(Box::new(arc)), length, motion);
+                self.push(block, end, Curve::Arc(arc.into()), length, motion);
             }
             Err(_) => self.go(block, end, motion),
         }

@@ -84,12 +84,6 @@ fn comments_name_tools() {
 
 #[test]
 fn a_program_that_jumps_is_cut_where_it_runs() {
-    let segment = |line: u32, is_rapid: bool| {
-        let mut segment = trace(&read(b"G0 X1"), &Machine::default()).segments.remove(0);
-        segment.line = LineNumber(line);
-        segment.motion = if is_rapid { Motion::Rapid } else { Motion::Feed { feedrate: 1.0 } };
-        segment
-    };
     // A loop over lines 4 to 6, under a heading in line 3.
     let lines = [
         (1, true),
@@ -102,13 +96,17 @@ fn a_program_that_jumps_is_cut_where_it_runs() {
         (8, true),
         (9, false),
     ];
-    let segments = lines.map(|(line, is_rapid)| segment(line, is_rapid));
+    let moves = trace(&read("G91 G0 X1\n".repeat(lines.len()).as_bytes()), &Machine::default());
+    let segments = moves.segments.iter().zip(lines).map(|(segment, (line, is_rapid))| {
+        let motion = if is_rapid { Motion::Rapid } else { Motion::Feed { feedrate: 1.0 } };
+        Segment { line: LineNumber(line), motion, ..segment }
+    });
     let headings = [(3, "LOOP"), (7, "END")].map(|(line, text)| Comment {
         line: LineNumber(line),
         text: text.to_string(),
         is_alone: true,
     });
-    let (found, _) = operations(&segments, &[], &headings);
+    let (found, _) = operations(&segments.collect(), &[], &headings);
     let places: Vec<_> = found.iter().map(|found| (found.first_segment, found.line.0)).collect();
     assert_eq!(places, [(0, 3), (7, 7)]);
 }
@@ -121,10 +119,10 @@ fn the_rest_beyond_the_most_is_taken_together() {
         line: LineNumber(index as u32 + 1),
     };
     let stops: Vec<Stop> = (0..MOST_OPERATIONS + 20).map(change).collect();
-    let (found, beyond) = operations(&[], &stops, &[]);
+    let (found, beyond) = operations(&Segments::default(), &stops, &[]);
     assert_eq!((found.len(), beyond), (MOST_OPERATIONS, 20));
     assert_eq!(found.last().map(|last| (last.first_stop, last.tool)), Some((499, None)));
-    assert_eq!(operations(&[], &[], &[]), (Vec::new(), 0));
+    assert_eq!(operations(&Segments::default(), &[], &[]), (Vec::new(), 0));
 }
 
 #[test]
@@ -132,6 +130,6 @@ fn a_spindle_that_changes_its_speed_begins_nothing() {
     let to = Spin { direction: Direction::Clockwise, speed: 100.0 };
     let cause = StopCause::Spindle { from: Spin::STANDING, to, code: None };
     let stops = [Stop { after: 0, cause, line: LineNumber(3) }];
-    let (found, _) = operations(&[], &stops, &[]);
+    let (found, _) = operations(&Segments::default(), &stops, &[]);
     assert_eq!(found, [Operation { line: LineNumber(3), ..Operation::default() }]);
 }

@@ -154,7 +154,7 @@ fn assignments_act_after_their_block() {
     assert_eq!(ends("#8=1\nG#8X-[#8]F100"), [-1.0]);
     let leader = run("#9=2 #8=[1+1]\n%\n#9=1\nG0 X#9\n%");
     assert_eq!(
-        (leader.segments.len(), leader.segments[0].end.x),
+        (leader.segments.len(), leader.segments.at(0).end.x),
         (1, 1.0),
         "what a leader assigns is not run"
     );
@@ -233,7 +233,7 @@ fn depth_is_bounded() {
         );
     }
     let long = format!("G0 X[{}1]", "1+".repeat(1_000_000));
-    assert_eq!(run(&long).segments[0].end.x, 1_000_001.0);
+    assert_eq!(run(&long).segments.at(0).end.x, 1_000_001.0);
     let powers = format!("G0 X[{}1]", "1**1*1+1 EQ 1 AND ".repeat(100_000));
     assert_eq!(run(&powers).diagnostics, []);
     run(&format!("X[1{}", " ".repeat(1_000_000)));

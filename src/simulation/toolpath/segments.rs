@@ -1,0 +1,355 @@
+//! The segments of a toolpath as they are kept: 48 bytes each.
+//!
+//! A long program has millions of segments, and the memory they take is what tracing and planning wait for. A segment
+//! begins where the one before ends, so only the first start is kept. Nearly all are lines along which nothing turns;
+//! what few have, a curve or a turn, lies in a list of its own. A segment is put together whenever it is read, which
+//! costs about as much as to fetch one that is kept whole; arcs and turns are shared, not copied.
+//!
+//! Limits: no more than 2³¹ − 1 segments that are arcs or turn axes; a feedrate is finite, as an infinite one is rapid.
+
+use crate::simulation::gcode::LineNumber;
+use crate::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Vector};
+use std::collections::TryReserveError;
+use std::fmt;
+use std::ops::Range;
+
+/// The segments of a toolpath in order, each beginning where the one before ends.
+#[derive(Clone, Default)]
+pub struct Segments {
+    /// Where the first begins, mm.
+    start: Point,
+    moves: Vec<Move>,
+    /// Of the segments that have one, in their order.
+    shapes: Vec<Shape>,
+}
+
+/// One segment without what few have, and without its start.
+#[derive(Clone)]
+struct Move {
+    /// Where it ends, mm.
+    end: Point,
+    /// mm.
+    length: f64,
+    /// mm/s; infinite in rapid.
+    feedrate: f64,
+    line: LineNumber,
+    /// The lowest bit: an exact stop. The others: how many shapes there are up to its own; 0 for a line without a turn.
+    mark: u32,
+}
+
+const _: () = assert!(size_of::<Move>() == 48);
+
+/// What few segments have.
+#[derive(Clone)]
+struct Shape {
+    curve: Curve,
+    rotation: Rotation,
+}
+
+impl Move {
+    /// How many shapes there are up to its own; none for a line without a turn.
+    #[inline]
+    fn shapes(&self) -> Option<usize> {
+        (1 < self.mark).then_some((self.mark >> 1) as usize)
+    }
+}
+
+impl Segments {
+    /// How many there are.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.moves.len()
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.moves.is_empty()
+    }
+
+    /// The segment with this index. Panics beyond the end.
+    #[inline]
+    pub fn at(&self, index: usize) -> Segment {
+        let kept = &self.moves[index];
+        let shape = match kept.shapes() {
+            None => Shape { curve: Curve::Line, rotation: Rotation::NONE },
+            Some(count) => self.shapes[count - 1].clone(),
+        };
+        Segment {
+            start: self.start(index),
+            end: kept.end,
+            curve: shape.curve,
+            length: kept.length,
+            motion: match kept.feedrate {
+                f64::INFINITY => Motion::Rapid,
+                feedrate => Motion::Feed { feedrate },
+            },
+            rotation: shape.rotation,
+            exact_stop: kept.mark & 1 == 1,
+            line: kept.line,
+        }
+    }
+
+    /// Where the segment with this index begins, mm.
+    #[inline]
+    fn start(&self, index: usize) -> Point {
+        index.checked_sub(1).map_or(self.start, |before| self.moves[before].end)
+    }
+
+    /// The segment with this index; none beyond the end.
+    #[inline]
+    pub fn get(&self, index: usize) -> Option<Segment> {
+        (index < self.len()).then(|| self.at(index))
+    }
+
+    /// The shape of the segment with this index. This and the next two are for where so many are looked at that even to
+    /// put a segment together takes time. Panics beyond the end.
+    #[inline]
+    pub fn curve(&self, index: usize) -> &Curve {
+        self.moves[index].shapes().map_or(&Curve::Line, |count| &self.shapes[count - 1].curve)
+    }
+
+    /// The length of the segment with this index, mm. Panics beyond the end.
+    #[inline]
+    pub fn length(&self, index: usize) -> f64 {
+        self.moves[index].length
+    }
+
+    /// From the start to the end of the segment with this index, over its length: the tangent of a line. Panics beyond
+    /// the end.
+    #[inline]
+    pub fn direction(&self, index: usize) -> Vector {
+        let kept = &self.moves[index];
+        (kept.end - self.start(index)) / kept.length
+    }
+
+    /// The first segment.
+    #[inline]
+    pub fn first(&self) -> Option<Segment> {
+        self.get(0)
+    }
+
+    /// The last segment.
+    #[inline]
+    pub fn last(&self) -> Option<Segment> {
+        self.len().checked_sub(1).map(|last| self.at(last))
+    }
+
+    /// All segments in order.
+    #[inline]
+    pub fn iter(&self) -> Iter<'_> {
+        self.range(0..self.len())
+    }
+
+    /// The segments with these indices, in order. Panics beyond the end.
+    #[inline]
+    pub fn range(&self, range: Range<usize>) -> Iter<'_> {
+        assert!(range.start <= range.end && range.end <= self.len(), "{range:?} of {} segments", self.len());
+        Iter { segments: self, left: range }
+    }
+
+    /// Each segment with the one that follows it.
+    #[inline]
+    pub fn pairs(&self) -> impl Iterator<Item = (Segment, Segment)> {
+        (1..self.len()).map(|after| (self.at(after - 1), self.at(after)))
+    }
+
+    /// Makes room for so many more, and for no more than that. It is an error where there is no such room.
+    pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
+        self.moves.try_reserve_exact(additional)
+    }
+
+    /// Adds a segment at the end. It begins where the last one ends; if it is the first, anywhere.
+    pub fn push(&mut self, segment: Segment) {
+        let Segment { start, end, curve, length, motion, rotation, exact_stop, line } = segment;
+        match self.moves.last() {
+            Some(last) => debug_assert_eq!(start, last.end, "line {line:?} begins where the one before ends"),
+            None => self.start = start,
+        }
+        let mut mark = u32::from(exact_stop);
+        if curve != Curve::Line || !rotation.is_none() {
+            self.shapes.push(Shape { curve, rotation });
+            mark |= (self.shapes.len() as u32) << 1;
+        }
+        let feedrate = match motion {
+            Motion::Rapid => f64::INFINITY,
+            Motion::Feed { feedrate } => feedrate,
+        };
+        self.moves.push(Move { end, length, feedrate, line, mark });
+    }
+
+    /// Takes the last segment away.
+    pub fn pop(&mut self) -> Option<Segment> {
+        let last = self.last()?;
+        if self.moves.pop()?.shapes().is_some() {
+            self.shapes.pop();
+        }
+        Some(last)
+    }
+}
+
+impl Extend<Segment> for Segments {
+    fn extend<T: IntoIterator<Item = Segment>>(&mut self, segments: T) {
+        let segments = segments.into_iter();
+        self.moves.reserve(segments.size_hint().0);
+        segments.for_each(|segment| self.push(segment));
+    }
+}
+
+impl FromIterator<Segment> for Segments {
+    fn from_iter<T: IntoIterator<Item = Segment>>(segments: T) -> Segments {
+        let mut all = Segments::default();
+        all.extend(segments);
+        all
+    }
+}
+
+impl PartialEq for Segments {
+    fn eq(&self, other: &Segments) -> bool {
+        self.iter().eq(other)
+    }
+}
+
+impl fmt::Debug for Segments {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_list().entries(self).finish()
+    }
+}
+
+impl<'a> IntoIterator for &'a Segments {
+    type Item = Segment;
+    type IntoIter = Iter<'a>;
+
+    #[inline]
+    fn into_iter(self) -> Iter<'a> {
+        self.iter()
+    }
+}
+
+/// Segments that follow one another.
+#[derive(Clone)]
+pub struct Iter<'a> {
+    segments: &'a Segments,
+    /// The indices of those that were not handed out.
+    left: Range<usize>,
+}
+
+impl Iterator for Iter<'_> {
+    type Item = Segment;
+
+    #[inline]
+    fn next(&mut self) -> Option<Segment> {
+        self.left.next().map(|index| self.segments.at(index))
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.left.size_hint()
+    }
+
+    /// Without putting together those that are passed over.
+    #[inline]
+    fn nth(&mut self, count: usize) -> Option<Segment> {
+        self.left.nth(count).map(|index| self.segments.at(index))
+    }
+}
+
+impl DoubleEndedIterator for Iter<'_> {
+    #[inline]
+    fn next_back(&mut self) -> Option<Segment> {
+        self.left.next_back().map(|index| self.segments.at(index))
+    }
+}
+
+impl ExactSizeIterator for Iter<'_> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::toolpath::Arc;
+    use crate::simulation::toolpath::random::Random;
+
+    /// Segments of all kinds in random order.
+    fn random_segments(random: &mut Random, count: usize) -> Vec<Segment> {
+        let mut end = Point::new(1.0, -2.0, 0.5);
+        let mut segment = |line: usize| {
+            let mut number = || random.below(2001) as f64 / 100.0 - 10.0;
+            let start = std::mem::replace(&mut end, Point::new(number(), number(), number()));
+            let turn = Vector::new(number(), 0.0, number());
+            let (radius, sweep) = (number().abs() + 1.0, number().abs() + 0.1);
+            let center = start - radius * Vector::x();
+            let (e1, e2, rise) = (Vector::x(), Vector::y(), number() * Vector::z());
+            let arc = Arc { center, e1, e2, start_radius: radius, end_radius: radius, sweep, rise };
+            let mut one_in = |of: usize| random.below(of) == 0;
+            Segment {
+                start,
+                end,
+                length: if one_in(2) { arc.length() } else { (end - start).norm() },
+                curve: if one_in(3) { Curve::Arc(arc.into()) } else { Curve::Line },
+                motion: if one_in(3) { Motion::Rapid } else { Motion::Feed { feedrate: radius } },
+                rotation: if one_in(4) { turn.into() } else { Rotation::NONE },
+                exact_stop: one_in(3),
+                line: LineNumber(line as u32),
+            }
+        };
+        (0..count).map(&mut segment).collect()
+    }
+
+    #[test]
+    fn what_is_pushed_is_read_and_taken_back() {
+        let mut random = Random(0x5e9);
+        for count in (0..200).chain([5000]) {
+            let expected = random_segments(&mut random, count);
+            let mut kept: Segments = expected.iter().cloned().collect();
+            assert_eq!((kept.len(), kept.is_empty()), (count, count == 0));
+            assert_eq!((kept.first(), kept.last()), (expected.first().cloned(), expected.last().cloned()));
+            assert_eq!(kept.get(count), None);
+            for (index, segment) in expected.iter().enumerate() {
+                assert_eq!(kept.at(index), *segment);
+                assert_eq!((kept.curve(index), kept.length(index)), (&segment.curve, segment.length));
+                let line = Segment { curve: Curve::Line, ..segment.clone() };
+                assert_eq!(kept.direction(index), line.tangent(0.0));
+            }
+            // Some are taken away and others put in their place.
+            let removed = random.below(count + 1);
+            for segment in expected[count - removed..].iter().rev() {
+                assert_eq!(kept.pop().as_ref(), Some(segment));
+            }
+            assert!(kept.iter().eq(expected[..count - removed].iter().cloned()));
+            kept.extend(expected[count - removed..].iter().cloned());
+            assert!(kept.iter().eq(expected.iter().cloned()));
+        }
+        assert_eq!(Segments::default().pop(), None);
+    }
+
+    #[test]
+    fn all_ways_through_them_agree() {
+        let expected = random_segments(&mut Random(7), 300);
+        let kept: Segments = expected.iter().cloned().collect();
+        assert!(kept.iter().rev().eq(expected.iter().rev().cloned()));
+        assert_eq!(kept.iter().skip(100).step_by(3).len(), 67);
+        assert!(kept.iter().skip(100).step_by(3).eq(expected.iter().skip(100).step_by(3).cloned()));
+        for range in [0..0, 0..300, 17..18, 100..250, 300..300] {
+            assert!(kept.range(range.clone()).eq(expected[range].iter().cloned()));
+        }
+        let pairs = expected.windows(2).map(|pair| (pair[0].clone(), pair[1].clone()));
+        assert!(kept.pairs().eq(pairs));
+    }
+
+    #[test]
+    fn they_are_equal_by_what_they_are() {
+        let expected = random_segments(&mut Random(3), 50);
+        let whole: Segments = expected.iter().cloned().collect();
+        let part: Segments = whole.range(20..50).collect();
+        assert_eq!(part, expected[20..].iter().cloned().collect());
+        assert_ne!(part, whole);
+        assert_eq!(format!("{whole:?}"), format!("{expected:?}"));
+    }
+
+    #[test]
+    #[should_panic(expected = "begins where the one before ends")]
+    fn a_chain_does_not_break() {
+        let all = random_segments(&mut Random(5), 3);
+        let _: Segments = [all[0].clone(), all[2].clone()].into_iter().collect();
+    }
+}
