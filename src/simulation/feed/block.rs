@@ -37,8 +37,11 @@ pub type Part = (f64, f64, f64);
 /// The parts of a block of `length` (mm) at `feedrate` (mm/s) and `acceleration` (mm/s², may be
 /// infinite) in order: hold, ramp, cruise, ramp, hold. Parts that are not needed last 0 s.
 pub fn parts(length: f64, feedrate: f64, acceleration: f64, first: End, last: End) -> [Part; 5] {
-    let ramp_length = |a: f64, b: f64| ((a - b) * (a + b)).abs() / (2.0 * acceleration);
-    let ramp = |a: f64, b: f64| ((a - b).abs() / acceleration, a, b);
+    // Without a limit a ramp takes neither room nor time, and divisions are dear.
+    let is_limited = acceleration != f64::INFINITY;
+    let over = |change: f64, acceleration: f64| if is_limited { change / acceleration } else { 0.0 };
+    let ramp_length = |a: f64, b: f64| over(((a - b) * (a + b)).abs(), 2.0 * acceleration);
+    let ramp = |a: f64, b: f64| (over((a - b).abs(), acceleration), a, b);
     let holds = first.feedrate * first.hold + last.feedrate * last.hold;
     let cruise =
         length - holds - ramp_length(first.feedrate, feedrate) - ramp_length(feedrate, last.feedrate);

@@ -167,4 +167,13 @@ impl Segment {
             Curve::Arc(arc) => arc.derivative(s / self.length) / self.length,
         }
     }
+
+    /// The unit tangents at its beginning and at its end.
+    pub fn tangents(&self) -> [Vector; 2] {
+        let first = self.tangent(0.0);
+        match self.curve {
+            Curve::Line => [first, first],
+            Curve::Arc(_) => [first, self.tangent(self.length)],
+        }
+    }
 }

@@ -20,9 +20,6 @@ use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::{Family, Tracer};
 use crate::units::MM_PER_INCH;
 
-/// Letters of lengths.
-const LENGTHS: &[u8] = b"XYZUVWIJKRQ";
-
 /// G words in whose blocks these letters are no lengths.
 const OTHER_G: [f64; 6] = [5.1, 8.0, 65.0, 66.0, 66.1, 187.0];
 
@@ -39,6 +36,11 @@ pub(super) struct Points {
     are_written: bool,
     /// The first large length that has none.
     missing: Option<(Place, Untraced)>,
+}
+
+/// Whether the letter of a word is that of a length.
+fn is_length(word: &Word) -> bool {
+    matches!(word.letter, b'X' | b'Y' | b'Z' | b'U' | b'V' | b'W' | b'I' | b'J' | b'K' | b'R' | b'Q')
 }
 
 fn has_lengths(words: &[Word]) -> bool {
@@ -70,7 +72,7 @@ impl Tracer<'_> {
             // Words without a value are missing here, the others stand in the same order.
             let as_read = read.find(|as_read| as_read.columns == word.columns);
             let is_written = as_read.is_some_and(|as_read| !as_read.value.is_nan());
-            if is_written && !word.has_point && LENGTHS.contains(&word.letter) {
+            if is_written && !word.has_point && is_length(word) {
                 word.value *= increment;
             }
         }
@@ -82,7 +84,6 @@ impl Tracer<'_> {
         if self.family != Family::Fanuc || self.machine.program.increment.is_some() {
             return;
         }
-        let is_length = |word: &Word| LENGTHS.contains(&word.letter);
         let are_written = |word: &Word| word.has_point && is_length(word);
         self.points.are_written = self.points.are_written || program.words.iter().any(are_written);
         let is_large = |word: &&Word| !word.has_point && LARGE <= word.value.abs() && is_length(word);

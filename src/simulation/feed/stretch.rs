@@ -1,0 +1,333 @@
+//! One stretch, from full stop to full stop: the command along its segments and at its corners, and the pulses of it.
+//!
+//! ```text
+//! asked     each segment by itself: what is requested, and every limit but the tolerance
+//! corners   each segment within its tolerance, and each corner between two of them by its law
+//! reached   no corner faster than its neighbours let it be, where the command keeps an acceleration
+//! pulses    of each segment between its corners
+//! ```
+//!
+//! A long program is one stretch of millions of segments, and to fetch them costs more than to reckon with them: each
+//! of these steps goes over them once.
+
+use std::ops::Range;
+
+use crate::machine::{Junction, Machine, TimeConstants};
+use crate::simulation::feed::blend::{self, Blend, Leg};
+use crate::simulation::feed::block::{self, End, Part};
+use crate::simulation::feed::corner::CornerLaw;
+use crate::simulation::feed::junction::{self, Turn};
+use crate::simulation::feed::ramp::Ramp;
+use crate::simulation::feed::{
+    FeedPlan, Limit, Phase, Pulse, Rule, Stretch, is_stopped_by_mode, limits, positioning, running_sum,
+};
+use crate::simulation::filter::FilterChain;
+use crate::simulation::toolpath::{Motion, Segment, Toolpath, Vector};
+
+/// Plans the segments of `range`, between two full stops.
+pub(super) fn add_stretch(
+    plan: &mut FeedPlan,
+    range: Range<usize>,
+    toolpath: &Toolpath,
+    machine: &Machine,
+    rule: Rule,
+) {
+    let mut asked = Asked::of(toolpath, range.clone(), machine);
+    let filter = asked.filter(&mut plan.filters, &toolpath.segments.at(range.start), machine);
+    // Feedrates and corners of the stretch are those of the plan, which keeps them: a long program has no room for both.
+    let FeedPlan { filters, segment_feedrates, corner_feedrates, pulses, phases, .. } = plan;
+    let filter_chain = &filters[filter];
+    let stretch =
+        Planned { toolpath, machine, rule, filter: filter_chain, law: CornerLaw::new(filter_chain), range };
+    stretch.look_ahead(&mut asked);
+    let (first_feedrate, first_corner, first_pulse) =
+        (segment_feedrates.len(), corner_feedrates.len(), pulses.len());
+    let blends = stretch.corners(&asked.feedrates, segment_feedrates, corner_feedrates);
+    let feedrates = &segment_feedrates[first_feedrate..];
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &blends);
+        pulses.extend(blended);
+        corner_feedrates.truncate(first_corner);
+        corner_feedrates.extend(at_corners);
+    } else {
+        // The full stop at the end.
+        corner_feedrates.push(0.0);
+        let corners = &mut corner_feedrates[first_corner..];
+        stretch.reach(corners, &asked);
+        stretch.add_pulses(pulses, &asked, feedrates, corners);
+    }
+    let pulses = first_pulse..pulses.len();
+    phases.push(Phase::Motion(Stretch { segments: stretch.range, pulses, filter }));
+}
+
+/// What is asked of each segment by itself.
+struct Asked {
+    /// Feedrates with every limit but the tolerance, mm/s.
+    feedrates: Vec<f64>,
+    /// Accelerations, mm/s²; empty where the command keeps none.
+    accelerations: Vec<f64>,
+    /// The feedrate requested on the first segment, mm/s.
+    first: f64,
+    /// The largest feedrate requested, mm/s.
+    largest: f64,
+}
+
+impl Asked {
+    fn of(toolpath: &Toolpath, range: Range<usize>, machine: &Machine) -> Asked {
+        let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
+        let has_accelerations = machine.limits_command() || machine.interpolator.look_ahead.is_finite();
+        let (mut feedrates, mut accelerations) = (Vec::with_capacity(range.len()), Vec::new());
+        let (mut first, mut largest) = (None, 0.0_f64);
+        for segment in toolpath.segments.range(range.clone()) {
+            let requested = limits::requested_feedrate(&segment, machine);
+            let requested = positioning::feedrate(&segment, requested, machine);
+            first.get_or_insert(requested);
+            largest = largest.max(requested);
+            let mut feedrate = requested.min(limits::curve_feedrate(&segment, machine));
+            if has_accelerations {
+                let own = limits::acceleration(&segment, machine);
+                let own = positioning::acceleration(&segment, own, machine);
+                feedrate = feedrate.min(junction::arc_feedrate(&segment, own, machine));
+                accelerations.push(if is_blended {
+                    junction::acceleration(&segment, own, machine)
+                } else {
+                    own
+                });
+            }
+            feedrates.push(feedrate);
+        }
+        if is_blended && !is_stopped_by_mode(toolpath, range.end, machine) {
+            accelerations[range.len() - 1] *= 0.5;
+        }
+        Asked { feedrates, accelerations, first: first.unwrap_or(0.0), largest }
+    }
+
+    /// The filters of the stretch that begins with the segment `first`, by index; they are made where there are none
+    /// like them yet.
+    fn filter(&self, filters: &mut Vec<FilterChain>, first: &Segment, machine: &Machine) -> usize {
+        let setting = match (first.motion, &machine.rapid.time_constants) {
+            (Motion::Rapid, Some(own)) => own,
+            _ => &machine.interpolator.time_constants,
+        };
+        let order = machine.interpolator.filters;
+        let constants = match setting {
+            _ if positioning::applies(first, machine) => {
+                vec![positioning::time_constant(first, self.first, machine); order]
+            }
+            TimeConstants::Equal(constant) => vec![*constant; order],
+            TimeConstants::FromJerk(jerk) => vec![(self.largest / jerk).sqrt(); order],
+            TimeConstants::Unequal(constants) => constants.clone(),
+        };
+        let known = filters.iter().rposition(|filter| filter.time_constants() == constants);
+        known.unwrap_or_else(|| {
+            filters.push(FilterChain::new(&constants));
+            filters.len() - 1
+        })
+    }
+
+    /// The acceleration limit of the command on a segment of the stretch, mm/s².
+    fn acceleration(&self, i: usize) -> f64 {
+        self.accelerations.get(i).copied().unwrap_or(f64::INFINITY)
+    }
+}
+
+/// The stretch being planned; its segments are counted from its first.
+struct Planned<'a> {
+    toolpath: &'a Toolpath,
+    machine: &'a Machine,
+    rule: Rule<'a>,
+    filter: &'a FilterChain,
+    law: CornerLaw<'a>,
+    range: Range<usize>,
+}
+
+/// What a corner has to know of the segment before it.
+#[derive(Clone, Copy)]
+struct Before {
+    limit: Limit,
+    /// Command along it, mm/s.
+    feedrate: f64,
+    /// Its unit tangent at the corner.
+    direction: Vector,
+}
+
+impl Planned<'_> {
+    fn segment(&self, i: usize) -> Segment {
+        self.toolpath.segments.at(self.range.start + i)
+    }
+
+    fn length(&self, i: usize) -> f64 {
+        self.toolpath.segments.length(self.range.start + i)
+    }
+
+    /// Lowers feedrates from which the motion could not stop within the blocks the control sees.
+    fn look_ahead(&self, asked: &mut Asked) {
+        if self.machine.interpolator.look_ahead.is_finite() {
+            let blocks = self.machine.interpolator.look_ahead as usize;
+            let count = self.range.len();
+            let mut travelled = vec![0.0];
+            travelled.extend(running_sum((0..count).map(|i| self.length(i))));
+            for i in 0..count.saturating_sub(blocks) {
+                let visible = travelled[i + blocks] - travelled[i];
+                let (half_delay, acceleration) = (self.filter.half_delay(), asked.accelerations[i]);
+                let stopping = limits::stopping_feedrate(visible, half_delay, acceleration);
+                asked.feedrates[i] = asked.feedrates[i].min(stopping);
+            }
+        }
+        if !self.machine.limits_command() {
+            // There the limits act behind the filters.
+            asked.accelerations = Vec::new();
+        }
+    }
+
+    /// Adds the command along each segment and at each corner between two of them (mm/s) to the lists of the plan;
+    /// returns the blends of all corners where junctions are blends.
+    fn corners(&self, asked: &[f64], feedrates: &mut Vec<f64>, corners: &mut Vec<f64>) -> Vec<Blend> {
+        let mut blends = vec![Blend::none(0.0)];
+        let held = self.rule.tolerances().limits(self.toolpath, self.machine, self.range.start);
+        let mut last: Option<Before> = None;
+        for ((i, limit), asked) in (0..self.range.len()).zip(held).zip(asked) {
+            let segment = self.segment(i);
+            let feedrate = match self.rule {
+                Rule::Given { segments, .. } => asked.min(segments[self.range.start + i]),
+                _ => {
+                    let tolerance = self.machine.interpolator.arc_tolerance.unwrap_or(limit.along());
+                    asked.min(limits::arc_feedrate(&segment, self.filter, tolerance))
+                }
+            };
+            feedrates.push(feedrate);
+            let [entry, direction] = segment.tangents();
+            let after = Before { limit, feedrate, direction: entry };
+            if let Some(before) = last.replace(Before { direction, ..after }) {
+                corners.push(self.corner(i, before, after, &mut blends));
+            }
+        }
+        blends
+    }
+
+    /// The command at the corner before a segment, mm/s.
+    fn corner(&self, i: usize, before: Before, after: Before, blends: &mut Vec<Blend>) -> f64 {
+        let slower = before.feedrate.min(after.feedrate);
+        let change = after.direction - before.direction;
+        let by_rule = match self.rule {
+            Rule::Given { corners, .. } => corners[self.range.start + i - 1].min(slower),
+            _ => {
+                let turn = change.norm();
+                let tolerance = before.limit.towards(after.limit, turn);
+                self.law.feedrate(tolerance / turn, before.feedrate, after.feedrate)
+            }
+        };
+        let by_rule = by_rule.min(junction::slowed(&change, slower, self.machine));
+        let along = before.limit.along();
+        let turn = || Turn::between(&self.segment(i - 1), &self.segment(i));
+        let by_limits = match self.machine.interpolator.junction {
+            Junction::Tolerance => self.axis_corner_feedrate(&change),
+            Junction::AccelerationBlend => {
+                let blend = turn().blend(self.machine, along, slower);
+                blends.push(Blend { feedrate: blend.feedrate.min(by_rule), ..blend });
+                blend.feedrate
+            }
+            _ => turn().feedrate(self.machine, along),
+        };
+        by_rule.min(by_limits)
+    }
+
+    /// The fastest corner command at which the turn keeps each axis within its jerk, mm/s: an axis whose velocity
+    /// steps by c |Δu| before the filters has the jerk c |Δu| max ḣ after them. One filter has no finite jerk,
+    /// and no limit on it can be kept.
+    fn axis_corner_feedrate(&self, change: &Vector) -> f64 {
+        let axes = &self.machine.axes;
+        if axes.iter().all(|axis| axis.jerk == f64::INFINITY) {
+            return f64::INFINITY;
+        }
+        let slope = self.filter.peak_impulse_slope();
+        let axes = axes.iter().enumerate().filter(|_| slope.is_finite());
+        axes.map(|(k, axis)| axis.jerk / (change[k].abs() * slope)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The pulses and the command at each corner, mm/s, where junctions are blends.
+    fn blended(&self, feedrates: &[f64], accelerations: &[f64], blends: &[Blend]) -> (Vec<Pulse>, Vec<f64>) {
+        let legs = feedrates.iter().zip(accelerations).enumerate();
+        let leg = |(i, (&feedrate, &acceleration))| Leg { length: self.length(i), feedrate, acceleration };
+        let legs: Vec<Leg> = legs.map(leg).collect();
+        blend::pulses(&legs, &[blends, &[Blend::none(0.0)]].concat(), self.range.start)
+    }
+
+    /// The ramp of constant jerk by which the command of a segment changes, where it does.
+    fn ramp(&self, i: usize, asked: &Asked) -> Option<Ramp> {
+        let ramp = Ramp::of(self.machine, asked.acceleration(i))?;
+        (!positioning::applies(&self.segment(i), self.machine)).then_some(ramp)
+    }
+
+    /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
+    /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
+    fn reach(&self, corners: &mut [f64], asked: &Asked) {
+        if asked.accelerations.is_empty() && self.machine.path.jerk == f64::INFINITY {
+            return;
+        }
+        let reach = |from: f64, to: f64, i: usize| match self.ramp(i, asked) {
+            Some(ramp) => ramp.reach(from, self.length(i), to),
+            None => (from * from + 2.0 * asked.acceleration(i) * self.length(i)).sqrt(),
+        };
+        let mut before = 0.0;
+        for (i, corner) in corners.iter_mut().enumerate() {
+            *corner = corner.min(reach(before, *corner, i));
+            before = *corner;
+        }
+        for i in (1..corners.len()).rev() {
+            let to = corners[i - 1];
+            corners[i - 1] = to.min(reach(corners[i], to, i));
+        }
+    }
+
+    /// Adds the pulses of all segments, commanded at `feedrates` and at the corners after them (mm/s).
+    fn add_pulses(&self, pulses: &mut Vec<Pulse>, asked: &Asked, feedrates: &[f64], corners: &[f64]) {
+        let mut corner = 0.0;
+        for (i, (&feedrate, &next_corner)) in feedrates.iter().zip(corners).enumerate() {
+            let number = self.range.start + i;
+            if number == FIRST_SEGMENTS {
+                make_room(pulses, self.toolpath.segments.len() - FIRST_SEGMENTS);
+            }
+            let segment = self.segment(i);
+            let chord = limits::first_chord(&segment, self.machine);
+            // Before the first segment, and behind the last, the motion does not go on.
+            let end = |feedrate: f64, is_blended: bool| End {
+                feedrate,
+                hold: match is_blended {
+                    true => self.law.hold(feedrate, asked.feedrates[i]).min(chord / feedrate),
+                    false => 0.0,
+                },
+            };
+            let ends = [end(corner, 0 < i), end(next_corner, i + 1 < corners.len())];
+            corner = next_corner;
+            let mut offset = 0.0;
+            let mut add = |(duration, first, last): Part| {
+                if 0.0 < duration {
+                    pulses.push(Pulse { segment: number as u32, duration, offset, feedrate: [first, last] });
+                    offset += duration * 0.5 * (first + last);
+                }
+            };
+            match self.ramp(i, asked) {
+                Some(ramp) => {
+                    let parts = ramp.parts(segment.length, feedrate, ends[0], ends[1]);
+                    parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
+                }
+                None => {
+                    let acceleration = asked.acceleration(i);
+                    let parts = block::parts(segment.length, feedrate, acceleration, ends[0], ends[1]);
+                    parts.into_iter().for_each(&mut add);
+                }
+            }
+        }
+    }
+}
+
+/// After so many segments it is known how many pulses the others need.
+const FIRST_SEGMENTS: usize = 2_000;
+
+/// Makes room for the pulses of the segments that follow the first ones: a list that grows by doubling ends with up to
+/// twice the room it needs, beside what it had before. It is a guess, and does no harm where there is no such room.
+fn make_room(pulses: &mut Vec<Pulse>, segments: usize) {
+    let of_a_segment = pulses.len() as f64 / FIRST_SEGMENTS as f64;
+    pulses.try_reserve_exact((1.02 * of_a_segment * segments as f64) as usize).ok();
+}
