@@ -13,9 +13,11 @@
 mod programs;
 
 use std::hint::black_box;
+use std::num::NonZero;
 use std::pin::{Pin, pin};
 use std::process::Command;
 use std::task::{Context, Poll, Waker};
+use std::thread::{available_parallelism, scope};
 use std::time::Instant;
 
 use futures::Stream;
@@ -29,7 +31,7 @@ use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::trace_text;
 
 /// Contour tolerances, mm.
-const TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
+static TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
 
 /// Each is measured so often, and the best counts.
 const ROUNDS: usize = 2;
@@ -53,12 +55,14 @@ enum Work {
     Quote,
     /// The same for four tolerances.
     QuoteFour,
+    /// The same on as many threads as there are processors, as the command does it.
+    QuoteFourAtOnce,
     /// It is planned, and the curve of its chart is laid.
     Chart,
 }
 
 impl Work {
-    const ALL: [Work; 9] = [
+    const ALL: [Work; 10] = [
         Work::Bytes,
         Work::Yardstick,
         Work::Read,
@@ -67,6 +71,7 @@ impl Work {
         Work::PlanFour,
         Work::Quote,
         Work::QuoteFour,
+        Work::QuoteFourAtOnce,
         Work::Chart,
     ];
 
@@ -80,6 +85,7 @@ impl Work {
             Work::PlanFour => "plan four",
             Work::Quote => "quote",
             Work::QuoteFour => "quote four",
+            Work::QuoteFourAtOnce => "quote four at once",
             Work::Chart => "chart",
         }
     }
@@ -111,14 +117,23 @@ impl Work {
                 let plan = plan(&toolpath, &machine, Rule::Isolated(TOLERANCES[1]));
                 Profile::new(&toolpath, &plan).drawn().time.len() as f64
             }
-            Work::Quote | Work::QuoteFour => {
+            Work::Quote | Work::QuoteFour | Work::QuoteFourAtOnce => {
                 let toolpath = toolpath(text);
                 let one = |tolerance: f64| {
                     let tolerances = Tolerances::One(tolerance);
                     let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |_| {});
                     quote(&toolpath, &machine, &plan, tolerances, &errors).cycle_time
                 };
-                if self == Work::Quote { one(TOLERANCES[1]) } else { TOLERANCES.map(one).iter().sum() }
+                match self {
+                    Work::Quote => one(TOLERANCES[1]),
+                    Work::QuoteFour => TOLERANCES.map(one).iter().sum(),
+                    _ => scope(|scope| {
+                        let sum = |part: &'static [f64]| part.iter().copied().map(one).sum::<f64>();
+                        let parts = TOLERANCES.chunks(TOLERANCES.len().div_ceil(processors()));
+                        let threads: Vec<_> = parts.map(|part| scope.spawn(move || sum(part))).collect();
+                        threads.into_iter().map(|thread| thread.join().expect("a quote")).sum()
+                    }),
+                }
             }
         }
     }
@@ -168,6 +183,8 @@ fn measure(work: Work, made: Made, lines: usize) {
     black_box(work.run(black_box(text)));
     let elapsed = begin.elapsed().as_secs_f64();
     let worked = processor_time().zip(began).map(|(end, begin)| end - begin);
+    // What several processors do at once is told by the clock.
+    let worked = if work == Work::QuoteFourAtOnce { Some(elapsed) } else { worked };
     let peak = peak_memory();
     let time = worked.filter(|time| LONG_ENOUGH < *time).unwrap_or_else(|| {
         let text = made.text(lines);
@@ -185,6 +202,10 @@ fn measure(work: Work, made: Made, lines: usize) {
 /// The system tells the time of a processor in ticks; what takes less than this, s, is told by the least of several
 /// times that passed.
 const LONG_ENOUGH: f64 = 0.1;
+
+fn processors() -> usize {
+    available_parallelism().map_or(1, NonZero::get)
+}
 
 /// How long this thread has had a processor, s, which does not count what others take of it; none where
 /// the system does not tell.
@@ -258,7 +279,8 @@ fn page(is_whole: bool) -> String {
     {
         // What four tolerances cost is told of the first program alone.
         let is_first = made == Made::Finishing;
-        let works = Work::ALL.into_iter().filter(|work| is_first || *work != Work::QuoteFour);
+        let of_many = [Work::QuoteFour, Work::QuoteFourAtOnce];
+        let works = Work::ALL.into_iter().filter(|work| is_first || !of_many.contains(work));
         let works: Vec<Work> = works.collect();
         let found = best(&works, made, lines, ROUNDS);
         let yardstick = found[Work::Yardstick as usize].time;
@@ -283,6 +305,7 @@ fn page(is_whole: bool) -> String {
         }
     }
     let of = |work: Work| finishing[work as usize];
+    let at_once = format!("the same on {} processors at once, × one", processors());
     let mut targets = vec![
         (
             "read, trace and plan a million lines, × async-gcode parsing them",
@@ -299,6 +322,7 @@ fn page(is_whole: bool) -> String {
             of(Work::QuoteFour).time / of(Work::Quote).time,
             1.6,
         ),
+        (&at_once, of(Work::QuoteFourAtOnce).time / of(Work::Quote).time, 1.6),
         ("peak memory of a plan, × file", of(Work::Plan).peak / of(Work::Plan).size, 3.0),
         ("peak memory of a quote, × file", of(Work::Quote).peak / of(Work::Quote).size, 3.0),
     ];

@@ -57,6 +57,9 @@ impl Pen {
         let last = self.points.len() - 2;
         for (index, pair) in self.points.windows(2).enumerate() {
             let whole = (pair[1] - pair[0]).norm();
+            if whole == 0.0 {
+                continue;
+            }
             let own = if index == last { left } else { whole.min(left) };
             let end = pair[0] + (own / whole) * (pair[1] - pair[0]);
             segments.push(Segment {

@@ -32,18 +32,18 @@ pub(super) fn add_stretch(
     machine: &Machine,
     rule: Rule,
 ) {
-    let mut asked = Asked::of(toolpath, range.clone(), machine);
-    let filter = asked.filter(&mut plan.filters, &toolpath.segments.at(range.start), machine);
-    // Feedrates and corners of the stretch are those of the plan, which keeps them: a long program has no room for both.
+    // Feedrates and corners of the stretch are in the lists of the plan from the beginning: a long program has no room
+    // for them twice.
     let FeedPlan { filters, segment_feedrates, corner_feedrates, pulses, phases, .. } = plan;
-    let filter_chain = &filters[filter];
-    let stretch =
-        Planned { toolpath, machine, rule, filter: filter_chain, law: CornerLaw::new(filter_chain), range };
-    stretch.look_ahead(&mut asked);
     let (first_feedrate, first_corner, first_pulse) =
         (segment_feedrates.len(), corner_feedrates.len(), pulses.len());
-    let blends = stretch.corners(&asked.feedrates, segment_feedrates, corner_feedrates);
-    let feedrates = &segment_feedrates[first_feedrate..];
+    let asked = Asked::of(toolpath, range.clone(), machine, segment_feedrates);
+    let feedrates = &mut segment_feedrates[first_feedrate..];
+    let filter = asked.filter(filters, &toolpath.segments.at(range.start), machine);
+    let chain = &filters[filter];
+    let stretch = Planned { toolpath, machine, rule, filter: chain, law: CornerLaw::new(chain), range };
+    stretch.look_ahead(feedrates, &asked);
+    let Corners { blends, lowered } = stretch.corners(feedrates, corner_feedrates);
     if machine.interpolator.junction == Junction::AccelerationBlend {
         let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &blends);
         pulses.extend(blended);
@@ -54,18 +54,18 @@ pub(super) fn add_stretch(
         corner_feedrates.push(0.0);
         let corners = &mut corner_feedrates[first_corner..];
         stretch.reach(corners, &asked);
-        stretch.add_pulses(pulses, &asked, feedrates, corners);
+        stretch.add_pulses(pulses, &asked, &lowered, feedrates, corners);
     }
     let pulses = first_pulse..pulses.len();
     phases.push(Phase::Motion(Stretch { segments: stretch.range, pulses, filter }));
 }
 
-/// What is asked of each segment by itself.
+/// What is asked of each segment by itself, apart from its feedrate.
 struct Asked {
-    /// Feedrates with every limit but the tolerance, mm/s.
-    feedrates: Vec<f64>,
-    /// Accelerations, mm/s²; empty where the command keeps none.
+    /// Accelerations, mm/s²; empty where nothing depends on them.
     accelerations: Vec<f64>,
+    /// The command keeps them; otherwise they act behind the filters.
+    limits_command: bool,
     /// The feedrate requested on the first segment, mm/s.
     first: f64,
     /// The largest feedrate requested, mm/s.
@@ -73,11 +73,12 @@ struct Asked {
 }
 
 impl Asked {
-    fn of(toolpath: &Toolpath, range: Range<usize>, machine: &Machine) -> Asked {
+    /// Adds to `feedrates` those asked for with every limit but the tolerance, mm/s.
+    fn of(toolpath: &Toolpath, range: Range<usize>, machine: &Machine, feedrates: &mut Vec<f64>) -> Asked {
         let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
-        let has_accelerations = machine.limits_command() || machine.interpolator.look_ahead.is_finite();
-        let (mut feedrates, mut accelerations) = (Vec::with_capacity(range.len()), Vec::new());
-        let (mut first, mut largest) = (None, 0.0_f64);
+        let limits_command = machine.limits_command();
+        let has_accelerations = limits_command || machine.interpolator.look_ahead.is_finite();
+        let (mut accelerations, mut first, mut largest) = (Vec::new(), None, 0.0_f64);
         for segment in toolpath.segments.range(range.clone()) {
             let requested = limits::requested_feedrate(&segment, machine);
             let requested = positioning::feedrate(&segment, requested, machine);
@@ -99,7 +100,7 @@ impl Asked {
         if is_blended && !is_stopped_by_mode(toolpath, range.end, machine) {
             accelerations[range.len() - 1] *= 0.5;
         }
-        Asked { feedrates, accelerations, first: first.unwrap_or(0.0), largest }
+        Asked { accelerations, limits_command, first: first.unwrap_or(0.0), largest }
     }
 
     /// The filters of the stretch that begins with the segment `first`, by index; they are made where there are none
@@ -127,7 +128,7 @@ impl Asked {
 
     /// The acceleration limit of the command on a segment of the stretch, mm/s².
     fn acceleration(&self, i: usize) -> f64 {
-        self.accelerations.get(i).copied().unwrap_or(f64::INFINITY)
+        if self.limits_command { self.accelerations[i] } else { f64::INFINITY }
     }
 }
 
@@ -139,6 +140,14 @@ struct Planned<'a> {
     filter: &'a FilterChain,
     law: CornerLaw<'a>,
     range: Range<usize>,
+}
+
+/// What is found beside the commands at corners.
+struct Corners {
+    /// Those of all corners, the ends of the stretch included, where junctions are blends.
+    blends: Vec<Blend>,
+    /// The segments that the tolerance slows, each with the feedrate asked for, mm/s.
+    lowered: Vec<(usize, f64)>,
 }
 
 /// What a corner has to know of the segment before it.
@@ -160,49 +169,48 @@ impl Planned<'_> {
         self.toolpath.segments.length(self.range.start + i)
     }
 
-    /// Lowers feedrates from which the motion could not stop within the blocks the control sees.
-    fn look_ahead(&self, asked: &mut Asked) {
-        if self.machine.interpolator.look_ahead.is_finite() {
-            let blocks = self.machine.interpolator.look_ahead as usize;
-            let count = self.range.len();
-            let mut travelled = vec![0.0];
-            travelled.extend(running_sum((0..count).map(|i| self.length(i))));
-            for i in 0..count.saturating_sub(blocks) {
-                let visible = travelled[i + blocks] - travelled[i];
-                let (half_delay, acceleration) = (self.filter.half_delay(), asked.accelerations[i]);
-                let stopping = limits::stopping_feedrate(visible, half_delay, acceleration);
-                asked.feedrates[i] = asked.feedrates[i].min(stopping);
-            }
+    /// Lowers feedrates (mm/s) from which the motion could not stop within the blocks the control sees.
+    fn look_ahead(&self, feedrates: &mut [f64], asked: &Asked) {
+        if self.machine.interpolator.look_ahead == f64::INFINITY {
+            return;
         }
-        if !self.machine.limits_command() {
-            // There the limits act behind the filters.
-            asked.accelerations = Vec::new();
+        let blocks = self.machine.interpolator.look_ahead as usize;
+        let mut travelled = vec![0.0];
+        travelled.extend(running_sum((0..feedrates.len()).map(|i| self.length(i))));
+        for i in 0..feedrates.len().saturating_sub(blocks) {
+            let visible = travelled[i + blocks] - travelled[i];
+            let (half_delay, acceleration) = (self.filter.half_delay(), asked.accelerations[i]);
+            let stopping = limits::stopping_feedrate(visible, half_delay, acceleration);
+            feedrates[i] = feedrates[i].min(stopping);
         }
     }
 
-    /// Adds the command along each segment and at each corner between two of them (mm/s) to the lists of the plan;
-    /// returns the blends of all corners where junctions are blends.
-    fn corners(&self, asked: &[f64], feedrates: &mut Vec<f64>, corners: &mut Vec<f64>) -> Vec<Blend> {
-        let mut blends = vec![Blend::none(0.0)];
+    /// Lowers the feedrates that are asked for (mm/s) to what the tolerance allows along each segment, and adds the
+    /// command at each corner between two of them (mm/s).
+    fn corners(&self, feedrates: &mut [f64], corners: &mut Vec<f64>) -> Corners {
+        let mut found = Corners { blends: vec![Blend::none(0.0)], lowered: Vec::new() };
         let held = self.rule.tolerances().limits(self.toolpath, self.machine, self.range.start);
         let mut last: Option<Before> = None;
-        for ((i, limit), asked) in (0..self.range.len()).zip(held).zip(asked) {
+        for ((i, feedrate), limit) in feedrates.iter_mut().enumerate().zip(held) {
             let segment = self.segment(i);
-            let feedrate = match self.rule {
-                Rule::Given { segments, .. } => asked.min(segments[self.range.start + i]),
+            let most = match self.rule {
+                Rule::Given { segments, .. } => segments[self.range.start + i],
                 _ => {
                     let tolerance = self.machine.interpolator.arc_tolerance.unwrap_or(limit.along());
-                    asked.min(limits::arc_feedrate(&segment, self.filter, tolerance))
+                    limits::arc_feedrate(&segment, self.filter, tolerance)
                 }
             };
-            feedrates.push(feedrate);
+            if most < *feedrate {
+                found.lowered.push((i, *feedrate));
+                *feedrate = most;
+            }
             let [entry, direction] = segment.tangents();
-            let after = Before { limit, feedrate, direction: entry };
+            let after = Before { limit, feedrate: *feedrate, direction: entry };
             if let Some(before) = last.replace(Before { direction, ..after }) {
-                corners.push(self.corner(i, before, after, &mut blends));
+                corners.push(self.corner(i, before, after, &mut found.blends));
             }
         }
-        blends
+        found
     }
 
     /// The command at the corner before a segment, mm/s.
@@ -262,7 +270,7 @@ impl Planned<'_> {
     /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
     /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
     fn reach(&self, corners: &mut [f64], asked: &Asked) {
-        if asked.accelerations.is_empty() && self.machine.path.jerk == f64::INFINITY {
+        if !asked.limits_command && self.machine.path.jerk == f64::INFINITY {
             return;
         }
         let reach = |from: f64, to: f64, i: usize| match self.ramp(i, asked) {
@@ -280,8 +288,17 @@ impl Planned<'_> {
         }
     }
 
-    /// Adds the pulses of all segments, commanded at `feedrates` and at the corners after them (mm/s).
-    fn add_pulses(&self, pulses: &mut Vec<Pulse>, asked: &Asked, feedrates: &[f64], corners: &[f64]) {
+    /// Adds the pulses of all segments, commanded at `feedrates` and at the corners after them (mm/s), of which some
+    /// are lowered.
+    fn add_pulses(
+        &self,
+        pulses: &mut Vec<Pulse>,
+        asked: &Asked,
+        lowered: &[(usize, f64)],
+        feedrates: &[f64],
+        corners: &[f64],
+    ) {
+        let mut lowered = lowered.iter().peekable();
         let mut corner = 0.0;
         for (i, (&feedrate, &next_corner)) in feedrates.iter().zip(corners).enumerate() {
             let number = self.range.start + i;
@@ -290,11 +307,12 @@ impl Planned<'_> {
             }
             let segment = self.segment(i);
             let chord = limits::first_chord(&segment, self.machine);
+            let without_tolerance = lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, asked)| *asked);
             // Before the first segment, and behind the last, the motion does not go on.
             let end = |feedrate: f64, is_blended: bool| End {
                 feedrate,
                 hold: match is_blended {
-                    true => self.law.hold(feedrate, asked.feedrates[i]).min(chord / feedrate),
+                    true => self.law.hold(feedrate, without_tolerance).min(chord / feedrate),
                     false => 0.0,
                 },
             };

@@ -160,6 +160,7 @@ impl Segments {
     }
 
     /// Adds a segment at the end. It begins where the last one ends; if it is the first, anywhere.
+    #[inline]
     pub fn push(&mut self, segment: Segment) {
         let Segment { start, end, curve, length, motion, rotation, exact_stop, line } = segment;
         match self.moves.last() {
@@ -167,7 +168,7 @@ impl Segments {
             None => self.start = start,
         }
         let mut mark = u32::from(exact_stop);
-        if curve != Curve::Line || !rotation.is_none() {
+        if !matches!(curve, Curve::Line) || !rotation.is_none() {
             self.shapes.push(Shape { curve, rotation });
             mark |= (self.shapes.len() as u32) << 1;
         }

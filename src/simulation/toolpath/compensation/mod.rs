@@ -87,11 +87,22 @@ impl Contour {
     }
 
     /// The next programmed move, in this working plane.
+    #[inline]
     pub(super) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
-        if self.is_plain() && self.held.is_none() {
-            self.next_corner = None;
-            return self.queue.take(segment, out);
+        if !self.is_plain() || self.held.is_some() {
+            return self.take_in(segment, plane, out);
         }
+        self.next_corner = None;
+        // Nearly every move of a long program comes out here as it is.
+        if self.queue.lets_pass(&segment) {
+            out.segments.push(segment)
+        } else {
+            self.queue.take(segment, out)
+        }
+    }
+
+    /// The next programmed move, where moves are kept back.
+    fn take_in(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
         let another_plane =
             |setting: Setting| (setting.plane != plane).then_some(Setting { plane, ..setting });
         if let Some(setting) = self.queue.setting().and_then(another_plane) {

@@ -107,6 +107,11 @@ impl Queue {
         self.setting.is_none() && self.at.is_some()
     }
 
+    /// Without compensation, and with the tool where the program says, a move comes out as it is given.
+    pub(super) fn lets_pass(&self, segment: &Segment) -> bool {
+        self.setting.is_none() && self.at.is_none() && ROUNDING <= segment.length
+    }
+
     /// Changes the compensation in force; what is kept back ends as before.
     pub(super) fn set(&mut self, setting: Option<Setting>, out: &mut Toolpath) {
         if setting == self.setting {
