@@ -101,7 +101,8 @@ pub(super) fn plain_number(text: &[u8], at: usize) -> Option<Number> {
     if count == 0 || 15 < count || goes_on {
         return None;
     }
-    let magnitude = value as f64 / EXACT_POWERS[decimals];
+    // So few digits fit a signed number too, which processors turn into f64 in one step.
+    let magnitude = value as i64 as f64 / EXACT_POWERS[decimals];
     let value = if is_negative { -magnitude } else { magnitude };
     Some(Number { value, has_point: point.is_some(), end })
 }
