@@ -86,7 +86,7 @@ fn place(position: Point, distance: f64) -> Place {
 /// The commanded place at a time, s; before the first pulse and after the last it stands.
 fn commanded(toolpath: &Toolpath, plan: &FeedPlan, begins: &[(f64, f64)], time: f64) -> Place {
     let index = begins.partition_point(|&(begin, _)| begin <= time).max(1) - 1;
-    let (pulse, (begin, travelled)) = (&plan.pulses[index], begins[index]);
+    let (pulse, (begin, travelled)) = (plan.pulses.at(index), begins[index]);
     let elapsed = (time - begin).clamp(0.0, pulse.duration);
     let [first, last] = pulse.feedrate;
     let run = elapsed * (first + 0.5 * (last - first) * elapsed / pulse.duration);
@@ -355,7 +355,7 @@ fn an_hour_of_motion_loses_no_digits() {
     let fastest = 2000.0 / 60.0;
     for back in 1..500 {
         let (late, early) = (whole_plan.pulses.len() - back, alone_plan.pulses.len() - back);
-        let elapsed = 0.37 * whole_plan.pulses[late].duration;
+        let elapsed = 0.37 * whole_plan.pulses.duration(late);
         let (a, b) = (Moment { pulse: late, elapsed }, Moment { pulse: early, elapsed });
         let (whole_state, state) = (whole_motion.state(a), alone_motion.state(b));
         let apart = (whole_state.velocity - state.velocity).norm() / fastest;

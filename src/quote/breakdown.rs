@@ -121,13 +121,12 @@ impl<'a> Ledger<'a> {
         }
         let is_rapid = |segment: usize| self.toolpath.segments.at(segment).motion == Motion::Rapid;
         let pulses = &self.plan.pulses;
-        let before = |segment: usize| pulses.partition_point(|pulse| (pulse.segment as usize) < segment);
-        let pulses = &pulses[before(segments.start)..before(segments.end)];
+        let pulses = pulses.range(pulses.before(segments.start)..pulses.before(segments.end));
         let sum = |rapid: bool| {
-            let moves = |pulse: &&Pulse| !pulse.is_halt() && is_rapid(pulse.segment as usize) == rapid;
-            running_sum(pulses.iter().filter(moves).map(|pulse| pulse.duration)).last().unwrap_or(0.0)
+            let moves = |pulse: &Pulse| !pulse.is_halt() && is_rapid(pulse.segment as usize) == rapid;
+            running_sum(pulses.clone().filter(moves).map(|pulse| pulse.duration)).last().unwrap_or(0.0)
         };
-        let halts: f64 = pulses.iter().filter(|pulse| pulse.is_halt()).map(|pulse| pulse.duration).sum();
+        let halts: f64 = pulses.clone().filter(Pulse::is_halt).map(|pulse| pulse.duration).sum();
         breakdown.functions.halts = halts;
         breakdown.other += halts;
         (breakdown.cutting, breakdown.rapid) = (sum(false), sum(true));

@@ -78,7 +78,7 @@ fn feedrate_stays_below_the_highest_command_within_the_filters() {
             let delay = plan.filters[stretch.filter].delay() + 1e-12 * (1.0 + time);
             let mut begin = start;
             let mut highest = 0.0f64;
-            for pulse in &plan.pulses[stretch.pulses.clone()] {
+            for pulse in plan.pulses.range(stretch.pulses.clone()) {
                 let end = begin + pulse.duration;
                 if begin <= time && time - delay <= end {
                     let at = |t: f64| {
@@ -111,7 +111,7 @@ fn cycle_time_is_the_sum_of_its_parts() {
         let phases = plan.phases.iter().map(|phase| match phase {
             Phase::Wait(wait) => whole(wait.duration),
             Phase::Motion(stretch) => {
-                let pulses = plan.pulses[stretch.pulses.clone()].iter();
+                let pulses = plan.pulses.range(stretch.pulses.clone());
                 let filter = &plan.filters[stretch.filter];
                 let delay: i128 = filter.time_constants().iter().map(|constant| whole(*constant)).sum();
                 pulses.map(|pulse| whole(pulse.duration)).sum::<i128>() + delay

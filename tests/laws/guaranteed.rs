@@ -133,7 +133,7 @@ fn reverse_error(toolpath: &Toolpath, plan: &FeedPlan) -> f64 {
         let position = profile.at_time(t).position;
         let within = |&index: &usize| times[index] <= t && t - delay <= times[index + 1];
         let distances = (0..plan.pulses.len()).filter(within).map(|index| {
-            let pulse = &plan.pulses[index];
+            let pulse = plan.pulses.at(index);
             let segment = toolpath.segments.at(pulse.segment as usize);
             let length = 0.5 * (pulse.feedrate[0] + pulse.feedrate[1]) * pulse.duration;
             let far = (pulse.offset + length).min(segment.length);

@@ -222,14 +222,14 @@ fn motion_can_stop_within_the_look_ahead() {
         let blocks = case.machine.interpolator.look_ahead as usize;
         for (_, stretch) in stretches(&plan) {
             let half_delay = plan.filters[stretch.filter].half_delay();
-            for pulse in &plan.pulses[stretch.pulses.clone()] {
+            for pulse in plan.pulses.range(stretch.pulses.clone()) {
                 let seen = pulse.segment as usize + blocks;
                 if stretch.segments.end <= seen {
                     continue;
                 }
                 let visible: f64 =
                     case.toolpath.segments.range(pulse.segment as usize..seen).map(|s| s.length).sum();
-                let fast = highest(pulse);
+                let fast = highest(&pulse);
                 let needed = fast * half_delay + 0.5 * fast * fast / case.machine.path.acceleration;
                 assert!(needed <= visible * (1.0 + 1e-9), "case {}: {needed} of {visible} mm", case.number);
                 held += usize::from(visible * (1.0 - 1e-9) < needed);

@@ -253,21 +253,21 @@ impl Asked {
 /// The segments of which a part is commanded within a filter delay of a segment whose pulses differ
 /// between two plans. What lies farther away sees the same command before and after.
 fn within_a_delay(before: &FeedPlan, after: &FeedPlan) -> Vec<bool> {
-    fn by_segment(plan: &FeedPlan) -> impl Iterator<Item = &[Pulse]> {
-        plan.pulses.chunk_by(|a, b| a.segment == b.segment)
+    fn by_segment(plan: &FeedPlan) -> impl Iterator<Item = impl Iterator<Item = Pulse>> {
+        let pulses = &plan.pulses;
+        pulses.by_segment(0..pulses.len()).map(|own| pulses.range(own))
     }
     let moved: Vec<bool> =
-        by_segment(before).zip(by_segment(after)).map(|(before, after)| before != after).collect();
+        by_segment(before).zip(by_segment(after)).map(|(before, after)| before.ne(after)).collect();
     let mut stale = moved.clone();
     for stretch in after.stretches() {
         let delay = after.filters[stretch.filter].delay();
         let mut spread = |pulses: &mut dyn Iterator<Item = usize>| {
             let mut age = f64::INFINITY;
             for index in pulses {
-                let pulse = &after.pulses[index];
-                let segment = pulse.segment as usize;
+                let segment = after.pulses.segment(index);
                 stale[segment] |= age <= delay;
-                age = if moved[segment] { 0.0 } else { age + pulse.duration };
+                age = if moved[segment] { 0.0 } else { age + after.pulses.duration(index) };
             }
         };
         spread(&mut stretch.pulses.clone());

@@ -25,7 +25,7 @@ pub use regions::{Region, regions_beyond};
 use std::cmp::Ordering;
 use std::ops::Range;
 
-use crate::simulation::feed::{Bound, FeedPlan, Pulse, Stretch};
+use crate::simulation::feed::{Bound, FeedPlan, Pulses, Stretch};
 use crate::simulation::profile::{Profile, State, Steps};
 use crate::simulation::toolpath::{Curve, Point, Toolpath};
 
@@ -124,32 +124,29 @@ fn measure(
 ) {
     for stretch in plan.stretches() {
         let mut steps = Steps::of(profile.motion(stretch));
-        let mut first = stretch.pulses.start;
-        for pulses in plan.pulses[stretch.pulses.clone()].chunk_by(|a, b| a.segment == b.segment) {
-            let number = pulses[0].segment as usize;
+        for own in plan.pulses.by_segment(stretch.pulses.clone()) {
+            let number = plan.pulses.segment(own.start);
             if wanted(number) {
-                found(number, segment_errors(toolpath, stretch, &mut steps, pulses, first));
+                found(number, segment_errors(toolpath, stretch, &mut steps, &plan.pulses, own));
             }
-            first += pulses.len();
         }
     }
 }
 
-/// Measures one segment, of which the first pulse in the plan is `first`.
+/// Measures one segment, whose pulses are `own` of all.
 fn segment_errors(
     toolpath: &Toolpath,
     stretch: &Stretch,
     steps: &mut Steps,
-    pulses: &[Pulse],
-    first: usize,
+    pulses: &Pulses,
+    own: Range<usize>,
 ) -> SegmentErrors {
     let motion = steps.motion;
-    let number = pulses[0].segment as usize;
+    let (first, last) = (own.start, own.end - 1);
+    let number = pulses.segment(first);
     let segment = toolpath.segments.at(number);
     let delay = motion.filter().delay();
-    let last = first + pulses.len() - 1;
-    let (start, end) =
-        (motion.pulse_start(first), motion.pulse_start(last) + pulses[pulses.len() - 1].duration);
+    let (start, end) = (motion.pulse_start(first), motion.pulse_start(last) + pulses.duration(last));
     let (begins_at_corner, ends_at_corner) =
         (stretch.segments.start < number, number + 1 < stretch.segments.end);
     let mut errors = SegmentErrors::default();
@@ -160,7 +157,7 @@ fn segment_errors(
         return errors;
     }
     let mut points = Vec::new();
-    for (pulse, index) in pulses.iter().zip(first..) {
+    for (pulse, index) in pulses.range(own).zip(first..) {
         let count = (POINTS_PER_DELAY * pulse.duration / delay).ceil().clamp(3.0, POINTS_ON_ARC);
         // Where the command is even for a whole delay, all points are as far off: the first and the last stand for them.
         let is_even = pulse.feedrate[0] == pulse.feedrate[1];

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::machine::Machine;
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, exact_stop_by_turn};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, exact_stop_by_turn};
 use crate::simulation::toolpath::{Motion, Segment, Segments, Toolpath};
 
 /// The halts of a toolpath on a machine.
@@ -112,10 +112,10 @@ impl Halting {
             if let Some(&seconds) = self.segments.get(&stretch.segments.start) {
                 plan.pulses.push(halt(stretch.segments.start, 0.0, seconds));
             }
-            for own in pulses[stretch.pulses.clone()].chunk_by(|a, b| a.segment == b.segment) {
-                match self.holds.get(&(own[0].segment as usize)) {
-                    Some(&(place, seconds)) => held(own, place, seconds, &mut plan.pulses),
-                    None => plan.pulses.extend_from_slice(own),
+            for own in pulses.by_segment(stretch.pulses.clone()) {
+                match self.holds.get(&pulses.segment(own.start)) {
+                    Some(&(place, seconds)) => held(&pulses, own, place, seconds, &mut plan.pulses),
+                    None => plan.pulses.extend(pulses.range(own)),
                 }
             }
             let last = stretch.segments.end - 1;
@@ -158,11 +158,12 @@ fn place_on(segments: &Segments, range: Range<usize>, part: f64) -> (usize, f64)
     (last, left.min(segments.length(last)))
 }
 
-/// The pulses of a segment with the command taken away at a place (mm along it) for so many seconds.
-fn held(own: &[Pulse], place: f64, seconds: f64, pulses: &mut Vec<Pulse>) {
-    let divided = own.partition_point(|pulse| pulse.offset <= place).saturating_sub(1);
-    pulses.extend_from_slice(&own[..divided]);
-    let pulse = own[divided];
+/// Adds the pulses of a segment, which are `own` of all, with the command taken away at a place (mm along it) for so many
+/// seconds.
+fn held(all: &Pulses, own: Range<usize>, place: f64, seconds: f64, pulses: &mut Pulses) {
+    let divided = own.clone().rfind(|&index| all.at(index).offset <= place).unwrap_or(own.start);
+    pulses.extend(all.range(own.start..divided));
+    let pulse = all.at(divided);
     let [first, last] = pulse.feedrate;
     let slope = (last - first) / pulse.duration;
     let way = (place - pulse.offset).max(0.0);
@@ -178,5 +179,5 @@ fn held(own: &[Pulse], place: f64, seconds: f64, pulses: &mut Vec<Pulse>) {
     if before < pulse.duration {
         pulses.push(Pulse { duration: pulse.duration - before, offset, feedrate: [there, last], ..pulse });
     }
-    pulses.extend_from_slice(&own[divided + 1..]);
+    pulses.extend(all.range(divided + 1..own.end));
 }

@@ -43,12 +43,14 @@ mod halts;
 pub mod junction;
 pub mod limits;
 mod positioning;
+mod pulses;
 mod ramp;
 pub mod retiming;
 mod smoothing;
 mod stretch;
 mod tolerances;
 
+pub use pulses::Pulses;
 pub use retiming::{Knot, Pace, Retiming};
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
@@ -111,7 +113,7 @@ pub struct FeedPlan {
     /// Motion and waits in order.
     pub phases: Vec<Phase>,
     /// All pulses in order.
-    pub pulses: Vec<Pulse>,
+    pub pulses: Pulses,
     /// The filter chains in use.
     pub filters: Vec<FilterChain>,
     /// Command at the corner after each segment, mm/s; 0 at a full stop.
@@ -194,7 +196,7 @@ impl FeedPlan {
     /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer, and what it
     /// loses behind the filters.
     pub fn command_time(&self, stretch: &Stretch) -> f64 {
-        let durations = self.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
+        let durations = stretch.pulses.clone().map(|pulse| self.pulses.duration(pulse));
         running_sum(durations).last().unwrap_or(0.0)
     }
 }

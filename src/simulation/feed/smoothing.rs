@@ -25,7 +25,7 @@
 //! chain. Source: LinuxCNC, naive CAM detector (src/emc/task/emccanon.cc).
 
 use crate::machine::{Junction, Machine};
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Rule, Stretch, Tolerances};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, Rule, Stretch, Tolerances};
 use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Point, Segment, Stop, Toolpath};
 
 /// Points of a chain beside its beginning.
@@ -249,12 +249,13 @@ impl Merged {
         let mut spread = FeedPlan {
             start: plan.start,
             phases: Vec::with_capacity(plan.phases.len()),
-            pulses: Vec::with_capacity(plan.pulses.len() + segments),
+            pulses: Pulses::default(),
             filters: plan.filters,
             corner_feedrates: vec![f64::INFINITY; segments],
             segment_feedrates: vec![f64::INFINITY; segments],
             retiming: None,
         };
+        spread.pulses.try_reserve_exact(plan.pulses.len() + segments).ok();
         for (index, cover) in self.covers.iter().enumerate() {
             let ratio = self.ratio(index);
             for feedrate in &mut spread.segment_feedrates[cover.first..=cover.last] {
@@ -270,14 +271,14 @@ impl Merged {
             let first_pulse = spread.pulses.len();
             let mut place = (0, 0.0);
             let mut now = usize::MAX;
-            for pulse in &plan.pulses[stretch.pulses.clone()] {
+            for pulse in plan.pulses.range(stretch.pulses.clone()) {
                 let index = pulse.segment as usize;
                 let cover = &self.covers[index];
                 if index != now {
                     (now, place) = (index, (cover.first, cover.offset));
                 }
                 let ratio = self.ratio(index);
-                lay(pulse, ratio, cover.last, &mut place, program, &mut spread);
+                lay(&pulse, ratio, cover.last, &mut place, program, &mut spread);
             }
             let covered = stretch.segments.clone();
             spread.phases.push(Phase::Motion(Stretch {

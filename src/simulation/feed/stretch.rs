@@ -19,7 +19,8 @@ use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::junction::{self, Turn};
 use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::{
-    FeedPlan, Limit, Phase, Pulse, Rule, Stretch, is_stopped_by_mode, limits, positioning, running_sum,
+    FeedPlan, Limit, Phase, Pulse, Pulses, Rule, Stretch, is_stopped_by_mode, limits, positioning,
+    running_sum,
 };
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Motion, Segment, Toolpath, Vector};
@@ -292,7 +293,7 @@ impl Planned<'_> {
     /// are lowered.
     fn add_pulses(
         &self,
-        pulses: &mut Vec<Pulse>,
+        pulses: &mut Pulses,
         asked: &Asked,
         lowered: &[(usize, f64)],
         feedrates: &[f64],
@@ -345,7 +346,7 @@ const FIRST_SEGMENTS: usize = 2_000;
 
 /// Makes room for the pulses of the segments that follow the first ones: a list that grows by doubling ends with up to
 /// twice the room it needs, beside what it had before. It is a guess, and does no harm where there is no such room.
-fn make_room(pulses: &mut Vec<Pulse>, segments: usize) {
+fn make_room(pulses: &mut Pulses, segments: usize) {
     let of_a_segment = pulses.len() as f64 / FIRST_SEGMENTS as f64;
     pulses.try_reserve_exact((1.02 * of_a_segment * segments as f64) as usize).ok();
 }

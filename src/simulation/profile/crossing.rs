@@ -50,7 +50,7 @@ impl Motion<'_> {
     /// move up.
     fn crossing(&self, distance: f64, low: &mut f64, pulse: &mut usize) -> f64 {
         let sent_before = |pulse: usize| {
-            let pulse = &self.pulses[pulse];
+            let pulse = self.pulses.at(pulse);
             self.distances[pulse.segment as usize] + pulse.offset
         };
         while *pulse + 1 < self.end_pulse && sent_before(*pulse + 1) <= distance {
@@ -60,7 +60,7 @@ impl Motion<'_> {
         let delay = self.filter.delay();
         let command = self.pulse_starts[*pulse];
         let mut before = low.max(command);
-        let mut after = (command + self.pulses[*pulse].duration + delay).min(self.duration());
+        let mut after = (command + self.pulses.duration(*pulse) + delay).min(self.duration());
         let mut time = (command + 0.5 * delay).clamp(before, after);
         for _ in 0..MOST_STEPS {
             let (arrived, feedrate) = self.progress(self.moment(time));

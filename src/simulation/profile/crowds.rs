@@ -18,10 +18,11 @@
 //! local, so that nothing is lost in differences of long sums. Only crowds far shorter than the delay are made:
 //! programs of ordinary blocks have none. Units: mm, s.
 
-use crate::simulation::feed::{FeedPlan, Pulse};
+use crate::simulation::feed::{FeedPlan, Pulse, Pulses};
 use crate::simulation::filter::Expansion;
 use crate::simulation::profile::state::{InPlane, Slice, quadrature};
 use crate::simulation::toolpath::{Curve, Segment, Segments, Vector};
+use std::ops::Range;
 
 /// Pulses in the smallest crowd.
 const SMALLEST: usize = 16;
@@ -79,12 +80,11 @@ impl Crowds {
         for stretch in plan.stretches() {
             let delay = plan.filters[stretch.filter].delay();
             let begin = stretch.pulses.start.next_multiple_of(SMALLEST);
-            for (pulses, number) in
-                plan.pulses[begin.min(stretch.pulses.end)..stretch.pulses.end].chunks_exact(SMALLEST).zip(0..)
-            {
-                let duration: f64 = pulses.iter().map(|pulse| pulse.duration).sum();
+            for end in (begin + SMALLEST..=stretch.pulses.end).step_by(SMALLEST) {
+                let range = end - SMALLEST..end;
+                let duration: f64 = range.clone().map(|pulse| plan.pulses.duration(pulse)).sum();
                 if IN_ONE_DELAY * duration < delay {
-                    smallest.push(Crowd::of(pulses, begin + number * SMALLEST, segments));
+                    smallest.push(Crowd::of(&plan.pulses, range, segments));
                 }
             }
         }
@@ -150,11 +150,12 @@ impl Crowd {
         Crowd { first, count: 0, duration: 0.0, along: [0.0; POWERS], travel: [Vector::zeros(); POWERS] }
     }
 
-    /// These pulses, of which the first has the index `first`.
-    fn of(pulses: &[Pulse], first: usize, segments: &Segments) -> Crowd {
-        let mut whole = Crowd::none(first);
-        for (index, pulse) in pulses.iter().enumerate().rev() {
-            whole.add_before(&Crowd::of_one(pulse, first + index, &segments.at(pulse.segment as usize)));
+    /// The pulses with these indices.
+    fn of(pulses: &Pulses, range: Range<usize>, segments: &Segments) -> Crowd {
+        let mut whole = Crowd::none(range.start);
+        for index in range.rev() {
+            let pulse = pulses.at(index);
+            whole.add_before(&Crowd::of_one(&pulse, index, &segments.at(pulse.segment as usize)));
         }
         whole
     }

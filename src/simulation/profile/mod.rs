@@ -22,7 +22,7 @@ pub use samples::{Resolution, Samples};
 pub use state::{Dynamics, Moment, State};
 pub use steps::Steps;
 
-use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulse, Stretch, retiming::lost, running_sum};
+use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulses, Stretch, retiming::lost, running_sum};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::profile::crowds::Crowds;
 use crate::simulation::toolpath::{Point, Segments, Toolpath};
@@ -44,7 +44,7 @@ pub struct Profile<'a> {
 #[derive(Clone, Copy)]
 pub struct Motion<'a> {
     segments: &'a Segments,
-    pulses: &'a [Pulse],
+    pulses: &'a Pulses,
     filter: &'a FilterChain,
     distances: &'a [f64],
     pulse_starts: &'a [f64],
@@ -66,7 +66,7 @@ impl<'a> Profile<'a> {
         // Where a stretch ends is entered and taken back.
         let mut pulse_starts = Vec::with_capacity(plan.pulses.len() + 1);
         for stretch in plan.stretches() {
-            let durations = plan.pulses[stretch.pulses.clone()].iter().map(|pulse| pulse.duration);
+            let durations = stretch.pulses.clone().map(|pulse| plan.pulses.duration(pulse));
             pulse_starts.push(0.0);
             pulse_starts.extend(running_sum(durations));
             pulse_starts.pop();
@@ -190,7 +190,7 @@ impl Motion<'_> {
     /// How long the command lasts, s.
     pub fn command_time(&self) -> f64 {
         let last = self.end_pulse - 1;
-        self.pulse_starts[last] + self.pulses[last].duration
+        self.pulse_starts[last] + self.pulses.duration(last)
     }
 
     /// How long the motion lasts, s: the command and the filter delay.
@@ -247,7 +247,9 @@ mod tests {
         let profile = Profile::new(&toolpath, &plan);
         let is_close = |room: usize, needed: usize| (needed..needed + needed / 20).contains(&room);
         assert!(4800 < toolpath.segments.len());
-        assert!(is_close(plan.pulses.capacity(), plan.pulses.len()), "{}", plan.pulses.capacity());
+        for (room, needed) in plan.pulses.room() {
+            assert!(is_close(room, needed), "{room} for {needed}");
+        }
         assert!(is_close(profile.pulse_starts.capacity(), plan.pulses.len()));
         assert!(is_close(profile.distances.capacity(), toolpath.segments.len()));
     }

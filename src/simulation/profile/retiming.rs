@@ -314,7 +314,7 @@ fn next_time(motion: &Motion, time: f64) -> f64 {
     let (fewest, most) = SAMPLES_PER_DELAY;
     let step = time + (shortest / SAMPLES_PER_FILTER).clamp(delay / most, delay / fewest);
     let moment = motion.moment(time);
-    let pulse = &motion.pulses[moment.pulse];
+    let pulse = motion.pulses.at(moment.pulse);
     if moment.elapsed < delay {
         return step;
     }

@@ -111,7 +111,7 @@ impl Profile<'_> {
                     let segments = stretch.segments.clone();
                     segments_before = segments.end;
                     let commands =
-                        self.plan.pulses[stretch.pulses.clone()].iter().flat_map(|pulse| pulse.feedrate);
+                        self.plan.pulses.range(stretch.pulses.clone()).flat_map(|pulse| pulse.feedrate);
                     let mut sampler = Sampler {
                         motion: self.motion(stretch),
                         resolution,
@@ -219,7 +219,7 @@ impl Sampler<'_> {
         let knots = self.motion.knots;
         let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));
         let edge = edge.map_or(f64::INFINITY, |knot| knot.filtered);
-        let pulse = &self.motion.pulses[last.moment.pulse];
+        let pulse = self.motion.pulses.at(last.moment.pulse);
         if last.moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
             return step;
         }

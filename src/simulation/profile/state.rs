@@ -280,7 +280,7 @@ impl Motion<'_> {
         add_crowd: impl Fn(&mut T, &Crowd, &Expansion),
     ) -> Oldest {
         let delay = self.filter.delay();
-        let mut younger = moment.elapsed - self.pulses[moment.pulse].duration;
+        let mut younger = moment.elapsed - self.pulses.duration(moment.pulse);
         // One past the pulse that is next.
         let mut next = moment.pulse + 1;
         while self.first_pulse < next {
@@ -293,7 +293,7 @@ impl Motion<'_> {
                 continue;
             }
             let index = next - 1;
-            let pulse = &self.pulses[index];
+            let pulse = self.pulses.at(index);
             let segment = pulse.segment as usize;
             let older = if index == moment.pulse { moment.elapsed } else { younger + pulse.duration };
             let [first, last] = pulse.feedrate;
@@ -310,7 +310,7 @@ impl Motion<'_> {
             younger = older;
             next = index;
         }
-        Oldest { segment: self.pulses[self.first_pulse].segment as usize, offset: 0.0 }
+        Oldest { segment: self.pulses.segment(self.first_pulse), offset: 0.0 }
     }
 
     /// How many pulses and crowds a state is made of.

@@ -49,7 +49,7 @@ impl<'a> Steps<'a> {
         if !self.motion.crowds.is_empty() {
             return None;
         }
-        let since_end = moment.elapsed - pulses[moment.pulse].duration;
+        let since_end = moment.elapsed - pulses.duration(moment.pulse);
         let (mut border, mut age) =
             if 0.0 < since_end { (moment.pulse + 1, since_end) } else { (moment.pulse, moment.elapsed) };
         let (mut travel, mut rate) = (Rate::zeros(), Rate::zeros());
@@ -62,7 +62,7 @@ impl<'a> Steps<'a> {
                 return Some(self.state_from(first_pulse, 0.0, travel, rate));
             }
             border -= 1;
-            age += pulses[border].duration;
+            age += pulses.duration(border);
         }
         if border == end_pulse {
             return None;
@@ -76,7 +76,7 @@ impl<'a> Steps<'a> {
     /// The state where the command was so far (`way`, mm) beyond the beginning of a pulse one delay ago, and the tool has
     /// travelled on from there (mm), to this rate.
     fn state_from(&self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> State {
-        let pulse = &self.motion.pulses[pulse];
+        let pulse = self.motion.pulses.at(pulse);
         let (segment, offset) = (pulse.segment as usize, pulse.offset + way);
         State {
             distance: self.motion.distances[segment] + offset + travel.w,
@@ -106,7 +106,7 @@ impl Motion<'_> {
 
     /// The command of a pulse that is even along a line.
     fn even_rate(&self, pulse: usize) -> Option<Rate> {
-        let pulse = &self.pulses[pulse];
+        let pulse = self.pulses.at(pulse);
         let segment = pulse.segment as usize;
         let [first, last] = pulse.feedrate;
         (first == last && *self.segments.curve(segment) == Curve::Line)

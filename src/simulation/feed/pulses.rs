@@ -1,0 +1,295 @@
+//! The pulses of a plan as they are kept: 24 bytes each.
+//!
+//! A long program has one and a half pulses a segment, and the memory they take is what planning waits for. Two thirds of
+//! them begin where their segment does and are even, so that a single feedrate says all of them; what the others have, an
+//! offset or another feedrate at the end, lies in a list of its own. A pulse is put together whenever it is read, bit for
+//! bit as it was pushed.
+//!
+//! Limits: no more than 2³² − 1 pulses that do not begin with their segment or are not even.
+
+use crate::simulation::feed::Pulse;
+use std::collections::TryReserveError;
+use std::fmt;
+use std::ops::Range;
+
+/// The pulses of a plan in order.
+#[derive(Clone, Default)]
+pub struct Pulses {
+    kept: Vec<Kept>,
+    /// Of the pulses that have it, in their order.
+    beside: Vec<Beside>,
+}
+
+/// One pulse without what few have.
+#[derive(Clone)]
+struct Kept {
+    segment: u32,
+    /// The index of what lies beside; [`ABSENT`] where nothing does.
+    beside: u32,
+    /// s.
+    duration: f64,
+    /// At its beginning, mm/s.
+    feedrate: f64,
+}
+
+const _: () = assert!(size_of::<Kept>() == 24);
+
+/// What few pulses have.
+#[derive(Clone)]
+struct Beside {
+    /// Distance from the start of the segment, mm.
+    offset: f64,
+    /// The bits in which the feedrates at its beginning and at its end differ.
+    change: u64,
+}
+
+/// No index.
+const ABSENT: u32 = u32::MAX;
+
+/// What stands for the absent, so that all pulses are put together alike: which of them have something beside the
+/// processor would guess wrong too often.
+const NOTHING: Beside = Beside { offset: 0.0, change: 0 };
+
+impl Pulses {
+    /// How many there are.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// The pulse with this index. Panics beyond the end.
+    #[inline]
+    pub fn at(&self, index: usize) -> Pulse {
+        let kept = &self.kept[index];
+        let Beside { offset, change } = *self.beside.get(kept.beside as usize).unwrap_or(&NOTHING);
+        let last = f64::from_bits(kept.feedrate.to_bits() ^ change);
+        Pulse { segment: kept.segment, duration: kept.duration, offset, feedrate: [kept.feedrate, last] }
+    }
+
+    /// The index of the segment of the pulse with this index. This and the next are for where so many are looked at that
+    /// even to put a pulse together takes time. Panics beyond the end.
+    #[inline]
+    pub fn segment(&self, index: usize) -> usize {
+        self.kept[index].segment as usize
+    }
+
+    /// The duration of the pulse with this index, s. Panics beyond the end.
+    #[inline]
+    pub fn duration(&self, index: usize) -> f64 {
+        self.kept[index].duration
+    }
+
+    /// How many pulses there are before those of a segment.
+    pub fn before(&self, segment: usize) -> usize {
+        self.kept.partition_point(|kept| (kept.segment as usize) < segment)
+    }
+
+    /// All pulses in order.
+    #[inline]
+    pub fn iter(&self) -> Iter<'_> {
+        self.range(0..self.len())
+    }
+
+    /// The pulses with these indices, in order. Panics beyond the end.
+    #[inline]
+    pub fn range(&self, range: Range<usize>) -> Iter<'_> {
+        assert!(range.start <= range.end && range.end <= self.len(), "{range:?} of {} pulses", self.len());
+        Iter { pulses: self, left: range }
+    }
+
+    /// The pulses with these indices by their segments: the indices of each. Panics beyond the end.
+    #[inline]
+    pub fn by_segment(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+        let mut end = range.start;
+        self.kept[range].chunk_by(|a, b| a.segment == b.segment).map(move |own| {
+            let begin = end;
+            end += own.len();
+            begin..end
+        })
+    }
+
+    /// Makes room for so many more, if they are like those that are there, and for no more than that. It is an error
+    /// where there is no such room.
+    pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
+        let share = self.beside.len() as f64 / self.len().max(1) as f64;
+        self.kept.try_reserve_exact(additional)?;
+        self.beside.try_reserve_exact((share * additional as f64) as usize)
+    }
+
+    /// Adds a pulse at the end.
+    #[inline]
+    pub fn push(&mut self, pulse: Pulse) {
+        let Pulse { segment, duration, offset, feedrate: [feedrate, last] } = pulse;
+        let change = feedrate.to_bits() ^ last.to_bits();
+        let mut beside = ABSENT;
+        // Also the offset by its bits, as −0.0 = 0.0.
+        if (offset.to_bits(), change) != (0, 0) {
+            beside = self.beside.len() as u32;
+            self.beside.push(Beside { offset, change });
+        }
+        self.kept.push(Kept { segment, beside, duration, feedrate });
+    }
+
+    /// For how many there is room and how many there are, of both lists.
+    #[cfg(test)]
+    pub fn room(&self) -> [(usize, usize); 2] {
+        [(self.kept.capacity(), self.kept.len()), (self.beside.capacity(), self.beside.len())]
+    }
+}
+
+impl Extend<Pulse> for Pulses {
+    fn extend<T: IntoIterator<Item = Pulse>>(&mut self, pulses: T) {
+        let pulses = pulses.into_iter();
+        self.kept.reserve(pulses.size_hint().0);
+        pulses.for_each(|pulse| self.push(pulse));
+    }
+}
+
+impl FromIterator<Pulse> for Pulses {
+    fn from_iter<T: IntoIterator<Item = Pulse>>(pulses: T) -> Pulses {
+        let mut all = Pulses::default();
+        all.extend(pulses);
+        all
+    }
+}
+
+impl PartialEq for Pulses {
+    fn eq(&self, other: &Pulses) -> bool {
+        self.iter().eq(other)
+    }
+}
+
+impl fmt::Debug for Pulses {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_list().entries(self).finish()
+    }
+}
+
+impl<'a> IntoIterator for &'a Pulses {
+    type Item = Pulse;
+    type IntoIter = Iter<'a>;
+
+    #[inline]
+    fn into_iter(self) -> Iter<'a> {
+        self.iter()
+    }
+}
+
+/// Pulses that follow one another.
+#[derive(Clone)]
+pub struct Iter<'a> {
+    pulses: &'a Pulses,
+    /// The indices of those that were not handed out.
+    left: Range<usize>,
+}
+
+impl Iterator for Iter<'_> {
+    type Item = Pulse;
+
+    #[inline]
+    fn next(&mut self) -> Option<Pulse> {
+        self.left.next().map(|index| self.pulses.at(index))
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.left.size_hint()
+    }
+}
+
+impl DoubleEndedIterator for Iter<'_> {
+    #[inline]
+    fn next_back(&mut self) -> Option<Pulse> {
+        self.left.next_back().map(|index| self.pulses.at(index))
+    }
+}
+
+impl ExactSizeIterator for Iter<'_> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many pulses, each kind of offset with each kind of feedrates, and ever more of a segment.
+    fn pulses(count: u32) -> Vec<Pulse> {
+        let pulse = |number: u32| {
+            let (first, last) = (f64::from(number) / 7.0 + 0.1, f64::from(number) / 3.0 + 0.2);
+            let offsets = [0.0, -0.0, first];
+            let feedrates =
+                [[first; 2], [first, last], [0.0, last], [0.0; 2], [-0.0; 2], [0.0, -0.0], [-0.0, 0.0]];
+            Pulse {
+                segment: number.isqrt(),
+                duration: first + last,
+                offset: offsets[number as usize % offsets.len()],
+                feedrate: feedrates[number as usize % feedrates.len()],
+            }
+        };
+        (0..count).map(pulse).collect()
+    }
+
+    /// All that a pulse is, with −0.0 told from 0.0.
+    fn bits(pulse: Pulse) -> (u32, [u64; 4]) {
+        let Pulse { segment, duration, offset, feedrate: [first, last] } = pulse;
+        (segment, [duration, offset, first, last].map(f64::to_bits))
+    }
+
+    #[test]
+    fn what_is_pushed_is_read_bit_for_bit() {
+        for count in [0, 1, 2, 100, 5000] {
+            let expected = pulses(count);
+            let (begin, end) = expected.split_at(expected.len() / 2);
+            let mut kept: Pulses = begin.iter().copied().collect();
+            kept.extend(end.iter().copied());
+            assert_eq!((kept.len(), kept.is_empty()), (expected.len(), expected.is_empty()));
+            for (index, &pulse) in expected.iter().enumerate() {
+                assert_eq!(bits(kept.at(index)), bits(pulse));
+                assert_eq!(kept.segment(index), pulse.segment as usize);
+                assert_eq!(kept.duration(index), pulse.duration);
+            }
+        }
+    }
+
+    #[test]
+    fn all_ways_through_them_agree() {
+        let expected = pulses(300);
+        let kept: Pulses = expected.iter().copied().collect();
+        assert!(kept.iter().rev().map(bits).eq(expected.iter().rev().copied().map(bits)));
+        for range in [0..0, 0..300, 17..18, 100..250, 300..300] {
+            let own = &expected[range.clone()];
+            assert_eq!(kept.range(range.clone()).len(), own.len());
+            assert!(kept.range(range.clone()).map(bits).eq(own.iter().copied().map(bits)));
+            let chunks = kept.by_segment(range).map(|own| kept.range(own).collect::<Vec<Pulse>>());
+            assert!(chunks.eq(own.chunk_by(|a, b| a.segment == b.segment)));
+        }
+        for segment in 0..expected[299].segment as usize + 2 {
+            let before = expected.iter().filter(|pulse| (pulse.segment as usize) < segment).count();
+            assert_eq!(kept.before(segment), before);
+        }
+    }
+
+    #[test]
+    fn they_are_equal_by_what_they_are() {
+        let expected = pulses(50);
+        let whole: Pulses = expected.iter().copied().collect();
+        let part: Pulses = whole.range(20..50).collect();
+        assert_eq!(part, expected[20..].iter().copied().collect());
+        assert_ne!(part, whole);
+        assert_eq!(format!("{whole:?}"), format!("{expected:?}"));
+    }
+
+    #[test]
+    fn only_what_few_have_lies_beside() {
+        let even = Pulse { segment: 0, duration: 1.0, offset: 0.0, feedrate: [5.0; 2] };
+        let halt = Pulse { feedrate: [0.0; 2], ..even };
+        let mut kept: Pulses = [even, halt, Pulse { offset: 1.0, ..even }, even].into_iter().collect();
+        assert_eq!(kept.room().map(|(_, needed)| needed), [4, 1]);
+        kept.try_reserve_exact(400).expect("there is room");
+        assert_eq!(kept.room().map(|(room, _)| room), [404, 101]);
+    }
+}
