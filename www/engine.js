@@ -13,6 +13,7 @@
  * @property {string | null} dialect  null: the one the program shows
  * @property {Column[]} columns
  * @property {string[]} labels  of the columns
+ * @property {boolean} [runsOnly]  what the program says is told already
  */
 
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
@@ -35,14 +36,14 @@
 /** What the module of the first visit leaves out: what reads a recording, a cutting job or the request of another page. */
 const LATER = new Set(['compare', 'calibrate', 'diagnose', 'cycleTimes', 'cut', 'quote'])
 
-/** A program of this size is sooner computed when the whole module, which is quicker, has come. */
-const LARGE_BYTES = 1_500_000
+/** A program of this size is sooner computed when the whole module, which is quicker, has come, and by several workers. */
+export const LARGE_BYTES = 1_500_000
 
 /** @param {{program?: Blob | Uint8Array}} request */
 const sizeOf = ({ program }) => (program instanceof Blob ? program.size : (program?.length ?? 0))
 
-/** Without a network the small module does as well. @param {unknown} error */
-function unlessCancelled(error) {
+/** Without a network what is here does as well. @param {unknown} error */
+export function unlessCancelled(error) {
   if (error instanceof Ended && error.kind === 'cancelled') throw error
 }
 
@@ -62,6 +63,8 @@ export class Engine {
   #reject = null
   /** Whether the worker holds another module than the next one will. */
   #isOutdated = false
+  /** Whether work that kills a worker is begun again. */
+  #isPatient = true
 
   /** What the worker holds, or the next one will. @type {Compiled} */
   #module
@@ -165,7 +168,7 @@ export class Engine {
     try {
       await this.#attempt(verb, request, hear)
     } catch (error) {
-      if (!(error instanceof Ended) || error.kind !== 'died') throw error
+      if (!(error instanceof Ended) || error.kind !== 'died' || !this.#isPatient) throw error
       await this.#attempt(verb, request, hear)
     }
   }
@@ -180,8 +183,7 @@ export class Engine {
       worker.onmessage = ({ data }) => {
         if (data.type === 'failure') this.#end(data.bug ? 'died' : 'failed', data.message)
         else if (data.type === 'done') {
-          this.#reject = null
-          if (this.#isOutdated) this.#replace()
+          this.#settle()
           resolve(undefined)
         } else hear(data)
       }
@@ -191,14 +193,35 @@ export class Engine {
 
   /** Gets the whole module, which ends a worker that holds a part of it. Cancelling ends the wait, not the download. */
   async #load() {
-    const whole = await new Promise((resolve, reject) => {
+    this.prefer(await this.until(this.whole()))
+  }
+
+  /**
+   * Waits for what is not done by the worker here as if it was: cancelling ends the wait.
+   * @template T
+   * @param {Promise<T>} coming
+   * @returns {Promise<T>}
+   */
+  until(coming) {
+    return new Promise((resolve, reject) => {
       this.#reject = reject
-      this.whole().then(resolve, (error) => {
-        if (this.#reject === reject) this.#end('failed', error.message)
-      })
+      coming.then(
+        (come) => {
+          if (this.#reject === reject) this.#settle()
+          resolve(come)
+        },
+        (error) => {
+          if (this.#reject === reject) this.#end('failed', error.message)
+        },
+      )
     })
-    this.#reject = null
-    this.prefer(whole)
+  }
+
+  /** Another with the same module and a worker of its own, which does not try twice: what it fails at can be done here. */
+  beside() {
+    const other = new Engine(this.#module, this.start, this.whole)
+    other.#isPatient = false
+    return other
   }
 
   /** Makes a worker ready for the next request. */
@@ -214,6 +237,12 @@ export class Engine {
     this.#module = module
     if (this.#reject) this.#isOutdated = true
     else this.#replace()
+  }
+
+  /** Is ready for the next request. */
+  #settle() {
+    this.#reject = null
+    if (this.#isOutdated) this.#replace()
   }
 
   /** Ends a worker that does nothing, for one with the module of now. */

@@ -2,7 +2,7 @@
 
 import { motionOf } from './pkg/truefeed.js'
 import { columnLabel, columnsOf } from './columns.js'
-import { Ended } from './engine.js'
+import { Ended, LARGE_BYTES, unlessCancelled } from './engine.js'
 import { evidence, usable } from './recordings.js'
 import { say } from './texts.js'
 
@@ -89,7 +89,10 @@ export function workOn(state, engine, page) {
     const labels = columns.map(columnLabel)
     return tried(
       async () => {
-        await engine.simulate({ program: program.file, machine, dialect: program.dialect, columns, labels }, listener)
+        const request = { program: program.file, machine, dialect: program.dialect, columns, labels }
+        const gains = 1 < columns.length && 1 < navigator.hardwareConcurrency && LARGE_BYTES < program.file.size
+        const several = gains && (await engine.until(import('./side_by_side.js')).catch(unlessCancelled))
+        await (several ? several.simulate(engine, request, listener) : engine.simulate(request, listener))
         program.outcome = outcome
         program.failure = null
       },

@@ -66,15 +66,17 @@ async function begin(module, isWhole) {
 }
 
 /** @param {SimulateRequest} request */
-async function simulate({ program, machine, dialect, columns, labels }) {
+async function simulate({ program, machine, dialect, columns, labels, runsOnly }) {
   const of = columns.length + 1
   stage('readingProgram', 0, of)
   const job = new glue.Job(await textOf(program), machine, dialect ?? undefined)
-  const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
   const held = job.tolerances()
-  const trail = plain(job.trail(), ['points', 'distance'])
-  const columnsOfProgram = [...Object.values(steps), ...Object.values(trail)]
-  post({ type: 'program', summary: job.summary(), steps, trail, held }, columnsOfProgram)
+  if (!runsOnly) {
+    const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
+    const trail = plain(job.trail(), ['points', 'distance'])
+    const columnsOfProgram = [...Object.values(steps), ...Object.values(trail)]
+    post({ type: 'program', summary: job.summary(), steps, trail, held }, columnsOfProgram)
+  }
   for (const [index, column] of columns.entries()) {
     if (column === null && held.length === 0) continue
     const progress = (/** @type {number} */ part) => stage('simulating', index + 1 + part, of, labels[index])
