@@ -2,7 +2,7 @@
 //!
 //! A long program has one and a half pulses a segment, and the memory they take is what planning waits for. Two thirds of
 //! them begin where their segment does and are even, so that a single feedrate says all of them; what the others have, an
-//! offset or another feedrate at the end, lies in a list of its own. A pulse is put together whenever it is read, bit for
+//! offset or another feedrate at the end, lies in lists of its own. A pulse is put together whenever it is read, bit for
 //! bit as it was pushed.
 //!
 //! Limits: no more than 2³² − 1 pulses that do not begin with their segment or are not even.
@@ -16,15 +16,18 @@ use std::ops::Range;
 #[derive(Clone, Default)]
 pub struct Pulses {
     kept: Vec<Kept>,
-    /// Of the pulses that have it, in their order.
-    beside: Vec<Beside>,
+    /// Distances from the start of the segment, mm, of the pulses that have something beside, in their order.
+    offsets: Vec<f64>,
+    /// The bits in which the feedrates at beginning and end differ, of the first of the same pulses: up to the last that is
+    /// not even, and so of none where commands have no ramps.
+    changes: Vec<u64>,
 }
 
 /// One pulse without what few have.
 #[derive(Clone)]
 struct Kept {
     segment: u32,
-    /// The index of what lies beside; [`ABSENT`] where nothing does.
+    /// The index of what lies beside; [`NOTHING`] where nothing does.
     beside: u32,
     /// s.
     duration: f64,
@@ -34,21 +37,9 @@ struct Kept {
 
 const _: () = assert!(size_of::<Kept>() == 24);
 
-/// What few pulses have.
-#[derive(Clone)]
-struct Beside {
-    /// Distance from the start of the segment, mm.
-    offset: f64,
-    /// The bits in which the feedrates at its beginning and at its end differ.
-    change: u64,
-}
-
-/// No index.
-const ABSENT: u32 = u32::MAX;
-
-/// What stands for the absent, so that all pulses are put together alike: which of them have something beside the
+/// No index: beyond both lists, so that all pulses are put together alike. Which of them have something beside the
 /// processor would guess wrong too often.
-const NOTHING: Beside = Beside { offset: 0.0, change: 0 };
+const NOTHING: u32 = u32::MAX;
 
 impl Pulses {
     /// How many there are.
@@ -67,7 +58,9 @@ impl Pulses {
     #[inline]
     pub fn at(&self, index: usize) -> Pulse {
         let kept = &self.kept[index];
-        let Beside { offset, change } = *self.beside.get(kept.beside as usize).unwrap_or(&NOTHING);
+        let beside = kept.beside as usize;
+        let offset = self.offsets.get(beside).copied().unwrap_or_default();
+        let change = self.changes.get(beside).copied().unwrap_or_default();
         let last = f64::from_bits(kept.feedrate.to_bits() ^ change);
         Pulse { segment: kept.segment, duration: kept.duration, offset, feedrate: [kept.feedrate, last] }
     }
@@ -117,9 +110,11 @@ impl Pulses {
     /// Makes room for so many more, if they are like those that are there, and for no more than that. It is an error
     /// where there is no such room.
     pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
-        let share = self.beside.len() as f64 / self.len().max(1) as f64;
+        let more = |of: usize| (of as f64 / self.len().max(1) as f64 * additional as f64) as usize;
+        let (offsets, changes) = (more(self.offsets.len()), more(self.changes.len()));
         self.kept.try_reserve_exact(additional)?;
-        self.beside.try_reserve_exact((share * additional as f64) as usize)
+        self.offsets.try_reserve_exact(offsets)?;
+        self.changes.try_reserve_exact(changes)
     }
 
     /// Adds a pulse at the end.
@@ -127,19 +122,28 @@ impl Pulses {
     pub fn push(&mut self, pulse: Pulse) {
         let Pulse { segment, duration, offset, feedrate: [feedrate, last] } = pulse;
         let change = feedrate.to_bits() ^ last.to_bits();
-        let mut beside = ABSENT;
+        let mut beside = NOTHING;
         // Also the offset by its bits, as −0.0 = 0.0.
         if (offset.to_bits(), change) != (0, 0) {
-            beside = self.beside.len() as u32;
-            self.beside.push(Beside { offset, change });
+            beside = self.offsets.len() as u32;
+            if change != 0 {
+                self.changes.resize(self.offsets.len(), 0);
+                self.changes.push(change);
+            }
+            self.offsets.push(offset);
         }
         self.kept.push(Kept { segment, beside, duration, feedrate });
     }
 
-    /// For how many there is room and how many there are, of both lists.
+    /// For how many there is room and how many there are, of all lists.
     #[cfg(test)]
-    pub fn room(&self) -> [(usize, usize); 2] {
-        [(self.kept.capacity(), self.kept.len()), (self.beside.capacity(), self.beside.len())]
+    pub fn room(&self) -> [(usize, usize); 3] {
+        let Pulses { kept, offsets, changes } = self;
+        [
+            (kept.capacity(), kept.len()),
+            (offsets.capacity(), offsets.len()),
+            (changes.capacity(), changes.len()),
+        ]
     }
 }
 
@@ -288,8 +292,10 @@ mod tests {
         let even = Pulse { segment: 0, duration: 1.0, offset: 0.0, feedrate: [5.0; 2] };
         let halt = Pulse { feedrate: [0.0; 2], ..even };
         let mut kept: Pulses = [even, halt, Pulse { offset: 1.0, ..even }, even].into_iter().collect();
-        assert_eq!(kept.room().map(|(_, needed)| needed), [4, 1]);
+        assert_eq!(kept.room().map(|(_, needed)| needed), [4, 1, 0]);
         kept.try_reserve_exact(400).expect("there is room");
-        assert_eq!(kept.room().map(|(room, _)| room), [404, 101]);
+        assert_eq!(kept.room().map(|(room, _)| room), [404, 101, 0]);
+        kept.push(Pulse { feedrate: [5.0, 6.0], ..even });
+        assert_eq!(kept.room().map(|(_, needed)| needed), [5, 2, 2]);
     }
 }

@@ -245,7 +245,7 @@ mod tests {
         let toolpath = trace(&read(text.as_bytes()), &machine);
         let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
         let profile = Profile::new(&toolpath, &plan);
-        let is_close = |room: usize, needed: usize| (needed..needed + needed / 20).contains(&room);
+        let is_close = |room: usize, needed: usize| (needed..=needed + needed / 20).contains(&room);
         assert!(4800 < toolpath.segments.len());
         for (room, needed) in plan.pulses.room() {
             assert!(is_close(room, needed), "{room} for {needed}");
