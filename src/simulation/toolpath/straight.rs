@@ -6,7 +6,8 @@
 //!
 //! Where something turns up that touches what was run before, the whole program is read: whatever leads elsewhere or
 //! is to be worked out; behind the first part, a sign of a tape, which makes the P of a dwell milliseconds; a
-//! diameter told by a comment after one was looked for. Heidenhain programs nearly always have some of it.
+//! diameter told by a comment after one was looked for. Heidenhain programs nearly always have some of it, and
+//! subprograms at their end.
 
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Options, Parts, read_with};
@@ -30,12 +31,13 @@ pub fn trace_text(text: Vec<u8>, options: &Options, machine: &Machine) -> Toolpa
 /// The toolpath of a program that goes straight on, read in parts of so many lines; none of others.
 pub fn trace_straight(text: &[u8], options: &Options, machine: &Machine, lines: u32) -> Option<Toolpath> {
     let mut parts = Parts::new(text, options);
-    if matches!(parts.part().dialect, Dialect::Klartext | Dialect::HeidenhainIso) {
+    let dialect = parts.part().dialect;
+    if matches!(dialect, Dialect::Klartext | Dialect::HeidenhainIso) || goes_back_at_its_end(text, dialect) {
         return None;
     }
     parts.next_part(lines);
     let is_tape = parts.part().is_tape;
-    let mut tracer = Tracer::new(machine, parts.part().dialect, is_tape);
+    let mut tracer = Tracer::new(machine, dialect, is_tape);
     // Most blocks of a long program are one move each.
     tracer.toolpath.segments.try_reserve_exact(parts.expected_blocks()).ok();
     let (mut heard, mut rest) = (0, None);
@@ -64,6 +66,17 @@ pub fn trace_straight(text: &[u8], options: &Options, machine: &Machine, lines: 
     }
     tracer.tell_rest(rest);
     Some(tracer.finish(&parts.finish()))
+}
+
+/// So many bytes at the end of a text are looked at first.
+const END: usize = 1_000;
+
+/// Whether the last lines lead elsewhere: a long pass is often a subprogram, whose last block goes back, and would
+/// otherwise be run in vain.
+fn goes_back_at_its_end(text: &[u8], dialect: Dialect) -> bool {
+    let end = &text[text.len().saturating_sub(END)..];
+    let whole_lines = end.iter().position(|byte| *byte == b'\n').map_or(end, |at| &end[at..]);
+    !read_with(whole_lines, &Options { dialect: Some(dialect), ..Options::default() }).flow.is_empty()
 }
 
 #[cfg(test)]
@@ -100,6 +113,23 @@ mod tests {
     }
 
     #[test]
+    fn a_subprogram_is_told_by_its_end() {
+        let pass = "G1 X1 F500\nX2\n".repeat(1000);
+        for (dialect, end, goes_back) in [
+            (Dialect::Iso, "M99\n%\n", true),
+            (Dialect::Iso, "M30\n%\n", false),
+            (Dialect::Iso, "", false),
+            (Dialect::Siemens, "RET\n", true),
+            (Dialect::Siemens, "M17\n", true),
+            (Dialect::Siemens, "M30\n", false),
+        ] {
+            let text = format!("{pass}{end}");
+            assert_eq!(goes_back_at_its_end(text.as_bytes(), dialect), goes_back, "{dialect:?}, {end:?}");
+        }
+        assert!(!goes_back_at_its_end(b"", Dialect::Iso));
+    }
+
+    #[test]
     fn what_touches_the_blocks_before_is_read_whole() {
         for text in [
             "G1 X1 F500\nM98 P7\nM30\nO7\nX2\nM99\n",
@@ -108,6 +138,7 @@ mod tests {
             "G1 X1 F500\nX2\n%\nX3\nM30\n%\n",
             "O7\nG1 X1 F500\nX2\n%\nX3\nM30\n%\n",
             "T1 M6\nG41 D1 G1 X10 F500\nY20\n(T1 D=10. END MILL)\n",
+            "G1 X1 F500\nX2\nM99\n",
         ] {
             assert!(in_parts(text, 1).is_none(), "{text:?}");
         }
