@@ -60,8 +60,12 @@ impl<'a> Parts<'a> {
     /// Reads the next part of so many lines, and forgets words and blocks of the one before; false at the end of
     /// the program.
     pub fn next_part(&mut self, lines: u32) -> bool {
+        let is_first = self.read == 0;
         self.reader.forget_blocks();
-        self.read_on(lines)
+        let has_more = self.read_on(lines);
+        // Of the first part nothing was handed out before.
+        self.reader.began_anew &= !is_first;
+        has_more
     }
 
     /// The program with the blocks of the part read last; of what is no block, with all that was read so far.
@@ -151,7 +155,7 @@ pub(super) struct Reader<'a> {
     pub(super) before: [usize; 4],
     /// Blocks that were read and forgotten.
     forgotten: u32,
-    /// A `%` line came after blocks that are forgotten, which were none of the program.
+    /// A `%` line came behind the first part: what was read before does not belong to the program.
     began_anew: bool,
 }
 
@@ -202,7 +206,8 @@ impl<'a> Reader<'a> {
         }
         self.opened = true;
         let blocks = self.index() as usize;
-        self.began_anew = 0 < std::mem::take(&mut self.forgotten);
+        self.forgotten = 0;
+        self.began_anew = true;
         self.program = Program { dialect: self.program.dialect, is_tape: true, ..Program::default() };
         self.names = Names::default();
         self.structures = Structures::default();

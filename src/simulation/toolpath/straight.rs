@@ -112,6 +112,15 @@ mod tests {
         }
     }
 
+    /// Comments before the `%` line are none of the program; LinuxCNC's are no tape.
+    #[test]
+    fn a_leader_without_blocks_is_given_up() {
+        let text = b"(T1 D=10. LEADER)\n%\nG1 X1 F500\nM2\n%\n";
+        let options = Options { dialect: Some(Dialect::LinuxCnc), ..Options::default() };
+        assert!(trace_straight(text, &options, &Machine::default(), 1).is_none());
+        assert!(trace_straight(text, &options, &Machine::default(), 9).is_some());
+    }
+
     #[test]
     fn a_subprogram_is_told_by_its_end() {
         let pass = "G1 X1 F500\nX2\n".repeat(1000);
