@@ -7,6 +7,7 @@ use std::path::Path;
 const FLOW: &[&str] = &[
     "units",
     "machine",
+    "simulation/compact",
     "simulation/gcode",
     "simulation/toolpath",
     "simulation/filter",

@@ -1,5 +1,6 @@
 //! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile.
 
+pub mod compact;
 pub mod gcode;
 pub mod toolpath;
 pub mod filter;

@@ -7,14 +7,17 @@
 //!
 //! Limits: no more than 2³² − 1 pulses that do not begin with their segment or are not even.
 
+use crate::simulation::compact::{Compact, Keep};
 use crate::simulation::feed::Pulse;
 use std::collections::TryReserveError;
-use std::fmt;
 use std::ops::Range;
 
 /// The pulses of a plan in order.
+pub type Pulses = Compact<KeptPulses>;
+
+/// How pulses are kept.
 #[derive(Clone, Default)]
-pub struct Pulses {
+pub struct KeptPulses {
     kept: Vec<Kept>,
     /// Distances from the start of the segment, mm, of the pulses that have something beside, in their order.
     offsets: Vec<f64>,
@@ -41,30 +44,7 @@ const _: () = assert!(size_of::<Kept>() == 24);
 /// processor would guess wrong too often.
 const NOTHING: u32 = u32::MAX;
 
-impl Pulses {
-    /// How many there are.
-    #[inline]
-    pub fn len(&self) -> usize {
-        self.kept.len()
-    }
-
-    /// Whether there are none.
-    #[inline]
-    pub fn is_empty(&self) -> bool {
-        self.kept.is_empty()
-    }
-
-    /// The pulse with this index. Panics beyond the end.
-    #[inline]
-    pub fn at(&self, index: usize) -> Pulse {
-        let kept = &self.kept[index];
-        let beside = kept.beside as usize;
-        let offset = self.offsets.get(beside).copied().unwrap_or_default();
-        let change = self.changes.get(beside).copied().unwrap_or_default();
-        let last = f64::from_bits(kept.feedrate.to_bits() ^ change);
-        Pulse { segment: kept.segment, duration: kept.duration, offset, feedrate: [kept.feedrate, last] }
-    }
-
+impl KeptPulses {
     /// The index of the segment of the pulse with this index. This and the next are for where so many are looked at that
     /// even to put a pulse together takes time. Panics beyond the end.
     #[inline]
@@ -83,19 +63,6 @@ impl Pulses {
         self.kept.partition_point(|kept| (kept.segment as usize) < segment)
     }
 
-    /// All pulses in order.
-    #[inline]
-    pub fn iter(&self) -> Iter<'_> {
-        self.range(0..self.len())
-    }
-
-    /// The pulses with these indices, in order. Panics beyond the end.
-    #[inline]
-    pub fn range(&self, range: Range<usize>) -> Iter<'_> {
-        assert!(range.start <= range.end && range.end <= self.len(), "{range:?} of {} pulses", self.len());
-        Iter { pulses: self, left: range }
-    }
-
     /// The pulses with these indices by their segments: the indices of each. Panics beyond the end.
     #[inline]
     pub fn by_segment(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
@@ -110,16 +77,45 @@ impl Pulses {
     /// Makes room for so many more, if they are like those that are there, and for no more than that. It is an error
     /// where there is no such room.
     pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
-        let more = |of: usize| (of as f64 / self.len().max(1) as f64 * additional as f64) as usize;
+        let more = |of: usize| (of as f64 / self.count().max(1) as f64 * additional as f64) as usize;
         let (offsets, changes) = (more(self.offsets.len()), more(self.changes.len()));
         self.kept.try_reserve_exact(additional)?;
         self.offsets.try_reserve_exact(offsets)?;
         self.changes.try_reserve_exact(changes)
     }
 
-    /// Adds a pulse at the end.
+    /// For how many there is room and how many there are, of all lists.
+    #[cfg(test)]
+    pub fn room(&self) -> [(usize, usize); 3] {
+        let KeptPulses { kept, offsets, changes } = self;
+        [
+            (kept.capacity(), kept.len()),
+            (offsets.capacity(), offsets.len()),
+            (changes.capacity(), changes.len()),
+        ]
+    }
+}
+
+impl Keep for KeptPulses {
+    type Item = Pulse;
+
     #[inline]
-    pub fn push(&mut self, pulse: Pulse) {
+    fn count(&self) -> usize {
+        self.kept.len()
+    }
+
+    #[inline]
+    fn at(&self, index: usize) -> Pulse {
+        let kept = &self.kept[index];
+        let beside = kept.beside as usize;
+        let offset = self.offsets.get(beside).copied().unwrap_or_default();
+        let change = self.changes.get(beside).copied().unwrap_or_default();
+        let last = f64::from_bits(kept.feedrate.to_bits() ^ change);
+        Pulse { segment: kept.segment, duration: kept.duration, offset, feedrate: [kept.feedrate, last] }
+    }
+
+    #[inline]
+    fn push(&mut self, pulse: Pulse) {
         let Pulse { segment, duration, offset, feedrate: [feedrate, last] } = pulse;
         let change = feedrate.to_bits() ^ last.to_bits();
         let mut beside = NOTHING;
@@ -135,86 +131,10 @@ impl Pulses {
         self.kept.push(Kept { segment, beside, duration, feedrate });
     }
 
-    /// For how many there is room and how many there are, of all lists.
-    #[cfg(test)]
-    pub fn room(&self) -> [(usize, usize); 3] {
-        let Pulses { kept, offsets, changes } = self;
-        [
-            (kept.capacity(), kept.len()),
-            (offsets.capacity(), offsets.len()),
-            (changes.capacity(), changes.len()),
-        ]
+    fn reserve(&mut self, additional: usize) {
+        self.kept.reserve(additional);
     }
 }
-
-impl Extend<Pulse> for Pulses {
-    fn extend<T: IntoIterator<Item = Pulse>>(&mut self, pulses: T) {
-        let pulses = pulses.into_iter();
-        self.kept.reserve(pulses.size_hint().0);
-        pulses.for_each(|pulse| self.push(pulse));
-    }
-}
-
-impl FromIterator<Pulse> for Pulses {
-    fn from_iter<T: IntoIterator<Item = Pulse>>(pulses: T) -> Pulses {
-        let mut all = Pulses::default();
-        all.extend(pulses);
-        all
-    }
-}
-
-impl PartialEq for Pulses {
-    fn eq(&self, other: &Pulses) -> bool {
-        self.iter().eq(other)
-    }
-}
-
-impl fmt::Debug for Pulses {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_list().entries(self).finish()
-    }
-}
-
-impl<'a> IntoIterator for &'a Pulses {
-    type Item = Pulse;
-    type IntoIter = Iter<'a>;
-
-    #[inline]
-    fn into_iter(self) -> Iter<'a> {
-        self.iter()
-    }
-}
-
-/// Pulses that follow one another.
-#[derive(Clone)]
-pub struct Iter<'a> {
-    pulses: &'a Pulses,
-    /// The indices of those that were not handed out.
-    left: Range<usize>,
-}
-
-impl Iterator for Iter<'_> {
-    type Item = Pulse;
-
-    #[inline]
-    fn next(&mut self) -> Option<Pulse> {
-        self.left.next().map(|index| self.pulses.at(index))
-    }
-
-    #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        self.left.size_hint()
-    }
-}
-
-impl DoubleEndedIterator for Iter<'_> {
-    #[inline]
-    fn next_back(&mut self) -> Option<Pulse> {
-        self.left.next_back().map(|index| self.pulses.at(index))
-    }
-}
-
-impl ExactSizeIterator for Iter<'_> {}
 
 #[cfg(test)]
 mod tests {

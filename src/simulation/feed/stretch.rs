@@ -44,8 +44,9 @@ pub(super) fn add_stretch(
     let chain = &filters[filter];
     let stretch = Planned { toolpath, machine, rule, filter: chain, law: CornerLaw::new(chain), range };
     stretch.look_ahead(feedrates, &asked);
-    let Corners { blends, lowered } = stretch.corners(feedrates, corner_feedrates);
+    let Corners { mut blends, lowered } = stretch.corners(feedrates, corner_feedrates);
     if machine.interpolator.junction == Junction::AccelerationBlend {
+        blends.push(Blend::none(0.0));
         let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &blends);
         pulses.extend(blended);
         corner_feedrates.truncate(first_corner);
@@ -65,8 +66,6 @@ pub(super) fn add_stretch(
 struct Asked {
     /// Accelerations, mm/s²; empty where nothing depends on them.
     accelerations: Vec<f64>,
-    /// The command keeps them; otherwise they act behind the filters.
-    limits_command: bool,
     /// The feedrate requested on the first segment, mm/s.
     first: f64,
     /// The largest feedrate requested, mm/s.
@@ -77,8 +76,7 @@ impl Asked {
     /// Adds to `feedrates` those asked for with every limit but the tolerance, mm/s.
     fn of(toolpath: &Toolpath, range: Range<usize>, machine: &Machine, feedrates: &mut Vec<f64>) -> Asked {
         let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
-        let limits_command = machine.limits_command();
-        let has_accelerations = limits_command || machine.interpolator.look_ahead.is_finite();
+        let has_accelerations = machine.limits_command() || machine.interpolator.look_ahead.is_finite();
         let (mut accelerations, mut first, mut largest) = (Vec::new(), None, 0.0_f64);
         for segment in toolpath.segments.range(range.clone()) {
             let requested = limits::requested_feedrate(&segment, machine);
@@ -101,7 +99,7 @@ impl Asked {
         if is_blended && !is_stopped_by_mode(toolpath, range.end, machine) {
             accelerations[range.len() - 1] *= 0.5;
         }
-        Asked { accelerations, limits_command, first: first.unwrap_or(0.0), largest }
+        Asked { accelerations, first: first.unwrap_or(0.0), largest }
     }
 
     /// The filters of the stretch that begins with the segment `first`, by index; they are made where there are none
@@ -126,11 +124,6 @@ impl Asked {
             filters.len() - 1
         })
     }
-
-    /// The acceleration limit of the command on a segment of the stretch, mm/s².
-    fn acceleration(&self, i: usize) -> f64 {
-        if self.limits_command { self.accelerations[i] } else { f64::INFINITY }
-    }
 }
 
 /// The stretch being planned; its segments are counted from its first.
@@ -145,7 +138,7 @@ struct Planned<'a> {
 
 /// What is found beside the commands at corners.
 struct Corners {
-    /// Those of all corners, the ends of the stretch included, where junctions are blends.
+    /// Those of all corners where junctions are blends, the beginning of the stretch included.
     blends: Vec<Blend>,
     /// The segments that the tolerance slows, each with the feedrate asked for, mm/s.
     lowered: Vec<(usize, f64)>,
@@ -168,6 +161,11 @@ impl Planned<'_> {
 
     fn length(&self, i: usize) -> f64 {
         self.toolpath.segments.length(self.range.start + i)
+    }
+
+    /// The acceleration limit of the command on a segment, mm/s²; elsewhere accelerations act behind the filters.
+    fn acceleration(&self, i: usize, asked: &Asked) -> f64 {
+        if self.machine.limits_command() { asked.accelerations[i] } else { f64::INFINITY }
     }
 
     /// Lowers feedrates (mm/s) from which the motion could not stop within the blocks the control sees.
@@ -259,24 +257,24 @@ impl Planned<'_> {
         let legs = feedrates.iter().zip(accelerations).enumerate();
         let leg = |(i, (&feedrate, &acceleration))| Leg { length: self.length(i), feedrate, acceleration };
         let legs: Vec<Leg> = legs.map(leg).collect();
-        blend::pulses(&legs, &[blends, &[Blend::none(0.0)]].concat(), self.range.start)
+        blend::pulses(&legs, blends, self.range.start)
     }
 
     /// The ramp of constant jerk by which the command of a segment changes, where it does.
     fn ramp(&self, i: usize, asked: &Asked) -> Option<Ramp> {
-        let ramp = Ramp::of(self.machine, asked.acceleration(i))?;
+        let ramp = Ramp::of(self.machine, self.acceleration(i, asked))?;
         (!positioning::applies(&self.segment(i), self.machine)).then_some(ramp)
     }
 
     /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
     /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
     fn reach(&self, corners: &mut [f64], asked: &Asked) {
-        if !asked.limits_command && self.machine.path.jerk == f64::INFINITY {
+        if !self.machine.limits_command() && self.machine.path.jerk == f64::INFINITY {
             return;
         }
         let reach = |from: f64, to: f64, i: usize| match self.ramp(i, asked) {
             Some(ramp) => ramp.reach(from, self.length(i), to),
-            None => (from * from + 2.0 * asked.acceleration(i) * self.length(i)).sqrt(),
+            None => (from * from + 2.0 * self.acceleration(i, asked) * self.length(i)).sqrt(),
         };
         let mut before = 0.0;
         for (i, corner) in corners.iter_mut().enumerate() {
@@ -332,7 +330,7 @@ impl Planned<'_> {
                     parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
                 }
                 None => {
-                    let acceleration = asked.acceleration(i);
+                    let acceleration = self.acceleration(i, asked);
                     let parts = block::parts(segment.length, feedrate, acceleration, ends[0], ends[1]);
                     parts.into_iter().for_each(&mut add);
                 }

@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8]) -> Program {
 pub fn read_with(bytes: &[u8], options: &Options) -> Program {
     let mut parts = Parts::new(bytes, options);
     if parts.read_on(FIRST_LINES) {
-        parts.reader.make_room(parts.text.len(), parts.read);
+        parts.make_room();
         parts.read_on(u32::MAX);
     }
     parts.finish()
@@ -82,8 +82,24 @@ impl<'a> Parts<'a> {
 
     /// How many blocks the whole program has, if the rest of it is like what was read.
     pub fn expected_blocks(&self) -> usize {
-        let whole = self.text.len() as f64 / self.read.max(1) as f64;
-        (1.02 * whole * f64::from(self.reader.index())) as usize
+        let blocks = self.reader.index() as usize;
+        blocks + self.more(blocks)
+    }
+
+    /// How many more the rest of the text has of what there are so many of in what was read, a little more than less.
+    fn more(&self, count: usize) -> usize {
+        let rest = 1.02 * (self.text.len() as f64 / self.read.max(1) as f64 - 1.0);
+        (rest * count as f64) as usize
+    }
+
+    /// Makes room for the rest of the text: lists that grow by doubling would for a moment take three times their size. It
+    /// is a guess, and does no harm where there is no such room.
+    fn make_room(&mut self) {
+        let Program { words, blocks, .. } = self.part();
+        let (more_words, more_blocks) = (self.more(words.len()), self.more(blocks.len()));
+        let Program { words, blocks, .. } = &mut self.reader.program;
+        words.try_reserve_exact(more_words).ok();
+        blocks.try_reserve_exact(more_blocks).ok();
     }
 
     /// The program; words and blocks are those of the part read last.
@@ -152,7 +168,7 @@ pub(super) struct Reader<'a> {
     /// A `%` line was seen.
     opened: bool,
     /// Words and formulas before the block being read.
-    pub(super) before: [usize; 4],
+    before: [usize; 4],
     /// Blocks that were read and forgotten.
     forgotten: u32,
     /// A `%` line came behind the first part: what was read before does not belong to the program.
@@ -178,17 +194,6 @@ impl<'a> Reader<'a> {
             forgotten: 0,
             began_anew: false,
         }
-    }
-
-    /// Makes room for the rest of a text of `size` bytes, of which so many were read: lists that grow by doubling
-    /// would for a moment take three times their size. It is a guess, and does no harm where there is no such room.
-    fn make_room(&mut self, size: usize, read: usize) {
-        let rest = 1.02 * (size as f64 / read as f64 - 1.0);
-        let more = |count: usize| (rest * count as f64) as usize;
-        let (words, blocks) = (self.program.words.len(), self.program.blocks.len());
-        let words = self.program.words.try_reserve_exact(more(words));
-        let blocks = self.program.blocks.try_reserve_exact(more(blocks));
-        drop((words, blocks));
     }
 
     /// Its lines are those of ISO, plain ones and `%` lines among them.

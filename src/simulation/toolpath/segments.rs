@@ -7,15 +7,17 @@
 //!
 //! Limits: no more than 2³¹ − 1 segments that are arcs or turn axes; a feedrate is finite, as an infinite one is rapid.
 
+use crate::simulation::compact::{Compact, Keep};
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Vector};
 use std::collections::TryReserveError;
-use std::fmt;
-use std::ops::Range;
 
 /// The segments of a toolpath in order, each beginning where the one before ends.
+pub type Segments = Compact<Moves>;
+
+/// How segments are kept.
 #[derive(Clone, Default)]
-pub struct Segments {
+pub struct Moves {
     /// Where the first begins, mm.
     start: Point,
     moves: Vec<Move>,
@@ -54,52 +56,11 @@ impl Move {
     }
 }
 
-impl Segments {
-    /// How many there are.
-    #[inline]
-    pub fn len(&self) -> usize {
-        self.moves.len()
-    }
-
-    /// Whether there are none.
-    #[inline]
-    pub fn is_empty(&self) -> bool {
-        self.moves.is_empty()
-    }
-
-    /// The segment with this index. Panics beyond the end.
-    #[inline]
-    pub fn at(&self, index: usize) -> Segment {
-        let kept = &self.moves[index];
-        let shape = match kept.shapes() {
-            None => Shape { curve: Curve::Line, rotation: Rotation::NONE },
-            Some(count) => self.shapes[count - 1].clone(),
-        };
-        Segment {
-            start: self.start(index),
-            end: kept.end,
-            curve: shape.curve,
-            length: kept.length,
-            motion: match kept.feedrate {
-                f64::INFINITY => Motion::Rapid,
-                feedrate => Motion::Feed { feedrate },
-            },
-            rotation: shape.rotation,
-            exact_stop: kept.mark & 1 == 1,
-            line: kept.line,
-        }
-    }
-
+impl Moves {
     /// Where the segment with this index begins, mm.
     #[inline]
     fn start(&self, index: usize) -> Point {
         index.checked_sub(1).map_or(self.start, |before| self.moves[before].end)
-    }
-
-    /// The segment with this index; none beyond the end.
-    #[inline]
-    pub fn get(&self, index: usize) -> Option<Segment> {
-        (index < self.len()).then(|| self.at(index))
     }
 
     /// The shape of the segment with this index. This and the next two are for where so many are looked at that even to
@@ -123,35 +84,10 @@ impl Segments {
         (kept.end - self.start(index)) / kept.length
     }
 
-    /// The first segment.
-    #[inline]
-    pub fn first(&self) -> Option<Segment> {
-        self.get(0)
-    }
-
-    /// The last segment.
-    #[inline]
-    pub fn last(&self) -> Option<Segment> {
-        self.len().checked_sub(1).map(|last| self.at(last))
-    }
-
-    /// All segments in order.
-    #[inline]
-    pub fn iter(&self) -> Iter<'_> {
-        self.range(0..self.len())
-    }
-
-    /// The segments with these indices, in order. Panics beyond the end.
-    #[inline]
-    pub fn range(&self, range: Range<usize>) -> Iter<'_> {
-        assert!(range.start <= range.end && range.end <= self.len(), "{range:?} of {} segments", self.len());
-        Iter { segments: self, left: range }
-    }
-
     /// Each segment with the one that follows it.
     #[inline]
     pub fn pairs(&self) -> impl Iterator<Item = (Segment, Segment)> {
-        (1..self.len()).map(|after| (self.at(after - 1), self.at(after)))
+        (1..self.count()).map(|after| (self.at(after - 1), self.at(after)))
     }
 
     /// Makes room for so many more, and for no more than that. It is an error where there is no such room.
@@ -159,9 +95,49 @@ impl Segments {
         self.moves.try_reserve_exact(additional)
     }
 
-    /// Adds a segment at the end. It begins where the last one ends; if it is the first, anywhere.
+    /// Takes the last segment away.
+    pub fn pop(&mut self) -> Option<Segment> {
+        let last = self.at(self.count().checked_sub(1)?);
+        if self.moves.pop()?.shapes().is_some() {
+            self.shapes.pop();
+        }
+        Some(last)
+    }
+}
+
+impl Keep for Moves {
+    type Item = Segment;
+
     #[inline]
-    pub fn push(&mut self, segment: Segment) {
+    fn count(&self) -> usize {
+        self.moves.len()
+    }
+
+    #[inline]
+    fn at(&self, index: usize) -> Segment {
+        let kept = &self.moves[index];
+        let shape = match kept.shapes() {
+            None => Shape { curve: Curve::Line, rotation: Rotation::NONE },
+            Some(count) => self.shapes[count - 1].clone(),
+        };
+        Segment {
+            start: self.start(index),
+            end: kept.end,
+            curve: shape.curve,
+            length: kept.length,
+            motion: match kept.feedrate {
+                f64::INFINITY => Motion::Rapid,
+                feedrate => Motion::Feed { feedrate },
+            },
+            rotation: shape.rotation,
+            exact_stop: kept.mark & 1 == 1,
+            line: kept.line,
+        }
+    }
+
+    /// It begins where the last one ends; if it is the first, anywhere.
+    #[inline]
+    fn push(&mut self, segment: Segment) {
         let Segment { start, end, curve, length, motion, rotation, exact_stop, line } = segment;
         match self.moves.last() {
             Some(last) => debug_assert_eq!(start, last.end, "line {line:?} begins where the one before ends"),
@@ -179,90 +155,10 @@ impl Segments {
         self.moves.push(Move { end, length, feedrate, line, mark });
     }
 
-    /// Takes the last segment away.
-    pub fn pop(&mut self) -> Option<Segment> {
-        let last = self.last()?;
-        if self.moves.pop()?.shapes().is_some() {
-            self.shapes.pop();
-        }
-        Some(last)
+    fn reserve(&mut self, additional: usize) {
+        self.moves.reserve(additional);
     }
 }
-
-impl Extend<Segment> for Segments {
-    fn extend<T: IntoIterator<Item = Segment>>(&mut self, segments: T) {
-        let segments = segments.into_iter();
-        self.moves.reserve(segments.size_hint().0);
-        segments.for_each(|segment| self.push(segment));
-    }
-}
-
-impl FromIterator<Segment> for Segments {
-    fn from_iter<T: IntoIterator<Item = Segment>>(segments: T) -> Segments {
-        let mut all = Segments::default();
-        all.extend(segments);
-        all
-    }
-}
-
-impl PartialEq for Segments {
-    fn eq(&self, other: &Segments) -> bool {
-        self.iter().eq(other)
-    }
-}
-
-impl fmt::Debug for Segments {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_list().entries(self).finish()
-    }
-}
-
-impl<'a> IntoIterator for &'a Segments {
-    type Item = Segment;
-    type IntoIter = Iter<'a>;
-
-    #[inline]
-    fn into_iter(self) -> Iter<'a> {
-        self.iter()
-    }
-}
-
-/// Segments that follow one another.
-#[derive(Clone)]
-pub struct Iter<'a> {
-    segments: &'a Segments,
-    /// The indices of those that were not handed out.
-    left: Range<usize>,
-}
-
-impl Iterator for Iter<'_> {
-    type Item = Segment;
-
-    #[inline]
-    fn next(&mut self) -> Option<Segment> {
-        self.left.next().map(|index| self.segments.at(index))
-    }
-
-    #[inline]
-    fn size_hint(&self) -> (usize, Option<usize>) {
-        self.left.size_hint()
-    }
-
-    /// Without putting together those that are passed over.
-    #[inline]
-    fn nth(&mut self, count: usize) -> Option<Segment> {
-        self.left.nth(count).map(|index| self.segments.at(index))
-    }
-}
-
-impl DoubleEndedIterator for Iter<'_> {
-    #[inline]
-    fn next_back(&mut self) -> Option<Segment> {
-        self.left.next_back().map(|index| self.segments.at(index))
-    }
-}
-
-impl ExactSizeIterator for Iter<'_> {}
 
 #[cfg(test)]
 mod tests {

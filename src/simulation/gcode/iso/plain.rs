@@ -11,7 +11,7 @@
 use crate::simulation::gcode::iso::{CALLING_G, CALLING_M};
 use crate::simulation::gcode::number::{is_blank, plain_number};
 use crate::simulation::gcode::reader::Reader;
-use crate::simulation::gcode::{Block, Reference, Word};
+use crate::simulation::gcode::{Reference, Word};
 
 impl Reader<'_> {
     /// Reads the line that `text` begins with, and gives what follows it; none where the line holds anything but plain
@@ -48,10 +48,7 @@ impl Reader<'_> {
             }
             at = number.end;
         };
-        if before < words.len() {
-            self.before[0] = words.len();
-            self.program.blocks.push(Block { line: self.line, words: before as u32..words.len() as u32 });
-        }
+        self.end_block();
         Some(&text[end..])
     }
 }
