@@ -82,7 +82,7 @@
 /** @typedef {{end: Float64Array, feedrate: Float64Array, rapid: Uint8Array, line: Uint32Array}} Steps */
 /**
  * A profile over distance (mm, mm/s, s), and the contour errors of its segments (mm).
- * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arc: Float64Array, paceEnd: Float64Array, paceFeedrate: Float64Array}} Columns
+ * @typedef {{distance: Float64Array, feedrate: Float64Array, time: Float64Array, corner: Float64Array, arcs: Uint32Array, alongArcs: Float64Array, paceEnd: Float64Array, paceFeedrate: Float64Array}} Columns
  */
 /** The note says what the columns leave out. @typedef {{summary: RunSummary, columns: Columns, note?: string}} Run */
 /** A contour tolerance in mm; null for the program's own. @typedef {number | null} Column */

@@ -7,6 +7,7 @@
 let glue
 
 const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, timesOver, cut, quote }
+const CURVE = /** @type {const} */ (['distance', 'feedrate', 'time', 'corner', 'arcs', 'alongArcs', 'paceEnd', 'paceFeedrate'])
 const MATCHED = /** @type {const} */ ([
   'recordedDistance',
   'recordedFeedrate',
@@ -82,7 +83,7 @@ async function simulate({ program, machine, dialect, columns, labels, runsOnly }
     const progress = (/** @type {number} */ part) => stage('simulating', index + 1 + part, of, labels[index])
     progress(0)
     const run = job.simulate(column ?? undefined, progress)
-    const curve = plain(run.columns, ['distance', 'feedrate', 'time', 'corner', 'arc', 'paceEnd', 'paceFeedrate'])
+    const curve = plain(run.columns, [...CURVE])
     post({ type: 'run', column, summary: run.summary.runs[0], columns: curve, note: run.note }, Object.values(curve))
     run.free()
   }

@@ -101,7 +101,7 @@ fn draw_legend<B: DrawingBackend>(
 mod tests {
     use super::*;
     use crate::plot::{Curve, LostTime, Programmed, Stretch};
-    use crate::simulation::contour::ContourErrors;
+    use crate::simulation::contour::{ContourErrors, Few};
 
     fn chart() -> FeedChart {
         let programmed = Programmed {
@@ -115,7 +115,7 @@ mod tests {
             tolerances: vec![Stretch { from: 0.0, to: f64::INFINITY, tolerance }],
             errors: ContourErrors {
                 corner: vec![0.0, 1.5 * tolerance, 0.0],
-                arc: vec![0.0, 0.0, 0.004],
+                arc: Few::new(vec![2], vec![0.004]),
                 ..ContourErrors::default()
             },
             distance: vec![0.0, 10.0, 20.0, 59.0, 60.0, 61.0, 100.0],

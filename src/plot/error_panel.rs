@@ -114,13 +114,13 @@ fn steps(outline: &[(f64, f64)]) -> impl Iterator<Item = Vec<(f64, f64)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::contour::ContourErrors;
+    use crate::simulation::contour::{ContourErrors, Few};
 
     /// Blocks of 1 mm with errors that repeat after 97, and an arc from 500 to 501 mm.
     fn curve() -> (Curve, Programmed) {
         let end: Vec<f64> = (1..=1000).map(f64::from).collect();
         let corner = (0..1000).map(|k| 0.001 * f64::from(k % 97)).collect();
-        let arc = (0..1000).map(|k| if k == 500 { 0.2 } else { 0.0 }).collect();
+        let arc = Few::new(vec![500], vec![0.2]);
         let programmed = Programmed { end, ..Programmed::default() };
         (
             Curve { errors: ContourErrors { corner, arc, ..Default::default() }, ..Curve::default() },

@@ -121,7 +121,7 @@ pub struct Curve {
     pub time: Vec<f64>,
     /// Contour tolerances and where they hold, in the order of the path.
     pub tolerances: Vec<Stretch>,
-    /// Contour errors, one entry a segment of the programmed steps; empty where they are unknown.
+    /// Contour errors, by the segments of the programmed steps; empty where they are unknown.
     pub errors: ContourErrors,
     /// Where segments end on the abscissa, where that is not where the programmed steps end; else empty.
     pub ends: Vec<f64>,
@@ -277,12 +277,10 @@ impl Curve {
     /// corner nor an arc.
     fn largest_error(&self, programmed: &Programmed, between: (f64, f64)) -> Option<f64> {
         let ends = self.segment_ends(programmed);
-        let errors = within(ends, between).filter(|&k| k < self.errors.corner.len()).flat_map(|k| {
-            let corner = (ends[k] <= between.1).then_some(self.errors.corner[k]);
-            let arc = Some(self.errors.arc[k]).filter(|&error| 0.0 < error);
-            [corner, arc]
-        });
-        errors.flatten().reduce(f64::max)
+        let segments = within(ends, between);
+        let arcs = self.errors.arc.within(segments.clone());
+        let corners = segments.filter(|&k| ends[k] <= between.1).filter_map(|k| self.errors.corner.get(k));
+        corners.chain(arcs).copied().reduce(f64::max)
     }
 
     /// Feedrate (mm/s) and time (s) at a distance (mm); the earliest where the tool waits there.
@@ -296,6 +294,7 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::contour::Few;
 
     /// From rest to 5 mm/s over 10 mm, a wait, and back to rest over as much; a rapid of 5 mm before a cut of 15 mm.
     pub(super) fn ramp() -> FeedChart {
@@ -305,7 +304,11 @@ mod tests {
             feedrate: vec![0.0, 5.0, 5.0, 0.0],
             time: vec![0.0, 4.0, 6.0, 10.0],
             tolerances: vec![Stretch { from: 0.0, to: 20.0, tolerance: 0.01 }],
-            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.003], ..Default::default() },
+            errors: ContourErrors {
+                corner: vec![0.012, 0.0],
+                arc: Few::new(vec![1], vec![0.003]),
+                ..ContourErrors::default()
+            },
             ..Curve::default()
         };
         let programmed = Programmed {

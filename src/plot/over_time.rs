@@ -81,7 +81,7 @@ mod tests {
             feedrate: vec![0.0, 5.0, 5.0, 0.0],
             time: [0.0, 4.0, 6.0, 10.0].map(|time| slower * time).to_vec(),
             tolerances: vec![Stretch { from: 10.0, to: 20.0, tolerance: 0.01 }],
-            errors: ContourErrors { corner: vec![0.012, 0.0], arc: vec![0.0, 0.0], ..Default::default() },
+            errors: ContourErrors { corner: vec![0.012, 0.0], ..Default::default() },
             ..Curve::default()
         };
         let programmed = ramp().programmed;

@@ -10,7 +10,7 @@ use crate::plot::{
     Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Reading, Stretch, Theme, View,
     draw,
 };
-use crate::simulation::contour::ContourErrors;
+use crate::simulation::contour::{ContourErrors, Few};
 use crate::units::mm_per_min;
 use crate::web::canvas::Canvas;
 use crate::web::theme::theme;
@@ -135,10 +135,12 @@ impl Chart {
         feedrate: Vec<f64>,
         time: Vec<f64>,
         corner: Vec<f64>,
-        arc: Vec<f64>,
+        arcs: Vec<u32>,
+        along_arcs: Vec<f64>,
     ) {
         if let Some(curve) = self.chart.curves.last_mut() {
-            let errors = ContourErrors { corner, arc, ..ContourErrors::default() };
+            let errors =
+                ContourErrors { corner, arc: Few::new(arcs, along_arcs), ..ContourErrors::default() };
             *curve = Curve { distance, feedrate, time, errors, ..std::mem::take(curve) };
         }
     }

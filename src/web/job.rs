@@ -75,6 +75,7 @@ impl Job {
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
         let samples = Profile::new(&self.toolpath, &plan).drawn();
         let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&samples);
+        let (arcs, along_arcs) = errors.arc.into_columns();
         Ok(Run {
             note: spacing_note(samples.spacing),
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
@@ -83,7 +84,8 @@ impl Job {
                 feedrate: samples.feedrate,
                 time: samples.time,
                 corner: errors.corner,
-                arc: errors.arc,
+                arcs,
+                along_arcs,
                 pace_end,
                 pace_feedrate,
             },
@@ -125,8 +127,11 @@ pub struct Columns {
     pub time: Vec<f64>,
     /// Contour error at the corner that ends each segment and on arcs near it, mm.
     pub corner: Vec<f64>,
-    /// Largest contour error along the rest of each segment that is an arc, mm.
-    pub arc: Vec<f64>,
+    /// The segments that are arcs along which there is an error, by index.
+    pub arcs: Vec<u32>,
+    /// The largest along each of these, away from its corners, mm.
+    #[wasm_bindgen(js_name = alongArcs)]
+    pub along_arcs: Vec<f64>,
     /// Where the steps of feedrate that colour the path end, mm.
     #[wasm_bindgen(js_name = paceEnd)]
     pub pace_end: Vec<f64>,

@@ -85,8 +85,8 @@ export function mount(root, form, actions) {
     const { end, feedrate, rapid, line } = outcome.steps
     chart.program(end, feedrate, rapid, line)
     addCurve(chart, column, outcome.held)
-    const { distance, feedrate: feed, time, corner, arc } = run.columns
-    chart.fill(distance, feed, time, corner, arc)
+    const { distance, feedrate: feed, time, corner, arcs, alongArcs } = run.columns
+    chart.fill(distance, feed, time, corner, arcs, alongArcs)
     const svg = chart.svg(...CHART_PX)
     chart.free()
     return svg ? [svg] : []

@@ -216,7 +216,7 @@ impl Asked {
         let mut moved = false;
         for (k, Bound { along, corner, near }) in bounds.enumerate() {
             if self.is_arc[k] {
-                let (planned, error) = (now.segment_feedrates[k], errors.arc[k] / (BETWEEN_POINTS * along));
+                let (planned, error) = (now.segment_feedrates[k], errors.along(k) / (BETWEEN_POINTS * along));
                 // An arc cannot be run at no feedrate at all; it ends between two stops instead.
                 let slowest = SLOWEST_ARC * planned;
                 moved |= changed(&mut self.segments[k], planned, error, f64::INFINITY, round);
@@ -231,7 +231,7 @@ impl Asked {
             }
             let is_beside_arc = self.is_arc[k] || self.is_arc.get(k + 1).is_some_and(|&is_arc| is_arc);
             let share = if is_beside_arc { BETWEEN_POINTS } else { 1.0 };
-            let error = (errors.point[k] / (share * corner)).max(errors.corner[k] / (share * near));
+            let error = (errors.at_point(k) / (share * corner)).max(errors.corner[k] / (share * near));
             if 0.0 < now.corner_feedrates[k] {
                 let slower = now.segment_feedrates[k].min(now.segment_feedrates[k + 1]);
                 let planned = now.corner_feedrates[k];

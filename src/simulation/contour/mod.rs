@@ -16,9 +16,11 @@
 //! bracketed, and closed in on by regula falsi. It stays within the delay, so it cannot stray to
 //! another pass over the same place.
 
+mod few;
 mod guaranteed;
 mod regions;
 
+pub use few::Few;
 pub use guaranteed::{cycle_time_within, plan_within};
 pub use regions::{Region, regions_beyond};
 
@@ -29,30 +31,40 @@ use crate::simulation::feed::{Bound, FeedPlan, Pulses, Stretch};
 use crate::simulation::profile::{Profile, State, Steps};
 use crate::simulation::toolpath::{Curve, Point, Toolpath};
 
-/// Contour errors along a program, one entry a segment.
+/// Contour errors along a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContourErrors {
     /// At the corner that ends the segment and on arcs within half a filter delay of it, mm; 0 at a
-    /// full stop.
+    /// full stop. One entry a segment.
     pub corner: Vec<f64>,
-    /// At the corner alone, mm: where tolerances change it has the smaller one, and an arc its own.
-    pub point: Vec<f64>,
-    /// Largest along the rest of the segment where it is an arc, mm; 0 along a line.
-    pub arc: Vec<f64>,
+    /// At the corner alone, where that is less, mm: where tolerances change it has the smaller one, and an arc its own.
+    pub point: Few,
+    /// Largest along the rest of the segment where it is an arc, mm.
+    pub arc: Few,
 }
 
 impl ContourErrors {
     /// The largest error, mm; 0 for a program without corners and arcs.
     pub fn largest(&self) -> f64 {
-        self.corner.iter().chain(&self.arc).copied().fold(0.0, f64::max)
+        self.corner.iter().chain(self.arc.values()).copied().fold(0.0, f64::max)
+    }
+
+    /// The error at the corner alone that ends a segment, mm.
+    fn at_point(&self, segment: usize) -> f64 {
+        self.point.get(segment).unwrap_or(self.corner[segment])
+    }
+
+    /// The largest error along a segment between its corners, mm; 0 along a line.
+    fn along(&self, segment: usize) -> f64 {
+        self.arc.get(segment).unwrap_or(0.0)
     }
 
     /// The segments on which an error is above `ratio` times what holds there, ascending.
     pub fn beyond(&self, bounds: impl Iterator<Item = Bound>, ratio: f64) -> impl Iterator<Item = usize> {
         bounds.enumerate().filter_map(move |(k, bound)| {
-            let is_beyond = ratio * bound.corner < self.point[k]
+            let is_beyond = ratio * bound.corner < self.at_point(k)
                 || ratio * bound.near < self.corner[k]
-                || ratio * bound.along < self.arc[k];
+                || ratio * bound.along < self.along(k);
             is_beyond.then_some(k)
         })
     }
@@ -92,8 +104,7 @@ struct SegmentErrors {
 impl ContourErrors {
     /// No errors on so many segments.
     fn none(segments: usize) -> ContourErrors {
-        let none = || vec![0.0; segments];
-        ContourErrors { corner: none(), point: none(), arc: none() }
+        ContourErrors { corner: vec![0.0; segments], ..ContourErrors::default() }
     }
 
     /// Gives each corner what was measured on both sides of it.
@@ -103,13 +114,24 @@ impl ContourErrors {
         errors
     }
 
-    /// Adds what was measured on a segment.
+    /// Adds what was measured on a segment, behind all that were.
     fn add(&mut self, number: usize, segment: &SegmentErrors) {
-        self.point[number] = segment.end;
-        self.arc[number] = segment.between;
-        self.corner[number] = self.corner[number].max(segment.end).max(segment.near_end);
         if let Some(before) = number.checked_sub(1) {
-            self.corner[before] = self.corner[before].max(segment.near_start);
+            self.raise(before, segment.near_start);
+        }
+        self.corner[number] = segment.end.max(0.0);
+        self.raise(number, segment.near_end);
+        if 0.0 < segment.between {
+            self.arc.add(number, segment.between);
+        }
+    }
+
+    /// Counts an error (mm) near the corner that ends a segment as one of it.
+    fn raise(&mut self, number: usize, near: f64) {
+        let at_corner = self.corner[number];
+        if at_corner < near {
+            self.point.add(number, at_corner);
+            self.corner[number] = near;
         }
     }
 }

@@ -34,7 +34,7 @@ pub fn regions_beyond(
     let mut run = 0.0;
     for (k, segment) in toolpath.segments.iter().enumerate() {
         let end = begin + segment.length;
-        let error = errors.corner[k].max(errors.arc[k]);
+        let error = errors.corner[k].max(errors.along(k));
         if beyond.next_if_eq(&k).is_some() {
             match regions.last_mut() {
                 Some(region) if begin - region.distance.1 <= run => {
@@ -66,11 +66,8 @@ mod tests {
     fn bad_segments_close_together_are_one_region() {
         let program = b"G1 X1 F1000\nX2\nX3\nX4\nX50\nX51";
         let toolpath = trace(&read(program), &Machine::default());
-        let errors = ContourErrors {
-            corner: vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4],
-            point: vec![0.0; 6],
-            arc: vec![0.0; 6],
-        };
+        let corner = vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4];
+        let errors = ContourErrors { corner, ..ContourErrors::default() };
         let above = |bound: f64| {
             let bounds = [Bound { along: bound, corner: bound, near: bound }; 6].into_iter();
             regions_beyond(&toolpath, &errors, bounds, 1.0)

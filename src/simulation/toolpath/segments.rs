@@ -1,11 +1,11 @@
-//! The segments of a toolpath as they are kept: 48 bytes each.
+//! The segments of a toolpath as they are kept: 40 bytes each.
 //!
 //! A long program has millions of segments, and the memory they take is what tracing and planning wait for. A segment
-//! begins where the one before ends, so only the first start is kept. Nearly all are lines along which nothing turns;
-//! what few have, a curve or a turn, lies in a list of its own. A segment is put together whenever it is read, which
-//! costs about as much as to fetch one that is kept whole; arcs and turns are shared, not copied.
+//! begins where the one before ends, so only the first start is kept. Most go on as the one before does: the feedrate
+//! and what few have, a curve, a turn or an exact stop, are kept where they change. A segment is put together whenever it
+//! is read, which costs about as much as to fetch one that is kept whole; arcs and turns are shared, not copied.
 //!
-//! Limits: no more than 2³¹ − 1 segments that are arcs or turn axes; a feedrate is finite, as an infinite one is rapid.
+//! Limits: no more than 2³¹ changes of how they go; a feedrate is finite, as an infinite one is rapid.
 
 use crate::simulation::compact::{Compact, Keep};
 use crate::simulation::gcode::LineNumber;
@@ -21,25 +21,35 @@ pub struct Moves {
     /// Where the first begins, mm.
     start: Point,
     moves: Vec<Move>,
+    /// How they go, a new one wherever that changes.
+    ways: Vec<Way>,
     /// Of the segments that have one, in their order.
     shapes: Vec<Shape>,
 }
 
-/// One segment without what few have, and without its start.
+/// One segment without its start and its way.
 #[derive(Clone)]
 struct Move {
     /// Where it ends, mm.
     end: Point,
     /// mm.
     length: f64,
-    /// mm/s; infinite in rapid.
-    feedrate: f64,
     line: LineNumber,
-    /// The lowest bit: an exact stop. The others: how many shapes there are up to its own; 0 for a line without a turn.
+    /// The lowest bit: it is an arc or turns axes. The others: the index of its way.
     mark: u32,
 }
 
-const _: () = assert!(size_of::<Move>() == 48);
+const _: () = assert!(size_of::<Move>() == 40);
+
+/// How segments go that follow one another.
+#[derive(Clone, Copy, PartialEq)]
+struct Way {
+    /// mm/s; infinite in rapid.
+    feedrate: f64,
+    exact_stop: bool,
+    /// The index of its shape; of the last one before for a line without a turn.
+    shape: u32,
+}
 
 /// What few segments have.
 #[derive(Clone)]
@@ -49,14 +59,26 @@ struct Shape {
 }
 
 impl Move {
-    /// How many shapes there are up to its own; none for a line without a turn.
+    /// It is an arc or turns axes. That can be told without its way, for whose memory it would have to wait.
     #[inline]
-    fn shapes(&self) -> Option<usize> {
-        (1 < self.mark).then_some((self.mark >> 1) as usize)
+    fn has_shape(&self) -> bool {
+        self.mark & 1 == 1
+    }
+
+    /// The index of its way.
+    #[inline]
+    fn way(&self) -> usize {
+        (self.mark >> 1) as usize
     }
 }
 
 impl Moves {
+    /// The shape of a segment that has one.
+    #[inline]
+    fn shape(&self, of: &Move) -> Option<&Shape> {
+        of.has_shape().then(|| &self.shapes[self.ways[of.way()].shape as usize])
+    }
+
     /// Where the segment with this index begins, mm.
     #[inline]
     fn start(&self, index: usize) -> Point {
@@ -67,7 +89,7 @@ impl Moves {
     /// put a segment together takes time. Panics beyond the end.
     #[inline]
     pub fn curve(&self, index: usize) -> &Curve {
-        self.moves[index].shapes().map_or(&Curve::Line, |count| &self.shapes[count - 1].curve)
+        self.shape(&self.moves[index]).map_or(&Curve::Line, |shape| &shape.curve)
     }
 
     /// The length of the segment with this index, mm. Panics beyond the end.
@@ -98,9 +120,10 @@ impl Moves {
     /// Takes the last segment away.
     pub fn pop(&mut self) -> Option<Segment> {
         let last = self.at(self.count().checked_sub(1)?);
-        if self.moves.pop()?.shapes().is_some() {
+        if self.moves.pop()?.has_shape() {
             self.shapes.pop();
         }
+        self.ways.truncate(self.moves.last().map_or(0, |left| left.way() + 1));
         Some(last)
     }
 }
@@ -116,21 +139,20 @@ impl Keep for Moves {
     #[inline]
     fn at(&self, index: usize) -> Segment {
         let kept = &self.moves[index];
-        let shape = match kept.shapes() {
-            None => Shape { curve: Curve::Line, rotation: Rotation::NONE },
-            Some(count) => self.shapes[count - 1].clone(),
-        };
+        let Way { feedrate, exact_stop, .. } = self.ways[kept.way()];
+        let line = || Shape { curve: Curve::Line, rotation: Rotation::NONE };
+        let shape = self.shape(kept).map_or_else(line, Shape::clone);
         Segment {
             start: self.start(index),
             end: kept.end,
             curve: shape.curve,
             length: kept.length,
-            motion: match kept.feedrate {
+            motion: match feedrate {
                 f64::INFINITY => Motion::Rapid,
                 feedrate => Motion::Feed { feedrate },
             },
             rotation: shape.rotation,
-            exact_stop: kept.mark & 1 == 1,
+            exact_stop,
             line: kept.line,
         }
     }
@@ -143,16 +165,20 @@ impl Keep for Moves {
             Some(last) => debug_assert_eq!(start, last.end, "line {line:?} begins where the one before ends"),
             None => self.start = start,
         }
-        let mut mark = u32::from(exact_stop);
-        if !matches!(curve, Curve::Line) || !rotation.is_none() {
+        let has_shape = !matches!(curve, Curve::Line) || !rotation.is_none();
+        if has_shape {
             self.shapes.push(Shape { curve, rotation });
-            mark |= (self.shapes.len() as u32) << 1;
         }
         let feedrate = match motion {
             Motion::Rapid => f64::INFINITY,
             Motion::Feed { feedrate } => feedrate,
         };
-        self.moves.push(Move { end, length, feedrate, line, mark });
+        let way = Way { feedrate, exact_stop, shape: (self.shapes.len() as u32).saturating_sub(1) };
+        if self.ways.last() != Some(&way) {
+            self.ways.push(way);
+        }
+        let mark = (self.ways.len() as u32 - 1) << 1 | u32::from(has_shape);
+        self.moves.push(Move { end, length, line, mark });
     }
 
     fn reserve(&mut self, additional: usize) {
