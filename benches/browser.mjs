@@ -4,8 +4,8 @@
 //
 // Makes a wavy finishing pass (benches/speed/programs.rs) of that size in the page, 300 MB by default, as a file of
 // pieces, and has the page's worker quote it for one tolerance: it is streamed into the module's memory and is never
-// whole in JavaScript. With --native the native program quotes one of the same number of lines (cargo bench --bench
-// speed), and the ratio is printed. Times are what the processor worked, not what passed: other work on the machine does not count.
+// whole in JavaScript. With --native the native program does the same for one of the same number of lines, quote and
+// columns of the charts (cargo bench --bench speed, "chart"), and the ratio is printed. Times are what the processor worked, not what passed: other work on the machine does not count.
 
 import { execFileSync } from 'node:child_process'
 import { readFileSync } from 'node:fs'
@@ -32,7 +32,7 @@ try {
   console.log(`${lines} lines, ${(bytes / 1e6).toFixed(0)} MB, cycle time ${cycleTime.toFixed(1)} s`)
   console.log(`Chromium: worked ${worked.toFixed(1)} s (${seconds.toFixed(1)} s passed), peak of the page ${(peak / bytes).toFixed(1)} × the file`)
   if (argv.includes('--native')) {
-    const command = ['bench', '--locked', '--bench', 'speed', '--', 'measure', 'quote', 'finishing', String(lines)]
+    const command = ['bench', '--locked', '--bench', 'speed', '--', 'measure', 'chart', 'finishing', String(lines)]
     const [time, native] = execFileSync('cargo', command, { encoding: 'utf8' }).trim().split(' ').map(Number)
     console.log(`native: worked ${time.toFixed(1)} s, peak ${(native / bytes).toFixed(1)} × the file`)
     console.log(`WebAssembly over native: ${(worked / time).toFixed(2)}`)

@@ -23,12 +23,14 @@ use std::time::Instant;
 use futures::Stream;
 use programs::Made;
 use truefeed::machine::Machine;
+use truefeed::plot::Programmed;
+use truefeed::plot::path::{Pace, Trail};
 use truefeed::quote::quote;
 use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::{Rule, Tolerances, plan};
 use truefeed::simulation::gcode::{Options, Parts};
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::trace_text;
+use truefeed::simulation::toolpath::{Toolpath, trace_text};
 
 /// Contour tolerances, mm.
 static TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
@@ -57,7 +59,7 @@ enum Work {
     QuoteFour,
     /// The same on as many threads as there are processors, as the command does it.
     QuoteFourAtOnce,
-    /// It is planned, and the curve of its chart is laid.
+    /// It is quoted and all is laid out that charts show: what the worker of the page does.
     Chart,
 }
 
@@ -94,6 +96,12 @@ impl Work {
     fn run(self, text: Vec<u8>) -> f64 {
         let machine = Machine::default();
         let toolpath = |text: Vec<u8>| trace_text(text, &Options::default(), &machine);
+        let quoted = |toolpath: &Toolpath, tolerance: f64| {
+            let tolerances = Tolerances::One(tolerance);
+            let (plan, errors) = plan_within(toolpath, &machine, tolerances, &mut |_| {});
+            let time = quote(toolpath, &machine, &plan, tolerances, &errors).cycle_time;
+            (time, plan, errors)
+        };
         match self {
             Work::Bytes => text.iter().map(|byte| u64::from(*byte)).sum::<u64>() as f64,
             Work::Yardstick => parsed_elsewhere(&text) as f64,
@@ -114,16 +122,15 @@ impl Work {
             }
             Work::Chart => {
                 let toolpath = toolpath(text);
-                let plan = plan(&toolpath, &machine, Rule::Isolated(TOLERANCES[1]));
-                Profile::new(&toolpath, &plan).drawn().time.len() as f64
+                let shown = (Programmed::of(&toolpath, &machine), Trail::of(&toolpath));
+                let (time, plan, errors) = quoted(&toolpath, TOLERANCES[1]);
+                let curve = Profile::new(&toolpath, &plan).drawn();
+                black_box((shown, errors, Pace::of(&curve)));
+                time
             }
             Work::Quote | Work::QuoteFour | Work::QuoteFourAtOnce => {
                 let toolpath = toolpath(text);
-                let one = |tolerance: f64| {
-                    let tolerances = Tolerances::One(tolerance);
-                    let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |_| {});
-                    quote(&toolpath, &machine, &plan, tolerances, &errors).cycle_time
-                };
+                let one = |tolerance: f64| quoted(&toolpath, tolerance).0;
                 match self {
                     Work::Quote => one(TOLERANCES[1]),
                     Work::QuoteFour => TOLERANCES.map(one).iter().sum(),

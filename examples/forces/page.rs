@@ -71,7 +71,7 @@ pub fn case(choice: &Choice) -> Case {
     let machine = Machine::default();
     let toolpath = trace(&read(part.program.as_bytes()), &machine);
     let (plan, _) = plan_within(&toolpath, &machine, TOLERANCE, &mut |_| {});
-    let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+    let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::FINE);
     let tool =
         Mill { diameter: Some(DIAMETER), teeth: Some(2), helix: HELIX.to_radians(), ..Mill::default() };
     let setup = Setup {
@@ -82,7 +82,7 @@ pub fn case(choice: &Choice) -> Case {
         ..Setup::default()
     };
     let cut = engagement(&toolpath, &setup).expect("all is given");
-    let predicted = samples.feedrates_at(&cut);
+    let predicted = curve.feedrates_at(&cut);
     let feedrates = [programmed_feedrates(&cut, &toolpath), predicted];
     let both = loads(&cut, &toolpath, &setup, &[&feedrates[0], &feedrates[1]]).expect("all is given");
     let section = |(first, last): (u32, u32)| {

@@ -7,7 +7,7 @@ use truefeed::machine::Machine;
 use truefeed::project::{
     Prediction, cutting_from_toml, cutting_refusal, cutting_remarks, cutting_table, loads_csv,
 };
-use truefeed::simulation::profile::Samples;
+use truefeed::simulation::profile::FeedCurve;
 use truefeed::simulation::toolpath::Toolpath;
 
 use crate::command::{Refusal, text_of, write_whole};
@@ -35,9 +35,9 @@ impl Cut {
     }
 
     /// Adds the loads of a tolerance by its profile.
-    pub fn load(&mut self, toolpath: &Toolpath, samples: &Samples) -> Result<(), Refusal> {
+    pub fn load(&mut self, toolpath: &Toolpath, curve: &FeedCurve) -> Result<(), Refusal> {
         let Ok(engagement) = &self.engagement else { return Ok(()) };
-        let both = programmed_and_predicted(engagement, toolpath, &self.setup, samples, &mut |_| {});
+        let both = programmed_and_predicted(engagement, toolpath, &self.setup, curve, &mut |_| {});
         if let (true, Some(path), Ok(both)) = (self.loads.is_empty(), &self.forces, &both) {
             write_whole(path, &loads_csv(engagement, both))?;
         }

@@ -15,7 +15,7 @@ use crate::cutting::engagement::{Engagement, TOLD};
 use crate::cutting::force::{Force, Rotor};
 use crate::cutting::headroom::{FACTORS, Headroom, Room, STEEP, headroom};
 use crate::cutting::setup::{CuttingError, Limits, Setup};
-use crate::simulation::profile::Samples;
+use crate::simulation::profile::FeedCurve;
 use crate::simulation::toolpath::{Motion, Operation, Toolpath};
 use crate::units::SECONDS_PER_MINUTE;
 
@@ -134,7 +134,7 @@ pub fn programmed_feedrates(engagement: &Engagement, toolpath: &Toolpath) -> Vec
     engagement.places.iter().map(|place| of(place.segment)).collect()
 }
 
-impl Samples {
+impl FeedCurve {
     /// Feedrate at each place, mm/s, between the rows in a straight line over distance.
     pub fn feedrates_at(&self, engagement: &Engagement) -> Vec<f64> {
         let mut row = 0;
@@ -159,17 +159,17 @@ pub fn programmed_and_predicted(
     engagement: &Engagement,
     toolpath: &Toolpath,
     setup: &Setup,
-    samples: &Samples,
+    curve: &FeedCurve,
     progress: &mut dyn FnMut(f64),
 ) -> Result<[Loads; 2], CuttingError> {
     let (programmed, predicted) =
-        (programmed_feedrates(engagement, toolpath), samples.feedrates_at(engagement));
+        (programmed_feedrates(engagement, toolpath), curve.feedrates_at(engagement));
     let mut rooms = Vec::with_capacity(engagement.places.len());
     let both =
         loads_with(engagement, toolpath, setup, &[&programmed, &predicted], Some(&mut rooms), progress)?;
     let mut both: [Loads; 2] = both.try_into().expect("two lists of feedrates give two loads");
     both[0].headroom = headroom(engagement, &rooms, &programmed, &predicted);
-    both[1].spacing = samples.spacing;
+    both[1].spacing = curve.spacing;
     Ok(both)
 }
 

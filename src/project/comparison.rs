@@ -12,7 +12,7 @@ use crate::identification::comparison::{Comparison, Durations, Lost};
 use crate::identification::fit::RecordedError;
 use crate::identification::recording::{Log, RecordingError, Severity, Switches};
 use crate::project::results::spacing_note;
-use crate::simulation::profile::Samples;
+use crate::simulation::profile::FeedCurve;
 use crate::simulation::toolpath::{StopCause, Toolpath};
 use crate::units::{micrometres, mm_per_min};
 
@@ -97,8 +97,8 @@ impl ComparisonReport {
     }
 
     /// The same beside a chart of the simulation, which may leave something out.
-    pub fn drawn_by(mut self, samples: &Samples) -> ComparisonReport {
-        self.remarks.extend(spacing_note(samples.spacing));
+    pub fn drawn_by(mut self, curve: &FeedCurve) -> ComparisonReport {
+        self.remarks.extend(spacing_note(curve.spacing));
         self
     }
 }

@@ -87,12 +87,12 @@ pub fn compute_cutting(
     let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATION * part));
     let quote = quote(&toolpath, &machine, &plan, tolerances, &errors);
     let cut = engagement_told(&toolpath, &setup, &mut |part| tell(SIMULATION + (HALF - SIMULATION) * part));
-    let samples = Profile::new(&toolpath, &plan).drawn();
+    let curve = Profile::new(&toolpath, &plan).drawn();
     let loads: Vec<_> = cut
         .iter()
         .map(|cut| {
             let mut tell = |part: f64| tell(HALF + (1.0 - HALF) * part);
-            programmed_and_predicted(cut, &toolpath, &setup, &samples, &mut tell)
+            programmed_and_predicted(cut, &toolpath, &setup, &curve, &mut tell)
         })
         .collect();
     let columns = match (&cut, loads.first()) {

@@ -73,16 +73,16 @@ impl Job {
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerances, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
-        let samples = Profile::new(&self.toolpath, &plan).drawn();
-        let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&samples);
+        let curve = Profile::new(&self.toolpath, &plan).drawn();
+        let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&curve);
         let (arcs, along_arcs) = errors.arc.into_columns();
         Ok(Run {
-            note: spacing_note(samples.spacing),
+            note: spacing_note(curve.spacing),
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
             columns: Columns {
-                distance: samples.distance,
-                feedrate: samples.feedrate,
-                time: samples.time,
+                distance: curve.distance,
+                feedrate: curve.feedrate,
+                time: curve.time,
                 corner: errors.corner,
                 arcs,
                 along_arcs,

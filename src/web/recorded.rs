@@ -84,21 +84,21 @@ pub fn compare_recording(
     let Recorded { toolpath, log, alignment, switches } = &aligned;
     let plan = aligned.run().plan(&machine);
     let comparison = compare(toolpath, &plan, alignment);
-    let samples = Profile::new(toolpath, &plan).drawn();
+    let curve = Profile::new(toolpath, &plan).drawn();
     let Pointwise { distance, recorded_time, recorded, .. } = pointwise(toolpath, &plan, alignment);
     let Course { distance: lost_distance, seconds: lost_seconds } = course(toolpath, alignment, &comparison);
     let begin = alignment.marks.first().map_or(0.0, |mark| mark.time);
     let report = ComparisonReport::new(log, switches, toolpath, alignment, &comparison);
     Ok(Matched {
-        report: object(&report.drawn_by(&samples))?,
+        report: object(&report.drawn_by(&curve))?,
         refusal: JsValue::UNDEFINED,
         columns: MatchedColumns {
             recorded_distance: distance,
             recorded_feedrate: recorded,
             recorded_time: recorded_time.into_iter().map(|time| time - begin).collect(),
-            simulated_distance: samples.distance,
-            simulated_feedrate: samples.feedrate,
-            simulated_time: samples.time,
+            simulated_distance: curve.distance,
+            simulated_feedrate: curve.feedrate,
+            simulated_time: curve.time,
             lost_distance,
             lost_seconds,
         },

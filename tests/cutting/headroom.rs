@@ -22,10 +22,10 @@ fn with(limits: Limits) -> Setup {
 fn programmed(program: &str, setup: &Setup) -> Loads {
     let (machine, toolpath) = (Machine::default(), toolpath(program));
     let (plan, _) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
-    let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+    let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
     let cut = engagement(&toolpath, setup).expect("all is given");
     let mut told = Vec::new();
-    let both = programmed_and_predicted(&cut, &toolpath, setup, &samples, &mut |part| told.push(part));
+    let both = programmed_and_predicted(&cut, &toolpath, setup, &curve, &mut |part| told.push(part));
     assert!(told.is_sorted() && told.iter().all(|part| (0.0..=1.0).contains(part)) && 10 < told.len());
     let [programmed, predicted] = both.expect("all is given");
     assert!(predicted.headroom.is_empty());

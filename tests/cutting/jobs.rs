@@ -28,9 +28,9 @@ fn run(text: &str) -> bool {
     }
     let toolpath = toolpath(PROGRAM);
     let (plan, _) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
-    let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+    let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
     let cut = engagement(&toolpath, &setup);
-    let load = |cut: &Engagement| programmed_and_predicted(cut, &toolpath, &setup, &samples, &mut |_| {});
+    let load = |cut: &Engagement| programmed_and_predicted(cut, &toolpath, &setup, &curve, &mut |_| {});
     let loads: Vec<_> = cut.iter().map(load).collect();
     for Loads { at, .. } in loads.iter().flatten().flatten() {
         let is_finite = |load: &truefeed::cutting::Load| {

@@ -28,9 +28,9 @@ fn predicted_of(program: &str, setup: Option<&Setup>) -> Value {
         None => prediction,
         Some(setup) => {
             let cut = engagement(&toolpath, setup);
-            let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+            let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
             let loads =
-                cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, setup, &samples, &mut |_| {}));
+                cut.iter().map(|cut| programmed_and_predicted(cut, &toolpath, setup, &curve, &mut |_| {}));
             let loads: Vec<_> = loads.collect();
             prediction.with_cutting(setup, &cut, &loads)
         }

@@ -288,7 +288,7 @@ fn the_chart_of_a_loop_without_end_has_no_more_rows_than_it_can_show() {
     let profile = Profile::new(&short, &whole);
     assert_eq!(
         profile.drawn(),
-        profile.samples(Resolution::CHART),
+        profile.feed_curve(Resolution::CHART),
         "nothing is missing of an ordinary program"
     );
 }

@@ -22,7 +22,7 @@ pub use raster::{Drawing, Raster, raster};
 pub use svg::{Sheet, svg_of_path};
 
 use crate::plot::Programmed;
-use crate::simulation::profile::Samples;
+use crate::simulation::profile::FeedCurve;
 use crate::simulation::toolpath::{Curve, Toolpath};
 
 /// Widest angle of a chord of an arc, rad.
@@ -84,22 +84,22 @@ pub struct Pace {
 
 impl Pace {
     /// The feedrate of a profile, in steps within which it changes by 3 % or half a per cent of the fastest.
-    pub fn of(samples: &Samples) -> Pace {
-        let fastest = samples.feedrate.iter().copied().fold(0.0, f64::max);
+    pub fn of(curve: &FeedCurve) -> Pace {
+        let fastest = curve.feedrate.iter().copied().fold(0.0, f64::max);
         let mut pace = Pace::default();
         let mut first = 0;
         let (mut low, mut high) = (f64::INFINITY, 0.0f64);
-        for row in 0..samples.distance.len() {
-            let feedrate = samples.feedrate[row];
-            let is_last = row + 1 == samples.distance.len();
+        for row in 0..curve.distance.len() {
+            let feedrate = curve.feedrate[row];
+            let is_last = row + 1 == curve.distance.len();
             (low, high) = (low.min(feedrate), high.max(feedrate));
             if high - low <= 0.03 * high + 0.005 * fastest && !is_last {
                 continue;
             }
-            let way = samples.distance[row] - samples.distance[first];
-            let time = samples.time[row] - samples.time[first];
+            let way = curve.distance[row] - curve.distance[first];
+            let time = curve.time[row] - curve.time[first];
             if 0.0 < way {
-                pace.end.push(samples.distance[row]);
+                pace.end.push(curve.distance[row]);
                 pace.value.push(way / time.max(f64::MIN_POSITIVE));
             }
             first = row;

@@ -12,18 +12,18 @@ use crate::simulation::toolpath::trace;
 const PROGRAM: &str =
     "G21 G90 G94\nG0 X10 Y0 Z5\nG1 Z0 F600\nG1 X40 F3000\nG2 X40 Y20 I0 J10\nG1 X0\nG1 Y0\n";
 
-fn whole() -> (Toolpath, Programmed, Samples) {
+fn whole() -> (Toolpath, Programmed, FeedCurve) {
     let machine = Machine::default();
     let toolpath = trace(&read(PROGRAM.as_bytes()), &machine);
     let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
-    let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+    let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
     let programmed = Programmed::of(&toolpath, &machine);
-    (toolpath, programmed, samples)
+    (toolpath, programmed, curve)
 }
 
 fn scene(coloring: Coloring) -> Scene {
-    let (toolpath, programmed, samples) = whole();
-    Scene::new(&Trail::of(&toolpath), &programmed, &Pace::of(&samples), coloring)
+    let (toolpath, programmed, curve) = whole();
+    Scene::new(&Trail::of(&toolpath), &programmed, &Pace::of(&curve), coloring)
 }
 
 fn seen(scene: &Scene, yaw: f64, pitch: f64) -> Camera {
@@ -54,8 +54,8 @@ fn a_trail_is_as_long_as_its_path_and_stays_on_it() {
 
 #[test]
 fn a_pace_keeps_the_time_of_the_motion() {
-    let (_, _, samples) = whole();
-    let pace = Pace::of(&samples);
+    let (_, _, curve) = whole();
+    let pace = Pace::of(&curve);
     let mut begin = 0.0;
     let time: f64 = pace
         .end
@@ -63,8 +63,8 @@ fn a_pace_keeps_the_time_of_the_motion() {
         .zip(&pace.value)
         .map(|(&end, value)| (end - std::mem::replace(&mut begin, end)) / value)
         .sum();
-    assert!((time / samples.time.last().unwrap() - 1.0).abs() < 1e-9);
-    assert!(pace.end.len() < samples.distance.len());
+    assert!((time / curve.time.last().unwrap() - 1.0).abs() < 1e-9);
+    assert!(pace.end.len() < curve.distance.len());
 }
 
 #[test]

@@ -38,9 +38,9 @@ pub fn diagnosis_chart(
     let mut spacing: Option<f64> = None;
     let mut simulated = |label: &str, machine: &Machine| {
         let plan = run.plan(machine);
-        let samples = Profile::new(run.toolpath, &plan).drawn();
-        spacing = spacing.into_iter().chain(samples.spacing).reduce(f64::max);
-        let (distance, feedrate, time) = (samples.distance, samples.feedrate, samples.time);
+        let curve = Profile::new(run.toolpath, &plan).drawn();
+        spacing = spacing.into_iter().chain(curve.spacing).reduce(f64::max);
+        let (distance, feedrate, time) = (curve.distance, curve.feedrate, curve.time);
         Curve { label: label.to_string(), distance, feedrate, time, ..Curve::default() }
     };
     let lost = |comparison: &Comparison| {

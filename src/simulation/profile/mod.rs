@@ -18,7 +18,7 @@ mod state;
 mod steps;
 
 pub use retiming::retimed;
-pub use samples::{Resolution, Samples};
+pub use samples::{FeedCurve, Resolution, Samples};
 pub use state::{Dynamics, Moment, State};
 pub use steps::Steps;
 

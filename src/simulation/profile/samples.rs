@@ -10,7 +10,7 @@
 //! computer holds. A table that has no room for them is laid anew at equal times, and says at which.
 
 use crate::simulation::feed::Phase;
-use crate::simulation::profile::{Moment, Motion, Profile, State};
+use crate::simulation::profile::{Moment, Motion, Profile, State, Steps};
 use crate::simulation::toolpath::{self, Curve};
 
 /// A profile as columns of equal length, straight lines between the rows.
@@ -28,6 +28,19 @@ pub struct Samples {
     pub velocity: [Vec<f64>; 3],
     /// Line of the program being run.
     pub line: Vec<u32>,
+    /// Time between the rows where they are too few to follow the profile, s: what is shorter may be missing.
+    pub spacing: Option<f64>,
+}
+
+/// Feedrate and time over distance as columns of equal length, straight lines between the rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FeedCurve {
+    /// Time since the start, s.
+    pub time: Vec<f64>,
+    /// Distance along the programmed path, mm.
+    pub distance: Vec<f64>,
+    /// Feedrate of the tool, mm/s.
+    pub feedrate: Vec<f64>,
     /// Time between the rows where they are too few to follow the profile, s: what is shorter may be missing.
     pub spacing: Option<f64>,
 }
@@ -66,37 +79,39 @@ impl Profile<'_> {
         self.table(resolution, usize::MAX, None)
     }
 
-    /// The profile as a table for pictures: as [`Resolution::CHART`] has it, or at equal times where that takes
+    /// Its feedrate as a table.
+    pub fn feed_curve(&self, resolution: Resolution) -> FeedCurve {
+        self.table(resolution, usize::MAX, None)
+    }
+
+    /// Its feedrate as a table for pictures: as [`Resolution::CHART`] has it, or at equal times where that takes
     /// too many rows.
-    pub fn drawn(&self) -> Samples {
+    pub fn drawn(&self) -> FeedCurve {
         self.bounded(Resolution::CHART, MOST_DRAWN)
     }
 
-    /// The same for files, as [`Resolution::FINE`] has it.
+    /// The profile as a table for files, as [`Resolution::FINE`] has it, or at equal times.
     pub fn written(&self) -> Samples {
         self.bounded(Resolution::FINE, MOST_WRITTEN)
     }
 
-    fn bounded(&self, resolution: Resolution, most: usize) -> Samples {
-        let samples = self.table(resolution, most, None);
-        if samples.time.len() <= most {
-            return samples;
+    fn bounded<T: Table>(&self, resolution: Resolution, most: usize) -> T {
+        let table: T = self.table(resolution, most, None);
+        if table.rows() <= most {
+            return table;
         }
-        drop(samples);
+        drop(table);
         let spacing = self.cycle_time() / (most / 2) as f64;
         self.table(resolution, usize::MAX, Some(spacing))
     }
 
     /// The table, cut off where it has more than `most` rows; with a `spacing` (s) its rows are laid at equal times.
-    fn table(&self, resolution: Resolution, most: usize, spacing: Option<f64>) -> Samples {
-        let mut samples = Samples { spacing, ..Samples::default() };
+    fn table<T: Table>(&self, resolution: Resolution, most: usize, spacing: Option<f64>) -> T {
+        let mut table = T::with_spacing(spacing);
         let mut segments_before = 0;
         if 0.0 < self.plan.start {
-            samples.push(
-                0.0,
-                &self.standing(0),
-                self.toolpath.segments.first().map_or(0, |first| first.line.0),
-            );
+            let line = self.toolpath.segments.first().map_or(0, |first| first.line.0);
+            table.push(0.0, &self.standing(0), || line);
         }
         for (index, phase) in self.plan.phases.iter().enumerate() {
             let start = self.phase_starts[index];
@@ -104,22 +119,24 @@ impl Profile<'_> {
                 Phase::Wait(wait) if wait.duration == 0.0 => {}
                 Phase::Wait(wait) => {
                     let state = self.standing(segments_before);
-                    samples.push(start, &state, wait.line.0);
-                    samples.push(self.phase_starts[index + 1], &state, wait.line.0);
+                    table.push(start, &state, || wait.line.0);
+                    table.push(self.phase_starts[index + 1], &state, || wait.line.0);
                 }
                 Phase::Motion(stretch) => {
                     let segments = stretch.segments.clone();
                     segments_before = segments.end;
                     let commands =
                         self.plan.pulses.range(stretch.pulses.clone()).flat_map(|pulse| pulse.feedrate);
+                    let motion = self.motion(stretch);
                     let mut sampler = Sampler {
-                        motion: self.motion(stretch),
+                        motion,
+                        steps: Steps::of(motion),
                         resolution,
                         start,
                         fastest: commands.fold(0.0, f64::max),
                         segment: segments.start,
                         last_segment: segments.end - 1,
-                        samples: &mut samples,
+                        table: &mut table,
                     };
                     match spacing {
                         Some(spacing) => sampler.run_evenly(spacing),
@@ -127,20 +144,60 @@ impl Profile<'_> {
                     }
                 }
             }
-            if most < samples.time.len() {
+            if most < table.rows() {
                 break;
             }
         }
-        samples
+        table
     }
 }
 
-impl Samples {
-    fn push(&mut self, time: f64, state: &State, line: u32) {
-        // Rounding may put a row a last digit before the one before it; a table must not go back.
-        let not_before = |column: &[f64], value: f64| column.last().map_or(value, |last| last.max(value));
-        self.time.push(not_before(&self.time, time));
-        self.distance.push(not_before(&self.distance, state.distance));
+/// What rows are laid in.
+trait Table {
+    /// One without rows; they will lie so far apart (s) where they are too few.
+    fn with_spacing(spacing: Option<f64>) -> Self;
+
+    /// How many rows there are.
+    fn rows(&self) -> usize;
+
+    /// Adds a row at a time (s since the start); `line` tells the line of the program.
+    fn push(&mut self, time: f64, state: &State, line: impl FnOnce() -> u32);
+}
+
+/// Adds a value to a column that ascends: rounding may put a row a last digit before the one before it, and a table must
+/// not go back.
+fn push_ascending(column: &mut Vec<f64>, value: f64) {
+    column.push(column.last().map_or(value, |last| last.max(value)));
+}
+
+impl Table for FeedCurve {
+    fn with_spacing(spacing: Option<f64>) -> FeedCurve {
+        FeedCurve { spacing, ..FeedCurve::default() }
+    }
+
+    fn rows(&self) -> usize {
+        self.time.len()
+    }
+
+    fn push(&mut self, time: f64, state: &State, _line: impl FnOnce() -> u32) {
+        push_ascending(&mut self.time, time);
+        push_ascending(&mut self.distance, state.distance);
+        self.feedrate.push(state.velocity.norm());
+    }
+}
+
+impl Table for Samples {
+    fn with_spacing(spacing: Option<f64>) -> Samples {
+        Samples { spacing, ..Samples::default() }
+    }
+
+    fn rows(&self) -> usize {
+        self.time.len()
+    }
+
+    fn push(&mut self, time: f64, state: &State, line: impl FnOnce() -> u32) {
+        push_ascending(&mut self.time, time);
+        push_ascending(&mut self.distance, state.distance);
         self.feedrate.push(state.velocity.norm());
         for (column, value) in self.position.iter_mut().zip(state.position.iter()) {
             column.push(*value);
@@ -148,7 +205,7 @@ impl Samples {
         for (column, value) in self.velocity.iter_mut().zip(state.velocity.iter()) {
             column.push(*value);
         }
-        self.line.push(line);
+        self.line.push(line());
     }
 }
 
@@ -161,8 +218,9 @@ struct Row {
     state: State,
 }
 
-struct Sampler<'a> {
+struct Sampler<'a, T> {
     motion: Motion<'a>,
+    steps: Steps<'a>,
     resolution: Resolution,
     /// When the stretch begins, s.
     start: f64,
@@ -171,18 +229,19 @@ struct Sampler<'a> {
     /// Segment of the last row.
     segment: usize,
     last_segment: usize,
-    samples: &'a mut Samples,
+    table: &'a mut T,
 }
 
-impl Sampler<'_> {
+impl<T: Table> Sampler<'_, T> {
     /// Lays rows where they are needed, until there are more than `most`.
     fn run(&mut self, most: usize) {
         let duration = self.motion.duration();
         let mut last = self.row(self.motion.first_pulse, 0.0);
         self.push(last);
-        while last.filtered < duration && self.samples.time.len() <= most {
+        while last.filtered < duration && self.table.rows() <= most {
             let next = self.row(last.moment.pulse, self.next_time(last).min(duration));
-            self.fill(last, next, 0);
+            let middle = self.between(last, next);
+            self.fill(last, middle, next, 0);
             last = next;
         }
     }
@@ -200,10 +259,10 @@ impl Sampler<'_> {
     }
 
     /// The row at a filtered time (s), no earlier than the pulse `from` begins.
-    fn row(&self, from: usize, filtered: f64) -> Row {
+    fn row(&mut self, from: usize, filtered: f64) -> Row {
         let moment = self.motion.moment_from(from, filtered);
         if self.motion.knots.is_empty() {
-            return Row { time: filtered, filtered, moment, state: self.motion.state(moment) };
+            return Row { time: filtered, filtered, moment, state: self.steps.state(moment) };
         }
         let time = self.motion.true_time(filtered);
         Row { time, filtered, moment, state: self.motion.state_at(time) }
@@ -252,15 +311,23 @@ impl Sampler<'_> {
         })
     }
 
-    /// Adds the rows after `a` up to `b`.
-    fn fill(&mut self, a: Row, b: Row, depth: u32) {
-        let middle = self.row(a.moment.pulse, 0.5 * (a.filtered + b.filtered));
-        let at = |part: f64| self.row(a.moment.pulse, a.filtered + part * (b.filtered - a.filtered));
+    /// The row in the middle between two.
+    fn between(&mut self, a: Row, b: Row) -> Row {
+        self.row(a.moment.pulse, 0.5 * (a.filtered + b.filtered))
+    }
+
+    /// Adds the rows after `a` up to `b`; `middle` lies between them.
+    fn fill(&mut self, a: Row, middle: Row, b: Row, depth: u32) {
+        if depth == DEEPEST {
+            return self.push(b);
+        }
         let allowed = self.resolution.feedrate * self.commanded(a).min(self.commanded(b));
-        let bends = |between: Row| self.bends(a, between, b, allowed);
-        if depth < DEEPEST && (bends(middle) || [0.25, 0.75].iter().any(|part| bends(at(*part)))) {
-            self.fill(a, middle, depth + 1);
-            self.fill(middle, b, depth + 1);
+        let first = self.between(a, middle);
+        let bends = self.bends(a, middle, b, allowed) || self.bends(a, first, b, allowed);
+        let last = self.between(middle, b);
+        if bends || self.bends(a, last, b, allowed) {
+            self.fill(a, first, middle, depth + 1);
+            self.fill(middle, last, b, depth + 1);
         } else {
             self.push(b);
         }
@@ -284,13 +351,13 @@ impl Sampler<'_> {
 
     fn push(&mut self, row: Row) {
         self.segment = self.segment_at(row.state.distance);
-        let line = self.motion.segments.at(self.segment).line.0;
-        self.samples.push(self.start + row.time, &row.state, line);
+        let line = || self.motion.segments.at(self.segment).line.0;
+        self.table.push(self.start + row.time, &row.state, line);
     }
 
     /// The feedrate that the resolution refers to where a row lies, mm/s.
     fn commanded(&self, row: Row) -> f64 {
-        match self.motion.segments.at(self.segment_at(row.state.distance)).motion {
+        match self.motion.segments.motion(self.segment_at(row.state.distance)) {
             toolpath::Motion::Feed { feedrate } => feedrate,
             toolpath::Motion::Rapid => self.fastest,
         }

@@ -210,7 +210,7 @@ impl Motion<'_> {
         });
         State {
             distance: self.distances[oldest.segment] + oldest.offset + sums.0.distance,
-            position: self.segments.at(oldest.segment).point(oldest.offset) + travel,
+            position: self.segments.point(oldest.segment, oldest.offset) + travel,
             velocity,
         }
     }

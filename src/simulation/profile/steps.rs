@@ -76,11 +76,12 @@ impl<'a> Steps<'a> {
     /// The state where the command was so far (`way`, mm) beyond the beginning of a pulse one delay ago, and the tool has
     /// travelled on from there (mm), to this rate.
     fn state_from(&self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> State {
-        let pulse = self.motion.pulses.at(pulse);
+        let Motion { pulses, segments, .. } = self.motion;
+        let pulse = pulses.at(pulse);
         let (segment, offset) = (pulse.segment as usize, pulse.offset + way);
         State {
             distance: self.motion.distances[segment] + offset + travel.w,
-            position: self.motion.segments.at(segment).point(offset) + travel.xyz(),
+            position: segments.point(segment, offset) + travel.xyz(),
             velocity: rate.xyz(),
         }
     }

@@ -99,7 +99,7 @@ impl Arc {
     }
 
     /// Position at the fraction σ of the arc, mm.
-    fn point(&self, sigma: f64) -> Point {
+    pub(super) fn point(&self, sigma: f64) -> Point {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
         let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
         self.center + radius * (cos * self.e1 + sin * self.e2) + sigma * self.rise

@@ -58,6 +58,16 @@ struct Shape {
     rotation: Rotation,
 }
 
+impl Way {
+    #[inline]
+    fn motion(&self) -> Motion {
+        match self.feedrate {
+            f64::INFINITY => Motion::Rapid,
+            feedrate => Motion::Feed { feedrate },
+        }
+    }
+}
+
 impl Move {
     /// It is an arc or turns axes. That can be told without its way, for whose memory it would have to wait.
     #[inline]
@@ -85,7 +95,7 @@ impl Moves {
         index.checked_sub(1).map_or(self.start, |before| self.moves[before].end)
     }
 
-    /// The shape of the segment with this index. This and the next two are for where so many are looked at that even to
+    /// The shape of the segment with this index. This and those that follow are for where so many are looked at that even to
     /// put a segment together takes time. Panics beyond the end.
     #[inline]
     pub fn curve(&self, index: usize) -> &Curve {
@@ -104,6 +114,25 @@ impl Moves {
     pub fn direction(&self, index: usize) -> Vector {
         let kept = &self.moves[index];
         (kept.end - self.start(index)) / kept.length
+    }
+
+    /// The position at a distance (mm) from the start of the segment with this index, mm. Panics beyond the end.
+    #[inline]
+    pub fn point(&self, index: usize, distance: f64) -> Point {
+        let kept = &self.moves[index];
+        match self.curve(index) {
+            Curve::Line => {
+                let start = self.start(index);
+                start + (kept.end - start) * (distance / kept.length)
+            }
+            Curve::Arc(arc) => arc.point(distance / kept.length),
+        }
+    }
+
+    /// How the segment with this index is run. Panics beyond the end.
+    #[inline]
+    pub fn motion(&self, index: usize) -> Motion {
+        self.ways[self.moves[index].way()].motion()
     }
 
     /// Each segment with the one that follows it.
@@ -139,7 +168,7 @@ impl Keep for Moves {
     #[inline]
     fn at(&self, index: usize) -> Segment {
         let kept = &self.moves[index];
-        let Way { feedrate, exact_stop, .. } = self.ways[kept.way()];
+        let way = &self.ways[kept.way()];
         let line = || Shape { curve: Curve::Line, rotation: Rotation::NONE };
         let shape = self.shape(kept).map_or_else(line, Shape::clone);
         Segment {
@@ -147,12 +176,9 @@ impl Keep for Moves {
             end: kept.end,
             curve: shape.curve,
             length: kept.length,
-            motion: match feedrate {
-                f64::INFINITY => Motion::Rapid,
-                feedrate => Motion::Feed { feedrate },
-            },
+            motion: way.motion(),
             rotation: shape.rotation,
-            exact_stop,
+            exact_stop: way.exact_stop,
             line: kept.line,
         }
     }
@@ -230,6 +256,8 @@ mod tests {
             for (index, segment) in expected.iter().enumerate() {
                 assert_eq!(kept.at(index), *segment);
                 assert_eq!((kept.curve(index), kept.length(index)), (&segment.curve, segment.length));
+                assert_eq!(kept.motion(index), segment.motion);
+                assert_eq!(kept.point(index, 0.3), segment.point(0.3));
                 let line = Segment { curve: Curve::Line, ..segment.clone() };
                 assert_eq!(kept.direction(index), line.tangent(0.0));
             }
