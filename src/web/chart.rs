@@ -129,19 +129,18 @@ impl Chart {
     }
 
     /// Fills the curve added last; the columns are those of `Columns`.
-    pub fn fill(
-        &mut self,
-        distance: Vec<f64>,
-        feedrate: Vec<f64>,
-        time: Vec<f64>,
-        corner: Vec<f64>,
-        arcs: Vec<u32>,
-        along_arcs: Vec<f64>,
-    ) {
+    pub fn fill(&mut self, distance: Vec<f64>, feedrate: Vec<f64>, time: Vec<f64>) {
         if let Some(curve) = self.chart.curves.last_mut() {
-            let errors =
+            *curve = Curve { distance, feedrate, time, ..std::mem::take(curve) };
+        }
+    }
+
+    /// Gives the curve added last its contour errors; the columns are those of `Columns`.
+    #[wasm_bindgen(js_name = fillErrors)]
+    pub fn fill_errors(&mut self, corner: Vec<f64>, arcs: Vec<u32>, along_arcs: Vec<f64>) {
+        if let Some(curve) = self.chart.curves.last_mut() {
+            curve.errors =
                 ContourErrors { corner, arc: Few::new(arcs, along_arcs), ..ContourErrors::default() };
-            *curve = Curve { distance, feedrate, time, errors, ..std::mem::take(curve) };
         }
     }
 

@@ -58,7 +58,9 @@ export function mount(root) {
     for (const column of columns) {
       addCurve(chart, column, held)
       const curve = runs.get(column)?.columns
-      if (curve) chart.fill(curve.distance, curve.feedrate, curve.time, curve.corner, curve.arcs, curve.alongArcs)
+      if (!curve) continue
+      chart.fill(curve.distance, curve.feedrate, curve.time)
+      chart.fillErrors(curve.corner, curve.arcs, curve.alongArcs)
     }
     if (over.value === 'time') chart.setOverTime(true)
   }

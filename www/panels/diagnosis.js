@@ -209,7 +209,7 @@ function fillChart(chart, columns) {
   chart.program(columns.end, columns.feedrate, columns.rapid, columns.line)
   for (const [at, name] of NAMES.entries()) {
     chart.add(name, none, none, none)
-    chart.fill(columns.distances[at], columns.feedrates[at], columns.times[at], none, none)
+    chart.fill(columns.distances[at], columns.feedrates[at], columns.times[at])
   }
   chart.showLost(columns.lostDistances[0], columns.lostSeconds[0])
   chart.showLostAfter(columns.lostDistances[1], columns.lostSeconds[1])

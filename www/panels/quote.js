@@ -86,7 +86,8 @@ export function mount(root, form, actions) {
     chart.program(end, feedrate, rapid, line)
     addCurve(chart, column, outcome.held)
     const { distance, feedrate: feed, time, corner, arcs, alongArcs } = run.columns
-    chart.fill(distance, feed, time, corner, arcs, alongArcs)
+    chart.fill(distance, feed, time)
+    chart.fillErrors(corner, arcs, alongArcs)
     const svg = chart.svg(...CHART_PX)
     chart.free()
     return svg ? [svg] : []

@@ -158,8 +158,8 @@ export function mount(root, actions) {
     chart.program(end, feed, rapid, line)
     for (const [index, name] of NAMES.entries()) {
       chart.add(name, none, none, none)
-      if (index === 0) chart.fill(columns.recordedDistance, columns.recordedFeedrate, columns.recordedTime, none, none)
-      else chart.fill(columns.simulatedDistance, columns.simulatedFeedrate, columns.simulatedTime, none, none)
+      if (index === 0) chart.fill(columns.recordedDistance, columns.recordedFeedrate, columns.recordedTime)
+      else chart.fill(columns.simulatedDistance, columns.simulatedFeedrate, columns.simulatedTime)
     }
     chart.showLost(columns.lostDistance, columns.lostSeconds)
   }
