@@ -18,8 +18,12 @@ pub fn odds(gain: f64, price: f64) -> f64 {
     gain / (gain + price)
 }
 
+/// A cause that is less sure than this is not named.
+pub const UNSURE: f64 = 0.1;
+
 /// What was found, with a confidence that also tells what the likelihood says of each beside the others: the
-/// odds are its gain to its price, the gain being worth less as residuals that are left are related.
+/// odds are its gain to its price, the gain being worth less as residuals that are left are related. What others leave
+/// too little to be sure of is taken back.
 pub fn weighed(base: &Machine, runs: &[Run], mut named: Vec<Found>) -> Vec<Found> {
     if named.is_empty() {
         return named;
@@ -32,5 +36,6 @@ pub fn weighed(base: &Machine, runs: &[Run], mut named: Vec<Found>) -> Vec<Found
         let price = gates::price(runs, found.candidate.values.len());
         found.confidence *= odds(gain.max(0.0) / dispersion, price);
     }
+    named.retain(|found| UNSURE <= found.confidence);
     named
 }

@@ -12,11 +12,13 @@ use crate::machine::Machine;
 
 /// What is explained whole leaves so many standard deviations of the noise, or so many mm.
 const WHOLE: (f64, f64) = (4.0, 0.01);
-/// The same of what is looked at beside causes of time: a simulation without drives is that close.
+/// The same of what is seen beside causes of time: a simulation without drives is that close.
 const SEEN: (f64, f64) = (4.0, 2e-3);
+/// And of what is searched: of all axes together noise makes the square root of three.
+const SEARCHED: (f64, f64) = (2.5, 2e-3);
 /// A cause of form must take this part of the error away.
 const WORTH: f64 = 0.35;
-/// And be larger than this, mm.
+/// And what it takes away be larger than this, by squares, mm.
 const LEAST: f64 = 2e-3;
 /// Rounds of golden sections, and sections in each.
 const ROUNDS: (usize, usize) = (3, 7);
@@ -72,7 +74,7 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     if forms.is_empty() {
         return Vec::new();
     }
-    let floor = floor(runs, if whole { WHOLE } else { SEEN });
+    let floor = floor(runs, if whole { WHOLE } else { SEARCHED });
     let before = rms(&forms, machine);
     if before < floor {
         return Vec::new();
@@ -94,7 +96,8 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
         let refined = tried.into_iter().map(|candidate| refined(&forms, &current, candidate));
         let Some(candidate) = refined.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
         let with = candidate.hypothesis.machine(&current, &candidate.values);
-        let is_worth = candidate.cost <= (1.0 - WORTH) * error && LEAST <= error - candidate.cost;
+        let is_worth = candidate.cost <= (1.0 - WORTH) * error
+            && LEAST.powi(2) <= error.powi(2) - candidate.cost.powi(2);
         if !is_worth || !is_all_along(&forms, &current, &with) {
             break;
         }

@@ -5,7 +5,7 @@
 //! searched in `excerpts` of it, and what was found is kept if it holds on the whole.
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
-//! back. Others from which the best cannot be told on the runs are its ambiguity.
+//! back, and one that was named before the others were known gives way to one that is worth more beside them. Others from which the best cannot be told on the runs are its ambiguity.
 //!
 //! What is left is judged by itself (`verdict`): much lost time that has no cause is unknown, and located.
 
@@ -50,6 +50,8 @@ const LEAST: f64 = 0.015;
 pub const OPERATOR: [&str; 3] = ["feed_override", "rapid_override", "feed_hold"];
 /// Causes named at most.
 const MOST: usize = 4;
+/// How often one of them may give way to another.
+const RECONSIDERED: usize = 2;
 
 /// What the diagnosis comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -211,6 +213,10 @@ impl InTime {
             named = all;
         }
         named = search::without_unnecessary(&base, &looked, named);
+        for _ in 0..RECONSIDERED {
+            let Some(all) = search::reconsidered(&base, &looked, library, &named) else { break };
+            named = search::without_unnecessary(&base, &looked, all);
+        }
         if looked.in_parts {
             named = search::held(&base, runs, named);
         }

@@ -7,11 +7,13 @@
 //!
 //! | the tool stood | hypothesis |
 //! |---|---|
-//! | at a function, a dwell or a tool change | none of this module: a wait of that |
+//! | at a dwell, longer than it asks for | a wait before its line |
+//! | at a function or a tool change | none of this module: a wait of that |
 //! | where a long block meets a long block | a wait before the line of the later one |
 //! | anywhere else | a feed hold on the line |
 //!
-//! Rests of one visit of a line are one, where the longer one was.
+//! Rests of one visit of a line are one, where the longer one was. Before the first mark and behind the last nothing
+//! is known of times: a recorder that runs before the machine does shows no rest.
 //!
 //! A hold that is hardly longer than the filter delay leaves a shorter rest, as its ramps take up the rest of what it
 //! cost. Inside a block, where no control stops by itself, that counts instead; at the ends of blocks a machine may be
@@ -24,8 +26,9 @@
 //!
 //! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
 //! be held each time; more rests than [`MOST`], or than [`FEW`] of which most are [`ALIKE`], are a property of the
-//! machine and not halts, but for those that are [`OUT`] times as long as usual.
+//! machine and not halts, but for those that are [`OUT`] times as long as usual. Those at dwells are counted by themselves.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::identification::alignment::{Method, Visit, median, visits};
@@ -34,7 +37,7 @@ use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
-use crate::simulation::toolpath::Segments;
+use crate::simulation::toolpath::{Segments, Stop, Toolpath};
 
 /// The shortest rest, s.
 const LEAST: f64 = 0.1;
@@ -72,6 +75,8 @@ pub struct Rest {
     pub begin: f64,
     /// What it cost, s.
     pub seconds: f64,
+    /// It is at a dwell of the program.
+    pub at_dwell: bool,
 }
 
 /// The rests of a run that a machine does not have, by place, without those at functions.
@@ -99,6 +104,8 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let least = LEAST.max(2.0 * poll);
     let ramp = plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
     let visits = visits(run.toolpath);
+    let marks = &run.alignment.marks;
+    let known = marks.first().map_or(0.0, |mark| mark.time)..marks.last().map_or(0.0, |mark| mark.time);
     let mut found: Vec<Rest> = Vec::new();
     let (mut from, mut to) = (0, 0);
     while from + 1 < fixes.len() {
@@ -106,7 +113,12 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         while to + 1 < fixes.len() && fixes[to + 1].distance - fixes[from].distance <= short {
             to += 1;
         }
-        let stands = STANDS * (fixes[to].time - fixes[from].time) <= lost(from, to);
+        if fixes[to].time <= known.start || known.end <= fixes[from].time {
+            from += 1;
+            continue;
+        }
+        let dwelt = dwelt(run, &profile, &(fixes[from].distance..fixes[to].distance));
+        let stands = STANDS * (fixes[to].time - fixes[from].time - dwelt) <= lost(from, to);
         // At a low rate the first sample after a rest may be far from it.
         if !(stands && to == from + 1 || fixes[to].distance - fixes[from].distance <= short) {
             from += 1;
@@ -151,6 +163,12 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         }
         (from, to) = (to, to + 1);
     }
+    let (at_dwells, elsewhere): (Vec<Rest>, Vec<Rest>) = found.into_iter().partition(|rest| rest.at_dwell);
+    [halts(elsewhere), halts(at_dwells)].concat()
+}
+
+/// The rests that are no property of the machine.
+fn halts(mut found: Vec<Rest>) -> Vec<Rest> {
     let mut seconds: Vec<f64> = found.iter().map(|rest| rest.seconds).collect();
     let usual = median(&mut seconds);
     let alike = seconds.iter().filter(|seconds| (*seconds - usual).abs() < ALIKE * usual).count();
@@ -158,6 +176,15 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         found.retain(|rest| OUT * usual < rest.seconds);
     }
     if MOST < found.len() { Vec::new() } else { found }
+}
+
+/// How long the program dwells within a part of the path (mm), s.
+fn dwelt(run: &Run, profile: &Profile, part: &Range<f64>) -> f64 {
+    let Toolpath { segments, stops, .. } = run.toolpath;
+    let end = |stop: &Stop| profile.distance_before(stop.after.min(segments.len()));
+    let first = stops.partition_point(|stop| end(stop) < part.start);
+    let within = stops[first..].iter().take_while(|stop| end(stop) <= part.end);
+    within.filter_map(|stop| stop.cause.dwell()).sum()
 }
 
 /// The segment at a distance along the path, mm; the first or the last one beyond its ends.
@@ -179,13 +206,18 @@ fn is_inside(segments: &Segments, profile: &Profile, at: f64, away: f64) -> bool
         && away < profile.distance_before(segment + 1) - at
 }
 
-/// The rest at a distance along the path; none where a function is near.
+/// The rest at a distance along the path; none where a function is near that is no dwell.
 fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Option<Rest> {
     let segments = &run.toolpath.segments;
     let end = |segment: usize| profile.distance_before(segment);
-    let stops = run.toolpath.stops.iter().map(|stop| end(stop.after.min(segments.len())));
-    // A stop of the program at the beginning or the end of the path is one as well.
-    if stops.chain([0.0, profile.length()]).any(|stop| (stop - at).abs() <= 2.0 * near) {
+    let is_near = |distance: f64| (distance - at).abs() <= 2.0 * near;
+    let mut stops = run.toolpath.stops.iter().filter(|stop| is_near(end(stop.after.min(segments.len()))));
+    if let Some(first) = stops.next() {
+        let is_dwell = |stop: &Stop| stop.cause.dwell().is_some();
+        let rest = Rest { line: first.line.0, place: None, begin: at, seconds, at_dwell: true };
+        return (is_dwell(first) && stops.all(is_dwell)).then_some(rest);
+    }
+    if is_near(0.0) || is_near(profile.length()) {
         return None;
     }
     let low = segment_at(segments, profile, at);
@@ -199,13 +231,25 @@ fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Op
             && segments.at(segment - 1).line != segments.at(*segment).line
     });
     if let Some(boundary) = boundary {
-        return Some(Rest { line: segments.at(boundary).line.0, place: None, begin: at, seconds });
+        return Some(Rest {
+            line: segments.at(boundary).line.0,
+            place: None,
+            begin: at,
+            seconds,
+            at_dwell: false,
+        });
     }
     let line = segments.at(low).line;
     let first = (0..=low).rev().take_while(|segment| segments.at(*segment).line == line).last()?;
     let after = (low..segments.len()).take_while(|segment| segments.at(*segment).line == line).last()? + 1;
     let place = (at - end(first)) / (end(after) - end(first)).max(1e-9);
-    Some(Rest { line: line.0, place: Some(place.clamp(0.0, 1.0)), begin: end(first), seconds })
+    Some(Rest {
+        line: line.0,
+        place: Some(place.clamp(0.0, 1.0)),
+        begin: end(first),
+        seconds,
+        at_dwell: false,
+    })
 }
 
 /// For how long at most, s, the readings of the feed that begin between two times (s) say without a break that
@@ -245,7 +289,7 @@ fn rest_during(
     let begin = profile.distance_before(visit.segments.start);
     let length = profile.distance_before(visit.segments.end) - begin;
     let place = ((at - begin) / length).clamp(0.0, 1.0);
-    Some(Rest { line: visit.line.0, place: Some(place), begin, seconds })
+    Some(Rest { line: visit.line.0, place: Some(place), begin, seconds, at_dwell: false })
 }
 
 impl Rest {

@@ -17,7 +17,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::identification::diagnosis::confidence::odds;
+use crate::identification::diagnosis::confidence::{UNSURE, odds};
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::{GAIN, HeldOut};
 use crate::identification::diagnosis::speeds::Speeds;
@@ -43,8 +43,7 @@ const NEAR: f64 = 1.0;
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
 const SWITCHES: [&str; 3] = ["feed_override", "rapid_override", "recorder_clock"];
-/// A cause that is less sure than this is not named.
-const UNSURE: f64 = 0.1;
+const HALTS: [&str; 2] = ["feed_hold", "unmodelled_wait"];
 /// Candidates that are refined by least squares.
 const REFINED: usize = 5;
 
@@ -304,6 +303,33 @@ fn is_at_bound(candidate: &Candidate) -> bool {
             let (low, high) = freed.bounds;
             *value <= low * (1.0 + BELIEVED) || high * (1.0 - BELIEVED) <= *value
         })
+}
+
+/// The causes with one of them replaced where another, found beside the rest, is worth more: which came first was settled
+/// when the others were not known. None where all stand.
+pub fn reconsidered(
+    base: &Machine,
+    looked: &Looked,
+    library: &[Hypothesis],
+    named: &[Found],
+) -> Option<Vec<Found>> {
+    // All others were known when the last one was found, and nothing else leaves the trace of a halt.
+    let before_last = 0..named.len().saturating_sub(1);
+    before_last.filter(|at| !HALTS.contains(&named[*at].candidate.hypothesis.id)).find_map(|at| {
+        let mut rest = named.to_vec();
+        let former = rest.remove(at).candidate.hypothesis;
+        let other = with_next(base, looked, library, &rest, &mut |_| {})?;
+        let latter = &other.last()?.candidate.hypothesis;
+        if (latter.id, &latter.variant) == (former.id, &former.variant) {
+            return None;
+        }
+        let evidence = looked.evidence(&with_all(base, &candidates(&other)));
+        let worth = |found: &[Found]| {
+            let prices = found.iter().map(|found| gates::price(looked.runs, found.candidate.values.len()));
+            evidence.cost(&with_all(base, &candidates(found))) + prices.sum::<f64>()
+        };
+        (worth(&other) + GAIN < worth(named)).then_some(other)
+    })
 }
 
 /// Those of the causes found in excerpts that also hold on the whole, each with those before it.

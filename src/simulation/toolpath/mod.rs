@@ -184,6 +184,16 @@ pub enum StopCause {
     },
 }
 
+impl StopCause {
+    /// The programmed waiting time of a dwell, s; none of any other stop.
+    pub fn dwell(self) -> Option<f64> {
+        match self {
+            StopCause::Dwell { seconds } => Some(seconds),
+            _ => None,
+        }
+    }
+}
+
 /// A full stop between two segments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
