@@ -6,8 +6,18 @@ import { say } from './texts.js'
 
 const KEY = 'truefeed.machines.1'
 
+/** Names that this page had: what else is kept was kept by another tab. @type {Set<unknown>} */
+const own = new Set()
+
 /** Those kept, as machines to begin with. @returns {Preset[]} */
 export function loadMachines() {
+  const all = kept()
+  all.forEach(({ name }) => own.add(name))
+  return all
+}
+
+/** What the browser keeps. @returns {Preset[]} */
+function kept() {
   try {
     const all = /** @type {unknown} */ (JSON.parse(localStorage.getItem(KEY) ?? '[]'))
     if (!Array.isArray(all)) return []
@@ -27,9 +37,12 @@ export const keptMachine = (values) => ({
   kept: true,
 })
 
-/** Keeps those that are kept. @param {Preset[]} presets */
+/** Keeps those that are kept, and those of other tabs. @param {Preset[]} presets */
 export function saveMachines(presets) {
-  const all = presets.filter(({ kept, removed }) => kept && !removed).map(({ values }) => values)
+  const ours = presets.filter(({ kept, removed }) => kept && !removed)
+  ours.forEach(({ name }) => own.add(name))
+  const others = kept().filter(({ name }) => !own.has(name))
+  const all = [...ours, ...others].map(({ values }) => values)
   try {
     localStorage.setItem(KEY, JSON.stringify(all))
   } catch {

@@ -285,6 +285,10 @@ export const actions = {
     const values = /** @type {Values} */ (JSON.parse(valuesOfFile(text)))
     return adopt({ ...values, name: freeName(String(values.name), form.presets) })
   },
+  /** The same for a file that was dropped; the form says what is wrong with it. @param {File} file */
+  addMachine(file) {
+    return machine.take(file)
+  },
   /** Takes a kept machine out; the function returned puts it back. */
   removeMachine() {
     const { preset } = state.machine
@@ -508,6 +512,7 @@ const work = workOn(state, engine, {
   take,
 })
 const exchange = settingsPanel.mount(element('settings'), element('notice'), actions)
+const machine = machinePanel.mount(element('machine'), form, actions)
 const recordings = recordingPanel.mount(element('recording'), actions)
 const tolerances = tolerancesPanel.mount(element('tolerances'), { most: mostCurves(), usual: [...usualTolerances()] }, actions)
 /** @type {{update(state: State): void}[]} */
@@ -515,7 +520,7 @@ const panels = [
   progress,
   historyPanel.mount(element('history'), history, actions),
   programPanel.mount(element('program'), JSON.parse(dialects()), actions),
-  machinePanel.mount(element('machine'), form, actions),
+  machine,
   tolerances,
   resultsPanel.mount(element('results'), form, actions),
   chart,

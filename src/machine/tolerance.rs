@@ -41,6 +41,10 @@ pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
         "mm" => |value| value,
         _ => return Err(not_a_number()),
     };
+    if number.split_once(',').is_some_and(|(whole, rest)| !whole.starts_with('0') && rest.len() == 3) {
+        // Thousands or thousandths: nobody knows.
+        return Err(not_a_number());
+    }
     let typed: f64 = number.replace(',', ".").parse().map_err(|_| not_a_number())?;
     checked_tolerance(mm(typed))
 }
@@ -79,9 +83,14 @@ mod tests {
 
     #[test]
     fn reads_micrometres_and_millimetres() {
-        for (text, tolerance) in
-            [("15", 0.015), (" 15 µm", 0.015), ("0,5um", 0.0005), ("0.02 mm", 0.02), ("1e1", 0.01)]
-        {
+        for (text, tolerance) in [
+            ("15", 0.015),
+            (" 15 µm", 0.015),
+            ("0,5um", 0.0005),
+            ("0.02 mm", 0.02),
+            ("0,015 mm", 0.015),
+            ("1e1", 0.01),
+        ] {
             let read = tolerance_from_text(text).expect(text);
             assert!((read - tolerance).abs() < 1e-15, "{text}: {read}");
         }
@@ -89,7 +98,7 @@ mod tests {
 
     #[test]
     fn refuses_what_is_none_and_says_the_bounds() {
-        for text in ["", "x", "10 in", "1 2", "NaN"] {
+        for text in ["", "x", "10 in", "1 2", "NaN", "1,000", "12,500 mm"] {
             assert!(matches!(tolerance_from_text(text), Err(ToleranceError::NotANumber(_))), "{text}");
         }
         for text in ["0", "-3", "1e9", "inf 3"] {

@@ -120,7 +120,13 @@ fn set(machine: &mut Machine, key: &str, written: Written) -> Result<(), Fault> 
             return expected(format!("{kind} from {min} to {max} {}", unit.symbol()).trim_end().to_string());
         }
         (Access::Number { set, .. }, Written::Empty) => set(machine, None),
-        (Access::Number { unit, .. }, _) => return expected(format!("a number in {}", unit.symbol())),
+        (Access::Number { unit, .. }, other) => {
+            let unit =
+                if unit.symbol().is_empty() { String::new() } else { format!(" in {}", unit.symbol()) };
+            let set_apart = matches!(&other, Written::Text(text) if text.contains([',', '.']));
+            let advice = if set_apart { ", with nothing between thousands, such as 1250" } else { "" };
+            return expected(format!("a number{unit}{advice}"));
+        }
         (Access::List { unit, min, max, whole, most, set, .. }, Written::List(values)) => {
             if values.is_empty() || *most < values.len() {
                 return expected(format!("one to {most} numbers"));

@@ -60,6 +60,29 @@ for (const [locale, time, constant] of [
   })
 }
 
+for (const [locale, unclear, plain] of [
+  ['en-US', '12,500', '12.500'],
+  ['de-DE', '12.500', '12,500'],
+]) {
+  test(`thousands in ${locale}`, { timeout: 120_000 }, async () => {
+    const { page, close } = await openPage({ locale })
+    try {
+      await page.waitForSelector('html[data-ready]')
+      const field = '#field-rapid-feed_mm_min'
+      const fault = () => page.locator('#machine .field', { has: page.locator(field) }).locator('.fault').textContent()
+      await page.fill(field, unclear)
+      assert.match(await fault(), /expected a number in mm\/min, with nothing between thousands, such as 1250/)
+      // Two signs are clear, and so is the decimal sign of the language.
+      for (const written of ['12,500.5', '12.500,5', plain]) {
+        await page.fill(field, written)
+        assert.equal(await fault(), '', written)
+      }
+    } finally {
+      await close()
+    }
+  })
+}
+
 /** What is read on the page, but for texts of programs and what is typed in files. */
 const READ = 'main *:not(code, textarea, option, .listing *, #diagnostics *, #cutting .materials *, script)'
 /** A number with a point that sets no three digits apart. */

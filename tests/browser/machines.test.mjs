@@ -83,6 +83,36 @@ pageTest('a machine file comes back as it went, and a broken one is refused with
   assert.equal((await options(page, KEPT)).length, 1)
 })
 
+pageTest('a machine file among dropped programs is the machine', async ({ page }) => {
+  await page.fill('#field-rapid-feed_mm_min', '23456')
+  const saved = readFileSync(await machineOf(page))
+  await page.click('#machine .reset')
+  await page.setInputFiles('#files', [
+    { name: 'part.nc', mimeType: 'text/plain', buffer: Buffer.from('G21 G90 G1 X10 F600\nM30\n') },
+    { name: 'mill.toml', mimeType: 'text/plain', buffer: saved },
+  ])
+  await computed(page)
+  assert.equal(await page.inputValue('#field-rapid-feed_mm_min'), '23456')
+  assert.equal(await page.locator('#program [role="tab"]').count(), 1)
+})
+
+pageTest('machines that two tabs keep stay, and what one removes goes', async ({ page }) => {
+  const other = await page.context().newPage()
+  await other.goto(page.url())
+  await other.waitForSelector('html[data-ready]')
+  for (const [tab, name] of [[other, 'Mill B'], [page, 'Mill A']]) {
+    await tab.fill('#field-name', name)
+    await tab.click('#machine .keep')
+  }
+  await reloaded(other)
+  assert.deepEqual((await options(other, KEPT)).sort(), ['Mill A', 'Mill B'])
+  await other.selectOption('#preset', { label: 'Mill A' })
+  await other.click('#machine .remove')
+  await reloaded(page)
+  assert.deepEqual(await options(page, KEPT), ['Mill B'])
+  await other.close()
+})
+
 pageTest('the editor has every parameter with meaning, bounds and neutral value; finds, marks and resets', async ({ page }) => {
   await openMore(page)
   const fields = await page.$$eval('#machine .field', (all) =>

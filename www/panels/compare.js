@@ -200,7 +200,7 @@ export function mount(root, engine, form, actions) {
         row(say.compare.inSeconds, ({ time = 0 }) => seconds(time)),
         row(say.common.difference, against((by) => difference(by))),
         row(say.compare.inPercent, against((by, from) => percent(by / from))),
-        ...(prices.some((amount) => amount > 0) ? [row(say.compare.price, (_, index) => money(prices[index]), 'price')] : []),
+        ...(prices.some((amount) => amount > 0) ? [row(say.compare.price, (_, index) => (prices[index] > 0 ? money(prices[index]) : '–'), 'price')] : []),
         row(say.compare.againstProgrammed, ({ time = 0 }) => percent(time / outcome.summary.programmed_time_s - 1)),
         row(say.common.contourError, ({ side, column }) => {
           const error = side === sides[0] ? outcome.runs.get(column)?.summary.max_contour_error_mm : undefined

@@ -58,15 +58,8 @@ export function mount(root, form, actions) {
   file.addEventListener('change', async () => {
     const [chosen] = file.files ?? []
     if (!chosen) return
-    const text = await chosen.text()
+    await take(chosen)
     file.value = ''
-    try {
-      const putBack = await actions.importMachine(text)
-      fault.textContent = ''
-      undo.offer(say.machine.loaded(chosen.name), putBack)
-    } catch (reason) {
-      fault.textContent = say.machine.notMachine(chosen.name, reason)
-    }
   })
   find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
 
@@ -77,6 +70,17 @@ export function mount(root, form, actions) {
   find(root, '.more').append(...groups.map(({ element }) => element))
   search.addEventListener('input', filter)
   onlySet.addEventListener('change', filter)
+
+  /** Takes the machine of a file, or says why it is none. @param {File} chosen */
+  async function take(chosen) {
+    try {
+      const putBack = await actions.importMachine(await chosen.text())
+      fault.textContent = ''
+      undo.offer(say.machine.loaded(chosen.name), putBack)
+    } catch (reason) {
+      fault.textContent = say.machine.notMachine(chosen.name, reason)
+    }
+  }
 
   /** Shows the fields that are looked for. */
   function filter() {
@@ -112,6 +116,7 @@ export function mount(root, form, actions) {
   }
 
   return {
+    take,
     /** @param {State} state */
     update({ machine }) {
       values = machine.values

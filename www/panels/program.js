@@ -15,6 +15,7 @@ const UNDO_MS = 10_000
  * @typedef {object} Actions
  * @property {(files: {name: string, file: Blob}[]) => void} addPrograms
  * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addRecordings
+ * @property {(file: File) => Promise<void>} addMachine
  * @property {(id: number) => void} select
  * @property {(id: number, dialect: string | null) => void} setDialect
  * @property {(id: number) => () => void} removeProgram
@@ -158,8 +159,11 @@ export async function bytesOf(files) {
 /** Files up to this size are kept as they are now; larger ones are read again where they are. Bytes. */
 const KEPT = 16_000_000
 
-/** Takes programs and recordings, told apart by what stands in them. @param {File[]} files @param {Actions} actions */
-async function add(files, actions) {
+/** Takes machines by their names, and programs and recordings, told apart by what stands in them. @param {File[]} dropped @param {Actions} actions */
+async function add(dropped, actions) {
+  const isMachine = (/** @type {File} */ { name }) => /\.toml$/i.test(name)
+  for (const file of dropped.filter(isMachine)) await actions.addMachine(file)
+  const files = dropped.filter((file) => !isMachine(file))
   const headed = async (/** @type {File} */ file) => ({
     file,
     // A table of which nothing can be read is a recording too, which says why not.
