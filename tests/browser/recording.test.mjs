@@ -263,7 +263,7 @@ pageTest('several recordings of two programs dropped at once are told apart, com
     assert.ok(await isCurrent(name))
     assert.match(await page.textContent('.programs [aria-selected=true]'), new RegExp(`^${program}`))
     assert.ok(Math.abs((await took()) - seconds) < 0.3, `${name}: ${await took()} s of ${seconds} s`)
-    assert.match(await standing(name), /simulated −/)
+    assert.match(await standing(name), /simulation off by −/)
   }
 
   await page.locator('#recording').scrollIntoViewIfNeeded()
