@@ -43,6 +43,8 @@ const NEAR: f64 = 1.0;
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
 const SWITCHES: [&str; 3] = ["feed_override", "rapid_override", "recorder_clock"];
+/// A cause gives way to another where that leaves less than this part of the cost: what is nearly as good may be either.
+const GIVES_WAY: f64 = 0.5;
 const HALTS: [&str; 2] = ["feed_hold", "unmodelled_wait"];
 /// Candidates that are refined by least squares.
 const REFINED: usize = 5;
@@ -328,7 +330,7 @@ pub fn reconsidered(
             let prices = found.iter().map(|found| gates::price(looked.runs, found.candidate.values.len()));
             evidence.cost(&with_all(base, &candidates(found))) + prices.sum::<f64>()
         };
-        (worth(&other) + GAIN < worth(named)).then_some(other)
+        (worth(&other) < GIVES_WAY * worth(named)).then_some(other)
     })
 }
 
