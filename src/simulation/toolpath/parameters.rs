@@ -15,7 +15,8 @@
 //!   and the like are known; the others hold nothing.
 //! - A call with arguments has parameters 1 to 33 of its own (1 to 30 on LinuxCNC, and all names
 //!   without `_`).
-//! - Comparisons are exact and give 1 or 0; AND, OR and XOR take any value but 0 as true.
+//! - Comparisons are exact and give 1 or 0; AND, OR and XOR take any value but 0 as true. On Fanuc
+//!   controls, their relatives and Okuma's they work bit by bit, which is the same between conditions.
 //! - MOD is at least 0, FIX rounds down, FUP up, ROUND to the nearest, halves away from 0. On Fanuc
 //!   controls FIX rounds toward 0 and FUP away from it.
 //! - Angles are in degrees, arctangents in −180 to 180.
@@ -306,7 +307,8 @@ impl Parameters {
                 Step::Function(function) => self.apply(function)?,
                 Step::Operator(operator) => {
                     let right = pop(&mut self.stack);
-                    combine_vacant(operator, pop(&mut self.stack), right)?
+                    let left = pop(&mut self.stack);
+                    self.by_bits(operator, left, right).map_or_else(|| combine_vacant(operator, left, right), Ok)?
                 }
             };
             if value.is_infinite() {
@@ -325,6 +327,22 @@ impl Parameters {
             Function::Fup if is_below_zero => apply(Function::Fix, value),
             _ => apply(function, value),
         }
+    }
+
+    /// AND, OR and XOR where the control works them out bit by bit. Fanuc controls do so on binary
+    /// numbers, and a value that is no integer is rounded to the nearest one for that.
+    fn by_bits(&self, operator: Operator, left: f64, right: f64) -> Option<f64> {
+        if !matches!(self.dialect, Dialect::Iso | Dialect::Okuma) {
+            return None;
+        }
+        let [left, right] = [left, right].map(|value| zero_if_vacant(value).round() as i64);
+        let bits = match operator {
+            Operator::And => left & right,
+            Operator::Or => left | right,
+            Operator::Xor => left ^ right,
+            _ => return None,
+        };
+        Some(bits as f64)
     }
 }
 

@@ -219,6 +219,28 @@ fn nothing_is_a_value_of_its_own() {
     assert_eq!(x("#<a>=1\nG0 X[1+#<a>]\nX#5"), 0.0, "on LinuxCNC it is 0");
 }
 
+/// On Fanuc controls AND, OR and XOR combine bits, which between conditions is the same as truths.
+#[test]
+fn fanuc_controls_combine_bits() {
+    let x = |text: &str| run(text).segments.last().map_or(0.0, |segment| segment.end.x);
+    for (expression, expected) in [
+        ("6 AND 1", 0.0),
+        ("6 OR 1", 7.0),
+        ("6 XOR 3", 5.0),
+        ("5.6 AND 3.4", 2.0),
+        ("-1 AND 5", 5.0),
+        ("#9 OR 4", 4.0),
+        ("[2 GT 0] AND [3 GT 0]", 1.0),
+        ("[2 GT 0] AND [3 LT 0]", 0.0),
+        ("[2 EQ 0] OR [3 NE 0]", 1.0),
+        ("[2 GT 0] XOR [3 GT 0]", 0.0),
+    ] {
+        assert_eq!(x(&format!("%\nG0 X[100+[{expression}]]\n%")), 100.0 + expected, "{expression}");
+    }
+    assert_eq!(x("%\n#1=6\nIF[[#1 AND 1]EQ 0]GOTO10\nG0 X1.\nN10 G0 X2.\n%"), 2.0);
+    assert_eq!(x("#<a>=6\nG0 X[#<a> AND 1]"), 1.0, "on LinuxCNC they are truths");
+}
+
 /// No depth of nesting exhausts the stack, and no length takes more than linear time.
 #[test]
 fn depth_is_bounded() {
