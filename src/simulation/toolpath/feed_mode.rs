@@ -54,10 +54,15 @@ impl Default for Feed {
 }
 
 impl Tracer<'_> {
+    /// Millimetres in the unit of length that feeds are given in.
+    pub(super) fn unit_of_feeds(&self) -> f64 {
+        if self.siemens.leaves_feeds { 1.0 } else { self.modal.unit }
+    }
+
     /// F, by the mode in force.
     pub(super) fn take_feed(&mut self, block: Block) {
         let Some(value) = self.given.get(b'F') else { return };
-        let length = value * self.modal.unit;
+        let length = value * self.unit_of_feeds();
         let is_possible = match self.modal.feed.mode {
             FeedMode::InverseTime => INVERSE_TIMES.contains(&value),
             FeedMode::PerMinute => FEEDRATES.contains(&mm_per_s(length)),
@@ -115,7 +120,9 @@ impl Tracer<'_> {
                 return turn * rate.unwrap_or(mm_per_min(ASSUMED_FEEDRATE)) / SECONDS_PER_MINUTE;
             }
             FeedMode::PerMinute => self.modal.feed.per_minute,
-            FeedMode::PerRevolution => Some(mm_per_min(self.feedrate_by_spindle(block)) / self.modal.unit),
+            FeedMode::PerRevolution => {
+                Some(mm_per_min(self.feedrate_by_spindle(block)) / self.unit_of_feeds())
+            }
         };
         let assumed = mm_per_min(ASSUMED_FEEDRATE);
         let degrees_per_minute = degrees_per_minute.unwrap_or_else(|| {

@@ -7,6 +7,8 @@
 //! - G110, G111 and G112 set the pole of AP and RP, from the position, the origin and the last pole.
 //! - G60 and G9 stop at the end of a move; G64 does not; G641 begins a rounding ADIS before a corner;
 //!   G642 to G645 and `CYCLE832` keep a contour tolerance.
+//! - G70 and G71 give the unit of lengths, pitches among them, and leave feeds in that of the machine, which is
+//!   taken as metric; G700 and G710 give the unit of feeds too.
 //! - Modal calls, drilling cycles and patterns of holes are those of the modules below.
 //! - G33, G331 and G332 run at the pitch times the spindle speed, G63 at F.
 //!
@@ -41,6 +43,8 @@ use crate::simulation::toolpath::{Curve, Motion, Point, StopCause, Vector};
 /// What stays in force in SINUMERIK programs alone.
 #[derive(Default)]
 pub(super) struct Siemens {
+    /// G70 or G71 is in force: F is in the machine's own unit of length.
+    pub(super) leaves_feeds: bool,
     /// The pole of AP and RP in program coordinates, mm.
     pole: Point,
     /// The cycle of MCALL.

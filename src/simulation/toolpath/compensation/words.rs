@@ -154,8 +154,8 @@ impl Tracer<'_> {
         }
         let unit = self.modal.unit;
         let size = |address: u8| self.given.get(address).map(|value| value * unit);
-        let feedrate =
-            size(address::CORNER_FEED).map(|feed| feed / 60.0).filter(|feed| (1e-6..=1e6).contains(feed));
+        let feedrate = self.given.get(address::CORNER_FEED).map(|feed| feed * self.unit_of_feeds() / 60.0);
+        let feedrate = feedrate.filter(|feed| (1e-6..=1e6).contains(feed));
         let next = (size(address::ROUNDING).map(|radius| CornerShape::Rounding { radius }))
             .or(size(address::CHAMFER_LEG).map(|leg| CornerShape::Chamfer { leg }))
             .or(size(address::CHAMFER).map(|width| CornerShape::ChamferWidth { width }));

@@ -137,7 +137,8 @@ impl Tracer<'_> {
         let height = |value: f64| self.frame.coordinate_at(&self.position, normal, value);
         let [return_to, reference, bottom] = [a[0] * unit, part + clearance, depth].map(height);
         let feed_in = self.feedrate(block);
-        let per_minute = |value: f64| value * unit / 60.0;
+        let unit_of_feeds = self.unit_of_feeds();
+        let per_minute = |value: f64| value * unit_of_feeds / 60.0;
         let dwell = self.siemens_seconds(a[5], drilling.mode(1));
         let mut hole = Hole {
             kind: Kind::Drill,

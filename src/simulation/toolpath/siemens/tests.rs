@@ -34,6 +34,28 @@ N10 X7"
     );
 }
 
+/// The length and the feedrate, mm/min, of the last feed move.
+fn last_feed(text: &str) -> (f64, f64) {
+    let toolpath = run(text);
+    let last = toolpath.segments.last().expect("a move");
+    match last.motion {
+        Motion::Feed { feedrate } => (last.length, (60.0 * feedrate * 1e6).round() / 1e6),
+        Motion::Rapid => panic!("{text}: a rapid move"),
+    }
+}
+
+/// Only G700 and G710 give the unit of feeds too.
+#[test]
+fn g70_leaves_feeds_in_millimetres() {
+    assert_eq!(last_feed("G70 G90 G0 X0 Y0 Z0\nG1 X10 F500"), (254.0, 500.0));
+    assert_eq!(last_feed("G700 G90 G0 X0 Y0 Z0\nG1 X10 F20"), (254.0, 508.0));
+    assert_eq!(last_feed("G700\nG71\nG1 X10 F500"), (10.0, 500.0));
+    assert_eq!(last_feed("G70\nG710\nG1 X10 F500"), (10.0, 500.0));
+    assert_eq!(last_feed("G70 S1000 M3\nG95 G1 X10 F0.5"), (254.0, 500.0));
+    assert_eq!(last_feed("G70\nG1 X10 F500 FB=300"), (254.0, 300.0));
+    assert_eq!(last_feed("G70 S1000 M3\nG33 Z10 K0.1"), (254.0, 2540.0), "a pitch is a length");
+}
+
 #[test]
 fn flow_is_followed() {
     assert_eq!(ends("G0\nFOR R1=1 TO 3\nX=R1\nENDFOR\nX9"), [1.0, 2.0, 3.0, 9.0]);

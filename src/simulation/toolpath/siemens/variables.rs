@@ -70,7 +70,7 @@ impl Tracer<'_> {
             "$pi" => Some(std::f64::consts::PI),
             "true" => Some(1.0),
             "false" => Some(0.0),
-            "$p_f" => Some(mm_per_min(self.modal.feedrate.unwrap_or(0.0)) / self.modal.unit),
+            "$p_f" => Some(mm_per_min(self.modal.feedrate.unwrap_or(0.0)) / self.unit_of_feeds()),
             "$p_s" => Some(self.functions.speed.unwrap_or(0.0)),
             "$p_toolno" | "$p_toolp" => self.modal.tool.map(f64::from),
             name => PLAIN_RUN.contains(&name).then_some(0.0),
@@ -79,7 +79,7 @@ impl Tracer<'_> {
 
     /// The feedrate of FB, mm/s.
     pub(in crate::simulation::toolpath) fn siemens_block_feedrate(&self) -> Option<f64> {
-        let feed = self.given.get(address::BLOCK_FEED)? * self.modal.unit;
+        let feed = self.given.get(address::BLOCK_FEED)? * self.unit_of_feeds();
         let feedrate = match self.modal.feed.mode {
             FeedMode::PerMinute => mm_per_s(feed),
             FeedMode::PerRevolution => mm_per_s(feed * self.functions.speed?),

@@ -10,10 +10,13 @@ use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::siemens::Statement;
 use crate::simulation::toolpath::trace::{Request, Tracer};
 use crate::simulation::toolpath::words::{Meaning, NO_GROUP, Special};
+use crate::units::MM_PER_INCH;
 
 /// What a G word of SINUMERIK controls asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::simulation::toolpath) enum SiemensWord {
+    /// G70 and G71, and for feeds too G700 and G710.
+    Unit,
     /// G60, and G641 to G645.
     Path,
     /// G110 to G112.
@@ -38,8 +41,7 @@ pub(in crate::simulation::toolpath) enum SiemensWord {
 pub(in crate::simulation::toolpath) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
     use Meaning::*;
     Some(match tenths {
-        700 | 7000 => (6, Inch(true)),
-        710 | 7100 => (6, Inch(false)),
+        700 | 710 | 7000 | 7100 => (6, Siemens(SiemensWord::Unit)),
         530 | 1530 => (NO_GROUP, Special(self::Special::MachineCoordinates)),
         740 | 750 => (NO_GROUP, Special(self::Special::Reference)),
         600 | 6410 | 6420 | 6430 | 6440 | 6450 => (13, Siemens(SiemensWord::Path)),
@@ -69,6 +71,11 @@ impl Tracer<'_> {
         request: &mut Request,
     ) {
         match word {
+            SiemensWord::Unit => {
+                let code = code.value as u16;
+                self.modal.unit = if matches!(code, 70 | 700) { MM_PER_INCH } else { 1.0 };
+                self.siemens.leaves_feeds = matches!(code, 70 | 71);
+            }
             SiemensWord::Path => {
                 let distance = block.words.iter().rfind(|word| word.letter == address::SMOOTHING);
                 let (source, blending) = match (code.value as u32, distance) {
