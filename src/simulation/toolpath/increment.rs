@@ -5,7 +5,8 @@
 //! inch one increment is a tenth of its number (0.0001 inch for 0.001 mm). It holds for X Y Z U V W
 //! I J K R Q; not for rotary axes, nor for words that are no lengths: those of macro calls (G65,
 //! G66), of M98, of look-ahead and contour modes (G5.1, G8, G187). Values of formulas count as
-//! written with a point, as on Fanuc controls.
+//! written with a point, as on Fanuc controls. X and U of G4 count the same
+//! increments of a second, in inch too.
 //!
 //! LinuxCNC, grbl, Mach, SINUMERIK and Heidenhain controls read a number as it is written.
 //!
@@ -51,6 +52,11 @@ fn has_lengths(words: &[Word]) -> bool {
     })
 }
 
+/// Whether the X or U of a block is a time.
+fn is_dwell(words: &[Word]) -> bool {
+    words.iter().any(|word| word.letter == b'G' && word.value == 4.0)
+}
+
 impl Tracer<'_> {
     /// The words of a block with lengths by increments; none where they are as written. `read` are
     /// its words as they were read, where formulas have no value.
@@ -62,7 +68,7 @@ impl Tracer<'_> {
             _ => None,
         });
         let is_inch = unit_after.unwrap_or(self.modal.unit) == MM_PER_INCH;
-        let increment = if is_inch { increment / 10.0 } else { increment };
+        let increment = if is_inch && !is_dwell(words) { increment / 10.0 } else { increment };
         if !has_lengths(words) {
             return None;
         }
@@ -74,6 +80,7 @@ impl Tracer<'_> {
             let is_written = as_read.is_some_and(|as_read| !as_read.value.is_nan());
             if is_written && !word.has_point && is_length(word) {
                 word.value *= increment;
+                word.has_point = true;
             }
         }
         Some(words)
@@ -89,7 +96,7 @@ impl Tracer<'_> {
         let is_large = |word: &&Word| !word.has_point && LARGE <= word.value.abs() && is_length(word);
         let is_missing = |block: &gcode::Block| {
             let words = program.words(block);
-            let word = words.iter().find(is_large).filter(|_| has_lengths(words))?;
+            let word = words.iter().find(is_large).filter(|_| has_lengths(words) && !is_dwell(words))?;
             let place = Block { words, line: block.line }.place_of(word);
             let remark = Untraced::MissingPoint { letter: char::from(word.letter), value: word.value };
             Some((place, remark))

@@ -1,7 +1,7 @@
 //! What a block does with its axis words: dwells, shifts of coordinates and moves.
 
 use crate::machine::AXES;
-use crate::simulation::gcode::{Dialect, address};
+use crate::simulation::gcode::{Dialect, Word, address};
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, POLAR_WORDS, bits};
 use crate::simulation::toolpath::plane::{Turn, tolerated_difference};
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -21,6 +21,24 @@ pub(super) const SHORTEST: f64 = 1e-9;
 
 /// The longest dwell that is taken at its word, s: some 11 days.
 pub(super) const LONGEST_DWELL: f64 = 1e6;
+
+/// A time without a point that is at least this is no number of seconds in a program of an unknown control.
+const LONG_TIME: f64 = 100.0;
+
+/// What a time counts.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum TimeUnit {
+    Seconds,
+    Milliseconds,
+    /// Milliseconds, which only the size of the number says.
+    Guessed,
+}
+
+impl TimeUnit {
+    pub(super) fn seconds(self, value: f64) -> f64 {
+        if self == TimeUnit::Seconds { value } else { value / 1000.0 }
+    }
+}
 
 /// The most turns of one arc.
 const MOST_TURNS: f64 = 10_000.0;
@@ -47,11 +65,17 @@ impl Tracer<'_> {
             self.remarks.add(block.place(), Untraced::NoDwellTime);
             return;
         };
-        let milliseconds = word.letter == b'P' && !word.has_point && self.is_tape;
-        if word.letter == b'P' {
-            self.remarks.add(block.place_of(word), Untraced::DwellUnit { milliseconds });
+        let letter = char::from(word.letter);
+        let (unit, place) = (self.unit_of_time(word), block.place_of(word));
+        match unit {
+            TimeUnit::Guessed => self.remarks.add(place, Untraced::GuessedTimeUnit { letter }),
+            TimeUnit::Seconds if word.letter != b'P' => {}
+            _ => {
+                let milliseconds = unit == TimeUnit::Milliseconds;
+                self.remarks.add(place, Untraced::DwellUnit { letter, milliseconds });
+            }
         }
-        let seconds = if milliseconds { word.value / 1000.0 } else { word.value };
+        let seconds = unit.seconds(word.value);
         if (0.0..=LONGEST_DWELL).contains(&seconds) {
             self.stop(block, StopCause::Dwell { seconds });
         } else {
@@ -60,6 +84,19 @@ impl Tracer<'_> {
         let others = if word.letter == b'X' { bits(b"YZ") } else { AXIS_WORDS };
         if self.given.has(others) {
             self.remarks.add(block.place(), Untraced::UnusedAxisWords { code });
+        }
+    }
+
+    /// What the time of a dwell or a cycle counts. Fanuc controls count one without a point in milliseconds, their
+    /// least increment, and RS274/NGC has seconds. A program that shows neither is for a control of the first
+    /// kind more often, and hardly waits for minutes.
+    pub(super) fn unit_of_time(&self, word: &Word) -> TimeUnit {
+        let is_guess = self.dialect == Dialect::Iso && LONG_TIME <= word.value;
+        match () {
+            () if word.has_point => TimeUnit::Seconds,
+            () if self.is_tape => TimeUnit::Milliseconds,
+            () if is_guess => TimeUnit::Guessed,
+            () => TimeUnit::Seconds,
         }
     }
 

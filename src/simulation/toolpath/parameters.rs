@@ -260,7 +260,8 @@ impl Parameters {
             Target::Word(index) => {
                 let word = &mut values.words[(index - block.words.start) as usize];
                 word.value = value;
-                word.has_point = value.fract() != 0.0;
+                // Fanuc controls take a formula as written with a point, but P has none there.
+                word.has_point = value.fract() != 0.0 || matches!(word.letter, b'X' | b'U');
             }
             Target::Numbered => {
                 let number = parameter_number(zero_if_vacant(pop(&mut self.stack)))?;
@@ -308,7 +309,8 @@ impl Parameters {
                 Step::Operator(operator) => {
                     let right = pop(&mut self.stack);
                     let left = pop(&mut self.stack);
-                    self.by_bits(operator, left, right).map_or_else(|| combine_vacant(operator, left, right), Ok)?
+                    self.by_bits(operator, left, right)
+                        .map_or_else(|| combine_vacant(operator, left, right), Ok)?
                 }
             };
             if value.is_infinite() {

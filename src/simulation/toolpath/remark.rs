@@ -86,8 +86,12 @@ pub(super) enum Untraced {
     #[error("P{value} is no number of turns: one turn is run")]
     BadTurns { value: f64 },
 
-    #[error("{}", dwell_text(*.milliseconds))]
-    DwellUnit { milliseconds: bool },
+    #[error("{}", dwell_text(*.letter, *.milliseconds))]
+    DwellUnit { letter: char, milliseconds: bool },
+    #[error(
+        "a time {letter} of 100 or more without a decimal point is read as milliseconds, as on Fanuc and Haas controls; if seconds are meant, as on LinuxCNC, write it with a point or choose the dialect"
+    )]
+    GuessedTimeUnit { letter: char },
     #[error("G4 without a waiting time: no dwell")]
     NoDwellTime,
     #[error("a waiting time of {seconds} s is not possible: no dwell")]
@@ -236,11 +240,13 @@ fn label_text(kind: LabelKind, name: &str) -> String {
     }
 }
 
-fn dwell_text(milliseconds: bool) -> &'static str {
+fn dwell_text(letter: char, milliseconds: bool) -> String {
     if milliseconds {
-        "P of G4 without a decimal point is read as milliseconds, since the program has a % line or an O number"
+        format!(
+            "{letter} of G4 without a decimal point is read as milliseconds, since the program has a % line or an O number"
+        )
     } else {
-        "P of G4 is read as seconds"
+        format!("{letter} of G4 is read as seconds")
     }
 }
 
@@ -288,6 +294,7 @@ impl Remark for Untraced {
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::MissingPoint { .. }
+            | Untraced::GuessedTimeUnit { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }
@@ -347,6 +354,7 @@ impl Remark for Untraced {
                 | Untraced::SurfaceSpeed
                 | Untraced::FasterThanRapid { .. }
                 | Untraced::DwellUnit { .. }
+                | Untraced::GuessedTimeUnit { .. }
                 | Untraced::CycleDwellUnit
                 | Untraced::ManualRetract { .. }
                 | Untraced::UnknownHome { .. }

@@ -5,7 +5,7 @@
 //! place. What comes out is what [`trace`] makes of the whole; a test compares the two.
 //!
 //! Where something turns up that touches what was run before, the whole program is read: whatever leads elsewhere or
-//! is to be worked out; behind the first part, a sign of a tape, which makes the P of a dwell milliseconds; a
+//! is to be worked out; behind the first part, a sign of a tape, which makes the time of a dwell milliseconds; a
 //! diameter told by a comment after one was looked for. Heidenhain programs nearly always have some of it, and
 //! subprograms at their end.
 

@@ -145,7 +145,7 @@ impl Family {
 /// The modal state, and what came out so far.
 pub(super) struct Tracer<'a> {
     pub(super) machine: &'a Machine,
-    /// P of G4 without a point is in milliseconds.
+    /// Times without a point are in milliseconds.
     pub(super) is_tape: bool,
     pub(super) modal: Modal,
     pub(super) given: Given,

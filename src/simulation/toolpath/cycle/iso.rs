@@ -27,7 +27,7 @@
 //! | dwell of G86 | none | at the bottom |
 //! | G73, G83: back to z + c | not above R | as written |
 //! | c (1 mm typical of set-ups; 0.254 mm built in) | machine parameter | machine parameter |
-//! | P | ms without a decimal point, else s | s |
+//! | P | ms without a decimal point, else s | s; ms too from 100 on without a decimal point, unless the dialect is LinuxCNC's or a relative |
 //! | Q | its sign does not count | negative: an error |
 //! | shift of G76, G87 | I, J, K in the plane, or Q along the first axis | I, J, K in the plane |
 //! | G87: bore | up from R to the bottom word | up from the bottom word to K, and back |
@@ -48,7 +48,7 @@ use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, bits};
 use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, Turn};
 use crate::simulation::toolpath::cycle::{Hole, NoHole};
-use crate::simulation::toolpath::motion::LONGEST_DWELL;
+use crate::simulation::toolpath::motion::{LONGEST_DWELL, TimeUnit};
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::ROTARY_WORDS;
 use crate::simulation::toolpath::trace::{Family, Tracer};
@@ -173,11 +173,13 @@ impl Tracer<'_> {
     fn cycle_dwell(&mut self, block: Block) -> Option<f64> {
         let word = block.words.iter().rfind(|word| word.letter == b'P')?;
         let value = self.given.get(b'P')?;
-        let is_milliseconds = self.is_tape && !word.has_point;
-        if is_milliseconds && value != 0.0 {
-            self.remarks.add(block.place_of(word), Untraced::CycleDwellUnit);
+        let (unit, place) = (self.unit_of_time(word), block.place_of(word));
+        match unit {
+            TimeUnit::Guessed => self.remarks.add(place, Untraced::GuessedTimeUnit { letter: 'P' }),
+            TimeUnit::Milliseconds if value != 0.0 => self.remarks.add(place, Untraced::CycleDwellUnit),
+            _ => {}
         }
-        let seconds = if is_milliseconds { value / 1000.0 } else { value };
+        let seconds = unit.seconds(value);
         if (0.0..=LONGEST_DWELL).contains(&seconds) {
             return Some(seconds);
         }

@@ -135,6 +135,9 @@ fn a_dwell_is_in_the_unit_of_g4() {
     ] {
         assert_eq!(dwells(text), [StopCause::Dwell { seconds }], "{text}");
     }
+    let guessed = "G0 Z9\nG82 X1 Z-1 R2 P500 F9";
+    assert_eq!(dwells(guessed), [StopCause::Dwell { seconds: 0.5 }]);
+    assert!(messages(guessed).iter().any(|(severity, _)| *severity == Severity::Warning));
     assert_eq!(dwells("G0 Z9\nG81 X1 Z-1 R2 P2 F9"), []);
     assert_eq!(dwells("O1\nG0 Z9\nG83 X1 Z-1 R2 Q1 P500. F9"), []);
 }

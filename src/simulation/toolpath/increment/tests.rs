@@ -28,6 +28,8 @@ fn increments_are_lengths_with_a_point() {
         ("#1=5.\nG0 X#1 Y[#1*2] Z1.", "#1=5\nG0 X#1 Y[#1*2] Z1000"),
         ("#1=#0\nG0 X#1 Y2. Z1.", "#1=#0\nG0 X#1 Y2000 Z1000"),
         ("G4 X1.\nG0 X1.", "G4 X1000\nG0 X1000"),
+        ("O1\nG4 X200.\nG0 X1.", "O1\nG4 X200000\nG0 X1000"),
+        ("G20\nG4 U200.\nG0 X1.", "G20\nG4 U200000\nG0 X10000"),
     ];
     for (with_points, in_increments) in pairs {
         let [expected, found] = [with_points, in_increments].map(|text| run(text, Dialect::Iso, THOUSANDTHS));
@@ -63,8 +65,11 @@ fn all_else_stays_as_written() {
 fn a_large_number_without_a_point_is_told_once() {
     let told = |text: &str, increment| {
         let toolpath = run(text, Dialect::Iso, increment);
-        let told: Vec<_> =
-            toolpath.diagnostics.iter().filter(|told| told.message.contains("decimal point")).collect();
+        let told: Vec<_> = toolpath
+            .diagnostics
+            .iter()
+            .filter(|told| told.message.contains("program.increment_mm"))
+            .collect();
         told.iter().map(|told| (told.line.0, told.columns)).collect::<Vec<_>>()
     };
     assert_eq!(told("G0 X1.5\nY10000\nX-20000", None), [(2, (1, 7))]);
@@ -72,6 +77,7 @@ fn a_large_number_without_a_point_is_told_once() {
     assert_eq!(told("G0 X15\nY10000", None), [], "no word has a point");
     assert_eq!(told("G0 X1.5\nY100\nF2000 S8000", None), [], "no length is large");
     assert_eq!(told("G0 X1.5\nG65 P1 X10000", None), [], "an argument is no length");
+    assert_eq!(told("G0 X1.5\nG4 X10000", None), [], "a time is no length");
     let linuxcnc = run("G0 X1.5\nY10000", Dialect::LinuxCnc, None);
     assert!(linuxcnc.diagnostics.is_empty(), "{:?}", linuxcnc.diagnostics);
 }

@@ -1,7 +1,7 @@
 //! Laws of tracing.
 
 use super::*;
-use crate::simulation::gcode::{Severity, read};
+use crate::simulation::gcode::{Options, Severity, read, read_with};
 use crate::simulation::toolpath::random::Random;
 use crate::simulation::toolpath::{Curve, Motion, Segment};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -275,7 +275,42 @@ fn stops_stand_where_their_words_act() {
     assert_eq!(stops("T5 S1000 D1 H1"), []);
     let dwell = |seconds| StopCause::Dwell { seconds };
     assert_eq!(stops("G4 P2\nG4 P.5\nG4 X3"), [(0, dwell(2.0)), (0, dwell(0.5)), (0, dwell(3.0))]);
-    assert_eq!(stops("O1\nG4 P2\nG4 P.5\nG4 X3"), [(0, dwell(0.002)), (0, dwell(0.5)), (0, dwell(3.0))]);
+    assert_eq!(stops("O1\nG4 P2\nG4 P.5\nG4 X3."), [(0, dwell(0.002)), (0, dwell(0.5)), (0, dwell(3.0))]);
+}
+
+/// The waits of a program, s.
+fn waits(text: &str, dialect: Option<Dialect>) -> Vec<f64> {
+    let options = Options { dialect, ..Options::default() };
+    let seconds = |stop: Stop| match stop.cause {
+        StopCause::Dwell { seconds } => Some(seconds),
+        _ => None,
+    };
+    let toolpath = trace(&read_with(text.as_bytes(), &options), &Machine::default());
+    toolpath.stops.into_iter().filter_map(seconds).collect()
+}
+
+/// A time without a point counts milliseconds on Fanuc controls, by X and U as well as by P.
+#[test]
+fn times_without_a_point_are_milliseconds_on_a_tape() {
+    assert_eq!(waits("O1\nG4 X1000\nG4 U500\nG4 X1000.\nG4 U0.5", None), [1.0, 0.5, 1000.0, 0.5]);
+    assert_eq!(waits("O1\n#1=2\nG4 X#1\nG4 P#1", None), [2.0, 0.002], "a formula of X has a point");
+    let said = run("O1\nG4 X1000\nG4 X2000").diagnostics;
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].message.starts_with("X of G4 without a decimal point is read as milliseconds"));
+}
+
+/// Of an unknown control, a number of seconds is hardly 100 or more; a chosen dialect keeps its own.
+#[test]
+fn long_times_without_a_point_are_milliseconds() {
+    assert_eq!(waits("G4 P500\nG4 X100\nG4 U99\nG4 P500.\nG4 P2", None), [0.5, 0.1, 99.0, 500.0, 2.0]);
+    let said = run("G4 P500\nG4 P700\nG4 X100").diagnostics;
+    let is_guess = |text: &str| text.contains("LinuxCNC") && text.contains("Fanuc");
+    assert_eq!(said.len(), 2, "once for each letter: {said:?}");
+    assert!(said.iter().all(|said| said.severity == Severity::Warning && is_guess(&said.message)));
+    for dialect in [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Mach] {
+        assert_eq!(waits("G4 P500", Some(dialect)), [500.0], "{dialect:?}");
+    }
+    assert_eq!(waits("G4 F500", Some(Dialect::Siemens)), [500.0]);
 }
 
 #[test]
