@@ -11,11 +11,13 @@
 //! LinuxCNC, grbl, Mach, SINUMERIK and Heidenhain controls read a number as it is written.
 //!
 //! Where the machine file gives no increment, words are taken as they are; a program that writes
-//! points and has a large number without one is told of it once.
+//! points and has a large number without one is told of it once, and so is one that writes none and
+//! whose path reaches farther than machines do.
 //!
 //! Source: Fanuc B-63944EN, decimal point programming.
 
-use crate::simulation::gcode::{self, Place, Program, Word};
+use crate::machine::AXES;
+use crate::simulation::gcode::{self, Dialect, LineNumber, Place, Program, Word};
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::trace::{Family, Tracer};
@@ -29,6 +31,9 @@ const OTHER_M: [f64; 3] = [97.0, 98.0, 198.0];
 
 /// A number without a point that is at least this looks like increments, units of length.
 const LARGE: f64 = 1000.0;
+
+/// What hardly a machine travels in one axis, mm.
+const LONGEST_TRAVEL: f64 = 5000.0;
 
 /// What a program shows of its decimal points.
 #[derive(Default)]
@@ -106,12 +111,31 @@ impl Tracer<'_> {
         }
     }
 
-    /// Tells of a large length without a point in a program that writes points.
+    /// Tells of a large length without a point in a program that writes points, and of a long path in an ISO
+    /// program that writes none.
     pub(super) fn tell_missing_points(&mut self) {
+        let may_count = matches!(self.dialect, Dialect::Iso | Dialect::Okuma);
+        if may_count && self.machine.program.increment.is_none() && !self.points.are_written {
+            if let Some((line, axis)) = self.longer_than_machines() {
+                self.remarks.add(Place::line(line), Untraced::NoPoints { axis, travel: LONGEST_TRAVEL });
+            }
+            return;
+        }
         let missing = self.points.missing.take().filter(|_| self.points.are_written);
         if let Some((place, remark)) = missing {
             self.remarks.add(place, remark);
         }
+    }
+
+    /// The line with which the path first extends too far for a machine, and the axis in which it does.
+    fn longer_than_machines(&self) -> Option<(LineNumber, char)> {
+        let start = self.toolpath.segments.first()?.start.coords;
+        let (mut least, mut most) = (start, start);
+        self.toolpath.segments.iter().find_map(|segment| {
+            (least, most) = (least.inf(&segment.end.coords), most.sup(&segment.end.coords));
+            let axis = (most - least).iter().position(|travel| LONGEST_TRAVEL < *travel)?;
+            Some((segment.line, AXES[axis]))
+        })
     }
 }
 

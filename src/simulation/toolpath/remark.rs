@@ -34,6 +34,10 @@ pub(super) enum Untraced {
         "{letter}{value} has no decimal point, other lengths of the program have: taken as written; set program.increment_mm = 0.001 if the control counts thousandths"
     )]
     MissingPoint { letter: char, value: f64 },
+    #[error(
+        "the path extends over more than {travel} mm in {axis}, and no length of the program has a decimal point: taken as written; set program.increment_mm = 0.001 if the control counts thousandths"
+    )]
+    NoPoints { axis: char, travel: f64 },
     #[error("{letter} words are not modelled: only moves in X, Y, Z, A, B and C are timed")]
     UnmodelledWord { letter: char },
     #[error("no G0 to G3 before the first axis words: taken as G0")]
@@ -294,6 +298,7 @@ impl Remark for Untraced {
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::MissingPoint { .. }
+            | Untraced::NoPoints { .. }
             | Untraced::GuessedTimeUnit { .. }
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed

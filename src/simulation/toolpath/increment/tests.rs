@@ -74,10 +74,34 @@ fn a_large_number_without_a_point_is_told_once() {
     };
     assert_eq!(told("G0 X1.5\nY10000\nX-20000", None), [(2, (1, 7))]);
     assert_eq!(told("G0 X1.5\nY10000\nX-20000", THOUSANDTHS), []);
-    assert_eq!(told("G0 X15\nY10000", None), [], "no word has a point");
+    assert_eq!(told("G0 X15\nY4000", None), [], "no word has a point");
     assert_eq!(told("G0 X1.5\nY100\nF2000 S8000", None), [], "no length is large");
     assert_eq!(told("G0 X1.5\nG65 P1 X10000", None), [], "an argument is no length");
     assert_eq!(told("G0 X1.5\nG4 X10000", None), [], "a time is no length");
     let linuxcnc = run("G0 X1.5\nY10000", Dialect::LinuxCnc, None);
     assert!(linuxcnc.diagnostics.is_empty(), "{:?}", linuxcnc.diagnostics);
+}
+
+/// Where no length has a point, only a path that no machine travels looks like increments.
+#[test]
+fn a_long_path_without_points_is_told() {
+    let told = |text: &str, dialect, increment| {
+        let toolpath = run(text, dialect, increment);
+        let mut told =
+            toolpath.diagnostics.iter().filter(|told| told.message.contains("program.increment_mm"));
+        let first = told.next().map(|told| told.line.0);
+        assert_eq!(told.next(), None, "{text}");
+        first
+    };
+    let iso = Dialect::Iso;
+    assert_eq!(told("G0 X100\nG1 Y60000 F500\nX-90000", iso, None), Some(2));
+    assert_eq!(told("G0 X3000\nX-1900\nX-2100", iso, None), Some(3), "none of them is far from the origin");
+    assert_eq!(told("G20\nG0 X200", iso, None), Some(2));
+    assert_eq!(told("G0 X5000\nG1 Y-5000 F500", iso, None), None);
+    assert_eq!(told("G0 X100.\nG1 Y60000. F500", iso, None), None);
+    assert_eq!(told("G0 X100\nG1 Y60000 F500", iso, THOUSANDTHS), None);
+    assert_eq!(told("G0 X100\nG1 Y60000 F500", Dialect::Okuma, None), Some(2));
+    for dialect in [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Mach, Dialect::Siemens] {
+        assert_eq!(told("G0 X100\nG1 Y60000 F500", dialect, None), None, "{dialect:?}");
+    }
 }
