@@ -1,13 +1,14 @@
 //! The chain from program coordinates p to machine coordinates m, mm:
 //!
 //! ```text
-//! m = T(work + tool) · R(θ) · T(shift + local) · O1 · O2 · … · p
+//! m = T(external + work + tool) · R(θ) · T(shift + local) · O1 · O2 · … · p
 //! ```
 //!
-//! T a shift, work the offset in force (G54 to G59.3, G54.1 Pn) and θ its rotation in X Y (G10 L2 R
-//! of LinuxCNC), tool the length offset (G43), shift that of G92, local that of G52, and O1, O2 …
-//! the operations on coordinates in force — mirror image, scaling, rotation — the later one within
-//! the earlier one, each of a kind replaced where it stands. Rotary axes have offsets alone.
+//! T a shift, external the offset that Fanuc and Haas controls add to all work offsets (G10 L2 P0), work
+//! the one in force (G54 to G59.3, G54.1 Pn) and θ its rotation in X Y (G10 L2 R of LinuxCNC), tool the
+//! length offset (G43), shift that of G92, local that of G52, and O1, O2 … the operations on coordinates
+//! in force — mirror image, scaling, rotation — the later one within the earlier one, each of a kind
+//! replaced where it stands. Rotary axes have offsets alone.
 //!
 //! While the chain is nothing but shifts, each axis is worked out on its own, so that axes that
 //! are not programmed keep every digit.
@@ -61,7 +62,7 @@ pub(super) enum Kind {
 /// The chain in force.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
-    /// By number: 1 to 9 for G54 to G59.3, above [`ADDITIONAL`] for G54.1 Pn.
+    /// By number: 1 to 9 for G54 to G59.3, above [`ADDITIONAL`] for G54.1 Pn, and [`EXTERNAL`].
     work_offsets: BTreeMap<u16, WorkOffset>,
     /// The work offset in force.
     pub(super) work_offset: u16,
@@ -88,6 +89,9 @@ pub(super) struct Frame {
 
 /// The number of G54.1 P0, beyond those of G54 to G59.3.
 pub(super) const ADDITIONAL: u16 = 9;
+
+/// The number of the offset that adds to all others; it cannot be put in force itself.
+const EXTERNAL: u16 = u16::MAX;
 
 impl Frame {
     pub(super) fn new(machine: &Machine) -> Frame {
@@ -157,6 +161,10 @@ impl Frame {
         self.work_offset_of(self.work_offset).unwrap_or_default()
     }
 
+    fn external(&self) -> Shift {
+        self.work_offset_of(EXTERNAL).unwrap_or_default().origin
+    }
+
     /// Puts a tool length offset in force, mm.
     pub(super) fn set_tool(&mut self, offset: Vector) {
         self.tool = offset;
@@ -166,7 +174,7 @@ impl Frame {
     /// What lies outside the shifts of G92 and G52.
     fn outer(&self) -> Affine {
         let work = self.work();
-        let outer = Affine::shift(work.origin.linear + self.tool);
+        let outer = Affine::shift(self.external().linear + work.origin.linear + self.tool);
         match work.rotation {
             0.0 => outer,
             angle => outer.after(&Affine::rotation(Plane::Xy, Point::origin(), angle)),
@@ -230,7 +238,8 @@ impl Frame {
 
     /// Machine coordinate of a rotary axis, rad, of its program coordinate.
     pub(super) fn rotary_coordinate(&self, axis: usize, value: f64) -> f64 {
-        value + self.shift.rotary[axis] + self.local.rotary[axis] + self.work().origin.rotary[axis]
+        let work = self.external().rotary[axis] + self.work().origin.rotary[axis];
+        value + self.shift.rotary[axis] + self.local.rotary[axis] + work
     }
 
     /// The shift of G92 that gives the point `at` in machine coordinates the program coordinates

@@ -59,6 +59,15 @@ fn settings_of_work_offsets_follow_the_family() {
     assert_eq!(end("G10 L20 P7 X3\nG54.1 P7 G0 X4", Family::Fanuc).x, 7.0);
     let added = "G91 G10 L2 P1 X3\nG10 L2 P1 X3\nG90 G0 X0";
     assert_eq!((end(added, Family::Rs274).x, end(added, Family::Fanuc).x), (3.0, 6.0));
+    let external = "G54\nG10 L2 P1 X100.\nG10 L2 P0 X5.\nG0 X0";
+    assert_eq!(end(external, Family::Rs274).x, 5.0, "P0 is the offset in force");
+    assert_eq!(end(external, Family::Fanuc).x, 105.0, "P0 adds to all");
+    assert_eq!(end("G10 L2 P0 X5.\nG55 G0 X1.", Family::Fanuc).x, 6.0);
+    assert_eq!(end("G10 L2 P0 X5.\nG91 G10 L2 P0 X2.\nG90 G0 X0", Family::Fanuc).x, 7.0);
+    assert_eq!(
+        run("G10 L2 P0 A5.\nG0 A10.", Family::Fanuc, &machine).rotary.position.x.to_degrees().round(),
+        15.0
+    );
 }
 
 #[test]

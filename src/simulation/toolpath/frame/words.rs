@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! G54 … G59.3, G54.1 Pn, G154 Pn      work offset in force
-//! G10 L2 Pn X… A… [R]                 its values; R its rotation in X Y (LinuxCNC); P0 the one in force
+//! G10 L2 Pn X… A… [R]                 its values; R its rotation in X Y (LinuxCNC); P0 the one in force,
+//!                                     on Fanuc and Haas the one that adds to all
 //! G10 L20 Pn X…                       LinuxCNC, grbl, Mach: the values that give the position these
 //!                                     coordinates; Fanuc, Haas: the values of G54.1 Pn
 //! G10 L1 Pn Z…                        length of tool n
@@ -16,7 +17,7 @@
 use crate::machine::AXES;
 use crate::simulation::gcode::Place;
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
-use crate::simulation::toolpath::frame::{ADDITIONAL, Affine, Kind, Shift};
+use crate::simulation::toolpath::frame::{ADDITIONAL, Affine, EXTERNAL, Kind, Shift};
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::ROTARY_AXES;
 use crate::simulation::toolpath::trace::{Family, Tracer};
@@ -117,7 +118,8 @@ impl Tracer<'_> {
         let number = self.given.get(b'P').filter(|value| whole(*value)).map(|value| value as u16);
         let setting = self.given.get(b'L').filter(|value| whole(*value)).map(|value| value as u16);
         match (setting, number, self.family) {
-            (Some(2), Some(0), _) => self.set_offset(block, self.frame.work_offset, false),
+            (Some(2), Some(0), Family::Fanuc) => self.set_offset(block, EXTERNAL, false),
+            (Some(2), Some(0), Family::Rs274) => self.set_offset(block, self.frame.work_offset, false),
             (Some(2), Some(n @ 1..=ADDITIONAL), _) => self.set_offset(block, n, false),
             (Some(20), Some(n @ 1..), Family::Fanuc) => self.set_offset(block, ADDITIONAL + n, false),
             (Some(20), Some(0), Family::Rs274) => self.set_offset(block, self.frame.work_offset, true),
