@@ -74,6 +74,7 @@ impl Reader<'_> {
         self.program.is_tape |= line.has_o_word;
         if line.has_call_words {
             self.names_sequence = true;
+            self.calls = true;
             self.act(Action::Words);
         }
         Ok(())

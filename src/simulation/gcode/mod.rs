@@ -4,7 +4,7 @@
 //! understood is in its diagnostics, each with line and columns.
 //!
 //! ```text
-//! program = [ leader "%" line ] { line } [ "%" line { anything } ]
+//! program = [ leader "%" line ] { line } { "%" line O number { line } } [ "%" line { anything } ]
 //! line    = [ "/" [ digit ] ] [ N number ] { item } [ "*" checksum ]   end of line
 //! item    = word | assignment | comment
 //! word    = letter value
@@ -24,7 +24,8 @@
 //! inside a number; lower case is upper case; there is no exponent (`X1E3` is X1 and E3).
 //! N words, program numbers (`O1234`, `:1234`) and checksums are no words; what a jump or a call
 //! needs of them is kept as labels. A `%` line
-//! opens the program, or closes it where something to run came before and no other `%` follows.
+//! opens the program, or closes it where something to run came before and no other `%` follows. Behind a
+//! closing one a program number goes on with a subprogram, where something is called (DNC punch-out).
 //! A word that is not a word is left out and the rest of its block kept; a block that holds
 //! anything else that is not understood (a broken expression, names) is left out as a whole.
 //!

@@ -165,6 +165,8 @@ pub(super) struct Reader<'a> {
     pub(super) first_optional: LineNumber,
     /// Something may go to a block by its N number.
     pub(super) names_sequence: bool,
+    /// A subprogram or a macro is called by its number.
+    pub(super) calls: bool,
     /// A `%` line was seen.
     opened: bool,
     /// Words and formulas before the block being read.
@@ -189,6 +191,7 @@ impl<'a> Reader<'a> {
             optional: 0,
             first_optional: LineNumber(0),
             names_sequence: false,
+            calls: false,
             opened: false,
             before: [0; 4],
             forgotten: 0,
@@ -201,11 +204,15 @@ impl<'a> Reader<'a> {
         !matches!(self.program.dialect, Dialect::Siemens | Dialect::Klartext | Dialect::HeidenhainIso)
     }
 
-    /// A `%` line: whether it ends the program. What was read before an opening one is leader.
+    /// A `%` line: whether it ends the text that is read. What was read before an opening one is leader.
     fn percent_closes(&mut self, rest: &[u8]) -> bool {
         let another_follows = || lines(rest).any(|line| line.get(skip_blanks(line, 0)) == Some(&b'%'));
         let is_first = self.index() == 0 && self.remarks.is_empty();
         self.program.is_tape = true;
+        if self.is_followed_by_subprogram(rest) {
+            self.opened = true;
+            return false;
+        }
         if self.opened || (!is_first && !another_follows()) {
             return true;
         }
@@ -218,11 +225,21 @@ impl<'a> Reader<'a> {
         self.structures = Structures::default();
         self.remarks = Remarks::default();
         self.optional = 0;
+        self.calls = false;
         self.before = [0; 4];
         if 0 < blocks {
             self.remarks.add(Place::line(self.line), Unread::Leader { blocks });
         }
         false
+    }
+
+    /// Controls punch out a program and its subprograms one after another, each between `%` lines of its own.
+    /// Where nothing is called, what follows is another job. Of several `%` lines in a row the last one tells.
+    fn is_followed_by_subprogram(&self, rest: &[u8]) -> bool {
+        let mut signs = lines(rest).filter_map(|line| line.get(skip_blanks(line, 0)));
+        self.calls
+            && self.program.dialect == Dialect::Iso
+            && matches!(signs.next(), Some(b'%' | b'O' | b'o' | b':'))
     }
 
     /// Whatever follows the closing `%` is not read, but said.

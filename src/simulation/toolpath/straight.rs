@@ -148,6 +148,7 @@ mod tests {
             "O7\nG1 X1 F500\nX2\n%\nX3\nM30\n%\n",
             "T1 M6\nG41 D1 G1 X10 F500\nY20\n(T1 D=10. END MILL)\n",
             "G1 X1 F500\nX2\nM99\n",
+            "%\nO1\nG1 X1 F500\nM98 P7\nM30\n%\nO7\nX2\nM99\n%\n",
         ] {
             assert!(in_parts(text, 1).is_none(), "{text:?}");
         }

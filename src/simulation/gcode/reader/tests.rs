@@ -79,6 +79,20 @@ fn percent_lines_frame_the_program() {
     assert_eq!((trailer.len(), trailer[0].line, trailer[0].severity), (1, LineNumber(5), Severity::Info));
 }
 
+/// A program and its subprograms, each on a tape of its own; without a call it is another job.
+#[test]
+fn subprograms_follow_on_tapes_of_their_own() {
+    let main = [(3, "G0"), (4, "M98 P7"), (5, "M30")];
+    let with_subprogram = [&main[..], &[(7, ""), (8, "G1"), (9, "M99")]].concat();
+    check("%\nO1\nG0\nM98 P7\nM30\n%\nO7\nG1\nM99\n%\n", &with_subprogram);
+    check("\nO1\nG0\nM98 P7\nM30\n%\n:7\nG1\nM99\n%\n", &with_subprogram);
+    check("%\nO1\nG0\nM98 P7\nM30\n%\nO7\nG1\nM99\n%\nG2\n%\n", &with_subprogram);
+    check("%\nO1\nG0\nM98 P7\nM30\n%\nG1\nO7\n%\n", &main);
+    check("%\nO1\nG0\nM30\n%\nO7\nG1\nM99\n%\n", &[(3, "G0"), (4, "M30")]);
+    let apart = [(3, "G0"), (4, "M98 P7"), (5, "M30"), (9, ""), (10, "G1")];
+    check("%\nO1\nG0\nM98 P7\nM30\n%\n\n%\nO7\nG1\n%\n", &apart);
+}
+
 #[test]
 fn block_delete_follows_the_switch() {
     let text = b"G0\n/G1\n/2 G2\nN5/G3\nN6 /4 X1";

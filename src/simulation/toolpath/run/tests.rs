@@ -42,6 +42,7 @@ fn macro_b_loops_and_jumps() {
 fn programs_call_programs() {
     let file = "%\nO1\nG0 X1\nM98 P100 L2\nX9\nM30\nO100\nG91 X1\nG90\nM99\n%";
     assert_eq!(ends(file), [1.0, 2.0, 3.0, 9.0]);
+    assert_eq!(ends("%\nO1\nG0 X1\nM98 P7 L2\nX9\nM30\n%\nO7\nG91 X1\nG90\nM99\n%"), [1.0, 2.0, 3.0, 9.0]);
     assert_eq!(ends("%\nO1\nM98 P20100\nM30\nO100\nG91 G0 X1\nM99\n%"), [1.0, 2.0]);
     assert_eq!(
         ends("%\nO1\nG65 P7 A2. B3. X4.\nX#1 G0 X9\nM30\nO7\nG0 X#1\nX#2\nX#24\nM99\n%"),
