@@ -52,6 +52,8 @@ pub const OPERATOR: [&str; 3] = ["feed_override", "rapid_override", "feed_hold"]
 const MOST: usize = 4;
 /// How often one of them may give way to another.
 const RECONSIDERED: usize = 2;
+/// The part of the time that is taken for finding them first.
+const FIRST: f64 = 0.7;
 
 /// What the diagnosis comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,13 +210,17 @@ impl InTime {
         let (read_off, mut named) = read_off::read_off(start, &looked, library);
         let base = with_all(start, &candidates(&read_off));
         for round in 0..MOST {
-            let mut progress = |part| progress((round as f64 + part) / MOST as f64);
+            let mut progress = |part| progress(FIRST * (round as f64 + part) / MOST as f64);
             let Some(all) = search::with_next(&base, &looked, library, &named, &mut progress) else { break };
             named = all;
         }
         named = search::without_unnecessary(&base, &looked, named);
-        for _ in 0..RECONSIDERED {
-            let Some(all) = search::reconsidered(&base, &looked, library, &named) else { break };
+        for round in 0..RECONSIDERED {
+            let part = |part| FIRST + (1.0 - FIRST) * (round as f64 + part) / RECONSIDERED as f64;
+            let mut progress = |done| progress(part(done));
+            let Some(all) = search::reconsidered(&base, &looked, library, &named, &mut progress) else {
+                break;
+            };
             named = search::without_unnecessary(&base, &looked, all);
         }
         if looked.in_parts {

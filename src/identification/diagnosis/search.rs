@@ -314,13 +314,15 @@ pub fn reconsidered(
     looked: &Looked,
     library: &[Hypothesis],
     named: &[Found],
+    progress: &mut dyn FnMut(f64),
 ) -> Option<Vec<Found>> {
     // All others were known when the last one was found, and nothing else leaves the trace of a halt.
     let before_last = 0..named.len().saturating_sub(1);
     before_last.filter(|at| !HALTS.contains(&named[*at].candidate.hypothesis.id)).find_map(|at| {
         let mut rest = named.to_vec();
         let former = rest.remove(at).candidate.hypothesis;
-        let other = with_next(base, looked, library, &rest, &mut |_| {})?;
+        let mut progress = |part| progress((at as f64 + part) / named.len() as f64);
+        let other = with_next(base, looked, library, &rest, &mut progress)?;
         let latter = &other.last()?.candidate.hypothesis;
         if (latter.id, &latter.variant) == (former.id, &former.variant) {
             return None;
