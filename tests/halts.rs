@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use truefeed::identification::alignment::align;
-use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
+use truefeed::identification::alignment::{Alignment, align};
+use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose, feed_holds};
 use truefeed::identification::fit::Run;
 use truefeed::identification::hypotheses::Reported;
 use truefeed::identification::recording;
@@ -11,9 +11,9 @@ use truefeed::machine::Machine;
 use truefeed::simulation::feed::{Rule, plan};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::toolpath::{Toolpath, trace};
 
-/// A meander of lines and arcs with rapids between.
+/// A meander of lines and arcs with rapids between, and holes with a dwell at their bottom.
 fn program() -> String {
     let mut text = String::from("G21 G90\nG0 X0 Y0 Z5\nG1 Z0 F600\n");
     for row in 0..12 {
@@ -23,7 +23,17 @@ fn program() -> String {
             let _ = write!(text, "G0 Z5\nG0 X{row} Y{}\nG1 Z0 F600\n", y + 4);
         }
     }
+    for hole in 0..6 {
+        let _ = write!(text, "G0 X{} Y50 Z5\nG1 Z-4 F600\nG4 P0.25\nG0 Z5\n", 7 * hole);
+    }
     text + "G0 Z20\n"
+}
+
+/// The line of the dwell in a hole of the program.
+fn dwell(hole: usize) -> u32 {
+    let program = program();
+    let mut dwells = program.lines().zip(1..).filter(|(line, _)| line.starts_with("G4"));
+    dwells.nth(hole).map_or(0, |(_, line)| line)
 }
 
 /// What a recorder sees of a run, every 10 ms and to a micrometre or two, as a table.
@@ -47,13 +57,20 @@ fn recorded(program: &str, machine: &Machine) -> String {
 
 /// The diagnosis of a run of a machine against the one without halts.
 fn diagnosed(halted: &Machine) -> Diagnosis {
+    aligned(halted, |toolpath, alignment| {
+        let runs = [Run { toolpath, alignment: &alignment, overrides: (None, None) }];
+        diagnose(&Machine::default(), &runs, &mut |_| {})
+    })
+}
+
+/// A run of a machine, aligned with the one without halts.
+fn aligned<T>(halted: &Machine, then: impl FnOnce(&Toolpath, Alignment) -> T) -> T {
     let program = program();
     let machine = Machine::default();
     let toolpath = trace(&read(program.as_bytes()), &machine);
     let log = recording::read(recorded(&program, halted).as_bytes()).expect("a table");
     let alignment = align(&log.recordings[0], &toolpath, &machine).expect("the same program");
-    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
-    diagnose(&machine, &runs, &mut |_| {})
+    then(&toolpath, alignment)
 }
 
 /// The causes with their line (0 where they have none) and seconds.
@@ -124,6 +141,29 @@ fn a_wait_before_a_line_is_not_a_feed_hold() {
     let mut machine = Machine::default();
     machine.halts.waits = [(14, 0.9)].into();
     assert_alone(&machine, ("unmodelled_wait", 14, 0.9));
+}
+
+#[test]
+fn a_wait_at_a_dwell_is_found_in_its_line() {
+    let mut machine = Machine::default();
+    machine.halts.waits = [(dwell(2), 0.45)].into();
+    assert_alone(&machine, ("unmodelled_wait", dwell(2), 0.45));
+}
+
+/// The time before the first mark is the recorder's, however far the machine is at the next sample.
+#[test]
+fn a_recorder_that_runs_before_the_machine_does_shows_no_hold() {
+    let holds = aligned(&Machine::default(), |toolpath, mut alignment| {
+        alignment.fixes.retain(|fix| 0.2 < fix.distance);
+        let mut standing = alignment.fixes[0];
+        alignment.marks.retain(|mark| standing.time <= mark.time);
+        standing.time -= 1.0;
+        standing.distance = 0.0;
+        alignment.fixes.insert(0, standing);
+        let runs = [Run { toolpath, alignment: &alignment, overrides: (None, None) }];
+        feed_holds(&Machine::default(), &runs, f64::NEG_INFINITY).len()
+    });
+    assert_eq!(holds, 0);
 }
 
 #[test]
