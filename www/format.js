@@ -90,15 +90,11 @@ export const worded = (text) => (SIGN === '.' ? text : text.replace(DECIMAL, `$1
 /** The same in a document. @param {string} html */
 export const wordedHtml = (html) => html.replace(BETWEEN, (part) => (part.startsWith('>') ? worded(part) : part))
 
-/** Thousands set apart and a decimal sign, which is the other one. */
-const SET_APART = /^-?\d{1,3}(?:([.,])\d{3})+(?!\1)[.,]\d+$/
-/** One sign before three digits, where it is not the decimal sign of the language: thousands or thousandths, nobody knows. */
-const UNCLEAR = new RegExp(`^-?[1-9]\\d{0,2}[${SIGN === ',' ? '.' : ','}]\\d{3}$`)
+/** Thousands or thousandths, nobody knows: three digits behind a sign that is not the decimal sign of the language. */
+const UNCLEAR = SIGN === ',' ? /^-?[1-9]\d{0,2}\.\d{3}$/ : /^-?[1-9]\d{0,2},\d{3}$/
 
-/** What an input says, as a number; NaN where it is none, or may be two. A comma is a decimal comma, also elsewhere. @param {string} written */
+/** What an input says, as a number; NaN where it is none, or may be two. A comma is a decimal comma. @param {string} written */
 export function parsed(written) {
   const text = written.trim().replace('−', '-')
-  if (text === '' || UNCLEAR.test(text)) return NaN
-  const [, apart] = SET_APART.exec(text) ?? []
-  return Number((apart ? text.replaceAll(apart, '') : text).replace(',', '.'))
+  return text === '' || UNCLEAR.test(text) ? NaN : Number(text.replace(',', '.'))
 }

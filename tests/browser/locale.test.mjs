@@ -72,11 +72,8 @@ for (const [locale, unclear, plain] of [
       const fault = () => page.locator('#machine .field', { has: page.locator(field) }).locator('.fault').textContent()
       await page.fill(field, unclear)
       assert.match(await fault(), /expected a number in mm\/min, with nothing between thousands, such as 1250/)
-      // Two signs are clear, and so is the decimal sign of the language.
-      for (const written of ['12,500.5', '12.500,5', plain]) {
-        await page.fill(field, written)
-        assert.equal(await fault(), '', written)
-      }
+      await page.fill(field, plain)
+      assert.equal(await fault(), '')
     } finally {
       await close()
     }

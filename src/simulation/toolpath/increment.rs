@@ -16,7 +16,6 @@
 //!
 //! Source: Fanuc B-63944EN, decimal point programming.
 
-use crate::machine::AXES;
 use crate::simulation::gcode::{self, Dialect, LineNumber, Place, Program, Word};
 use crate::simulation::toolpath::block::Block;
 use crate::simulation::toolpath::remark::Untraced;
@@ -116,8 +115,8 @@ impl Tracer<'_> {
     pub(super) fn tell_missing_points(&mut self) {
         let may_count = matches!(self.dialect, Dialect::Iso | Dialect::Okuma);
         if may_count && self.machine.program.increment.is_none() && !self.points.are_written {
-            if let Some((line, axis)) = self.longer_than_machines() {
-                self.remarks.add(Place::line(line), Untraced::NoPoints { axis, travel: LONGEST_TRAVEL });
+            if let Some(line) = self.longer_than_machines() {
+                self.remarks.add(Place::line(line), Untraced::NoPoints);
             }
             return;
         }
@@ -127,15 +126,16 @@ impl Tracer<'_> {
         }
     }
 
-    /// The line with which the path first extends too far for a machine, and the axis in which it does.
-    fn longer_than_machines(&self) -> Option<(LineNumber, char)> {
+    /// The line with which the path first extends too far for a machine.
+    fn longer_than_machines(&self) -> Option<LineNumber> {
         let start = self.toolpath.segments.first()?.start.coords;
         let (mut least, mut most) = (start, start);
-        self.toolpath.segments.iter().find_map(|segment| {
+        let mut segments = self.toolpath.segments.iter();
+        let beyond = segments.find(|segment| {
             (least, most) = (least.inf(&segment.end.coords), most.sup(&segment.end.coords));
-            let axis = (most - least).iter().position(|travel| LONGEST_TRAVEL < *travel)?;
-            Some((segment.line, AXES[axis]))
-        })
+            LONGEST_TRAVEL < (most - least).amax()
+        });
+        beyond.map(|segment| segment.line)
     }
 }
 

@@ -65,15 +65,12 @@ impl Tracer<'_> {
             self.remarks.add(block.place(), Untraced::NoDwellTime);
             return;
         };
-        let letter = char::from(word.letter);
         let (unit, place) = (self.unit_of_time(word), block.place_of(word));
         match unit {
-            TimeUnit::Guessed => self.remarks.add(place, Untraced::GuessedTimeUnit { letter }),
-            TimeUnit::Seconds if word.letter != b'P' => {}
-            _ => {
-                let milliseconds = unit == TimeUnit::Milliseconds;
-                self.remarks.add(place, Untraced::DwellUnit { letter, milliseconds });
-            }
+            TimeUnit::Guessed => self.remarks.add(place, Untraced::GuessedTimeUnit),
+            TimeUnit::Milliseconds => self.remarks.add(place, Untraced::TimeInMilliseconds),
+            TimeUnit::Seconds if word.letter == b'P' => self.remarks.add(place, Untraced::DwellInSeconds),
+            TimeUnit::Seconds => {}
         }
         let seconds = unit.seconds(word.value);
         if (0.0..=LONGEST_DWELL).contains(&seconds) {

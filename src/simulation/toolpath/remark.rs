@@ -35,9 +35,9 @@ pub(super) enum Untraced {
     )]
     MissingPoint { letter: char, value: f64 },
     #[error(
-        "the path extends over more than {travel} mm in {axis}, and no length of the program has a decimal point: taken as written; set program.increment_mm = 0.001 if the control counts thousandths"
+        "no length has a decimal point and the path extends over more than 5 m: taken as written; set program.increment_mm = 0.001 if the control counts thousandths"
     )]
-    NoPoints { axis: char, travel: f64 },
+    NoPoints,
     #[error("{letter} words are not modelled: only moves in X, Y, Z, A, B and C are timed")]
     UnmodelledWord { letter: char },
     #[error("no G0 to G3 before the first axis words: taken as G0")]
@@ -90,12 +90,16 @@ pub(super) enum Untraced {
     #[error("P{value} is no number of turns: one turn is run")]
     BadTurns { value: f64 },
 
-    #[error("{}", dwell_text(*.letter, *.milliseconds))]
-    DwellUnit { letter: char, milliseconds: bool },
+    #[error("P of G4 is read as seconds")]
+    DwellInSeconds,
     #[error(
-        "a time {letter} of 100 or more without a decimal point is read as milliseconds, as on Fanuc and Haas controls; if seconds are meant, as on LinuxCNC, write it with a point or choose the dialect"
+        "a time without a decimal point is read as milliseconds, since the program has a % line or an O number"
     )]
-    GuessedTimeUnit { letter: char },
+    TimeInMilliseconds,
+    #[error(
+        "a time of 100 or more without a decimal point is read as milliseconds; if seconds are meant, write a point or choose the dialect"
+    )]
+    GuessedTimeUnit,
     #[error("G4 without a waiting time: no dwell")]
     NoDwellTime,
     #[error("a waiting time of {seconds} s is not possible: no dwell")]
@@ -139,10 +143,6 @@ pub(super) enum Untraced {
     CycleWord { code: Code, letter: char },
     #[error("{code} without P: no dwell")]
     NoCycleDwell { code: Code },
-    #[error(
-        "P of cycles without a decimal point is read as milliseconds, since the program has a % line or an O number"
-    )]
-    CycleDwellUnit,
     #[error("{code} waits for the tool to be taken out by hand: only the move out in rapid is timed")]
     ManualRetract { code: Code },
     #[error("a hole cannot be repeated {value} times: it is made once")]
@@ -244,16 +244,6 @@ fn label_text(kind: LabelKind, name: &str) -> String {
     }
 }
 
-fn dwell_text(letter: char, milliseconds: bool) -> String {
-    if milliseconds {
-        format!(
-            "{letter} of G4 without a decimal point is read as milliseconds, since the program has a % line or an O number"
-        )
-    } else {
-        format!("{letter} of G4 is read as seconds")
-    }
-}
-
 impl Remark for Untraced {
     fn severity(&self) -> Severity {
         match self {
@@ -298,8 +288,8 @@ impl Remark for Untraced {
             | Untraced::NotRun { .. } => Severity::Error,
             Untraced::UnmodelledWord { .. }
             | Untraced::MissingPoint { .. }
-            | Untraced::NoPoints { .. }
-            | Untraced::GuessedTimeUnit { .. }
+            | Untraced::NoPoints
+            | Untraced::GuessedTimeUnit
             | Untraced::UnusedCenter
             | Untraced::SurfaceSpeed
             | Untraced::FasterThanRapid { .. }
@@ -321,8 +311,8 @@ impl Remark for Untraced {
             Untraced::PathMode(remark) => remark.severity(),
             Untraced::Klartext(remark) => remark.severity(),
             Untraced::NoMotionWord
-            | Untraced::DwellUnit { .. }
-            | Untraced::CycleDwellUnit
+            | Untraced::DwellInSeconds
+            | Untraced::TimeInMilliseconds
             | Untraced::UnknownHome { .. }
             | Untraced::WorkOffsets { .. }
             | Untraced::DataSetting { .. }
@@ -358,9 +348,9 @@ impl Remark for Untraced {
                 | Untraced::NoToolLength { .. }
                 | Untraced::SurfaceSpeed
                 | Untraced::FasterThanRapid { .. }
-                | Untraced::DwellUnit { .. }
-                | Untraced::GuessedTimeUnit { .. }
-                | Untraced::CycleDwellUnit
+                | Untraced::DwellInSeconds
+                | Untraced::GuessedTimeUnit
+                | Untraced::TimeInMilliseconds
                 | Untraced::ManualRetract { .. }
                 | Untraced::UnknownHome { .. }
                 | Untraced::DataSetting { .. }

@@ -175,8 +175,8 @@ impl Tracer<'_> {
         let value = self.given.get(b'P')?;
         let (unit, place) = (self.unit_of_time(word), block.place_of(word));
         match unit {
-            TimeUnit::Guessed => self.remarks.add(place, Untraced::GuessedTimeUnit { letter: 'P' }),
-            TimeUnit::Milliseconds if value != 0.0 => self.remarks.add(place, Untraced::CycleDwellUnit),
+            TimeUnit::Guessed => self.remarks.add(place, Untraced::GuessedTimeUnit),
+            TimeUnit::Milliseconds if value != 0.0 => self.remarks.add(place, Untraced::TimeInMilliseconds),
             _ => {}
         }
         let seconds = unit.seconds(value);
