@@ -5,7 +5,8 @@
 //! searched in `excerpts` of it, and what was found is kept if it holds on the whole.
 //!
 //! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
-//! back, and one that was named before the others were known gives way to one that is worth more beside them. Others from which the best cannot be told on the runs are its ambiguity.
+//! back, and one that was named before the others were known gives way to one that is worth much more beside
+//! them. Others from which the best cannot be told on the runs are its ambiguity.
 //!
 //! What is left is judged by itself (`verdict`): much lost time that has no cause is unknown, and located.
 
@@ -216,8 +217,8 @@ impl InTime {
         }
         named = search::without_unnecessary(&base, &looked, named);
         for round in 0..RECONSIDERED {
-            let part = |part| FIRST + (1.0 - FIRST) * (round as f64 + part) / RECONSIDERED as f64;
-            let mut progress = |done| progress(part(done));
+            let rounds = |part: f64| (round as f64 + part) / RECONSIDERED as f64;
+            let mut progress = |part| progress(FIRST + (1.0 - FIRST) * rounds(part));
             let Some(all) = search::reconsidered(&base, &looked, library, &named, &mut progress) else {
                 break;
             };

@@ -28,7 +28,7 @@
 //! be held each time; more rests than [`MOST`], or than [`FEW`] of which most are [`ALIKE`], are a property of the
 //! machine and not halts, but for those that are [`OUT`] times as long as usual. Those at dwells are counted by themselves.
 
-use std::ops::Range;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use crate::identification::alignment::{Method, Visit, median, visits};
@@ -117,7 +117,8 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             from += 1;
             continue;
         }
-        let dwelt = dwelt(run, &profile, &(fixes[from].distance..fixes[to].distance));
+        let stops = stops_within(run, &profile, fixes[from].distance..=fixes[to].distance);
+        let dwelt: f64 = stops.iter().filter_map(|stop| stop.cause.dwell()).sum();
         let stands = STANDS * (fixes[to].time - fixes[from].time - dwelt) <= lost(from, to);
         // At a low rate the first sample after a rest may be far from it.
         if !(stands && to == from + 1 || fixes[to].distance - fixes[from].distance <= short) {
@@ -178,13 +179,13 @@ fn halts(mut found: Vec<Rest>) -> Vec<Rest> {
     if MOST < found.len() { Vec::new() } else { found }
 }
 
-/// How long the program dwells within a part of the path (mm), s.
-fn dwelt(run: &Run, profile: &Profile, part: &Range<f64>) -> f64 {
+/// The stops of the program within a part of the path, mm.
+fn stops_within<'a>(run: &Run<'a>, profile: &Profile, part: RangeInclusive<f64>) -> &'a [Stop] {
     let Toolpath { segments, stops, .. } = run.toolpath;
-    let end = |stop: &Stop| profile.distance_before(stop.after.min(segments.len()));
-    let first = stops.partition_point(|stop| end(stop) < part.start);
-    let within = stops[first..].iter().take_while(|stop| end(stop) <= part.end);
-    within.filter_map(|stop| stop.cause.dwell()).sum()
+    let at = |stop: &Stop| profile.distance_before(stop.after.min(segments.len()));
+    let first = stops.partition_point(|stop| at(stop) < *part.start());
+    let behind = &stops[first..];
+    &behind[..behind.partition_point(|stop| at(stop) <= *part.end())]
 }
 
 /// The segment at a distance along the path, mm; the first or the last one beyond its ends.
@@ -210,14 +211,14 @@ fn is_inside(segments: &Segments, profile: &Profile, at: f64, away: f64) -> bool
 fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Option<Rest> {
     let segments = &run.toolpath.segments;
     let end = |segment: usize| profile.distance_before(segment);
-    let is_near = |distance: f64| (distance - at).abs() <= 2.0 * near;
-    let mut stops = run.toolpath.stops.iter().filter(|stop| is_near(end(stop.after.min(segments.len()))));
-    if let Some(first) = stops.next() {
-        let is_dwell = |stop: &Stop| stop.cause.dwell().is_some();
+    let around = at - 2.0 * near..=at + 2.0 * near;
+    let stops = stops_within(run, profile, around.clone());
+    if let Some(first) = stops.first() {
+        let are_dwells = stops.iter().all(|stop| stop.cause.dwell().is_some());
         let rest = Rest { line: first.line.0, place: None, begin: at, seconds, at_dwell: true };
-        return (is_dwell(first) && stops.all(is_dwell)).then_some(rest);
+        return are_dwells.then_some(rest);
     }
-    if is_near(0.0) || is_near(profile.length()) {
+    if around.contains(&0.0) || around.contains(&profile.length()) {
         return None;
     }
     let low = segment_at(segments, profile, at);

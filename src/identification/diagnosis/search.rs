@@ -195,8 +195,12 @@ fn refined(
 
 /// The cost of causes that were fitted together, with their price.
 fn priced(runs: &[Run], together: &[&Candidate]) -> f64 {
-    let prices = together.iter().map(|candidate| gates::price(runs, candidate.values.len()));
-    together.first().map_or(0.0, |first| first.cost) + prices.sum::<f64>()
+    together.first().map_or(0.0, |first| first.cost) + prices(runs, together.iter().copied())
+}
+
+/// The price of all parameters of these causes.
+fn prices<'a>(runs: &[Run], causes: impl Iterator<Item = &'a Candidate>) -> f64 {
+    causes.map(|candidate| gates::price(runs, candidate.values.len())).sum()
 }
 
 /// Of the pair that is best, and better than the best alone, the better one comes first.
@@ -329,8 +333,8 @@ pub fn reconsidered(
         }
         let evidence = looked.evidence(&with_all(base, &candidates(&other)));
         let worth = |found: &[Found]| {
-            let prices = found.iter().map(|found| gates::price(looked.runs, found.candidate.values.len()));
-            evidence.cost(&with_all(base, &candidates(found))) + prices.sum::<f64>()
+            let causes = candidates(found);
+            evidence.cost(&with_all(base, &causes)) + prices(looked.runs, causes.iter())
         };
         (worth(&other) < GIVES_WAY * worth(named)).then_some(other)
     })

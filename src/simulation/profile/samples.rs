@@ -10,7 +10,7 @@
 //! computer holds. A table that has no room for them is laid anew at equal times, and says at which.
 
 use crate::simulation::feed::Phase;
-use crate::simulation::profile::{Moment, Motion, Profile, State, Steps};
+use crate::simulation::profile::{Moment, Profile, State, Steps};
 use crate::simulation::toolpath::{self, Curve};
 
 /// A profile as columns of equal length, straight lines between the rows.
@@ -127,10 +127,8 @@ impl Profile<'_> {
                     segments_before = segments.end;
                     let commands =
                         self.plan.pulses.range(stretch.pulses.clone()).flat_map(|pulse| pulse.feedrate);
-                    let motion = self.motion(stretch);
                     let mut sampler = Sampler {
-                        motion,
-                        steps: Steps::of(motion),
+                        steps: Steps::of(self.motion(stretch)),
                         resolution,
                         start,
                         fastest: commands.fold(0.0, f64::max),
@@ -164,10 +162,13 @@ trait Table {
     fn push(&mut self, time: f64, state: &State, line: impl FnOnce() -> u32);
 }
 
-/// Adds a value to a column that ascends: rounding may put a row a last digit before the one before it, and a table must
-/// not go back.
-fn push_ascending(column: &mut Vec<f64>, value: f64) {
-    column.push(column.last().map_or(value, |last| last.max(value)));
+/// Adds a row to the columns of time, distance and feedrate. Rounding may put it a last digit before the one before it; a
+/// table must not go back.
+fn push_row([times, distances, feedrates]: [&mut Vec<f64>; 3], time: f64, state: &State) {
+    let not_before = |column: &[f64], value: f64| column.last().map_or(value, |last| last.max(value));
+    times.push(not_before(times, time));
+    distances.push(not_before(distances, state.distance));
+    feedrates.push(state.velocity.norm());
 }
 
 impl Table for FeedCurve {
@@ -180,9 +181,7 @@ impl Table for FeedCurve {
     }
 
     fn push(&mut self, time: f64, state: &State, _line: impl FnOnce() -> u32) {
-        push_ascending(&mut self.time, time);
-        push_ascending(&mut self.distance, state.distance);
-        self.feedrate.push(state.velocity.norm());
+        push_row([&mut self.time, &mut self.distance, &mut self.feedrate], time, state);
     }
 }
 
@@ -196,9 +195,7 @@ impl Table for Samples {
     }
 
     fn push(&mut self, time: f64, state: &State, line: impl FnOnce() -> u32) {
-        push_ascending(&mut self.time, time);
-        push_ascending(&mut self.distance, state.distance);
-        self.feedrate.push(state.velocity.norm());
+        push_row([&mut self.time, &mut self.distance, &mut self.feedrate], time, state);
         for (column, value) in self.position.iter_mut().zip(state.position.iter()) {
             column.push(*value);
         }
@@ -219,7 +216,6 @@ struct Row {
 }
 
 struct Sampler<'a, T> {
-    motion: Motion<'a>,
     steps: Steps<'a>,
     resolution: Resolution,
     /// When the stretch begins, s.
@@ -235,8 +231,8 @@ struct Sampler<'a, T> {
 impl<T: Table> Sampler<'_, T> {
     /// Lays rows where they are needed, until there are more than `most`.
     fn run(&mut self, most: usize) {
-        let duration = self.motion.duration();
-        let mut last = self.row(self.motion.first_pulse, 0.0);
+        let duration = self.steps.motion.duration();
+        let mut last = self.row(self.steps.motion.first_pulse, 0.0);
         self.push(last);
         while last.filtered < duration && self.table.rows() <= most {
             let next = self.row(last.moment.pulse, self.next_time(last).min(duration));
@@ -248,9 +244,9 @@ impl<T: Table> Sampler<'_, T> {
 
     /// Lays rows at equal times, and one between standing and standing at least.
     fn run_evenly(&mut self, spacing: f64) {
-        let duration = self.motion.duration();
+        let duration = self.steps.motion.duration();
         let parts = (duration / spacing).ceil().max(2.0);
-        let mut pulse = self.motion.first_pulse;
+        let mut pulse = self.steps.motion.first_pulse;
         for part in 0..=parts as u64 {
             let row = self.row(pulse, duration * (part as f64 / parts));
             pulse = row.moment.pulse;
@@ -260,34 +256,34 @@ impl<T: Table> Sampler<'_, T> {
 
     /// The row at a filtered time (s), no earlier than the pulse `from` begins.
     fn row(&mut self, from: usize, filtered: f64) -> Row {
-        let moment = self.motion.moment_from(from, filtered);
-        if self.motion.knots.is_empty() {
+        let moment = self.steps.motion.moment_from(from, filtered);
+        if self.steps.motion.knots.is_empty() {
             return Row { time: filtered, filtered, moment, state: self.steps.state(moment) };
         }
-        let time = self.motion.true_time(filtered);
-        Row { time, filtered, moment, state: self.motion.state_at(time) }
+        let time = self.steps.motion.true_time(filtered);
+        Row { time, filtered, moment, state: self.steps.motion.state_at(time) }
     }
 
     /// Where the row of the first spacing after `last` goes: on by an eighth of the filter delay, or to
     /// the end of the time in which nothing changes.
     fn next_time(&self, last: Row) -> f64 {
         let time = last.filtered;
-        let delay = self.motion.filter.delay();
+        let delay = self.steps.motion.filter.delay();
         let step = self.next_kink(time, time + delay / 8.0);
         // A ramp behind the filters may begin or end where nothing changes before them.
-        let knots = self.motion.knots;
+        let knots = self.steps.motion.knots;
         let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));
         let edge = edge.map_or(f64::INFINITY, |knot| knot.filtered);
-        let pulse = self.motion.pulses.at(last.moment.pulse);
+        let pulse = self.steps.motion.pulses.at(last.moment.pulse);
         if last.moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
             return step;
         }
-        let segment = self.motion.segments.at(pulse.segment as usize);
+        let segment = self.steps.motion.segments.at(pulse.segment as usize);
         let widest = match &segment.curve {
             Curve::Line => f64::INFINITY,
             Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
         };
-        let end = self.motion.pulse_starts[last.moment.pulse] + pulse.duration;
+        let end = self.steps.motion.pulse_starts[last.moment.pulse] + pulse.duration;
         step.max(end.min(time + widest).min(edge))
     }
 
@@ -295,7 +291,7 @@ impl<T: Table> Sampler<'_, T> {
     /// than an eighth of the delay: with a single filter, or one much shorter than the others, a
     /// short pulse gives ramps of its own length, a knot of the filters after each of its ends.
     fn next_kink(&self, time: f64, latest: f64) -> f64 {
-        let motion = &self.motion;
+        let motion = &self.steps.motion;
         let (filter, delay) = (motion.filter, motion.filter.delay());
         let is_sharp = |constant: &f64| *constant < delay / 8.0;
         if 1 < filter.time_constants().len() && !filter.time_constants().iter().any(is_sharp) {
@@ -351,13 +347,13 @@ impl<T: Table> Sampler<'_, T> {
 
     fn push(&mut self, row: Row) {
         self.segment = self.segment_at(row.state.distance);
-        let line = || self.motion.segments.at(self.segment).line.0;
+        let line = || self.steps.motion.segments.at(self.segment).line.0;
         self.table.push(self.start + row.time, &row.state, line);
     }
 
     /// The feedrate that the resolution refers to where a row lies, mm/s.
     fn commanded(&self, row: Row) -> f64 {
-        match self.motion.segments.motion(self.segment_at(row.state.distance)) {
+        match self.steps.motion.segments.motion(self.segment_at(row.state.distance)) {
             toolpath::Motion::Feed { feedrate } => feedrate,
             toolpath::Motion::Rapid => self.fastest,
         }
@@ -366,7 +362,7 @@ impl<T: Table> Sampler<'_, T> {
     /// The segment in which a distance lies that is not before the last row's.
     fn segment_at(&self, distance: f64) -> usize {
         let mut segment = self.segment;
-        while segment < self.last_segment && self.motion.distances[segment + 1] <= distance {
+        while segment < self.last_segment && self.steps.motion.distances[segment + 1] <= distance {
             segment += 1;
         }
         segment

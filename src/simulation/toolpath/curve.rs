@@ -99,7 +99,7 @@ impl Arc {
     }
 
     /// Position at the fraction σ of the arc, mm.
-    pub(super) fn point(&self, sigma: f64) -> Point {
+    fn point(&self, sigma: f64) -> Point {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
         let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
         self.center + radius * (cos * self.e1 + sin * self.e2) + sigma * self.rise
@@ -137,6 +137,17 @@ impl Arc {
     }
 }
 
+impl Curve {
+    /// Position at the fraction σ of the way from `start` to `end`, mm.
+    #[inline]
+    pub(super) fn point(&self, start: Point, end: Point, sigma: f64) -> Point {
+        match self {
+            Curve::Line => start + (end - start) * sigma,
+            Curve::Arc(arc) => arc.point(sigma),
+        }
+    }
+}
+
 impl Segment {
     /// First, second and third derivative of the position by the distance at `s`: without unit,
     /// 1/mm and 1/mm².
@@ -153,10 +164,7 @@ impl Segment {
     /// Position at distance `s` from the start, mm.
     #[inline]
     pub fn point(&self, s: f64) -> Point {
-        match &self.curve {
-            Curve::Line => self.start + (self.end - self.start) * (s / self.length),
-            Curve::Arc(arc) => arc.point(s / self.length),
-        }
+        self.curve.point(self.start, self.end, s / self.length)
     }
 
     /// Derivative of the position by the distance at `s`: the unit tangent.

@@ -120,13 +120,7 @@ impl Moves {
     #[inline]
     pub fn point(&self, index: usize, distance: f64) -> Point {
         let kept = &self.moves[index];
-        match self.curve(index) {
-            Curve::Line => {
-                let start = self.start(index);
-                start + (kept.end - start) * (distance / kept.length)
-            }
-            Curve::Arc(arc) => arc.point(distance / kept.length),
-        }
+        self.curve(index).point(self.start(index), kept.end, distance / kept.length)
     }
 
     /// How the segment with this index is run. Panics beyond the end.
