@@ -53,6 +53,8 @@ enum Work {
     Plan,
     /// The same for four tolerances.
     PlanFour,
+    /// The same on as many threads as there are processors.
+    PlanFourAtOnce,
     /// It is planned, its contour errors are measured, and it is quoted.
     Quote,
     /// The same for four tolerances.
@@ -64,13 +66,14 @@ enum Work {
 }
 
 impl Work {
-    const ALL: [Work; 10] = [
+    const ALL: [Work; 11] = [
         Work::Bytes,
         Work::Yardstick,
         Work::Read,
         Work::Trace,
         Work::Plan,
         Work::PlanFour,
+        Work::PlanFourAtOnce,
         Work::Quote,
         Work::QuoteFour,
         Work::QuoteFourAtOnce,
@@ -85,6 +88,7 @@ impl Work {
             Work::Trace => "trace",
             Work::Plan => "plan",
             Work::PlanFour => "plan four",
+            Work::PlanFourAtOnce => "plan four at once",
             Work::Quote => "quote",
             Work::QuoteFour => "quote four",
             Work::QuoteFourAtOnce => "quote four at once",
@@ -114,11 +118,14 @@ impl Work {
                 blocks as f64
             }
             Work::Trace => toolpath(text).segments.len() as f64,
-            Work::Plan => plan(&toolpath(text), &machine, Rule::Isolated(TOLERANCES[1])).cycle_time(),
-            Work::PlanFour => {
+            Work::Plan | Work::PlanFour | Work::PlanFourAtOnce => {
                 let toolpath = toolpath(text);
-                let time = |tolerance| plan(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time();
-                TOLERANCES.map(time).iter().sum()
+                let one = |tolerance: f64| plan(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time();
+                match self {
+                    Work::Plan => one(TOLERANCES[1]),
+                    Work::PlanFour => TOLERANCES.map(one).iter().sum(),
+                    _ => at_once(one),
+                }
             }
             Work::Chart => {
                 let toolpath = toolpath(text);
@@ -134,16 +141,31 @@ impl Work {
                 match self {
                     Work::Quote => one(TOLERANCES[1]),
                     Work::QuoteFour => TOLERANCES.map(one).iter().sum(),
-                    _ => scope(|scope| {
-                        let sum = |part: &'static [f64]| part.iter().copied().map(one).sum::<f64>();
-                        let parts = TOLERANCES.chunks(TOLERANCES.len().div_ceil(processors()));
-                        let threads: Vec<_> = parts.map(|part| scope.spawn(move || sum(part))).collect();
-                        threads.into_iter().map(|thread| thread.join().expect("a quote")).sum()
-                    }),
+                    _ => at_once(one),
                 }
             }
         }
     }
+
+    /// Several processors at work are told by the clock.
+    fn is_at_once(self) -> bool {
+        matches!(self, Work::PlanFourAtOnce | Work::QuoteFourAtOnce)
+    }
+
+    /// These are measured of the first program alone.
+    fn is_of_first(self) -> bool {
+        self.is_at_once() || self == Work::QuoteFour
+    }
+}
+
+/// The sum over all tolerances, on as many threads as there are processors.
+fn at_once(one: impl Fn(f64) -> f64 + Copy + Send + Sync) -> f64 {
+    scope(|scope| {
+        let parts = TOLERANCES.chunks(TOLERANCES.len().div_ceil(processors()));
+        let sum = |part: &'static [f64]| scope.spawn(move || part.iter().copied().map(one).sum::<f64>());
+        let threads: Vec<_> = parts.map(sum).collect();
+        threads.into_iter().map(|thread| thread.join().expect("a tolerance")).sum()
+    })
 }
 
 /// Bytes as the stream that `async-gcode` reads from.
@@ -190,8 +212,7 @@ fn measure(work: Work, made: Made, lines: usize) {
     black_box(work.run(black_box(text)));
     let elapsed = begin.elapsed().as_secs_f64();
     let worked = processor_time().zip(began).map(|(end, begin)| end - begin);
-    // What several processors do at once is told by the clock.
-    let worked = if work == Work::QuoteFourAtOnce { Some(elapsed) } else { worked };
+    let worked = if work.is_at_once() { Some(elapsed) } else { worked };
     let peak = peak_memory();
     let time = worked.filter(|time| LONG_ENOUGH < *time).unwrap_or_else(|| {
         let text = made.text(lines);
@@ -284,11 +305,8 @@ fn page(is_whole: bool) -> String {
     for (made, lines) in
         [(Made::Finishing, MILLION), (Made::Arcs, 100_000), (Made::Roughing, 200_000), (Made::Cycles, 30_000)]
     {
-        // What four tolerances cost is told of the first program alone.
         let is_first = made == Made::Finishing;
-        let of_many = [Work::QuoteFour, Work::QuoteFourAtOnce];
-        let works = Work::ALL.into_iter().filter(|work| is_first || !of_many.contains(work));
-        let works: Vec<Work> = works.collect();
+        let works: Vec<Work> = Work::ALL.into_iter().filter(|work| is_first || !work.is_of_first()).collect();
         let found = best(&works, made, lines, ROUNDS);
         let yardstick = found[Work::Yardstick as usize].time;
         text += &format!(
@@ -312,7 +330,8 @@ fn page(is_whole: bool) -> String {
         }
     }
     let of = |work: Work| finishing[work as usize];
-    let at_once = format!("the same on {} processors at once, × one", processors());
+    let planned_at_once = format!("four tolerances, planned on {} processors at once, × one", processors());
+    let quoted_at_once = format!("the same on {} processors at once, × one", processors());
     let mut targets = vec![
         (
             "read, trace and plan a million lines, × async-gcode parsing them",
@@ -324,12 +343,13 @@ fn page(is_whole: bool) -> String {
             of(Work::PlanFour).time / of(Work::Plan).time,
             1.6,
         ),
+        (&planned_at_once, of(Work::PlanFourAtOnce).time / of(Work::Plan).time, 1.6),
         (
-            "the same with contour errors and quote, × one",
+            "one after the other with contour errors and quote, × one",
             of(Work::QuoteFour).time / of(Work::Quote).time,
             1.6,
         ),
-        (&at_once, of(Work::QuoteFourAtOnce).time / of(Work::Quote).time, 1.6),
+        (&quoted_at_once, of(Work::QuoteFourAtOnce).time / of(Work::Quote).time, 1.6),
         ("peak memory of a plan, × file", of(Work::Plan).peak / of(Work::Plan).size, 3.0),
         ("peak memory of a quote, × file", of(Work::Quote).peak / of(Work::Quote).size, 3.0),
     ];
