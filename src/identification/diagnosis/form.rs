@@ -196,7 +196,7 @@ fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate
         let bend = |at: usize| (below[at] + above[at] - 2.0 * here[at]) / (STEP * STEP);
         let curvature = (0..here.len()).map(bend).sum::<f64>();
         let varied = if 0.0 < curvature { scatter.sqrt() / curvature } else { 1.0 };
-        freed.deviation(values[place], varied.min(1.0))
+        freed.deviation(values[place], varied.min(1.0)).hypot(freed.floor(values[place]))
     });
     let deviations = deviations.collect();
     Candidate { hypothesis: hypothesis.clone(), values, deviations, cost: least }

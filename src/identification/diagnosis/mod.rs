@@ -12,6 +12,7 @@
 
 mod confidence;
 mod crossed;
+mod dips;
 mod evidence;
 mod excerpts;
 mod form;

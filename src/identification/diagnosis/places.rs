@@ -5,11 +5,13 @@
 //! (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix sums over at most
 //! [`BINS`] parts.
 //!
-//! Waits before lines: where the recorded machine rests between two long blocks, the longest ones.
+//! Waits before lines: where the recorded machine rests between two long blocks, the longest ones. A feed hold: where it
+//! dips.
 
 use std::sync::Arc;
 
 use crate::identification::alignment::Place;
+use crate::identification::diagnosis::dips::dip;
 use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::diagnosis::gates::GAIN;
 use crate::identification::diagnosis::rests::{Rest, rests};
@@ -35,6 +37,8 @@ pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open:
     waits.retain(|rest| rest.place.is_none() && !machine.halts.waits.contains_key(&rest.line));
     waits.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
     all.extend(waits.into_iter().take(WAITS).map(Rest::hypothesis));
+    let dip = dip(machine, run).filter(|dip| !machine.halts.feed_holds.contains_key(&dip.line));
+    all.extend(dip.map(Rest::hypothesis));
     all
 }
 

@@ -24,7 +24,7 @@
 //! only where feedrates were recorded that say nothing else for [`SAID`] polls, and it cost as much: one in
 //! which it may have begun, one in which it may have ended, and one that is certain.
 //!
-//! Limits: a hold shorter than the filter delay leaves no rest; a line that is run several times is taken to
+//! Limits: a hold shorter than the filter delay leaves no rest, and is looked for as a dip; a line that is run several times is taken to
 //! be held each time; more rests than [`MOST`], or than [`FEW`] of which most are [`ALIKE`], are a property of the
 //! machine and not halts, but for those that are [`OUT`] times as long as usual. Those at dwells are counted by themselves.
 
@@ -207,8 +207,8 @@ fn is_inside(segments: &Segments, profile: &Profile, at: f64, away: f64) -> bool
         && away < profile.distance_before(segment + 1) - at
 }
 
-/// The rest at a distance along the path; none where a function is near that is no dwell.
-fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Option<Rest> {
+/// The rest at a distance along the path, known but for `near` (mm); none where a function is near that is no dwell.
+pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Option<Rest> {
     let segments = &run.toolpath.segments;
     let end = |segment: usize| profile.distance_before(segment);
     let around = at - 2.0 * near..=at + 2.0 * near;

@@ -9,6 +9,9 @@ use crate::machine::{Access, Machine, parameter};
 
 /// A cycle of interpolation, s: controls have 1 to 4 ms.
 const CYCLE: f64 = 2e-3;
+/// What the law of a model and that of a control differ by where they are the same, as a part of a value: numbers are
+/// rounded, cycles are whole, and two programs for one law do not agree to the last digit.
+const LAW: f64 = 1e-3;
 
 /// How a parameter is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,12 +119,17 @@ impl Freed {
         }
     }
 
-    /// What it may be off by whatever the runs say, as a standard deviation, core units: what lasts a time a control
-    /// counts in cycles that nobody wrote into the machine file.
-    pub fn counted(&self) -> f64 {
+    /// What a value (core units) may be off by whatever the runs say, as a standard deviation: what lasts a time a control
+    /// counts in cycles that nobody wrote into the machine file, and no law is that of the control to the last digit.
+    /// A switch or a ratio of clocks is what it is.
+    pub fn floor(&self, value: f64) -> f64 {
         let is_counted =
             ["halts.", "times.", "interpolator.block_time"].iter().any(|key| self.key.starts_with(key));
-        if is_counted { CYCLE / 12f64.sqrt() } else { 0.0 }
+        match self.scale {
+            _ if is_counted => CYCLE / 12f64.sqrt(),
+            Scale::Ratio => LAW * value,
+            Scale::Difference => 0.0,
+        }
     }
 
     /// The step of a difference quotient in what is varied.

@@ -178,7 +178,7 @@ pub fn fit(
     let deviations = (0..freed.len())
         .map(|at| {
             let deviation = freed[at].deviation(values[at], covariance[(at, at)].max(0.0).sqrt());
-            deviation.hypot(freed[at].counted())
+            deviation.hypot(freed[at].floor(values[at]))
         })
         .collect();
     let correlations = DMatrix::from_fn(freed.len(), freed.len(), |i, j| {

@@ -10,8 +10,8 @@
 //! | what is left, where a value acts | the jackknife that leaves out one of so many contiguous blocks (H − H_g)⁻¹ g_g, at the length at which the values move most; a value that hangs on one block is told at shorter ones |
 //! | what no residual shows | the clock: (H⁻¹ JᵀW n)² σ², n the whitened trace of a clock that is off, σ what quartzes are off by |
 //!
-//! The variance of a value is the larger of the first two, plus the third. What lasts a time is also counted in cycles
-//! of the control, see [`Freed::counted`](crate::identification::fit::Freed::counted). Sources: Efron and Tibshirani 1993,
+//! The variance of a value is the larger of the first two, plus the third. What a control counts in cycles, and how far
+//! two laws agree at best, comes besides, see [`Freed::floor`](crate::identification::fit::Freed::floor). Sources: Efron and Tibshirani 1993,
 //! Sect. 11.5 and 17; Flegal and Jones 2010 for batch means; ±50 ppm is the usual tolerance of quartzes.
 
 use nalgebra::{DMatrix, DVector};
