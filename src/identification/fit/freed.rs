@@ -121,14 +121,15 @@ impl Freed {
 
     /// What a value (core units) may be off by whatever the runs say, as a standard deviation: what lasts a time a control
     /// counts in cycles that nobody wrote into the machine file, and no law is that of the control to the last digit.
-    /// A switch or a ratio of clocks is what it is.
+    /// Switches and clocks are no law.
     pub fn floor(&self, value: f64) -> f64 {
-        let is_counted =
-            ["halts.", "times.", "interpolator.block_time"].iter().any(|key| self.key.starts_with(key));
-        match self.scale {
-            _ if is_counted => CYCLE / 12f64.sqrt(),
-            Scale::Ratio => LAW * value,
-            Scale::Difference => 0.0,
+        let is_one_of = |keys: &[&str]| keys.iter().any(|key| self.key.starts_with(key));
+        if is_one_of(&["halts.", "times.", "interpolator.block_time"]) {
+            CYCLE / 12f64.sqrt()
+        } else if is_one_of(&["override", "recorder."]) {
+            0.0
+        } else {
+            LAW * value.abs()
         }
     }
 

@@ -37,7 +37,8 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
         all.push(single(
             "centripetal_acceleration_limit",
             Freed::number("path.centripetal_acceleration_mm_s2", 1e3, (1.0, 1e6), Scale::Ratio),
-            ratios(10.0, 5e3, 12),
+            // Arcs are as slow as their root: one that makes them 10 % slower must not lie between two that are worse than none.
+            ratios(10.0, 5e3, 32),
             |value| vec![("a_mm_s2", Reported::Number(value))],
         ));
     }
