@@ -127,6 +127,24 @@ fn a_feed_hold_hardly_longer_than_its_ramps_is_found_inside_a_line() {
     assert_alone(&machine, ("feed_hold", 10, 0.13));
 }
 
+/// The filters, 77 ms long, never run empty: the tool only slows down.
+#[test]
+fn a_feed_hold_shorter_than_its_ramps_is_found_as_a_dip() {
+    let mut machine = Machine::default();
+    machine.halts.feed_holds = [(10, 0.055)].into();
+    machine.halts.feed_hold_places = [(10, 0.3)].into();
+    assert_alone(&machine, ("feed_hold", 10, 0.055));
+}
+
+/// The slower rows of a limit dip as well, each like the others.
+#[test]
+fn a_limit_leaves_no_dip() {
+    let mut machine = Machine::default();
+    machine.axes[0].acceleration = 200.0;
+    let found = causes(&diagnosed(&machine));
+    assert!(found.iter().all(|cause| cause.0 != "feed_hold"), "{found:?}");
+}
+
 /// Full stops at corners leave rests as short, but where blocks end.
 #[test]
 fn exact_stops_are_no_feed_holds() {
