@@ -239,6 +239,25 @@ fn motion_can_stop_within_the_look_ahead() {
     assert!(CASES / 10 < held, "the limit decides on many blocks: {held}");
 }
 
+/// Corners are planned by what is asked for: a control that waits for its blocks makes none of them faster.
+#[test]
+fn a_starved_control_is_never_faster() {
+    let limit = |machine: &mut Machine, random: &mut Random| {
+        machine.interpolator.block_time = random.log_between(0.0001, 0.05);
+        machine.interpolator.look_ahead = random.between(1.0, 20.0).floor();
+    };
+    let mut slower = 0;
+    for (mut case, _) in limited(33, CASES, limit) {
+        let starved = case.plan().cycle_time();
+        case.machine.interpolator.block_time = 0.0;
+        case.machine.interpolator.look_ahead = f64::INFINITY;
+        let supplied = case.plan().cycle_time();
+        assert!(supplied <= starved * (1.0 + 1e-9), "case {}: {supplied} s, {starved} s", case.number);
+        slower += usize::from(supplied * 1.001 < starved);
+    }
+    assert!(CASES / 10 < slower, "the limits decide on many programs: {slower}");
+}
+
 #[test]
 fn the_machine_stands_where_it_has_to() {
     let limit = |machine: &mut Machine, random: &mut Random| {

@@ -11,6 +11,10 @@
 //!   an upper bound of the true r (1 − Π sinc(ωTi/2));
 //! - √(a / κ): no more than the centripetal acceleration limit, and on an axis no more than its
 //!   acceleration limit;
+//!
+//! A control that is starved of blocks runs what it has planned more slowly. It plans corners by what it is asked for, so
+//! these act on the plan, and never let a corner be faster:
+//!
 //! - L / t_block: no block in less than the block processing time;
 //! - look-ahead: from v the motion stops within v h + v²/(2A), which must lie within the N blocks
 //!   seen, so v = 2 s / (h + √(h² + 2 s / A)) for blocks of s mm in all.
@@ -72,12 +76,11 @@ pub fn arc_feedrate(segment: &Segment, filter: &FilterChain, tolerance: f64) -> 
     (24.0 * tolerance / (filter.sum_of_squares() * curvature(arc, segment.length))).sqrt()
 }
 
-/// The largest feedrate that block processing time and centripetal acceleration allow, mm/s.
+/// The largest feedrate that centripetal acceleration allows, mm/s.
 pub fn curve_feedrate(segment: &Segment, machine: &Machine) -> f64 {
-    let block_time = segment.length / machine.interpolator.block_time;
-    let Curve::Arc(arc) = &segment.curve else { return block_time };
+    let Curve::Arc(arc) = &segment.curve else { return f64::INFINITY };
     let acceleration = machine.path.centripetal_acceleration.min(axis_centripetal(arc, machine));
-    block_time.min((acceleration / curvature(arc, segment.length)).sqrt())
+    (acceleration / curvature(arc, segment.length)).sqrt()
 }
 
 /// How far along a segment a corner's command can be held, mm: on an arc to the end of the first of

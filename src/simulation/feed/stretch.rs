@@ -3,6 +3,7 @@
 //! ```text
 //! asked     each segment by itself: what is requested, and every limit but the tolerance
 //! corners   each segment within its tolerance, and each corner between two of them by its law
+//! starved   no segment faster than its blocks are supplied
 //! reached   no corner faster than its neighbours let it be, where the command keeps an acceleration
 //! pulses    of each segment between its corners
 //! ```
@@ -43,9 +44,14 @@ pub(super) fn add_stretch(
     let filter = asked.filter(filters, &toolpath.segments.at(range.start), machine);
     let chain = &filters[filter];
     let stretch = Planned { toolpath, machine, rule, filter: chain, law: CornerLaw::new(chain), range };
-    stretch.look_ahead(feedrates, &asked);
-    let Corners { mut blends, lowered } = stretch.corners(feedrates, corner_feedrates);
-    if machine.interpolator.junction == Junction::AccelerationBlend {
+    let supplied = stretch.supplied(&asked);
+    let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
+    // A planner of ramps knows what it is supplied with.
+    if is_blended && let Some(supplied) = &supplied {
+        feedrates.iter_mut().zip(supplied).for_each(|(feedrate, most)| *feedrate = feedrate.min(*most));
+    }
+    let Corners { mut blends, mut lowered } = stretch.corners(feedrates, corner_feedrates);
+    if is_blended {
         blends.push(Blend::none(0.0));
         let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &blends);
         pulses.extend(blended);
@@ -55,7 +61,10 @@ pub(super) fn add_stretch(
         // The full stop at the end.
         corner_feedrates.push(0.0);
         let corners = &mut corner_feedrates[first_corner..];
-        stretch.reach(corners, &asked);
+        if let Some(supplied) = &supplied {
+            lowered = starved(supplied, feedrates, &lowered);
+        }
+        stretch.reach(corners, feedrates, &asked);
         stretch.add_pulses(pulses, &asked, &lowered, feedrates, corners);
     }
     let pulses = first_pulse..pulses.len();
@@ -140,7 +149,7 @@ struct Planned<'a> {
 struct Corners {
     /// Those of all corners where junctions are blends, the beginning of the stretch included.
     blends: Vec<Blend>,
-    /// The segments that the tolerance slows, each with the feedrate asked for, mm/s.
+    /// The segments that are slower than asked for, each with the feedrate asked for, mm/s.
     lowered: Vec<(usize, f64)>,
 }
 
@@ -168,20 +177,25 @@ impl Planned<'_> {
         if self.machine.limits_command() { asked.accelerations[i] } else { f64::INFINITY }
     }
 
-    /// Lowers feedrates (mm/s) from which the motion could not stop within the blocks the control sees.
-    fn look_ahead(&self, feedrates: &mut [f64], asked: &Asked) {
-        if self.machine.interpolator.look_ahead == f64::INFINITY {
-            return;
+    /// The feedrates at which blocks are supplied, mm/s: each processed in time, and with the way to a stop in sight; none
+    /// where they are always there.
+    fn supplied(&self, asked: &Asked) -> Option<Vec<f64>> {
+        let interpolator = &self.machine.interpolator;
+        if interpolator.block_time == 0.0 && interpolator.look_ahead == f64::INFINITY {
+            return None;
         }
-        let blocks = self.machine.interpolator.look_ahead as usize;
+        let count = self.range.len();
         let mut travelled = vec![0.0];
-        travelled.extend(running_sum((0..feedrates.len()).map(|i| self.length(i))));
-        for i in 0..feedrates.len().saturating_sub(blocks) {
-            let visible = travelled[i + blocks] - travelled[i];
+        travelled.extend(running_sum((0..count).map(|i| self.length(i))));
+        let supplied = |i: usize| {
+            let processed = self.length(i) / interpolator.block_time;
+            let seen = interpolator.look_ahead.min(count as f64) as usize + i;
+            // Whoever sees the end of the stretch sees where it stops.
+            let Some(end) = travelled.get(seen).filter(|_| seen < count) else { return processed };
             let (half_delay, acceleration) = (self.filter.half_delay(), asked.accelerations[i]);
-            let stopping = limits::stopping_feedrate(visible, half_delay, acceleration);
-            feedrates[i] = feedrates[i].min(stopping);
-        }
+            processed.min(limits::stopping_feedrate(end - travelled[i], half_delay, acceleration))
+        };
+        Some((0..count).map(supplied).collect())
     }
 
     /// Lowers the feedrates that are asked for (mm/s) to what the tolerance allows along each segment, and adds the
@@ -268,7 +282,7 @@ impl Planned<'_> {
 
     /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
     /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
-    fn reach(&self, corners: &mut [f64], asked: &Asked) {
+    fn reach(&self, corners: &mut [f64], feedrates: &[f64], asked: &Asked) {
         if !self.machine.limits_command() && self.machine.path.jerk == f64::INFINITY {
             return;
         }
@@ -278,6 +292,8 @@ impl Planned<'_> {
         };
         let mut before = 0.0;
         for (i, corner) in corners.iter_mut().enumerate() {
+            let slower = feedrates.get(i + 1).map_or(0.0, |next| next.min(feedrates[i]));
+            *corner = corner.min(slower);
             *corner = corner.min(reach(before, *corner, i));
             before = *corner;
         }
@@ -307,13 +323,16 @@ impl Planned<'_> {
             let segment = self.segment(i);
             let chord = limits::first_chord(&segment, self.machine);
             let without_tolerance = lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, asked)| *asked);
-            // Before the first segment, and behind the last, the motion does not go on.
-            let end = |feedrate: f64, is_blended: bool| End {
-                feedrate,
-                hold: match is_blended {
-                    true => self.law.hold(feedrate, without_tolerance).min(chord / feedrate),
+            // Before the first segment, and behind the last, the motion does not go on. Where a corner is starved, its
+            // command is held as far along the segment as it would be, and not as long.
+            let end = |corner: f64, is_blended: bool| {
+                let command = corner.min(feedrate);
+                let longer = if command < corner { corner / command } else { 1.0 };
+                let hold = match is_blended {
+                    true => (longer * self.law.hold(corner, without_tolerance)).min(chord / command),
                     false => 0.0,
-                },
+                };
+                End { feedrate: command, hold }
             };
             let ends = [end(corner, 0 < i), end(next_corner, i + 1 < corners.len())];
             corner = next_corner;
@@ -337,6 +356,20 @@ impl Planned<'_> {
             }
         }
     }
+}
+
+/// Lowers the feedrates (mm/s) to those at which blocks are supplied; gives the segments that are slower than asked for, of
+/// which those in `lowered` were so before.
+fn starved(supplied: &[f64], feedrates: &mut [f64], lowered: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    let mut lowered = lowered.iter().copied().peekable();
+    let each = feedrates.iter_mut().zip(supplied).enumerate();
+    let of = |(i, (feedrate, most)): (usize, (&mut f64, &f64))| {
+        let before = lowered.next_if(|(at, _)| *at == i);
+        let asked = *feedrate;
+        *feedrate = asked.min(*most);
+        before.or((*most < asked).then_some((i, asked)))
+    };
+    each.filter_map(of).collect()
 }
 
 /// After so many segments it is known how many pulses the others need.
