@@ -11,6 +11,7 @@ mod halts;
 mod junction;
 mod parameters;
 mod presets;
+mod supply;
 mod times;
 mod tolerance;
 
@@ -19,6 +20,7 @@ pub use junction::Junction;
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
 use std::collections::BTreeMap;
+pub use supply::PlannedBy;
 pub use times::{Direction, Function, Spin, SpindleTimes, Times};
 
 pub use tolerance::{
@@ -96,6 +98,8 @@ pub struct Interpolator {
     pub block_time: f64,
     /// Blocks the control sees ahead; neutral infinite.
     pub look_ahead: f64,
+    /// By which feedrate corners are planned where blocks are short.
+    pub planned_by: PlannedBy,
     /// Chains of lines whose points lie within this distance of one line are run as that line, mm; 0: no
     /// line is; neutral none: as the program says where the law of junctions is LinuxCNC's, else as 0.
     pub path_smoothing: Option<f64>,
@@ -328,6 +332,7 @@ impl Default for Machine {
                 arc_step: ARC_STEP,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
+                planned_by: PlannedBy::Supply,
                 path_smoothing: None,
             },
             rapid: Rapid {

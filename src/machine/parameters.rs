@@ -16,6 +16,7 @@ use crate::machine::parameters::curves::CURVES;
 use crate::machine::parameters::halts::HALTS;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
+use crate::machine::supply::SUPPLY;
 use crate::machine::{ARC_STEP, CornerMode, Machine, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
 use std::collections::BTreeMap;
@@ -127,7 +128,7 @@ pub(super) const fn number(
     Access::Number { unit, min, max, whole: false, get, set }
 }
 
-const fn whole(
+pub(super) const fn whole(
     (min, max): (f64, f64),
     get: fn(&Machine) -> Option<f64>,
     set: fn(&mut Machine, Option<f64>),
@@ -167,7 +168,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 29] = [
+const GENERAL: [Parameter; 27] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -280,27 +281,6 @@ const GENERAL: [Parameter; 29] = [
             (0.01, 3600.0),
             |m| Some(m.interpolator.arc_step),
             |m, v| m.interpolator.arc_step = v.unwrap_or(ARC_STEP),
-        ),
-    },
-    Parameter {
-        key: "interpolator.block_time_s",
-        label: "Block processing time",
-        doc: "No block is run in less time than this; 0: no such limit.",
-        access: number(
-            Unit::Second,
-            (0.0, 1.0),
-            |m| Some(m.interpolator.block_time),
-            |m, v| m.interpolator.block_time = v.unwrap_or(0.0),
-        ),
-    },
-    Parameter {
-        key: "interpolator.look_ahead_blocks",
-        label: "Look-ahead",
-        doc: "Blocks the control sees ahead and must be able to stop within; empty: all.",
-        access: whole(
-            (1.0, 1e6),
-            |m| finite(m.interpolator.look_ahead),
-            |m, v| m.interpolator.look_ahead = v.unwrap_or(f64::INFINITY),
         ),
     },
     Parameter {
@@ -548,6 +528,7 @@ pub static PARAMETERS: std::sync::LazyLock<Vec<Parameter>> = std::sync::LazyLock
         .into_iter()
         .chain(CURVES)
         .chain(JUNCTION)
+        .chain(SUPPLY)
         .chain(LEVELS)
         .chain(READING)
         .chain(TIMES)

@@ -1,7 +1,7 @@
 //! Limits of the machine: without effect at their neutral values, respected when finite.
 
 use crate::paths::{Case, Random, cases, line, stretches};
-use truefeed::machine::{Axis, Junction, Machine};
+use truefeed::machine::{Axis, Junction, Machine, PlannedBy};
 use truefeed::simulation::feed::limits::requested_feedrate;
 use truefeed::simulation::feed::{Pulse, Stretch};
 use truefeed::simulation::profile::Profile;
@@ -239,10 +239,11 @@ fn motion_can_stop_within_the_look_ahead() {
     assert!(CASES / 10 < held, "the limit decides on many blocks: {held}");
 }
 
-/// Corners are planned by what is asked for: a control that waits for its blocks makes none of them faster.
+/// A control that plans corners by what is requested makes none of them faster when it waits for its blocks.
 #[test]
 fn a_starved_control_is_never_faster() {
     let limit = |machine: &mut Machine, random: &mut Random| {
+        machine.interpolator.planned_by = PlannedBy::Request;
         machine.interpolator.block_time = random.log_between(0.0001, 0.05);
         machine.interpolator.look_ahead = random.between(1.0, 20.0).floor();
     };

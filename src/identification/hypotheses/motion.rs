@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::identification::calibration::become_planner;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
-use crate::machine::{AXES, Junction, Machine, TimeConstants};
+use crate::machine::{AXES, Junction, Machine, PlannedBy, TimeConstants};
 use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 use crate::units::mm_per_min;
 
@@ -426,20 +426,43 @@ fn block_times(runs: &[Run]) -> Vec<f64> {
     times
 }
 
+/// Blocks that come late, to a control that knows of it when it plans corners, and to one that does not.
 fn blocks(runs: &[Run]) -> Vec<Option<Hypothesis>> {
-    let look_ahead = single(
-        "look_ahead",
-        Freed::number("interpolator.look_ahead_blocks", 10.0, (1.0, 1e6), Scale::Ratio),
-        vec![1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0],
-        |value| vec![("blocks", Reported::Number(value.round()))],
-    );
-    vec![
-        single(
-            "block_processing_time",
-            Freed::number("interpolator.block_time_s", 0.005, (1e-5, 1.0), Scale::Ratio),
-            block_times(runs),
-            |value| vec![("seconds", Reported::Number(value))],
-        ),
-        look_ahead.map(|hypothesis| Hypothesis { is_continuous: false, ..hypothesis }),
-    ]
+    let of = |by: PlannedBy| {
+        let said = move |reported: (&'static str, Reported)| {
+            let by = (by != PlannedBy::default())
+                .then(|| ("corners_planned_by", Reported::Word(by.word().into())));
+            [Some(reported), by].into_iter().flatten().collect()
+        };
+        let block_time = Freed::new(
+            "interpolator.block_time_s",
+            0.005,
+            (1e-5, 1.0),
+            Scale::Ratio,
+            move |machine, value| {
+                (machine.interpolator.block_time, machine.interpolator.planned_by) = (value, by);
+            },
+        );
+        let look_ahead = Freed::new(
+            "interpolator.look_ahead_blocks",
+            10.0,
+            (1.0, 1e6),
+            Scale::Ratio,
+            move |machine, value| {
+                (machine.interpolator.look_ahead, machine.interpolator.planned_by) = (value.round(), by);
+            },
+        );
+        let block_time = single("block_processing_time", Some(block_time), block_times(runs), move |value| {
+            said(("seconds", Reported::Number(value)))
+        });
+        let seen = [1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0];
+        let look_ahead = single("look_ahead", Some(look_ahead), seen.to_vec(), move |value| {
+            said(("blocks", Reported::Number(value.round())))
+        });
+        let look_ahead = look_ahead.map(|hypothesis| Hypothesis { is_continuous: false, ..hypothesis });
+        let variant = if by == PlannedBy::default() { "" } else { "planned as requested" };
+        [block_time, look_ahead]
+            .map(|found| found.map(|hypothesis| Hypothesis { variant: variant.to_string(), ..hypothesis }))
+    };
+    PlannedBy::WORDS.into_iter().flat_map(|(_, by)| of(by)).collect()
 }

@@ -12,8 +12,7 @@
 //! - √(a / κ): no more than the centripetal acceleration limit, and on an axis no more than its
 //!   acceleration limit;
 //!
-//! A control that is starved of blocks runs what it has planned more slowly. It plans corners by what it is asked for, so
-//! these act on the plan, and never let a corner be faster:
+//! and, where blocks are short, before the corners or behind them, as [`PlannedBy`](crate::machine::PlannedBy) says,
 //!
 //! - L / t_block: no block in less than the block processing time;
 //! - look-ahead: from v the motion stops within v h + v²/(2A), which must lie within the N blocks

@@ -3,7 +3,7 @@
 //! ```text
 //! asked     each segment by itself: what is requested, and every limit but the tolerance
 //! corners   each segment within its tolerance, and each corner between two of them by its law
-//! starved   no segment faster than its blocks are supplied
+//! starved   no segment faster than its blocks are supplied, unless that was known before
 //! reached   no corner faster than its neighbours let it be, where the command keeps an acceleration
 //! pulses    of each segment between its corners
 //! ```
@@ -13,7 +13,7 @@
 
 use std::ops::Range;
 
-use crate::machine::{Junction, Machine, TimeConstants};
+use crate::machine::{Junction, Machine, PlannedBy, TimeConstants};
 use crate::simulation::feed::blend::{self, Blend, Leg};
 use crate::simulation::feed::block::{self, End, Part};
 use crate::simulation::feed::corner::CornerLaw;
@@ -47,7 +47,8 @@ pub(super) fn add_stretch(
     let supplied = stretch.supplied(&asked);
     let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
     // A planner of ramps knows what it is supplied with.
-    if is_blended && let Some(supplied) = &supplied {
+    let is_known = is_blended || machine.interpolator.planned_by == PlannedBy::Supply;
+    if is_known && let Some(supplied) = &supplied {
         feedrates.iter_mut().zip(supplied).for_each(|(feedrate, most)| *feedrate = feedrate.min(*most));
     }
     let Corners { mut blends, mut lowered } = stretch.corners(feedrates, corner_feedrates);
@@ -61,8 +62,8 @@ pub(super) fn add_stretch(
         // The full stop at the end.
         corner_feedrates.push(0.0);
         let corners = &mut corner_feedrates[first_corner..];
-        if let Some(supplied) = &supplied {
-            lowered = starved(supplied, feedrates, &lowered);
+        if let Some(supplied) = supplied.filter(|_| !is_known) {
+            lowered = starved(&supplied, feedrates, &lowered);
         }
         stretch.reach(corners, feedrates, &asked);
         stretch.add_pulses(pulses, &asked, &lowered, feedrates, corners);
