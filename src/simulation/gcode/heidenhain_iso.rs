@@ -145,11 +145,12 @@ fn statements(code: &[u8], modal: &mut Modal) -> Result<Vec<String>, String> {
         return Ok(vec![call(label)]);
     }
     let words = words(code)?;
-    let codes: Vec<u32> =
-        words.iter().filter(|word| word.letter == 'G').filter_map(Word::number).map(|g| g as u32).collect();
-    if let Some(unknown) = codes.iter().find(|code| !KNOWN.contains(code)) {
+    let codes: Vec<f64> = words.iter().filter(|word| word.letter == 'G').filter_map(Word::number).collect();
+    let is_known = |code: &f64| KNOWN.iter().any(|known| f64::from(*known) == *code);
+    if let Some(unknown) = codes.iter().find(|code| !is_known(code)) {
         return Err(format!("G{unknown}"));
     }
+    let codes: Vec<u32> = codes.into_iter().map(|code| code as u32).collect();
     let given =
         |letter: char| words.iter().rfind(|word| word.letter == letter).map(|word| word.value.as_str());
     let has = |code: u32| codes.contains(&code);

@@ -263,6 +263,7 @@ impl<'a> Tracer<'a> {
         }
         self.take_speed(block);
         self.orient_spindle(block);
+        self.one_touch_change(block, request.special);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
@@ -312,6 +313,9 @@ impl<'a> Tracer<'a> {
                     self.given.refer(letter, word.reference);
                 }
             }
+        }
+        if request.has_m_word {
+            self.leave_out_settings(block);
         }
         request
     }
