@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, LineNumber, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour, LeadIn};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
@@ -207,7 +207,7 @@ impl<'a> Tracer<'a> {
             path_mode: InForce::default(),
             ended: None,
             compensation: CompensationWords::default(),
-            contour: Contour::new(),
+            contour: Contour::new(lead_in(dialect)),
             points: Points::default(),
             toolpath: Toolpath { dialect, ..Toolpath::default() },
             remarks: Remarks::default(),
@@ -438,6 +438,14 @@ impl<'a> Tracer<'a> {
     pub(super) fn stop(&mut self, block: Block, cause: StopCause) {
         let after = self.toolpath.segments.len();
         self.stop_in_contour(Stop { after, cause, line: block.line });
+    }
+}
+
+/// How cutter compensation begins.
+fn lead_in(dialect: Dialect) -> LeadIn {
+    match dialect {
+        Dialect::Iso | Dialect::Okuma | Dialect::Siemens => LeadIn::SquareToNext,
+        _ => LeadIn::SquareToItself,
     }
 }
 
