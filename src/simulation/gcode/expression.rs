@@ -20,6 +20,9 @@
 //! without brackets (`SIN Q1`). `EXISTS[#<name>]` is 1 if the parameter has a value; `POW[a,b]` and
 //! Siemens' `ATAN2(y,x)` take two values. Fanuc controls let a function be written by its first two letters.
 //!
+//! In Siemens programs a text (`"ROUGH"`) is a value too, a number of its own beyond all others, which can only
+//! be kept and compared by `==` and `<>`.
+//!
 //! A fault ends the reading of its block. Brackets and `#` nest to a bounded depth, so that no
 //! text exhausts the stack, and every byte is looked at a bounded number of times.
 
@@ -33,6 +36,9 @@ use std::collections::HashMap;
 
 /// How deep brackets and `#` may stand within each other.
 pub(super) const DEEPEST: usize = 64;
+
+/// Where the numbers of texts begin: beyond those of parameters.
+const TEXTS: f64 = 5e9;
 
 /// The longest name of a parameter, bytes.
 const LONGEST_NAME: usize = 100;
@@ -84,6 +90,12 @@ impl Names {
         }
         let next = self.indices.len() as u32;
         *self.indices.entry(name).or_insert(next)
+    }
+
+    /// The number that stands for a text.
+    pub(super) fn of_text(&mut self, text: &[u8]) -> Step {
+        // No parameter has a name with a quotation mark.
+        Step::Number(TEXTS + f64::from(self.index(format!("\"{}", String::from_utf8_lossy(text)))))
     }
 
     /// A name of the program being read alone, from here on to its end.
@@ -201,6 +213,7 @@ impl<'a> Expressions<'a> {
                     Place::Named(name) => self.steps.push(Step::Named(name)),
                 }
             }
+            Some(b'"') if self.notation == Notation::Siemens => self.text_value()?,
             Some(byte) if *byte == self.notation.brackets().0 => self.bracket()?,
             Some(byte) if byte.is_ascii_alphabetic() || matches!(byte, b'_' | b'$') => {
                 if !self.variable()? {
@@ -221,10 +234,36 @@ impl<'a> Expressions<'a> {
         while let Some((end, own, operator)) = self.operator()
             && tightness <= own
         {
+            let (before, has_text) = (self.at, self.ends_with_text());
             self.at = end;
             self.expression(own + 1)?;
+            if (has_text || self.ends_with_text())
+                && !matches!(operator, Operator::Equal | Operator::NotEqual)
+            {
+                self.at = skip_blanks(self.text, before);
+                return Err(self.missing("`==` or `<>` beside a text"));
+            }
             self.steps.push(Step::Operator(operator));
         }
+        Ok(())
+    }
+
+    fn ends_with_text(&self) -> bool {
+        matches!(self.steps.last(), Some(Step::Number(value)) if TEXTS <= *value)
+    }
+
+    /// `"ROUGH"`: leaves its number.
+    fn text_value(&mut self) -> Result<(), Fault> {
+        let start = self.at + 1;
+        let Some(length) = self.text[start..].iter().position(|byte| *byte == b'"') else {
+            self.at = self.text.len();
+            return Err(self.missing("`\"`"));
+        };
+        let text = &self.text[start..start + length];
+        self.continuation += text.iter().filter(|byte| is_continuation(**byte)).count();
+        let number = self.names.of_text(text);
+        self.steps.push(number);
+        self.at = start + length + 1;
         Ok(())
     }
 
