@@ -10,6 +10,7 @@
 //! Brother G100 T X Y Z     change to the tool, then in rapid to X Y and from there to Z; T tells it from Haas
 //! NGC     G28.1 G30.1      keep the position as the reference point of G28, G30
 //! Mach    M47              begin again: one run is timed
+//!         G70, G71         inch and mm
 //! Okuma   G15 Hn, G16 Hn   work offset n from here on, or in this block; H0 is the machine's zero
 //!         G54 … G59 Hn     tool length, G53 none
 //!         G71 Z, M53       cycles return to Z        M54   cycles return to R
@@ -110,6 +111,7 @@ pub(super) fn meaning(dialect: Dialect, tenths: u16) -> Option<(usize, Meaning)>
             "homing: where the switches are is unknown, so its moves are missing from the time and the tool stays where it is",
         )),
         (Dialect::Mach, 120 | 130) => own(POCKET),
+        (Dialect::Mach, 700 | 710) => Some((6, Meaning::Inch(tenths == 700))),
         (_, 311..=313) => own(PROBING),
         (_, 320) => own(THREAD),
 

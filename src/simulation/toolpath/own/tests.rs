@@ -76,6 +76,14 @@ fn a_one_touch_change_is_a_change_and_the_way_to_the_work() {
     assert!(mirrored.stops.is_empty() && mirrored.segments.last().is_some_and(|last| last.end.x == 1.0));
 }
 
+#[test]
+fn units_and_scales_of_mach() {
+    let found = run("G71 G0 X10 Y10\nG70 X2\nG71\nG51 X2 Y.5\nG1 X40 Y8 F100\nG50\nX10\n", Dialect::Mach);
+    let expected = "G21 G0 X10 Y10\nG20 X2\nG21\nG1 X80 Y4 F100\nX10\n";
+    check_alike(&found, &run(expected, Dialect::Mach));
+    assert!(found.diagnostics.is_empty(), "{:?}", found.diagnostics);
+}
+
 /// As slicers write them at the head of a file; a Fanuc control's M code behind its move stays one.
 #[test]
 fn settings_are_no_moves() {
