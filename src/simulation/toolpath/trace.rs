@@ -304,6 +304,9 @@ impl<'a> Tracer<'a> {
                 address::STATEMENT if self.dialect == Dialect::Siemens => {
                     self.siemens_statement(block, word, &mut request.statement);
                 }
+                // Mazak's `T1 T2 M6`: the first comes in, the second is got ready.
+                b'T' if self.dialect == Dialect::Iso && self.given.has(bits(b"T")) && changes_tool(block) => {
+                }
                 letter => {
                     if letter.is_ascii_uppercase() && self.given.has(bits(&[letter])) {
                         let letter = letter as char;
@@ -439,6 +442,11 @@ impl<'a> Tracer<'a> {
         let after = self.toolpath.segments.len();
         self.stop_in_contour(Stop { after, cause, line: block.line });
     }
+}
+
+/// Whether M6 stands in the block.
+fn changes_tool(block: Block) -> bool {
+    block.words.iter().any(|word| word.letter == b'M' && word.value == 6.0)
 }
 
 /// How cutter compensation begins.

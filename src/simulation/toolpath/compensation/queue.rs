@@ -31,6 +31,9 @@ const KEPT_BACK: usize = 16;
 /// How far behind its start a move may seem to end by rounding, mm or rad.
 const ALMOST_NOTHING: f64 = 1e-7;
 
+/// What a tool may be wider than an inner arc, mm.
+const NO_GOUGE: f64 = 1e-3;
+
 /// Compensation in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Setting {
@@ -228,7 +231,11 @@ impl Queue {
         let Setting { side, radius, .. } = setting;
         let at = *self.at.get_or_insert(segment.start);
         let Some(whole) = programmed.parallel(side * radius) else {
-            self.troubles.push((segment.line, Trouble::TightArc { radius }));
+            // In an arc of its own radius the tool stands still.
+            let is_tight = |own: f64| NO_GOUGE < radius - own;
+            if matches!(programmed.shape, Shape::Circle { radius: own, .. } if is_tight(own)) {
+                self.troubles.push((segment.line, Trouble::TightArc { radius }));
+            }
             self.has_gap = true;
             return;
         };

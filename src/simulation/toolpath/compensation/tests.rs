@@ -274,6 +274,16 @@ fn the_lead_in_ends_as_on_the_control() {
     assert_eq!(outer(LinuxCnc)[1..3], [[0.0, 3.0], [3.0, 0.0]]);
 }
 
+/// A tool as wide as a rounding stands still in it.
+#[test]
+fn an_arc_of_the_tools_own_radius_is_no_gouge() {
+    let path = |radius: &str| run(&format!("F600\nG0 X-20\nG41 D1\nG1 X0\nX40,R{radius}\nY40\nG40 Y60\n"));
+    let same = path("3.");
+    assert_eq!(messages(&same), []);
+    assert_eq!(ends(&same), [[-20.0, 0.0], [0.0, 3.0], [37.0, 3.0], [37.0, 40.0], [40.0, 60.0]]);
+    assert!(messages(&path("2.9"))[0].1.contains("gouge"));
+}
+
 /// What does not fit is left out or run straight, and says so.
 #[test]
 fn gouges_are_named() {
