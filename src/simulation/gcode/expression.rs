@@ -18,7 +18,7 @@
 //! Siemens and Klartext write the same with other signs: round brackets, other operators, and
 //! parameters without `#` (`R1`, `R[R2]`, names; `Q1`). Klartext lets a function stand before its value
 //! without brackets (`SIN Q1`). `EXISTS[#<name>]` is 1 if the parameter has a value; `POW[a,b]` and
-//! Siemens' `ATAN2(y,x)` take two values. Fanuc controls let a function be written by its first two letters.
+//! Siemens' `ATAN2(y,x)`, `MINVAL(a,b)` and `MAXVAL(a,b)` take two values, `BOUND(least,greatest,a)` three. Fanuc controls let a function be written by its first two letters.
 //!
 //! In Siemens programs a text (`"ROUGH"`) is a value too, a number of its own beyond all others, which can only
 //! be kept and compared by `==` and `<>`.
@@ -319,7 +319,7 @@ impl<'a> Expressions<'a> {
             return Ok(true);
         }
         let is_function = FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()));
-        if is_function || name.eq_ignore_ascii_case(b"ATAN2") {
+        if is_function || of_several(name).is_some() {
             return Ok(false);
         }
         let is_system = name[0] == b'$';
@@ -371,20 +371,20 @@ impl<'a> Expressions<'a> {
         if name.eq_ignore_ascii_case(b"EXISTS") {
             return self.exists();
         }
-        for (two, operator) in [(&b"POW"[..], Operator::Power), (b"ATAN2", Operator::Angle)] {
-            if name.eq_ignore_ascii_case(two) {
-                self.at = start + letters;
-                return self.of_two(operator);
-            }
+        if let Some(operators) = of_several(name) {
+            self.at = start + letters;
+            return self.joined_values(operators);
         }
         if self.notation == Notation::Klartext && name.eq_ignore_ascii_case(b"PI") {
             self.at = start + letters;
             self.steps.push(Step::Number(std::f64::consts::PI));
             return Ok(());
         }
+        // `ROUNDUP` begins with `ROUND`.
         let found = FUNCTIONS
             .iter()
-            .find_map(|(name, function)| after(self.text, start, name).map(|end| (end, *function)))
+            .filter_map(|(name, function)| after(self.text, start, name).map(|end| (end, *function)))
+            .max_by_key(|(end, _)| *end)
             .or_else(|| Some((start + 2, function_by_two_letters(name)?)));
         let Some((end, function)) = found else {
             let letters = self.text[start..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
@@ -414,15 +414,17 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
-    /// Two values between brackets.
-    fn of_two(&mut self, operator: Operator) -> Result<(), Fault> {
+    /// Values between brackets, one more than there are operators that join them, the last two first.
+    fn joined_values(&mut self, operators: &[Operator]) -> Result<(), Fault> {
         let (open, close) = self.notation.brackets();
         self.expect(open)?;
         self.nested(|inner| inner.expression(0))?;
-        self.expect(b',')?;
-        self.nested(|inner| inner.expression(0))?;
+        for _ in operators {
+            self.expect(b',')?;
+            self.nested(|inner| inner.expression(0))?;
+        }
         self.expect(close)?;
-        self.steps.push(Step::Operator(operator));
+        self.steps.extend(operators.iter().map(|operator| Step::Operator(*operator)));
         Ok(())
     }
 
@@ -562,6 +564,20 @@ fn index_of_array(text: &[u8], is_system: bool) -> usize {
         |byte: &u8| byte.is_ascii_digit() || *byte == b',' || (is_system && byte.is_ascii_alphanumeric());
     let inner = text[1..].iter().take_while(|byte| belongs(byte)).count();
     if 0 < inner && text.get(1 + inner) == Some(&b']') { inner + 2 } else { 0 }
+}
+
+/// The operators that make one of the values of a function.
+fn of_several(name: &[u8]) -> Option<&'static [Operator]> {
+    use Operator::{Angle, Greatest, Least, Power};
+    const NAMES: [(&str, &[Operator]); 5] = [
+        ("POW", &[Power]),
+        ("ATAN2", &[Angle]),
+        ("MINVAL", &[Least]),
+        ("MAXVAL", &[Greatest]),
+        ("BOUND", &[Least, Greatest]),
+    ];
+    let found = NAMES.iter().find(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()));
+    found.map(|(_, operators)| *operators)
 }
 
 /// The function that Fanuc controls take two letters for.

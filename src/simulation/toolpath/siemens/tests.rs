@@ -23,6 +23,11 @@ fn values_are_worked_out() {
     assert_eq!(ends("R1=5 R2=R1*2\nG0 X=R1\nX=R2+1\nX=IC(R1)\nX=AC(1)"), [5.0, 11.0, 16.0, 1.0]);
     assert_eq!(ends("DEF REAL _A, B=2\n_A=B+1\nG0 X=_A\nX=SQRT(B*8)\nX=(1+2)*3"), [3.0, 4.0, 9.0]);
     assert_eq!(ends("_=4\n$=_+1\nG0 X=$"), [5.0]);
+    assert_eq!(
+        ends("G0 X=MINVAL(3,5)\nX=MAXVAL(3,5)\nX=BOUND(0,4,9)\nX=BOUND(1,4,-9)"),
+        [3.0, 5.0, 4.0, 1.0]
+    );
+    assert_eq!(ends("G0 X=ROUND(2.1)\nX=ROUNDUP(2.1)\nX=ROUNDUP(-3.1)"), [2.0, 3.0, -4.0]);
     assert_eq!(ends("R1=2\nR[R1+1]=7\nG0 X=R3\nX=R[3]-1"), [7.0, 6.0]);
     assert_eq!(ends("G0 X1EX1\nX=7 DIV 2\nY=7 MOD 4\nX=-POT(3)+TRUNC(2.7)"), [10.0, 3.0, 3.0, -7.0]);
     assert_eq!(
