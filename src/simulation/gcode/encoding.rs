@@ -10,8 +10,7 @@ use crate::simulation::gcode::{LineNumber, Place};
 use std::borrow::Cow;
 
 /// Dashes that look like a minus sign.
-const DASHES: [&str; 8] =
-    ["\u{2010}", "\u{2011}", "\u{2012}", "\u{2013}", "\u{2014}", "\u{2212}", "\u{fe63}", "\u{ff0d}"];
+const DASHES: [&str; 6] = ["\u{2010}", "\u{2011}", "\u{2012}", "\u{2013}", "\u{2014}", "\u{2212}"];
 
 /// Blanks other than the space.
 const BLANKS: [&str; 4] = ["\u{a0}", "\u{2007}", "\u{2009}", "\u{202f}"];
@@ -24,7 +23,7 @@ pub(super) fn in_plain_signs(text: Cow<'_, [u8]>) -> (Cow<'_, [u8]>, Option<(&'s
     let is_number = |at: usize| text.get(at).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.');
     let dash = |at: usize| sign(at, &DASHES).filter(|dash| is_number(at + dash.len()));
     // Only these bytes begin one of the signs.
-    let mut suspects = memchr::memchr3_iter(0xc2, 0xe2, 0xef, &text);
+    let mut suspects = memchr::memchr2_iter(0xc2, 0xe2, &text);
     if !suspects.any(|at| dash(at).is_some() || sign(at, &BLANKS).is_some()) {
         return (text, None);
     }

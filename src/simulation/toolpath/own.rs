@@ -237,7 +237,7 @@ impl Tracer<'_> {
                 }
             }
             Own::OneTouchChange if self.given.has(bits(b"T")) => {
-                self.uncompensated(|tracer| tracer.to_work(block))
+                self.uncompensated(|tracer| tracer.go_to_work(block))
             }
             Own::OneTouchChange => self.change_frame(block, Special::Unmirror, code),
         }
@@ -253,7 +253,7 @@ impl Tracer<'_> {
     }
 
     /// From a tool change to where the axis words say: first beside the work, then down to it.
-    fn to_work(&mut self, block: Block) {
+    fn go_to_work(&mut self, block: Block) {
         let Some(target) = self.target(block) else { return };
         self.take_rotary(block);
         let mut above = target;
