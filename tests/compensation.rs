@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use truefeed::machine::{Machine, Tool};
-use truefeed::simulation::gcode;
+use truefeed::simulation::gcode::{self, Dialect, Options};
 use truefeed::simulation::toolpath::{self, Curve, Motion, Segment, Toolpath};
 
 /// Diameters of tools 1, 2 and 3, mm.
@@ -100,7 +100,8 @@ fn trace(text: &[u8]) -> Toolpath {
     for (number, diameter) in (1..).zip(DIAMETERS) {
         machine.tools.insert(number, Tool { diameter });
     }
-    toolpath::trace(&gcode::read(text), &machine)
+    let options = Options { dialect: Some(Dialect::LinuxCnc), ..Options::default() };
+    toolpath::trace(&gcode::read_with(text, &options), &machine)
 }
 
 /// How the two differ, where they do.

@@ -3,9 +3,56 @@
 //! Programs are ASCII; a comment may hold UTF-8 or an 8-bit code page, whose bytes are passed over
 //! one by one, and shown as Latin-1. A UTF-8 mark at the beginning is dropped. UTF-16, which Windows editors write as
 //! "Unicode", is told by its mark or, without one, by zero bytes beside the first two characters,
-//! and turned into UTF-8.
+//! and turned into UTF-8. What is copied out of a PDF or a word processor may have dashes for minus signs and
+//! blanks that do not break: before a number, and outside of comments, a dash is taken for a minus.
 
+use crate::simulation::gcode::{LineNumber, Place};
 use std::borrow::Cow;
+
+/// Dashes that look like a minus sign.
+const DASHES: [&str; 6] = ["\u{2010}", "\u{2011}", "\u{2012}", "\u{2013}", "\u{2014}", "\u{2212}"];
+
+/// Blanks other than the space.
+const BLANKS: [&str; 4] = ["\u{a0}", "\u{2007}", "\u{2009}", "\u{202f}"];
+
+/// The text with minus signs and spaces for what looks like them, and the first dash with its place.
+pub(super) fn in_plain_signs(text: Cow<'_, [u8]>) -> (Cow<'_, [u8]>, Option<(&'static str, Place)>) {
+    let sign = |at: usize, signs: &[&'static str]| {
+        signs.iter().copied().find(|sign| text[at..].starts_with(sign.as_bytes()))
+    };
+    let is_number = |at: usize| text.get(at).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.');
+    let dash = |at: usize| sign(at, &DASHES).filter(|dash| is_number(at + dash.len()));
+    // Only these bytes begin one of the signs.
+    let mut suspects = memchr::memchr2_iter(0xc2, 0xe2, &text);
+    if !suspects.any(|at| dash(at).is_some() || sign(at, &BLANKS).is_some()) {
+        return (text, None);
+    }
+    let (mut plain, mut first) = (Vec::with_capacity(text.len()), None);
+    let (mut line, mut column, mut depth, mut is_comment) = (1, 0, 0_usize, false);
+    let mut at = 0;
+    while let Some(&byte) = text.get(at) {
+        column += u32::from(byte & 0xc0 != 0x80);
+        match byte {
+            b'\n' => (line, column, depth, is_comment) = (line + 1, 0, 0, false),
+            b'(' => depth += 1,
+            b')' => depth = depth.saturating_sub(1),
+            b';' => is_comment = true,
+            _ => {}
+        }
+        let (replaced, length) = match (dash(at), sign(at, &BLANKS)) {
+            (Some(dash), _) if depth == 0 && !is_comment => {
+                let place = Place { line: LineNumber(line), columns: (column, column + 1) };
+                first.get_or_insert((dash, place));
+                (b'-', dash.len())
+            }
+            (_, Some(blank)) => (b' ', blank.len()),
+            _ => (byte, 1),
+        };
+        plain.push(replaced);
+        at += length;
+    }
+    (Cow::Owned(plain), first)
+}
 
 /// The text of a file, and whether it was UTF-16.
 pub(super) fn text(bytes: &[u8]) -> (Cow<'_, [u8]>, bool) {

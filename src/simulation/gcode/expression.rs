@@ -18,7 +18,10 @@
 //! Siemens and Klartext write the same with other signs: round brackets, other operators, and
 //! parameters without `#` (`R1`, `R[R2]`, names; `Q1`). Klartext lets a function stand before its value
 //! without brackets (`SIN Q1`). `EXISTS[#<name>]` is 1 if the parameter has a value; `POW[a,b]` and
-//! Siemens' `ATAN2(y,x)` take two values. Fanuc controls let a function be written by its first two letters.
+//! Siemens' `ATAN2(y,x)`, `MINVAL(a,b)` and `MAXVAL(a,b)` take two values, `BOUND(least,greatest,a)` three. Fanuc controls let a function be written by its first two letters.
+//!
+//! In Siemens programs a text (`"ROUGH"`) is a value too, a number of its own beyond all others, which can only
+//! be kept and compared by `==` and `<>`.
 //!
 //! A fault ends the reading of its block. Brackets and `#` nest to a bounded depth, so that no
 //! text exhausts the stack, and every byte is looked at a bounded number of times.
@@ -33,6 +36,9 @@ use std::collections::HashMap;
 
 /// How deep brackets and `#` may stand within each other.
 pub(super) const DEEPEST: usize = 64;
+
+/// Where the numbers of texts begin: beyond those of parameters.
+const TEXTS: f64 = 5e9;
 
 /// The longest name of a parameter, bytes.
 const LONGEST_NAME: usize = 100;
@@ -84,6 +90,12 @@ impl Names {
         }
         let next = self.indices.len() as u32;
         *self.indices.entry(name).or_insert(next)
+    }
+
+    /// The number that stands for a text.
+    pub(super) fn of_text(&mut self, text: &[u8]) -> Step {
+        // No parameter has a name with a quotation mark.
+        Step::Number(TEXTS + f64::from(self.index(format!("\"{}", String::from_utf8_lossy(text)))))
     }
 
     /// A name of the program being read alone, from here on to its end.
@@ -201,6 +213,7 @@ impl<'a> Expressions<'a> {
                     Place::Named(name) => self.steps.push(Step::Named(name)),
                 }
             }
+            Some(b'"') if self.notation == Notation::Siemens => self.text_value()?,
             Some(byte) if *byte == self.notation.brackets().0 => self.bracket()?,
             Some(byte) if byte.is_ascii_alphabetic() || matches!(byte, b'_' | b'$') => {
                 if !self.variable()? {
@@ -221,10 +234,36 @@ impl<'a> Expressions<'a> {
         while let Some((end, own, operator)) = self.operator()
             && tightness <= own
         {
+            let (before, has_text) = (self.at, self.ends_with_text());
             self.at = end;
             self.expression(own + 1)?;
+            if (has_text || self.ends_with_text())
+                && !matches!(operator, Operator::Equal | Operator::NotEqual)
+            {
+                self.at = skip_blanks(self.text, before);
+                return Err(self.missing("`==` or `<>` beside a text"));
+            }
             self.steps.push(Step::Operator(operator));
         }
+        Ok(())
+    }
+
+    fn ends_with_text(&self) -> bool {
+        matches!(self.steps.last(), Some(Step::Number(value)) if TEXTS <= *value)
+    }
+
+    /// `"ROUGH"`: leaves its number.
+    fn text_value(&mut self) -> Result<(), Fault> {
+        let start = self.at + 1;
+        let Some(length) = self.text[start..].iter().position(|byte| *byte == b'"') else {
+            self.at = self.text.len();
+            return Err(self.missing("`\"`"));
+        };
+        let text = &self.text[start..start + length];
+        self.continuation += text.iter().filter(|byte| is_continuation(**byte)).count();
+        let number = self.names.of_text(text);
+        self.steps.push(number);
+        self.at = start + length + 1;
         Ok(())
     }
 
@@ -280,7 +319,7 @@ impl<'a> Expressions<'a> {
             return Ok(true);
         }
         let is_function = FUNCTIONS.iter().any(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()));
-        if is_function || name.eq_ignore_ascii_case(b"ATAN2") {
+        if is_function || of_several(name).is_some() {
             return Ok(false);
         }
         let is_system = name[0] == b'$';
@@ -332,20 +371,20 @@ impl<'a> Expressions<'a> {
         if name.eq_ignore_ascii_case(b"EXISTS") {
             return self.exists();
         }
-        for (two, operator) in [(&b"POW"[..], Operator::Power), (b"ATAN2", Operator::Angle)] {
-            if name.eq_ignore_ascii_case(two) {
-                self.at = start + letters;
-                return self.of_two(operator);
-            }
+        if let Some(operators) = of_several(name) {
+            self.at = start + letters;
+            return self.joined_values(operators);
         }
         if self.notation == Notation::Klartext && name.eq_ignore_ascii_case(b"PI") {
             self.at = start + letters;
             self.steps.push(Step::Number(std::f64::consts::PI));
             return Ok(());
         }
+        // `ROUNDUP` begins with `ROUND`.
         let found = FUNCTIONS
             .iter()
-            .find_map(|(name, function)| after(self.text, start, name).map(|end| (end, *function)))
+            .filter_map(|(name, function)| after(self.text, start, name).map(|end| (end, *function)))
+            .max_by_key(|(end, _)| *end)
             .or_else(|| Some((start + 2, function_by_two_letters(name)?)));
         let Some((end, function)) = found else {
             let letters = self.text[start..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
@@ -375,15 +414,17 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
-    /// Two values between brackets.
-    fn of_two(&mut self, operator: Operator) -> Result<(), Fault> {
+    /// Values between brackets, one more than there are operators that join them, the last two first.
+    fn joined_values(&mut self, operators: &[Operator]) -> Result<(), Fault> {
         let (open, close) = self.notation.brackets();
         self.expect(open)?;
         self.nested(|inner| inner.expression(0))?;
-        self.expect(b',')?;
-        self.nested(|inner| inner.expression(0))?;
+        for _ in operators {
+            self.expect(b',')?;
+            self.nested(|inner| inner.expression(0))?;
+        }
         self.expect(close)?;
-        self.steps.push(Step::Operator(operator));
+        self.steps.extend(operators.iter().map(|operator| Step::Operator(*operator)));
         Ok(())
     }
 
@@ -523,6 +564,20 @@ fn index_of_array(text: &[u8], is_system: bool) -> usize {
         |byte: &u8| byte.is_ascii_digit() || *byte == b',' || (is_system && byte.is_ascii_alphanumeric());
     let inner = text[1..].iter().take_while(|byte| belongs(byte)).count();
     if 0 < inner && text.get(1 + inner) == Some(&b']') { inner + 2 } else { 0 }
+}
+
+/// The operators that make one of the values of a function.
+fn of_several(name: &[u8]) -> Option<&'static [Operator]> {
+    use Operator::{Angle, Greatest, Least, Power};
+    const NAMES: [(&str, &[Operator]); 5] = [
+        ("POW", &[Power]),
+        ("ATAN2", &[Angle]),
+        ("MINVAL", &[Least]),
+        ("MAXVAL", &[Greatest]),
+        ("BOUND", &[Least, Greatest]),
+    ];
+    let found = NAMES.iter().find(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()));
+    found.map(|(_, operators)| *operators)
 }
 
 /// The function that Fanuc controls take two letters for.

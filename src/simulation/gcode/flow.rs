@@ -15,8 +15,6 @@
 //! Labels are looked up when they are reached, since a number may be worked out by the program.
 //! A program without flow carries empty lists.
 
-use std::ops::Range;
-
 /// What one block does apart from its words.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flow {
@@ -54,10 +52,12 @@ pub enum Action {
         /// Arguments not given have no value in it, and its numbered parameters are its own.
         has_own_parameters: bool,
     },
-    /// Runs the blocks of a range once more, as often as the block's count says.
+    /// Runs a section of the program once more, as often as the block's count says.
     Section {
-        /// First block and one past the last.
-        blocks: Range<u32>,
+        /// Where it begins.
+        from: Label,
+        /// Where it ends.
+        until: SectionEnd,
     },
     /// Leaves the subprogram; at the top, ends the program.
     Return,
@@ -73,6 +73,17 @@ pub enum Action {
         /// Index of the message.
         text: u32,
     },
+}
+
+/// Where a section that is run once more ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SectionEnd {
+    /// After its first block.
+    Block,
+    /// After the block of this label.
+    Label(Label),
+    /// The same or, where there is no such label, before the block that asks for the section.
+    LabelOrHere(Label),
 }
 
 /// When a jump is made.

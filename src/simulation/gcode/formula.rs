@@ -108,6 +108,7 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     // Other spellings of the same.
     ("POT", Function::Square),
     ("INT", Function::Truncate),
+    ("ROUNDUP", Function::Fup),
 ];
 
 impl Function {
@@ -142,6 +143,10 @@ pub enum Operator {
     Angle,
     /// The root of the sum of both squares.
     Length,
+    /// The lesser of both.
+    Least,
+    /// The greater of both.
+    Greatest,
 }
 
 /// One operator as it is written, and how tightly it binds.

@@ -12,10 +12,11 @@
 //! G24 R, G25 R               CHF R, RND R               G54 X, G28 X   CYCL DEF 7.1 X, 8.1 X
 //! G40, G41, G42              R0, RL, RR                 G73 H, G72 F   CYCL DEF 10.1 H, 11.1 F
 //! T1 G17 S3000               TOOL CALL 1 Z S3000        D00 Q1 P01 5   FN 0: Q1 = 5
+//! D09 P01 Q1 P02 0 P03 7     FN 9: IF Q1 EQU 0 GOTO LBL 7
 //! ```
 //!
 //! What is wrong in a line is said of the whole line. Not read, and said: G26 and G27 (tangential
-//! approach), G83 to G86 with P01 and on, D05 and on, touch probes.
+//! approach), G83 to G86 with P01 and on, touch probes.
 //!
 //! Source: TNC 640, DIN/ISO Programming, 2018.
 
@@ -104,6 +105,11 @@ fn words(code: &[u8]) -> Result<Vec<Word>, String> {
         let start = skip_blanks(code, at + 1);
         // A value goes on to the next letter, but for Q after a sign, an `=` or at once.
         let mut end = start;
+        if code.get(start) == Some(&b'"') {
+            // The name of a label.
+            let length = code[start + 1..].iter().position(|byte| *byte == b'"');
+            end = length.map_or(code.len(), |length| start + length + 2);
+        }
         while end < code.len() {
             let byte = code[end].to_ascii_uppercase();
             let is_parameter =
@@ -145,11 +151,12 @@ fn statements(code: &[u8], modal: &mut Modal) -> Result<Vec<String>, String> {
         return Ok(vec![call(label)]);
     }
     let words = words(code)?;
-    let codes: Vec<u32> =
-        words.iter().filter(|word| word.letter == 'G').filter_map(Word::number).map(|g| g as u32).collect();
-    if let Some(unknown) = codes.iter().find(|code| !KNOWN.contains(code)) {
+    let codes: Vec<f64> = words.iter().filter(|word| word.letter == 'G').filter_map(Word::number).collect();
+    let is_known = |code: &f64| KNOWN.iter().any(|known| f64::from(*known) == *code);
+    if let Some(unknown) = codes.iter().find(|code| !is_known(code)) {
         return Err(format!("G{unknown}"));
     }
+    let codes: Vec<u32> = codes.into_iter().map(|code| code as u32).collect();
     let given =
         |letter: char| words.iter().rfind(|word| word.letter == letter).map(|word| word.value.as_str());
     let has = |code: u32| codes.contains(&code);
@@ -320,25 +327,43 @@ fn call(label: &[u8]) -> String {
     }
 }
 
-/// `D00 Q1 P01 +5`, `D01 Q1 P01 +Q2 P02 +3` and so on to D04.
+/// `D00 Q1 P01 +5`, `D01 Q1 P01 +Q2 P02 +3`, `D09 P01 +Q1 P02 +0 P03 5` and on: the FN function of the same number.
 fn function(code: &[u8]) -> Result<Vec<String>, String> {
     let text = String::from_utf8_lossy(code).to_ascii_uppercase();
-    let mut parts = text[1..].split_whitespace();
-    let operator = match parts.next().and_then(|number| number.parse::<u32>().ok()) {
-        Some(0) => "",
-        Some(1) => "+",
-        Some(2) => "-",
-        Some(3) => "*",
-        Some(4) => "/",
+    let mut parts = text[1..].split(" P0");
+    let mut head = parts.next().unwrap_or_default().split_whitespace();
+    let number = head.next().and_then(|number| number.parse::<u32>().ok()).ok_or_else(|| excerpt(code))?;
+    let target = head.next();
+    // First the second digit of P01, P02, P03.
+    let operands: Option<Vec<&str>> = parts.map(|part| part.get(1..).map(str::trim)).collect();
+    let statement = match (number, target, operands.as_deref()) {
+        (0, Some(target), Some([value])) => format!("{target} = {value}"),
+        (5..=7, Some(target), Some([value])) => {
+            let name = ["SQRT", "SIN", "COS"][number as usize - 5];
+            format!("{target} = {name} ( {value} )")
+        }
+        (1..=4 | 8 | 13, Some(target), Some([left, right])) => {
+            let operator = match number {
+                1 => "+",
+                2 => "-",
+                3 => "*",
+                4 => "/",
+                8 => "LEN",
+                _ => "ANG",
+            };
+            format!("{target} = ( {left} ) {operator} ( {right} )")
+        }
+        (9..=12, None, Some([left, right, label])) => {
+            let comparison = ["EQU", "NE", "GT", "LT"][number as usize - 9];
+            format!("FN {number}: IF {left} {comparison} {right} GOTO LBL {label}")
+        }
+        (18, Some(target), Some([system, place @ ..])) => {
+            let place: String =
+                ["NR", "IDX"].iter().zip(place).map(|(name, value)| format!(" {name}{value}")).collect();
+            format!("FN 18: SYSREAD {target} = ID{system}{place}")
+        }
+        (14..=17 | 19 | 20 | 26..=29 | 37 | 38, ..) => format!("FN {number}: {}", excerpt(code)),
         _ => return Err(excerpt(code)),
     };
-    let rest: Vec<&str> = parts.collect();
-    let operands: Vec<&str> = rest.iter().skip(1).filter(|part| !part.starts_with('P')).copied().collect();
-    match (rest.first(), &operands[..]) {
-        (Some(target), [value]) if operator.is_empty() => Ok(vec![format!("{target} = {value}")]),
-        (Some(target), [left, right]) if !operator.is_empty() => {
-            Ok(vec![format!("{target} = ( {left} ) {operator} ( {right} )")])
-        }
-        _ => Err(excerpt(code)),
-    }
+    Ok(vec![statement])
 }

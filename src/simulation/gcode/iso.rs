@@ -49,8 +49,9 @@ impl Reader<'_> {
                     at = found.map_or(at + 1, |number| number.end);
                     self.program_number(found.map_or(0.0, |number| number.value));
                 }
-                b'/' if !line.begun => {
-                    self.optional += 1;
+                b'/' if !line.begun || self.program.dialect == Dialect::Iso => {
+                    self.optional += usize::from(!line.is_optional);
+                    line.is_optional = true;
                     if self.optional == 1 {
                         self.first_optional = self.line;
                     }

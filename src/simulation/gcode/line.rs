@@ -28,6 +28,8 @@ pub(super) struct Line {
     pub(super) continuation: usize,
     /// Something but an N word stands before.
     pub(super) begun: bool,
+    /// A `/` stands before.
+    pub(super) is_optional: bool,
     /// An O word stands before.
     pub(super) has_o_word: bool,
     /// A word that calls or returns stands before.

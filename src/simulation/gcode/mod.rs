@@ -54,7 +54,7 @@ pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
 pub use dialect::Dialect;
 pub use encoding::characters;
 pub use expression::{LOCAL_PARAMETERS, STORED_PARAMETERS};
-pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, When};
+pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, SectionEnd, When};
 pub use formula::{Formula, Function, Operator, Step, Target};
 pub use klartext::{
     CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, POSITION_PARAMETERS,

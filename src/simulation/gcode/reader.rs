@@ -19,7 +19,7 @@ use std::borrow::Cow;
 /// What is chosen apart from the program itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// The block delete switch: blocks that begin with `/` are left out. Off by default.
+    /// The block delete switch: of each block what follows a `/` is left out. Off by default.
     pub block_delete: bool,
     /// The dialect; by default what the text shows.
     pub dialect: Option<Dialect>,
@@ -44,6 +44,8 @@ pub fn read_with(bytes: &[u8], options: &Options) -> Program {
 pub struct Parts<'a> {
     text: Cow<'a, [u8]>,
     is_utf16: bool,
+    /// The first dash that was taken for a minus sign.
+    dash: Option<(&'static str, Place)>,
     /// How many bytes are read.
     read: usize,
     reader: Reader<'a>,
@@ -53,8 +55,9 @@ impl<'a> Parts<'a> {
     /// Nothing of the program is read yet.
     pub fn new(bytes: &'a [u8], options: &'a Options) -> Parts<'a> {
         let (text, is_utf16) = encoding::text(bytes);
+        let (text, dash) = encoding::in_plain_signs(text);
         let reader = Reader::new(options, &text);
-        Parts { text, is_utf16, read: 0, reader }
+        Parts { text, is_utf16, dash, read: 0, reader }
     }
 
     /// Reads the next part of so many lines, and forgets words and blocks of the one before; false at the end of
@@ -106,6 +109,9 @@ impl<'a> Parts<'a> {
     pub fn finish(mut self) -> Program {
         if self.is_utf16 {
             self.reader.remarks.add(Place::line(LineNumber(1)), Unread::Utf16);
+        }
+        if let Some((sign, place)) = self.dash {
+            self.reader.remarks.add(place, Unread::Dash { sign });
         }
         self.reader.finish(&self.text)
     }

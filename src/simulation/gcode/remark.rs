@@ -63,6 +63,12 @@ pub(super) enum Unread {
         "the file is in UTF-16 (\"Unicode\"), which controls do not read: taken as the text it stands for"
     )]
     Utf16,
+    /// A dash before a number.
+    #[error("`{sign}` is no minus sign that a control reads: taken as one here and further on")]
+    Dash {
+        /// As written.
+        sign: &'static str,
+    },
     /// A call after every move.
     #[error("{word} (a call after every move) is not modelled: the subprogram is not run")]
     ModalCall {
@@ -143,7 +149,9 @@ impl Remark for Unread {
             | Unread::MissingNumber { .. }
             | Unread::MalformedNumber { .. }
             | Unread::HugeNumber { .. } => Severity::Error,
-            Unread::OpenComment | Unread::Leader { .. } | Unread::Own { .. } => Severity::Warning,
+            Unread::OpenComment | Unread::Leader { .. } | Unread::Own { .. } | Unread::Dash { .. } => {
+                Severity::Warning
+            }
             Unread::Command { .. }
             | Unread::Utf16
             | Unread::Trailer

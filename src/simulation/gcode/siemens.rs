@@ -12,13 +12,14 @@
 //! A statement (`SUPA`, `CYCLE81(10, 0, 2)`, `TRANS`) becomes a word with the address
 //! [`STATEMENT`](address::STATEMENT), its value the place of its name in [`STATEMENTS`]; its
 //! arguments follow as words. `MCALL` before it is a statement of its own. A name that is none
-//! of these calls a subprogram. `DEF` gives a variable its value; a variable of type AXIS, STRING
-//! or FRAME is not followed.
+//! of these calls a subprogram. `DEF` gives a variable its value; a variable of type AXIS or FRAME is
+//! not followed.
 //!
 //! Source: SINUMERIK 840D sl, Programming Manual Fundamentals and Job Planning, 2013.
 
 mod calls;
 mod flow;
+mod frames;
 mod names;
 mod values;
 mod variables;

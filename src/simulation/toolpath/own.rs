@@ -7,8 +7,10 @@
 //!         G100 G101 X      mirror off and on        G110 … G129   work offsets, G154 P1 … P20
 //!         G84.2 G84.3      rigid tapping, right and left hand
 //! Fanuc   G60 X Y Z        positioning from one side: the overrun and return are not timed
+//! Brother G100 T X Y Z     change to the tool, then in rapid to X Y and from there to Z; T tells it from Haas
 //! NGC     G28.1 G30.1      keep the position as the reference point of G28, G30
 //! Mach    M47              begin again: one run is timed
+//!         G70, G71         inch and mm
 //! Okuma   G15 Hn, G16 Hn   work offset n from here on, or in this block; H0 is the machine's zero
 //!         G54 … G59 Hn     tool length, G53 none
 //!         G71 Z, M53       cycles return to Z        M54   cycles return to R
@@ -19,18 +21,22 @@
 //! Angles are in degrees, counter-clockwise from X. Each word of the second kind says what is
 //! missing: the tool stays where it is.
 //!
+//! On controls of printers some M words set what the control does, axis by axis (`M201 X500 Y500`): where one
+//! begins a block that has no G word, the other words of the block are its own.
+//!
 //! Okuma: M52 (return to the upper limit) needs the reference point of Z. That G80 stops the
 //! spindle on some of its machines is not modelled.
 //!
 //! Sources: Haas, Mill Operator's Manual, G70 to G72; Yaskawa, YASNAC PC NC programming manual,
 //! Sect. 4.1; LinuxCNC 2.9, G28; Okuma, post processors for OSP-E100M and OSP-P300 and the OSP-P300M
-//! programming manual.
+//! programming manual; Brother, CNC-C00 programming manual, G100.
 
 use crate::simulation::gcode::{Dialect, Place, address};
 use crate::simulation::toolpath::Point;
-use crate::simulation::toolpath::block::{Block, bits};
+use crate::simulation::toolpath::block::{AXIS_WORDS, Block, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::frame::ADDITIONAL;
 use crate::simulation::toolpath::remark::{Code, Untraced};
+use crate::simulation::toolpath::rotary::ROTARY_WORDS;
 use crate::simulation::toolpath::trace::{Request, Tracer};
 use crate::simulation::toolpath::words::{Meaning, NO_GROUP, Special};
 
@@ -47,6 +53,8 @@ pub(super) enum Own {
     FromOneSide,
     /// G71 Z.
     ReturnLevel,
+    /// G100: with T the tool change and the way to the work in one, else the end of G101.
+    OneTouchChange,
 }
 
 /// A word of one family that acts before the axis words of its block.
@@ -103,6 +111,7 @@ pub(super) fn meaning(dialect: Dialect, tenths: u16) -> Option<(usize, Meaning)>
             "homing: where the switches are is unknown, so its moves are missing from the time and the tool stays where it is",
         )),
         (Dialect::Mach, 120 | 130) => own(POCKET),
+        (Dialect::Mach, 700 | 710) => Some((6, Meaning::Inch(tenths == 700))),
         (_, 311..=313) => own(PROBING),
         (_, 320) => own(THREAD),
 
@@ -117,7 +126,7 @@ pub(super) fn meaning(dialect: Dialect, tenths: u16) -> Option<(usize, Meaning)>
         (Dialect::Iso, 700 | 710 | 720) => own(Own::BoltHoles),
         (Dialect::Iso, 842) => modal(9, OwnModal::RigidTap(840)),
         (Dialect::Iso, 843) => modal(9, OwnModal::RigidTap(740)),
-        (Dialect::Iso, 1000) => Some((NO_GROUP, Meaning::Special(Special::Unmirror))),
+        (Dialect::Iso, 1000) => own(Own::OneTouchChange),
         (Dialect::Iso, 1010) => Some((NO_GROUP, Meaning::Special(Special::Mirror))),
         (Dialect::Iso, 1100 | 1110 | 1140..=1290) if tenths.is_multiple_of(10) => {
             modal(12, OwnModal::OffsetByCode)
@@ -133,6 +142,12 @@ pub(super) fn meaning(dialect: Dialect, tenths: u16) -> Option<(usize, Meaning)>
         _ => None,
     }
 }
+
+/// M words that set speeds, accelerations, steps and the like, as Marlin and RepRapFirmware number them.
+const SETTINGS: [u16; 31] = [
+    92, 201, 202, 203, 204, 205, 206, 207, 208, 209, 218, 220, 221, 301, 303, 304, 350, 425, 566, 569, 572,
+    574, 584, 593, 665, 666, 851, 906, 907, 913, 914,
+];
 
 /// What these words keep from block to block.
 #[derive(Default)]
@@ -221,6 +236,46 @@ impl Tracer<'_> {
                     self.own.return_level = Some(height);
                 }
             }
+            Own::OneTouchChange if self.given.has(bits(b"T")) => {
+                self.uncompensated(|tracer| tracer.go_to_work(block))
+            }
+            Own::OneTouchChange => self.change_frame(block, Special::Unmirror, code),
+        }
+    }
+
+    /// The tool change of G100, which comes before what the M words of its block ask for.
+    pub(super) fn one_touch_change(&mut self, block: Block, special: Option<(Special, Code)>) {
+        let is_asked_for = matches!(special, Some((Special::Own(Own::OneTouchChange), _)));
+        if is_asked_for && self.given.has(bits(b"T")) {
+            let cause = self.change_tool(block);
+            self.stop(block, cause);
+        }
+    }
+
+    /// From a tool change to where the axis words say: first beside the work, then down to it.
+    fn go_to_work(&mut self, block: Block) {
+        let Some(target) = self.target(block) else { return };
+        self.take_rotary(block);
+        let mut above = target;
+        above.z = self.position.z;
+        self.rapid_to(block, above);
+        self.rapid_to(block, target);
+        self.turn_alone(block, true);
+    }
+
+    /// Forgets the words of a block that are those of a setting.
+    pub(super) fn leave_out_settings(&mut self, block: Block) {
+        let is_possible =
+            matches!(self.dialect, Dialect::Iso | Dialect::LinuxCnc | Dialect::Grbl | Dialect::Mach);
+        let Some(first) = block.words.first().filter(|word| is_possible && word.letter == b'M') else {
+            return;
+        };
+        let is_setting = SETTINGS.iter().any(|number| f64::from(*number) == first.value);
+        let has_motion = || block.words.iter().any(|word| word.letter == b'G');
+        if is_setting && self.given.has(AXIS_WORDS | UNMODELLED_WORDS | ROTARY_WORDS) && !has_motion() {
+            let code = Code { letter: 'M', value: first.value };
+            self.remarks.add(block.place(), Untraced::Setting { code });
+            self.given.clear();
         }
     }
 

@@ -18,7 +18,7 @@
 //! - Comparisons are exact and give 1 or 0; AND, OR and XOR take any value but 0 as true. On Fanuc
 //!   controls, their relatives and Okuma's they work bit by bit, which is the same between conditions.
 //! - MOD is at least 0, FIX rounds down, FUP up, ROUND to the nearest, halves away from 0. On Fanuc
-//!   controls FIX rounds toward 0 and FUP away from it.
+//!   controls FIX rounds toward 0 and FUP away from it, as ROUNDUP of Siemens does.
 //! - Angles are in degrees, arctangents in −180 to 180.
 //!
 //! A value that does not exist or is not finite is a fault, and its block is not run.
@@ -323,7 +323,7 @@ impl Parameters {
 
     fn apply(&mut self, function: Function) -> Result<f64, NoValue> {
         let value = zero_if_vacant(pop(&mut self.stack));
-        let is_below_zero = self.dialect == Dialect::Iso && value < 0.0;
+        let is_below_zero = matches!(self.dialect, Dialect::Iso | Dialect::Siemens) && value < 0.0;
         match function {
             Function::Fix if is_below_zero => apply(Function::Fup, value),
             Function::Fup if is_below_zero => apply(Function::Fix, value),
@@ -433,6 +433,8 @@ fn combine(operator: Operator, left: f64, right: f64) -> Result<f64, NoValue> {
         Operator::Xor => truth(is_left != is_right),
         Operator::Quotient => (left / right).trunc(),
         Operator::Length => left.hypot(right),
+        Operator::Least => left.min(right),
+        Operator::Greatest => left.max(right),
         Operator::Angle => left.atan2(right).to_degrees(),
     })
 }

@@ -46,6 +46,8 @@ pub(super) enum Untraced {
     OutOfReach { letter: char },
     #[error("I, J and K mean nothing in a straight move: left out")]
     UnusedCenter,
+    #[error("{code} is a setting: the other words of its block are no move")]
+    Setting { code: Code },
     #[error("axis words beside {code} are not run")]
     UnusedAxisWords { code: Code },
 
@@ -311,6 +313,7 @@ impl Remark for Untraced {
             Untraced::PathMode(remark) => remark.severity(),
             Untraced::Klartext(remark) => remark.severity(),
             Untraced::NoMotionWord
+            | Untraced::Setting { .. }
             | Untraced::DwellInSeconds
             | Untraced::TimeInMilliseconds
             | Untraced::UnknownHome { .. }

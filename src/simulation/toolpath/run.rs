@@ -15,11 +15,12 @@
 //! Sources: Fanuc B-63944EN, ch. 13 and 16; LinuxCNC 2.9, O codes.
 
 use crate::simulation::gcode::{
-    Action, Destination, Dialect, Direction, Label, LabelKind, LineNumber, Program, When, Word,
+    Action, Destination, Dialect, Direction, Label, LabelKind, LineNumber, Program, SectionEnd, When, Word,
 };
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::remark::Untraced;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// The most blocks that are run beyond once each, where no other number is asked for.
 pub(super) const MOST_REPEATED: usize = 2_000_000;
@@ -209,7 +210,8 @@ impl<'a> Run<'a> {
                 }
                 self.enter(first, u32::MAX, times, *has_own_parameters)?;
             }
-            Action::Section { blocks } => {
+            Action::Section { from, until } => {
+                let blocks = self.section(own, *from, *until)?;
                 let times = if values.count.is_some() { count(values.count)? } else { 1 };
                 self.enter(blocks.start, blocks.end, times, false)?;
             }
@@ -330,6 +332,39 @@ impl<'a> Run<'a> {
         self.program.labels.binary_search_by(|(known, _)| known.cmp(&label)).is_ok()
     }
 
+    /// The blocks of a section that the block `own` asks for: labels are looked for before it, the nearest
+    /// first, and then after it, all in the same program.
+    fn section(&self, own: u32, from: Label, until: SectionEnd) -> Result<Range<u32>, Untraced> {
+        let unit = |block: u32| self.borders.partition_point(|border| *border < block);
+        let places = |label: Label| {
+            let labels = &self.program.labels;
+            let begin = labels.partition_point(|(known, _)| *known < label);
+            let same = labels[begin..].iter().take_while(move |(known, _)| *known == label);
+            same.map(|(_, block)| *block).filter(|block| unit(*block) == unit(own))
+        };
+        let before = places(from).filter(|block| *block <= own).last();
+        let start = before.or_else(|| places(from).next()).ok_or_else(|| self.no_label(from))?;
+        let past = |label: Label| places(label).find(|block| start <= *block).map(|block| block + 1);
+        let end = match until {
+            SectionEnd::Block => start + 1,
+            SectionEnd::Label(label) => past(label).ok_or_else(|| self.no_label(label))?,
+            SectionEnd::LabelOrHere(label) => {
+                let is_needed = own < start;
+                let found = past(label).filter(|end| is_needed || *end <= own);
+                found.or((!is_needed).then_some(own)).ok_or_else(|| self.no_label(label))?
+            }
+        };
+        Ok(start..end)
+    }
+
+    fn no_label(&self, label: Label) -> Untraced {
+        let name = match label.kind {
+            LabelKind::Named => self.program.names.get(label.id as usize).cloned().unwrap_or_default(),
+            _ => label.id.to_string(),
+        };
+        Untraced::NoLabel { kind: label.kind, name }
+    }
+
     /// The block that a jump or call from the block `own` leads to.
     fn find(&mut self, own: u32, to: Destination, values: &Values) -> Result<u32, Untraced> {
         let (label, direction) = match to {
@@ -361,11 +396,7 @@ impl<'a> Run<'a> {
                 .or(same.first().copied()),
             Direction::Either => forward.copied().or(same.first().copied()),
         };
-        let name = || match label.kind {
-            LabelKind::Named => self.program.names.get(label.id as usize).cloned().unwrap_or_default(),
-            _ => label.id.to_string(),
-        };
-        found.map(|(_, block)| block).ok_or_else(|| Untraced::NoLabel { kind: label.kind, name: name() })
+        found.map(|(_, block)| block).ok_or_else(|| self.no_label(label))
     }
 }
 

@@ -142,7 +142,7 @@ let source = format!("CYCLE832({tolerance})");
             }
             "A3" => self.remarks.add(place, Untraced::Statement { name: "A3, B3, C3, LEAD, TILT", what: "the direction of the tool is not modelled: the path of its tip is taken as written, the turning of the head is not timed" }),
             "WHEN" => self.remarks.add(place, Untraced::Statement { name: "WHEN, WHENEVER, EVERY, DO", what: "synchronized actions are not modelled: left out" }),
-            "$P_UIFR" => self.remarks.add(place, Untraced::Statement { name: "$P_UIFR, $P_PFRAME", what: "frames by system variables are not applied: moves to and from the offset are too short or too long" }),
+            "$P_UIFR" => self.remarks.add(place, Untraced::Statement { name: "$P_UIFR and the like", what: "frames by system variables are not applied: moves to and from the offset are too short or too long" }),
             "OFFN" => self.remarks.add(place, Untraced::Statement { name, what: "the allowance is not modelled: the path is taken without it" }),
             "FZ" => self.remarks.add(place, Untraced::Statement { name, what: "a feed per tooth needs the number of teeth: F in force is taken" }),
             "POS" => self.remarks.add(place, Untraced::Statement { name: "POS, POSA", what: "positioning axes are not modelled: their moves are missing from the time" }),

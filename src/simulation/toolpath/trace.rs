@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, LineNumber, Place, Program, Remarks, Word, address};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
-use crate::simulation::toolpath::compensation::{CompensationWords, Contour};
+use crate::simulation::toolpath::compensation::{CompensationWords, Contour, LeadIn};
 use crate::simulation::toolpath::cycle::Cycles;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
@@ -207,7 +207,7 @@ impl<'a> Tracer<'a> {
             path_mode: InForce::default(),
             ended: None,
             compensation: CompensationWords::default(),
-            contour: Contour::new(),
+            contour: Contour::new(lead_in(dialect)),
             points: Points::default(),
             toolpath: Toolpath { dialect, ..Toolpath::default() },
             remarks: Remarks::default(),
@@ -263,6 +263,7 @@ impl<'a> Tracer<'a> {
         }
         self.take_speed(block);
         self.orient_spindle(block);
+        self.one_touch_change(block, request.special);
         if request.has_m_word {
             self.m_words(block, When::BeforeMotion);
         }
@@ -303,6 +304,9 @@ impl<'a> Tracer<'a> {
                 address::STATEMENT if self.dialect == Dialect::Siemens => {
                     self.siemens_statement(block, word, &mut request.statement);
                 }
+                // Mazak's `T1 T2 M6`: the first comes in, the second is got ready.
+                b'T' if self.dialect == Dialect::Iso && self.given.has(bits(b"T")) && changes_tool(block) => {
+                }
                 letter => {
                     if letter.is_ascii_uppercase() && self.given.has(bits(&[letter])) {
                         let letter = letter as char;
@@ -312,6 +316,9 @@ impl<'a> Tracer<'a> {
                     self.given.refer(letter, word.reference);
                 }
             }
+        }
+        if request.has_m_word {
+            self.leave_out_settings(block);
         }
         request
     }
@@ -434,6 +441,19 @@ impl<'a> Tracer<'a> {
     pub(super) fn stop(&mut self, block: Block, cause: StopCause) {
         let after = self.toolpath.segments.len();
         self.stop_in_contour(Stop { after, cause, line: block.line });
+    }
+}
+
+/// Whether M6 stands in the block.
+fn changes_tool(block: Block) -> bool {
+    block.words.iter().any(|word| word.letter == b'M' && word.value == 6.0)
+}
+
+/// How cutter compensation begins.
+fn lead_in(dialect: Dialect) -> LeadIn {
+    match dialect {
+        Dialect::Iso | Dialect::Okuma | Dialect::Siemens => LeadIn::SquareToNext,
+        _ => LeadIn::SquareToItself,
     }
 }
 

@@ -105,6 +105,34 @@ fn block_delete_follows_the_switch() {
     }
 }
 
+/// What follows the `/` within a block is left out with the switch on.
+#[test]
+fn block_delete_may_begin_within_a_block() {
+    let text = b"G1 X1 /Y2\nG1 X3 /2 Y4\nX[6/2]";
+    assert_eq!(read(text).words.len(), 7);
+    let switched = read_with(text, &Options { block_delete: true, ..Options::default() });
+    assert_eq!(shown(&switched)[..2], [(1, "G1 X1".to_string()), (2, "G1 X3".to_string())]);
+    for program in [read(text), switched] {
+        assert!(program.diagnostics[0].message.starts_with("2 blocks"), "{:?}", program.diagnostics);
+        assert_eq!(program.diagnostics.len(), 1);
+    }
+}
+
+/// As they are pasted from a PDF: the dash is said once, at its place, and counts in no comment.
+#[test]
+fn dashes_before_numbers_are_minus_signs() {
+    let program =
+        read("G0 X1 (5\u{2013}7)\nG1 X\u{2212}5. Y\u{2013}.5\nG1\u{a0}X\u{2014}3 ; 1\u{2013}2".as_bytes());
+    let shown: Vec<String> = shown(&program).into_iter().map(|(_, words)| words).collect();
+    assert_eq!(shown, ["G0 X1", "G1 X-5 Y-0.5", "G1 X-3"]);
+    let told: Vec<_> = program.diagnostics.iter().map(|told| (told.line.0, told.columns)).collect();
+    assert_eq!(told, [(2, (5, 6))], "{:?}", program.diagnostics);
+    assert_eq!(read("G1 X\u{2212}#1 F9".as_bytes()).diagnostics[0].severity, Severity::Error);
+    let klartext = "0 BEGIN PGM A MM\n1 L Z\u{2212}5 F100\n2 END PGM A MM\n";
+    assert_eq!(read(klartext.as_bytes()).diagnostics[0].columns, (6, 7));
+    assert_eq!(read(klartext.as_bytes()).diagnostics.len(), 1);
+}
+
 /// Every block that holds what is not understood says so once, and leaves no word behind.
 #[test]
 fn what_is_not_understood_is_said() {

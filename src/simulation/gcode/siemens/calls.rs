@@ -11,8 +11,7 @@
 //! a = g argument + (1 - g) default,  g = (given DIV 2^k) MOD 2
 //! ```
 //!
-//! A program called by its file name is looked for in this file. Texts as arguments and `MCALL` of a
-//! subprogram are not followed.
+//! A program called by its file name is looked for in this file. `MCALL` of a subprogram is not followed.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt};
@@ -97,10 +96,6 @@ impl Reader<'_> {
                         argument += 1;
                         next += 1;
                     }
-                    Some(b'"') => {
-                        let length = text[next + 1..].iter().position(|byte| *byte == b'"');
-                        next = length.map_or(text.len(), |length| next + length + 2);
-                    }
                     Some(_) => {
                         given |= 1_u64.checked_shl(argument).unwrap_or(0);
                         let number = ARGUMENTS + argument;
@@ -165,13 +160,19 @@ impl Reader<'_> {
         }
         let mut next = open + 1;
         for argument in 0..MOST_ARGUMENTS {
+            let kind = skip_blanks(text, next);
+            let kind = kind + identifier(&text[kind..]);
+            if text.get(kind) == Some(&b'[') {
+                // The greatest length of a text.
+                next =
+                    text[kind..].iter().position(|byte| *byte == b']').map_or(text.len(), |to| kind + to + 1);
+            }
             let end = text[next..].iter().position(|byte| matches!(byte, b',' | b')' | b'=' | b'['));
             let end = end.map_or(text.len(), |length| next + length);
             let words = text[next..end].split(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_');
             let name = words.rev().find(|word| !word.is_empty()).unwrap_or_default();
             let index = self.names.define(String::from_utf8_lossy(name).to_ascii_lowercase());
-            let has_default =
-                text.get(end) == Some(&b'=') && text.get(skip_blanks(text, end + 1)) != Some(&b'"');
+            let has_default = text.get(end) == Some(&b'=');
             let from = if has_default { end + 1 } else { end };
             (next, _) = self.formula(Notation::Siemens, text, (next, from), line, |expressions| {
                 let weight = Step::Number(2_f64.powi(argument as i32));

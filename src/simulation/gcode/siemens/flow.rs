@@ -7,7 +7,8 @@
 //! CASE a OF 1 GOTOF label 2 GOTOB label DEFAULT GOTOF label       CALL BLOCK from TO to
 //! ```
 //!
-//! REPEAT and CALL BLOCK run the blocks of both labels and what stands between them. CASE becomes one jump after the other, with its value in a parameter beyond all R numbers.
+//! REPEAT and CALL BLOCK run the blocks of both labels and what stands between them; REPEAT with one label
+//! up to `ENDLABEL:`, or to itself. CASE becomes one jump after the other, with its value in a parameter beyond all R numbers.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt};
@@ -17,7 +18,8 @@ use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::siemens::names::statement;
 use crate::simulation::gcode::structure::{Counter, Kind};
 use crate::simulation::gcode::{
-    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, When, address,
+    Action, Destination, Direction, Formula, Label, LabelKind, Operator, SectionEnd, Step, Target, When,
+    address,
 };
 
 /// The key of structures without a number.
@@ -25,9 +27,6 @@ const PLAIN: u32 = 0;
 
 /// Where the value of a CASE is put: beyond all R numbers.
 const CASE: u32 = 3_000_000_000;
-
-/// How many labels before a REPEAT are searched for its own.
-const NEAREST: usize = 1000;
 
 impl Reader<'_> {
     /// Reads what a word of flow begins; returns where it ends, or none if it is no such word.
@@ -173,10 +172,7 @@ impl Reader<'_> {
                 self.names_sequence = true;
                 Label { kind: LabelKind::Sequence, id }
             }
-            _ => {
-                let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
-                Label { kind: LabelKind::Named, id }
-            }
+            _ => self.siemens_named_label(name),
         };
         self.act(Action::Jump { to: Destination::Label(label, direction), when });
         Ok(start + length)
@@ -256,9 +252,9 @@ impl Reader<'_> {
             open.ok_or((Unread::DeepFlow, line.columns(start, start + 1)))?;
             return Ok(at);
         }
-        let from = self.siemens_known_label(text, start, length, line)?;
+        let from = self.siemens_named_label(&text[start..start + length]);
         let mut end = start + length;
-        let mut blocks = from..index;
+        let mut until = SectionEnd::LabelOrHere(self.siemens_named_label(b"ENDLABEL"));
         let second = skip_blanks(text, end);
         let length = identifier(&text[second..]);
         let is_count = text.get(second).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P'))
@@ -266,9 +262,9 @@ impl Reader<'_> {
                 .get(skip_blanks(text, second + 1))
                 .is_some_and(|byte| *byte == b'=' || byte.is_ascii_digit());
         if word == b"REPEATB" {
-            blocks.end = from + 1;
+            until = SectionEnd::Block;
         } else if 0 < length && !is_count {
-            blocks.end = self.siemens_known_label(text, second, length, line)?.max(from) + 1;
+            until = SectionEnd::Label(self.siemens_named_label(&text[second..second + length]));
             end = second + length;
         }
         let count = skip_blanks(text, end);
@@ -277,7 +273,7 @@ impl Reader<'_> {
             let value = if text.get(equals) == Some(&b'=') { equals + 1 } else { count + 1 };
             end = self.siemens_value(text, value, line, Target::Count)?;
         }
-        self.act(Action::Section { blocks });
+        self.act(Action::Section { from, until });
         Ok(end)
     }
 
@@ -290,7 +286,7 @@ impl Reader<'_> {
     ) -> Result<usize, Refusal> {
         let start = skip_blanks(text, at);
         let length = identifier(&text[start..]);
-        let from = self.siemens_known_label(text, start, length, line)?;
+        let from = self.siemens_named_label(&text[start..start + length]);
         let to = skip_blanks(text, start + length);
         if !text[to..].get(..2).is_some_and(|word| word.eq_ignore_ascii_case(b"TO")) {
             let found = excerpt(&text[to..]);
@@ -298,8 +294,8 @@ impl Reader<'_> {
         }
         let last = skip_blanks(text, to + 2);
         let length = identifier(&text[last..]);
-        let until = self.siemens_known_label(text, last, length, line)?.max(from);
-        self.act(Action::Section { blocks: from..until + 1 });
+        let until = SectionEnd::Label(self.siemens_named_label(&text[last..last + length]));
+        self.act(Action::Section { from, until });
         Ok(last + length)
     }
 
@@ -341,20 +337,10 @@ impl Reader<'_> {
         Ok(next)
     }
 
-    /// The block of a label that stands before.
-    fn siemens_known_label(
-        &mut self,
-        text: &[u8],
-        start: usize,
-        length: usize,
-        line: &Line,
-    ) -> Result<u32, Refusal> {
-        let name = String::from_utf8_lossy(&text[start..start + length]).to_ascii_lowercase();
-        let id = self.names.index(name.clone());
-        let label = Label { kind: LabelKind::Named, id };
-        let found = self.program.labels.iter().rev().take(NEAREST).find(|(known, _)| *known == label);
-        let missing = || (Unread::Unopened { word: name.clone() }, line.columns(start, start + length));
-        found.map(|(_, block)| *block).ok_or_else(missing)
+    /// The label of this name, wherever it stands.
+    fn siemens_named_label(&mut self, name: &[u8]) -> Label {
+        let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
+        Label { kind: LabelKind::Named, id }
     }
 }
 

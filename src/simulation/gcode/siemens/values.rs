@@ -28,6 +28,11 @@ impl Reader<'_> {
         line: &mut Line,
     ) -> Result<usize, Refusal> {
         let name = text[at..end].to_ascii_uppercase();
+        match &name[..] {
+            b"$P_PFRAME" => return self.siemens_frame_value(text, value, line),
+            name if FRAMES.contains(&name) => return Ok(self.siemens_other_frame(text, at, line)),
+            _ => {}
+        }
         let address = match &name[..] {
             // `$` and `_` are names.
             [letter] if letter.is_ascii_alphabetic() => Some(*letter),
@@ -39,7 +44,7 @@ impl Reader<'_> {
             _ => ADDRESSES.iter().find(|(known, _)| known.as_bytes() == name).map(|(_, address)| *address),
         };
         let start = skip_blanks(text, value);
-        if text.get(start) == Some(&b'"') {
+        if text.get(start) == Some(&b'"') && address.is_some() {
             let end = quoted(text, start);
             let index =
                 self.text(String::from_utf8_lossy(&text[start + 1..end.max(start + 2) - 1]).into_owned());
@@ -148,6 +153,9 @@ impl Reader<'_> {
         }
         if name[0] == b'$' {
             if FRAMES.iter().any(|frame| name.starts_with(frame)) {
+                if !text[end..close].contains(&b',') {
+                    return Ok(self.siemens_other_frame(text, at, line));
+                }
                 let code = statement(b"$P_UIFR").map_or(0.0, f64::from);
                 self.push_word(address::STATEMENT, code, columns);
             }

@@ -6,7 +6,7 @@
 //!
 //! A variable belongs to the program between two `%_N_` lines that defines it. The elements of an array
 //! are parameters beyond all R numbers, in a row of [`STRIDE`] for each array, the first index counting
-//! [`COLUMNS`]. Variables of type AXIS, STRING, CHAR or FRAME are not followed.
+//! [`COLUMNS`]. A STRING holds the number of its text. Variables of type AXIS, CHAR or FRAME are not followed.
 
 use crate::simulation::gcode::expression::{Expressions, Fault, Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt};
@@ -47,7 +47,8 @@ impl Expressions<'_> {
 }
 
 impl Reader<'_> {
-    /// `DEF REAL A, B=2, C[3]`: variables with their first values, 0 where none is given.
+    /// `DEF REAL A, B=2, C[3]`: variables with their first values, 0 or the empty text where
+    /// none is given.
     pub(super) fn siemens_definition(
         &mut self,
         text: &[u8],
@@ -62,10 +63,16 @@ impl Reader<'_> {
             length = identifier(&text[next..]);
             kind = text[next..next + length].to_ascii_uppercase();
         }
-        if !matches!(&kind[..], b"REAL" | b"INT" | b"BOOL") {
-            return Ok(text.iter().position(|byte| *byte == b';').unwrap_or(text.len()));
-        }
+        let first_value = match &kind[..] {
+            b"REAL" | b"INT" | b"BOOL" => Step::Number(0.0),
+            b"STRING" => self.names.of_text(b""),
+            _ => return Ok(text.iter().position(|byte| *byte == b';').unwrap_or(text.len())),
+        };
         next += length;
+        if kind == b"STRING" && text.get(next) == Some(&b'[') {
+            // The greatest length of its texts.
+            next = text[next..].iter().position(|byte| *byte == b']').map_or(text.len(), |to| next + to + 1);
+        }
         loop {
             let start = skip_blanks(text, next);
             let length = identifier(&text[start..]);
@@ -88,7 +95,7 @@ impl Reader<'_> {
                 _ => {
                     let index = self.names.define(name);
                     let first = self.program.steps.len() as u32;
-                    self.program.steps.push(Step::Number(0.0));
+                    self.program.steps.push(first_value);
                     let (block, columns) = (self.index(), line.columns(start, end));
                     let (target, steps) = (Target::Named(index), first..first + 1);
                     self.program.formulas.push(Formula { block, target, steps, columns });

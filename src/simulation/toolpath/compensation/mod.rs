@@ -35,6 +35,7 @@ mod words;
 pub(super) use beside::Beside;
 pub(super) use corner::OuterCorner;
 pub(super) use known::KnownDiameters;
+pub(super) use queue::LeadIn;
 pub(super) use rounding::{CornerShape, CornerTreatment};
 pub(super) use trouble::Trouble;
 pub(super) use words::{CompensationWord, CompensationWords, Diameter, Side};
@@ -67,8 +68,8 @@ pub(super) struct Contour {
 }
 
 impl Contour {
-    pub(super) fn new() -> Contour {
-        Contour { held: None, next_corner: None, every_corner: None, queue: Queue::new() }
+    pub(super) fn new(lead_in: LeadIn) -> Contour {
+        Contour { held: None, next_corner: None, every_corner: None, queue: Queue::new(lead_in) }
     }
 
     /// Moves may still be kept back.

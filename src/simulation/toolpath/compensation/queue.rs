@@ -4,15 +4,16 @@
 //! before it. A joint may shorten the move before, so that the last moves are kept back:
 //!
 //! - The first move under compensation leads in: from where the tool is, straight to the point
-//!   square to its end at the tool radius; an arc becomes the arc from there that ends square to
-//!   the programmed one.
+//!   square to its end at the tool radius, or by [`LeadIn::SquareToNext`] square to the start of the
+//!   move after it; an arc becomes the arc from there that ends square to the programmed one.
 //! - A move that an inner corner would turn round is left out, and its neighbours are joined; the
 //!   same goes for an inner arc smaller than the tool. Both are gouges that most controls refuse.
 //! - Moves square to the plane, and stops, stay behind the move they were given after.
 //! - Compensation ends at the point square to the end of the last move; the next move begins there.
 //! - A change of side, radius or plane leads straight over to the new distance.
 //!
-//! Source: LinuxCNC's interpreter, which is followed where it does not refuse.
+//! Source: LinuxCNC's interpreter, which is followed where it does not refuse; Fanuc B-63944EN, start-up
+//! of type A, and SINUMERIK 840D sl, NORM, for the other way to lead in.
 
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::compensation::corner::{Joint, OuterCorner, inner, joint};
@@ -30,6 +31,9 @@ const KEPT_BACK: usize = 16;
 /// How far behind its start a move may seem to end by rounding, mm or rad.
 const ALMOST_NOTHING: f64 = 1e-7;
 
+/// What a tool may be wider than an inner arc, mm.
+const NO_GOUGE: f64 = 1e-3;
+
 /// Compensation in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Setting {
@@ -38,6 +42,15 @@ pub(super) struct Setting {
     pub(super) side: f64,
     /// Tool radius, mm; positive.
     pub(super) radius: f64,
+}
+
+/// Where the first move under compensation ends, at the tool radius from where the program says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulation::toolpath) enum LeadIn {
+    /// Square to itself, or where an inner corner after it cuts it off, as on LinuxCNC.
+    SquareToItself,
+    /// Square to the start of the next move, whatever the corner between them.
+    SquareToNext,
 }
 
 /// How the tool comes to the start of a move.
@@ -74,6 +87,7 @@ struct Piece {
 pub(super) struct Queue {
     setting: Option<Setting>,
     pub(super) outer_corner: OuterCorner,
+    lead_in: LeadIn,
     pieces: VecDeque<Piece>,
     /// The tool has reached its distance from the contour.
     pub(super) has_entered: bool,
@@ -86,10 +100,11 @@ pub(super) struct Queue {
 }
 
 impl Queue {
-    pub(super) fn new() -> Queue {
+    pub(super) fn new(lead_in: LeadIn) -> Queue {
         Queue {
             setting: None,
             outer_corner: OuterCorner::Arc,
+            lead_in,
             pieces: VecDeque::new(),
             has_entered: false,
             has_gap: false,
@@ -216,7 +231,11 @@ impl Queue {
         let Setting { side, radius, .. } = setting;
         let at = *self.at.get_or_insert(segment.start);
         let Some(whole) = programmed.parallel(side * radius) else {
-            self.troubles.push((segment.line, Trouble::TightArc { radius }));
+            // In an arc of its own radius the tool stands still.
+            let is_tight = |own: f64| NO_GOUGE < radius - own;
+            if matches!(programmed.shape, Shape::Circle { radius: own, .. } if is_tight(own)) {
+                self.troubles.push((segment.line, Trouble::TightArc { radius }));
+            }
             self.has_gap = true;
             return;
         };
@@ -248,6 +267,10 @@ impl Queue {
                 }
                 return;
             };
+            if last.is_entry && last.whole.is_line() && self.lead_in == LeadIn::SquareToNext {
+                last.end = piece.start;
+                return;
+            }
             let joint = match is_corner {
                 true => joint(&last.whole, &piece.whole, corner, side, (self.outer_corner, radius)),
                 false => nearby(inner(&last.whole, &piece.whole, corner), last, piece, radius),

@@ -2,17 +2,22 @@
 
 use super::*;
 use crate::machine::{Machine, Tool};
-use crate::simulation::gcode::read;
+use crate::simulation::gcode::{Dialect, Options, read_with};
 use crate::simulation::toolpath::random::Random;
 use crate::simulation::toolpath::trace::trace;
 use crate::simulation::toolpath::{Curve, Point};
 use std::fmt::Write;
 
 fn run(text: &str) -> Toolpath {
+    run_as(Dialect::Iso, text)
+}
+
+fn run_as(dialect: Dialect, text: &str) -> Toolpath {
     let mut machine = Machine::default();
     machine.tools.insert(1, Tool { diameter: 6.0 });
     machine.tools.insert(2, Tool { diameter: -6.0 });
-    let toolpath = trace(&read(text.as_bytes()), &machine);
+    let options = Options { dialect: Some(dialect), ..Options::default() };
+    let toolpath = trace(&read_with(text.as_bytes(), &options), &machine);
     check_laws(&toolpath, text);
     toolpath
 }
@@ -100,7 +105,8 @@ fn program(word: &str, blocks: &[String], is_turned: bool) -> String {
 
 /// Checked by dense sampling of the contour, which knows nothing of parallels: each move of the
 /// path lies at the radius from the block it is made for, an arc around a corner at the radius
-/// from the corner, and no point is nearer than that to the blocks before and after.
+/// from the corner, and no point is nearer than that to the blocks before and after. On other controls than
+/// LinuxCNC the tool may stand across the move that leads in.
 #[test]
 fn the_path_keeps_the_radius_from_the_contour() {
     let mut random = Random(0xC0FFEE);
@@ -111,7 +117,7 @@ fn the_path_keeps_the_radius_from_the_contour() {
         let blocks = contour(&mut random, 6, false);
         let contour = run(&program("G40", &blocks, false));
         let text = program(if case % 2 == 0 { "G41.1 D6" } else { "G42.1 D6" }, &blocks, false);
-        let path = run(&text);
+        let path = run_as(Dialect::LinuxCnc, &text);
         if !path.diagnostics.is_empty() {
             continue;
         }
@@ -238,12 +244,44 @@ fn stops_and_heights_stay_in_their_place() {
     let path = run("F600\nG41.1 D4\nM8\nG1 X10 Y0\nG4 P1\nY20\nM9\nG1 Z-5\nG4 P2\nX-10\nM7\nG40\nM30\n");
     assert_eq!(messages(&path), [(5, "P of G4 is read as seconds")]);
     // Left of X+, then an inner corner to Y+, then one to X-.
-    assert_eq!(ends(&path), [[8.0, 2.0], [8.0, 18.0], [8.0, 18.0], [-10.0, 18.0]]);
+    assert_eq!(ends(&path), [[8.0, 0.0], [8.0, 18.0], [8.0, 18.0], [-10.0, 18.0]]);
     let lines: Vec<_> = path.segments.iter().map(|segment| segment.line.0).collect();
     assert_eq!(lines, [4, 6, 8, 10]);
     let stops: Vec<_> = path.stops.iter().map(|stop| (stop.line.0, stop.after)).collect();
     assert_eq!(stops, [(3, 0), (5, 1), (7, 2), (9, 3), (11, 4), (13, 4)]);
     assert_eq!(path.segments.at(2).end.z, -5.0);
+}
+
+/// Fanuc and Siemens lead in square to the start of the second move, whatever the corner; all lead out from
+/// square to the end of the last one.
+#[test]
+fn the_lead_in_ends_as_on_the_control() {
+    use Dialect::{Iso, LinuxCnc, Okuma, Siemens};
+    let word = |dialect| if dialect == Siemens { "T1 D1\nG41" } else { "G41 D1" };
+    let inner = |dialect| {
+        let text = format!("F600\nG0 X25 Y25\n{}\nG1 X0\nY0\nX50\nG40 Y25\n", word(dialect));
+        ends(&run_as(dialect, &text))
+    };
+    let outer = |dialect| {
+        let text = format!("F600\nG0 X-20 Y0\n{}\nG1 X0\nY-20\nG40 X20\n", word(dialect));
+        ends(&run_as(dialect, &text))
+    };
+    for dialect in [Iso, Okuma, Siemens] {
+        assert_eq!(inner(dialect), [[25.0, 25.0], [3.0, 25.0], [3.0, 3.0], [50.0, 3.0], [50.0, 25.0]]);
+        assert_eq!(outer(dialect), [[-20.0, 0.0], [3.0, 0.0], [3.0, -20.0], [20.0, -20.0]]);
+    }
+    assert_eq!(inner(LinuxCnc), [[25.0, 25.0], [3.0, 22.0], [3.0, 3.0], [50.0, 3.0], [50.0, 25.0]]);
+    assert_eq!(outer(LinuxCnc)[1..3], [[0.0, 3.0], [3.0, 0.0]]);
+}
+
+/// A tool as wide as a rounding stands still in it.
+#[test]
+fn an_arc_of_the_tools_own_radius_is_no_gouge() {
+    let path = |radius: &str| run(&format!("F600\nG0 X-20\nG41 D1\nG1 X0\nX40,R{radius}\nY40\nG40 Y60\n"));
+    let same = path("3.");
+    assert_eq!(messages(&same), []);
+    assert_eq!(ends(&same), [[-20.0, 0.0], [0.0, 3.0], [37.0, 3.0], [37.0, 40.0], [40.0, 60.0]]);
+    assert!(messages(&path("2.9"))[0].1.contains("gouge"));
 }
 
 /// What does not fit is left out or run straight, and says so.
@@ -304,7 +342,7 @@ fn any_moves_are_survived() {
 
 /// The path of the blocks with a treatment of their corners, all or by index.
 fn treated(text: &str, setting: Option<Setting>, at: impl Fn(usize) -> Option<CornerTreatment>) -> Toolpath {
-    let mut contour = Contour::new();
+    let mut contour = Contour::new(LeadIn::SquareToItself);
     let mut path = Toolpath::default();
     contour.set(setting, &mut path);
     for (index, segment) in run(text).segments.into_iter().enumerate() {
@@ -412,7 +450,7 @@ fn compensation_runs_beside_roundings() {
 #[test]
 fn outer_corners_can_be_prolonged() {
     let path = |outer_corner, text: &str| {
-        let (mut contour, mut path) = (Contour::new(), Toolpath::default());
+        let (mut contour, mut path) = (Contour::new(LeadIn::SquareToItself), Toolpath::default());
         contour.queue.outer_corner = outer_corner;
         contour.set(Some(Setting { plane: Plane::Xy, side: -1.0, radius: 2.0 }), &mut path);
         for segment in &run(text).segments {
@@ -433,7 +471,7 @@ fn outer_corners_can_be_prolonged() {
 #[test]
 fn every_corner_is_treated_until_it_is_taken_back() {
     let text = "F600\nG1 X20\nY20\nZ-5\nX0\nG0 Y40\nG1 X30\nY0\n";
-    let (mut contour, mut path) = (Contour::new(), Toolpath::default());
+    let (mut contour, mut path) = (Contour::new(LeadIn::SquareToItself), Toolpath::default());
     contour.treat_every_corner(rounding(3.0));
     for (index, segment) in run(text).segments.into_iter().enumerate() {
         contour.take(segment, Plane::Xy, &mut path);

@@ -15,7 +15,7 @@
 //! ```
 
 use crate::machine::AXES;
-use crate::simulation::gcode::Place;
+use crate::simulation::gcode::{Dialect, Place};
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
 use crate::simulation::toolpath::frame::{ADDITIONAL, Affine, EXTERNAL, Kind, Shift};
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -256,7 +256,11 @@ impl Tracer<'_> {
                 !word.has_point && word.value.fract() == 0.0 && THOUSANDTHS <= word.value.abs();
             Some(if counts_thousandths { word.value / 1000.0 } else { word.value })
         };
-        let factors = if self.given.has(CENTER_WORDS) {
+        // On Mach X, Y and Z are the factors, about the origin.
+        let has_factors_by_axis = self.dialect == Dialect::Mach && !self.given.has(CENTER_WORDS | bits(b"P"));
+        let factors = if has_factors_by_axis {
+            AXES.map(|axis| factor(axis as u8).unwrap_or(1.0))
+        } else if self.given.has(CENTER_WORDS) {
             [b'I', b'J', b'K'].map(|letter| factor(letter).unwrap_or(1.0))
         } else {
             [factor(b'P').unwrap_or(0.0); 3]
@@ -266,7 +270,8 @@ impl Tracer<'_> {
             return;
         }
         self.frame.unset(Kind::Scaling);
-        let Some(center) = self.named_center(block) else { return };
+        let center = if has_factors_by_axis { Some(Point::origin()) } else { self.named_center(block) };
+        let Some(center) = center else { return };
         self.frame.set(Kind::Scaling, Affine::scaling(center, factors));
     }
 

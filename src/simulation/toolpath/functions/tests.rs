@@ -19,6 +19,17 @@ fn speeds(text: &str) -> Vec<(f64, f64)> {
     steps.collect()
 }
 
+/// On Mazak the first T of a block comes in, and the second is got ready.
+#[test]
+fn two_tools_in_a_block_are_a_change_and_the_next_one() {
+    let path = run("O1\nT1 T2 M6\nG0 X1.\nT2 T1 M6\nG0 X2.\n", 0.0);
+    let causes: Vec<_> = path.stops.iter().map(|stop| stop.cause).collect();
+    let change = |tool| StopCause::ToolChange { tool: Some(tool) };
+    assert_eq!(causes, [change(1), change(2)]);
+    assert!(path.diagnostics.is_empty(), "{:?}", path.diagnostics);
+    assert_eq!(run("T1 T2", 0.0).diagnostics.len(), 1);
+}
+
 #[test]
 fn the_spindle_goes_where_its_words_say() {
     assert_eq!(speeds("S500 M3\nM5\nM4\nM19"), [(0.0, 500.0), (500.0, 0.0), (0.0, -500.0), (-500.0, 0.0)]);

@@ -60,6 +60,43 @@ fn patterns_are_holes_at_their_places() {
     }
 }
 
+/// With T it is Brother's; without, the end of Haas' mirror.
+#[test]
+fn a_one_touch_change_is_a_change_and_the_way_to_the_work() {
+    let block = |word: &str| format!("O1\nG90 G0 X1. Y2. Z50.\n{word}\nG1 X60. F100.\n");
+    let found = run(&block("G100 T5 X10. Y20. Z5. G43 H5 M3 S8000"), Dialect::Iso);
+    let written_out = run(&block("T5 M6\nM3 S8000\nG0 X10. Y20.\nG43 H5 Z5."), Dialect::Iso);
+    check_alike(&found, &written_out);
+    let causes = |toolpath: &Toolpath| -> Vec<_> {
+        toolpath.stops.iter().map(|stop| (stop.after, stop.cause)).collect()
+    };
+    assert_eq!(causes(&found), causes(&written_out));
+    assert_eq!(found.spins, written_out.spins);
+    let mirrored = run("G101 X0\nG100\nG0 X1.", Dialect::Iso);
+    assert!(mirrored.stops.is_empty() && mirrored.segments.last().is_some_and(|last| last.end.x == 1.0));
+}
+
+#[test]
+fn units_and_scales_of_mach() {
+    let found = run("G71 G0 X10 Y10\nG70 X2\nG71\nG51 X2 Y.5\nG1 X40 Y8 F100\nG50\nX10\n", Dialect::Mach);
+    let expected = "G21 G0 X10 Y10\nG20 X2\nG21\nG1 X80 Y4 F100\nX10\n";
+    check_alike(&found, &run(expected, Dialect::Mach));
+    assert!(found.diagnostics.is_empty(), "{:?}", found.diagnostics);
+}
+
+/// As slicers write them at the head of a file; a Fanuc control's M code behind its move stays one.
+#[test]
+fn settings_are_no_moves() {
+    let settings = "M201 X500 Y500 Z100 E5000\nM203 X500 Y500\nM205 X8 Y8 E5\nM92 X80 E93\nM566 X480\n";
+    for dialect in [Dialect::Iso, Dialect::LinuxCnc, Dialect::Grbl, Dialect::Mach] {
+        let found = run(&format!("G1 X1. F100\n{settings}Y2.\n"), dialect);
+        check_alike(&found, &run("G1 X1. F100\nY2.\n", dialect));
+        let lines: Vec<u32> = found.diagnostics.iter().map(|told| told.line.0).collect();
+        assert_eq!(lines, [2, 3, 4, 5, 6], "{dialect:?}: {:?}", found.diagnostics);
+    }
+    assert_eq!(run("G1 X1. F100\nX5. M203\nM203 G1 X7.", Dialect::Iso).segments.len(), 3);
+}
+
 #[test]
 fn offsets_of_okuma_are_those_of_the_machine() {
     let mut machine = Machine::default();

@@ -23,6 +23,11 @@ fn values_are_worked_out() {
     assert_eq!(ends("R1=5 R2=R1*2\nG0 X=R1\nX=R2+1\nX=IC(R1)\nX=AC(1)"), [5.0, 11.0, 16.0, 1.0]);
     assert_eq!(ends("DEF REAL _A, B=2\n_A=B+1\nG0 X=_A\nX=SQRT(B*8)\nX=(1+2)*3"), [3.0, 4.0, 9.0]);
     assert_eq!(ends("_=4\n$=_+1\nG0 X=$"), [5.0]);
+    assert_eq!(
+        ends("G0 X=MINVAL(3,5)\nX=MAXVAL(3,5)\nX=BOUND(0,4,9)\nX=BOUND(1,4,-9)"),
+        [3.0, 5.0, 4.0, 1.0]
+    );
+    assert_eq!(ends("G0 X=ROUND(2.1)\nX=ROUNDUP(2.1)\nX=ROUNDUP(-3.1)"), [2.0, 3.0, -4.0]);
     assert_eq!(ends("R1=2\nR[R1+1]=7\nG0 X=R3\nX=R[3]-1"), [7.0, 6.0]);
     assert_eq!(ends("G0 X1EX1\nX=7 DIV 2\nY=7 MOD 4\nX=-POT(3)+TRUNC(2.7)"), [10.0, 3.0, 3.0, -7.0]);
     assert_eq!(
@@ -68,7 +73,41 @@ fn flow_is_followed() {
     assert_eq!(ends("G0 G91\nA:\nX1\nREPEAT A P=2"), [1.0, 2.0, 3.0]);
     assert_eq!(ends("G0 G91\nA: X1\nX5\nB: X2\nREPEATB A P=2"), [1.0, 6.0, 8.0, 9.0, 10.0]);
     assert_eq!(ends("G0 G91\nA: X1\nB: X5\nREPEAT A B"), [1.0, 6.0, 7.0, 12.0]);
+    // The labels may stand further down, and ENDLABEL ends a section that begins with one label.
+    let below = "\nM30\nA: X1\nX2\nB: X4\nX8\nENDLABEL:\nX16";
+    assert_eq!(ends(&format!("G0 G91\nREPEAT A B P=2{below}")), [1.0, 3.0, 7.0, 8.0, 10.0, 14.0]);
+    assert_eq!(ends(&format!("G0 G91\nREPEATB B P=2{below}")), [4.0, 8.0]);
+    assert_eq!(ends(&format!("G0 G91\nREPEAT B{below}")), [4.0, 12.0]);
+    assert_eq!(ends(&format!("G0 G91\nCALL BLOCK A TO B{below}")), [1.0, 3.0, 7.0]);
+    assert_eq!(ends("G0 G91\nA: X1\nENDLABEL: X2\nX4\nREPEAT A"), [1.0, 3.0, 7.0, 8.0, 10.0]);
+    for text in ["REPEAT A\nM30\nA: X1", "REPEAT A B\nA: X1", "REPEATB A", "B: X1\nREPEAT A B"] {
+        assert!(!run(&format!("G0 G91\n{text}")).diagnostics.is_empty(), "{text}");
+    }
     assert_eq!(ends("G0\nGOTOF N30\nN20 X1\nN30 X3"), [3.0]);
+}
+
+/// Texts are compared where they are known; where one is not, that is said once, in its line.
+#[test]
+fn texts_decide() {
+    let program = |first: &str, condition: &str| {
+        format!("DEF STRING[9] A{first}, B\nG0\nIF {condition}\nX1\nELSE\nX2\nENDIF\nX3")
+    };
+    for (first, condition, branch) in [
+        ("=\"ROUGH\"", "A==\"ROUGH\"", 1.0),
+        ("=\"ROUGH\"", "A==\"FINISH\"", 2.0),
+        ("=\"ROUGH\"", "(A<>\"FINISH\") AND (B==\"\")", 1.0),
+        ("", "A==B", 1.0),
+    ] {
+        assert_eq!(ends(&program(first, condition)), [branch, 3.0], "{first} {condition}");
+    }
+    assert_eq!(ends("DEF STRING[9] KIND\nG0\nKIND=\"UP\"\nIF KIND==\"UP\" GOTOF GO\nX1\nGO: X2"), [2.0]);
+    let called = "G0\nBORE(\"DEEP\",5)\nBORE(,7)\nM30\n%_N_BORE_SPF\nPROC BORE(STRING[9] KIND=\"FLAT\", REAL D)\n\
+        IF KIND==\"DEEP\"\nX=D\nELSE\nX=-D\nENDIF\nM17";
+    assert_eq!(ends(called), [5.0, -7.0]);
+    let unknown = run(&program("", "C==\"ROUGH\""));
+    let told: Vec<u32> = unknown.diagnostics.iter().map(|told| told.line.0).collect();
+    assert_eq!(told, [3], "{:?}", unknown.diagnostics);
+    assert!(run(&program("", "A<\"ROUGH\"")).diagnostics[0].message.contains("found `<`"));
 }
 
 #[test]
@@ -211,6 +250,17 @@ fn frames_turn_and_shift() {
     near(end("MIRROR X0\nG0 X1 Y2"), [-1.0, 2.0, 0.0]);
     near(end("SCALE X2 Y2\nG0 X1 Y2"), [2.0, 4.0, 0.0]);
     near(end("TRANS X10\nTRANS\nG0 X1"), [1.0, 0.0, 0.0]);
+    near(end("$P_PFRAME=CTRANS(X,10,Y,2+3)\nG0 X1 Y0"), [11.0, 5.0, 0.0]);
+    near(end("TRANS Y9\n$P_PFRAME=CTRANS(X,10):CROT(Z,90)\nG0 X1 Y0"), [10.0, 1.0, 0.0]);
+    near(end("TRANS X10\n$P_PFRAME=$P_PFRAME:CSCALE(X,2):CMIRROR(X)\nG0 X1"), [8.0, 0.0, 0.0]);
+    near(end("TRANS X10\n$P_PFRAME=CTRANS()\nG0 X1"), [1.0, 0.0, 0.0]);
+    for text in
+        ["$P_PFRAME=CTRANS(X", "$P_PFRAME=CFINE(X,1)", "$P_UIFR[1]=CTRANS(X,9)", "$P_IFRAME=$P_UIFR[1]"]
+    {
+        let found = run(&format!("{text}\nG0 X1"));
+        assert_eq!(found.diagnostics.len(), 1, "{text}: {:?}", found.diagnostics);
+        assert_eq!(found.segments.last().expect("a move").end.x, 1.0, "{text}");
+    }
     near(end("G111 X10 Y0\nG0 RP=5 AP=90"), [10.0, 5.0, 0.0]);
     near(end("G0 X1\nG110 X0 Y0\nG1 F100 RP=5 AP=0"), [6.0, 0.0, 0.0]);
 }

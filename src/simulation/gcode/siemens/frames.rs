@@ -1,0 +1,117 @@
+//! Frames that are given as values.
+//!
+//! ```text
+//! $P_PFRAME=CTRANS(X,10,Y,20):CROT(Z,90)      TRANS X10 Y20, then AROT Z90
+//! $P_PFRAME=$P_PFRAME:CSCALE(X,2)             ASCALE X2
+//! $P_PFRAME=CMIRROR(X)                        MIRROR X0
+//! ```
+//!
+//! Each part becomes the statement that says the same, in a block of its own. Other parts, and other
+//! frames (`$P_UIFR[1]`), are not followed, and said.
+
+use crate::simulation::gcode::expression::{Notation, identifier};
+use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::number::skip_blanks;
+use crate::simulation::gcode::reader::{Reader, Refusal};
+use crate::simulation::gcode::remark::Unread;
+use crate::simulation::gcode::siemens::names::statement;
+use crate::simulation::gcode::{Target, address};
+
+/// Parts of a frame, and the statements that put one in place of all and within all that are in force.
+const PARTS: [(&[u8], &[u8], &[u8]); 4] = [
+    (b"CTRANS", b"TRANS", b"ATRANS"),
+    (b"CROT", b"ROT", b"AROT"),
+    (b"CSCALE", b"SCALE", b"ASCALE"),
+    (b"CMIRROR", b"MIRROR", b"AMIRROR"),
+];
+
+impl Reader<'_> {
+    /// What `$P_PFRAME` is to be; returns where it ends.
+    pub(super) fn siemens_frame_value(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let mut start = skip_blanks(text, at);
+        let mut is_within = false;
+        loop {
+            let end = start + identifier(&text[start..]);
+            let name = text[start..end].to_ascii_uppercase();
+            let part = PARTS.iter().find(|(known, ..)| *known == name);
+            let next = match part {
+                Some((_, instead, within)) => {
+                    self.end_block();
+                    let code = statement(if is_within { within } else { instead });
+                    self.push_word(address::STATEMENT, code.map_or(0.0, f64::from), line.columns(start, end));
+                    self.siemens_frame_axes(text, end, name == b"CMIRROR", line)?
+                }
+                None if name == b"$P_PFRAME" && !is_within => end,
+                None => return Ok(self.siemens_other_frame(text, start, line)),
+            };
+            is_within = true;
+            let colon = skip_blanks(text, next);
+            if text.get(colon) != Some(&b':') {
+                return Ok(next);
+            }
+            start = skip_blanks(text, colon + 1);
+        }
+    }
+
+    /// A frame that is not followed, to the end of its line.
+    pub(super) fn siemens_other_frame(&mut self, text: &[u8], at: usize, line: &Line) -> usize {
+        let end = text[at..].iter().position(|byte| *byte == b';').map_or(text.len(), |length| at + length);
+        let code = statement(b"$P_UIFR").map_or(0.0, f64::from);
+        self.push_word(address::STATEMENT, code, line.columns(at, end));
+        end
+    }
+
+    /// `(X,10,Y,20)`, or `(X,Y)` where the axes have no value.
+    fn siemens_frame_axes(
+        &mut self,
+        text: &[u8],
+        at: usize,
+        is_mirror: bool,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let mut next = skip_blanks(text, at);
+        let missing = |expected, at: usize, line: &Line| {
+            let found = excerpt(text.get(at..).unwrap_or_default());
+            Err((Unread::Expected { expected, found }, line.columns(at, at + 1)))
+        };
+        if text.get(next) != Some(&b'(') {
+            return missing("`(`", next, line);
+        }
+        loop {
+            next = skip_blanks(text, next + 1);
+            match text.get(next).map(u8::to_ascii_uppercase) {
+                Some(b')') => return Ok(next + 1),
+                Some(letter @ b'X'..=b'Z') if is_mirror => {
+                    self.push_word(letter, 0.0, line.columns(next, next + 1));
+                    next += 1;
+                }
+                Some(letter @ b'X'..=b'Z') => {
+                    let comma = skip_blanks(text, next + 1);
+                    if text.get(comma) != Some(&b',') {
+                        return missing("`,`", comma, line);
+                    }
+                    let target = Target::Word(self.program.words.len() as u32);
+                    let (end, columns) =
+                        self.formula(Notation::Siemens, text, (next, comma + 1), line, |expressions| {
+                            expressions.expression(0)?;
+                            Ok(target)
+                        })?;
+                    self.push_word(letter, f64::NAN, columns);
+                    next = end;
+                }
+                _ => return missing("X, Y, Z or `)`", next, line),
+            }
+            next = skip_blanks(text, next);
+            match text.get(next) {
+                Some(b',') => {}
+                Some(b')') => return Ok(next + 1),
+                _ => return missing("`,` or `)`", next, line),
+            }
+        }
+    }
+}
