@@ -156,6 +156,16 @@ pageTest('the focus is never lost: it goes to the program that was added, and to
   await computed(page)
 })
 
+pageTest(
+  'the page fits a phone at twice its size',
+  async ({ page }) => {
+    await page.click('#welcome .sample')
+    await computed(page)
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), PHONE.width / 2)
+  },
+  { viewport: { width: PHONE.width / 2, height: PHONE.height / 2 } },
+)
+
 pageTest('two fingers magnify the chart about the place between them', async ({ page }) => {
   await page.click('#welcome .sample')
   await computed(page)
