@@ -43,7 +43,7 @@ use wasm_bindgen::prelude::*;
 use crate::identification::recording;
 use crate::machine::{USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
 use crate::plot::PALETTE;
-use crate::project::{self, faults_to_json, machine_from_form, motion_of_machine};
+use crate::project::{self, FileKind, faults_to_json, machine_from_form, motion_of_machine};
 use crate::quote;
 
 /// Makes panics readable in the console.
@@ -119,10 +119,16 @@ pub fn label_of_lost(seconds: f64) -> String {
     project::lost_label(seconds)
 }
 
-/// Whether a file, or the beginning of it, is a machine log and no program.
-#[wasm_bindgen(js_name = isRecording)]
-pub fn is_recording(bytes: &[u8]) -> bool {
-    recording::is_recording(bytes)
+/// What a file is, by its beginning: `program`, `recording`, `settings`, or the name of what cannot be used.
+#[wasm_bindgen(js_name = fileKind)]
+pub fn file_kind(head: &[u8]) -> String {
+    let kind = match project::file_kind(head) {
+        FileKind::Program => "program",
+        FileKind::Recording => "recording",
+        FileKind::Settings => "settings",
+        FileKind::Other(name) => name,
+    };
+    kind.to_string()
 }
 
 /// How many bytes of a file are enough to tell.

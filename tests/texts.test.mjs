@@ -1,16 +1,17 @@
-// All texts of the page are in www/texts.js: index.html names them, and no script says one of its own.
+// All texts of the page are in www/texts.js and www/texts_later.js: index.html names them, and no script says one of its own.
 
 import assert from 'node:assert/strict'
 import { readdirSync, readFileSync } from 'node:fs'
 import { test } from 'node:test'
 import { fileURLToPath } from 'node:url'
 import ts from 'typescript'
-import { say, textOf } from '../www/texts.js'
+import { textOf } from '../www/texts.js'
+import { say } from '../www/texts_later.js'
 
 const PAGE = fileURLToPath(new URL('../www/', import.meta.url))
 const html = readFileSync(`${PAGE}index.html`, 'utf8')
 /** The texts themselves, and what answers other programs. */
-const ELSEWHERE = /^texts\.js$|^embed\/(protocol|request|module|sheet)\.js$/
+const ELSEWHERE = /^texts(_later)?\.js$|^embed\/(protocol|request|module|sheet)\.js$/
 const scripts = ['', 'panels/', 'embed/'].flatMap((folder) =>
   readdirSync(PAGE + folder).flatMap((name) => (name.endsWith('.js') && !ELSEWHERE.test(folder + name) ? [folder + name] : [])),
 )

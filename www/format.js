@@ -79,8 +79,8 @@ export function axis(value, count) {
 const axes = []
 
 const SIGN = axis(0.5, 1).charAt(1)
-/** A number with a decimal point; words of programs (G61.1), names of files and versions hold none. */
-const DECIMAL = /(?<![\w./])(\d+)\.(\d+)(?!\w|\.\w)/g
+/** A number with a decimal point; words of programs (G61.1, DEF 7.1), names of files, sections and versions hold none. */
+const DECIMAL = /(?<![\w./]|(?:Sect\.|DEF|doi) )(\d+)\.(\d+)(?!\w|\.\w|\/)/g
 /** What is between the tags of a document, or what has its numbers as they should be: charts and styles. */
 const BETWEEN = /<(style|svg)\b[^]*?<\/\1>|>[^<]+</g
 

@@ -36,7 +36,7 @@ import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { pairs, recordingOf } from './recordings.js'
-import { loadSession, saveSession } from './session.js'
+import { diagnosisOf, loadSession, saveSession } from './session.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
 import { say } from './texts.js'
 import { whole } from './whole.js'
@@ -85,17 +85,19 @@ const state = {
   beforeSettings: loadBefore(),
   recordings: session.recordings.map((kept) => ({ ...kept, match: null, failure: null })),
   recording: session.recording,
-  calibration: null,
+  calibration: session.calibration,
   calibrating: false,
   diagnosis: null,
   diagnosing: false,
   cut: null,
-  sample: null,
-  beside: null,
+  sample: session.sample,
+  beside: presetNamed(settings.beside) ?? null,
+  quoted: settings.quoted ?? '',
   progress: null,
   paused: false,
 }
 
+state.diagnosis = diagnosisOf(session, state)
 const history = new History(snapshot())
 let nextId = Math.max(0, ...[...state.programs, ...state.recordings].map(({ id }) => id)) + 1
 let timer = 0
@@ -289,6 +291,14 @@ export const actions = {
   addMachine(file) {
     return machine.take(file)
   },
+  /** The same for settings. @param {File} file */
+  addSettings(file) {
+    return exchange.takeFile(file)
+  },
+  /** Says why something is not taken; nothing takes that back. @param {string} message */
+  refuse(message) {
+    exchange.refuse(message)
+  },
   /** Takes a kept machine out; the function returned puts it back. */
   removeMachine() {
     const { preset } = state.machine
@@ -351,6 +361,13 @@ export const actions = {
   setBeside(preset) {
     state.beside = preset
     history.note(snapshot())
+    remember()
+    update()
+  },
+  /** Chooses the tolerance of the quote, by what it is called. @param {string} tolerance */
+  setQuoted(tolerance) {
+    state.quoted = tolerance
+    remember()
     update()
   },
   /** Takes the last change back. */
@@ -430,9 +447,15 @@ function filled(preset, values) {
   return { preset, values, faults: JSON.parse(faults(json)), motion: motionOf(json) }
 }
 
-/** Which machine to begin with has this name, or else the first. @param {string | undefined} name */
+/** Which machine to begin with has this name. @param {string | undefined} name */
+function presetNamed(name) {
+  const index = form.presets.findIndex((preset) => preset.name === name && !preset.removed)
+  return index < 0 ? undefined : index
+}
+
+/** The same, or else the first. @param {string | undefined} name */
 function startNamed(name) {
-  return Math.max(form.presets.findIndex((preset) => preset.name === name && !preset.removed), 0)
+  return presetNamed(name) ?? 0
 }
 
 /** The terms of the quote with what Rust says about them. @param {Values} given @returns {State["terms"]} */
@@ -488,6 +511,8 @@ function remember() {
     preset: form.presets[state.machine.preset].name,
     values: state.machine.values,
     terms: state.terms.values,
+    beside: form.presets[state.beside ?? -1]?.name,
+    quoted: state.quoted,
   })
 }
 

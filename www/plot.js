@@ -202,8 +202,30 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     chart.reset()
     moved()
   })
-  plot.addEventListener('pointerdown', (event) => isShown() && event.button === 0 && drag(event))
-  plot.addEventListener('pointermove', (event) => event.buttons === 0 && isShown() && read(pixel(event).x))
+  /** Where each finger is. @type {Map<number, {x: number, y: number}>} */
+  const fingers = new Map()
+  let isPinched = false
+  plot.addEventListener('pointerdown', (event) => {
+    if (!isShown() || event.button !== 0) return
+    if (event.pointerType === 'touch') fingers.set(event.pointerId, pixel(event))
+    isPinched = fingers.size > 1
+    if (isPinched) plot.setPointerCapture(event.pointerId)
+    else drag(event)
+  })
+  plot.addEventListener('pointermove', (event) => {
+    if (event.buttons === 0) return isShown() && read(pixel(event).x)
+    const own = fingers.get(event.pointerId)
+    const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1]
+    if (!own || !other) return
+    const now = pixel(event)
+    const apart = (/** @type {{x: number, y: number}} */ { x, y }) => Math.max(Math.hypot(x - other.x, y - other.y), 1)
+    chart.pan((now.x - own.x) / 2, 0)
+    chart.zoom(apart(now) / apart(own), (now.x + other.x) / 2)
+    fingers.set(event.pointerId, now)
+    moved()
+  })
+  for (const end of ['pointerup', 'pointercancel'])
+    plot.addEventListener(end, (event) => fingers.delete(/** @type {PointerEvent} */ (event).pointerId))
   plot.addEventListener('pointerleave', (event) => event.pointerType !== 'touch' && leave())
   plot.addEventListener('blur', leave)
   dark.addEventListener('change', redraw)
@@ -233,11 +255,15 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     const flat = () => isBelow || Math.abs(last.y - from.y) < 3 * CLICK_PX
 
     const move = (/** @type {PointerEvent} */ event) => {
+      if (event.pointerId !== start.pointerId) return
       const to = pixel(event)
       if (moves) {
-        chart.pan(to.x - last.x, isBelow ? 0 : to.y - last.y)
+        if (fingers.size < 2) {
+          chart.pan(to.x - last.x, isBelow ? 0 : to.y - last.y)
+          moved()
+        }
         last = to
-        return moved()
+        return
       }
       last = clamp(to)
       const [y0, y1] = flat() ? [top, lowest] : [from.y, last.y]
@@ -250,11 +276,12 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
       })
     }
     const end = (/** @type {PointerEvent} */ event) => {
+      if (event.pointerId !== start.pointerId) return
       plot.removeEventListener('pointermove', move)
       plot.removeEventListener('pointerup', end)
       plot.removeEventListener('pointercancel', end)
       box.hidden = true
-      const isClick = Math.abs(last.x - from.x) < CLICK_PX && event.type !== 'pointercancel'
+      const isClick = Math.abs(last.x - from.x) < CLICK_PX && event.type !== 'pointercancel' && !isPinched
       if (isClick && !start.shiftKey && left <= from.x && from.x <= right) choose(chart.at(from.x))
       if (start.pointerType === 'touch' && isClick) return read(from.x)
       if (moves || event.type === 'pointercancel' || isClick) return

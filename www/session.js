@@ -1,11 +1,11 @@
 // What a tab has open, kept in the browser, so that a reload or a crash in mid-work loses nothing: programs and recordings as
-// files, which of them is in sight, and how they are read. Settings are kept apart (settings.js).
+// files, which of them is in sight, how they are read, and what took long to find. Settings are kept apart (settings.js).
 //
 // sessionStorage outlives a reload and not the tab, so it holds the name of the tab, and IndexedDB the files under it. No other
 // tab sees them. What a closed tab left behind is thrown away when the page is next opened after a day: nothing tells a tab that
 // is closed from one that the browser will bring back.
 
-/** @import { State } from "./types.js" */
+/** @import { Before, Calibration, DiagnosedColumns, Diagnosis, State } from "./types.js" */
 
 const KEY = 'truefeed.tab'
 const STORE = 'tabs'
@@ -19,7 +19,9 @@ const MOST = 1_000_000_000
 
 /** @typedef {{id: number, name: string, file: Blob, dialect: string | null}} KeptProgram */
 /** @typedef {{id: number, name: string, bytes: Uint8Array, program: number | null, used: boolean}} KeptRecording */
-/** @typedef {{saved: number, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null}} Session */
+/** Its programs by their numbers. @typedef {Omit<Diagnosis, 'runs'> & {runs: {name: string, program: number, columns: DiagnosedColumns}[]}} KeptDiagnosis */
+/** What was found, and what it took the place of. @typedef {{calibration: Calibration | null, diagnosis: KeptDiagnosis | null, sample: Before | null}} Found */
+/** @typedef {{saved: number, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null} & Found} Session */
 
 /** @returns {Promise<IDBDatabase>} */
 function open() {
@@ -46,7 +48,7 @@ function tab() {
 }
 
 /** @returns {Session} */
-const nothing = () => ({ saved: 0, programs: [], recordings: [], selected: null, recording: null })
+const nothing = () => ({ saved: 0, programs: [], recordings: [], selected: null, recording: null, calibration: null, diagnosis: null, sample: null })
 
 /** What this tab had open; nothing where the browser keeps nothing, or takes too long. @returns {Promise<Session>} */
 export function loadSession() {
@@ -67,32 +69,46 @@ async function load() {
       if (other && !(Date.now() - other.saved < KEPT_MS)) store.delete(key)
     }
     database.close()
-    return found ?? nothing()
+    return { ...nothing(), ...found }
   } catch {
     return nothing()
   }
 }
 
+/** The diagnosis that was kept, with the programs as they are now; none where one of them is gone. @param {Session} session @param {State} state @returns {Diagnosis | null} */
+export function diagnosisOf({ diagnosis }, { programs }) {
+  const runs = (diagnosis?.runs ?? []).flatMap((run) => {
+    const program = programs.find(({ id }) => id === run.program)
+    return program ? [{ ...run, program }] : []
+  })
+  return diagnosis && runs.length === diagnosis.runs.length ? { ...diagnosis, runs } : null
+}
+
 /** What was saved last: files are written again only where something about them changed. */
 let last = ''
+/** @type {unknown[]} */
+let lastFound = []
 let saving = Promise.resolve()
 
 /** Keeps what is open, after what is being kept already. @param {State} state */
 export function saveSession(state) {
   const programs = state.programs.map(({ id, name, file, dialect }) => ({ id, name, file, dialect }))
   const recordings = state.recordings.map(({ id, name, bytes, program, used }) => ({ id, name, bytes, program, used }))
-  const { selected, recording } = state
+  const { selected, recording, calibration, sample } = state
+  const found = [calibration, state.diagnosis, sample]
+  const diagnosis = state.diagnosis && { ...state.diagnosis, runs: state.diagnosis.runs.map((run) => ({ ...run, program: run.program.id })) }
   const standing = JSON.stringify([
     programs.map(({ id, dialect }) => [id, dialect]),
     recordings.map(({ id, program, used }) => [id, program, used]),
     selected,
     recording,
   ])
-  if (standing === last) return
+  if (standing === last && found.every((one, index) => one === lastFound[index])) return
   last = standing
+  lastFound = found
   const size = programs.reduce((sum, { file }) => sum + file.size, 0) + recordings.reduce((sum, { bytes }) => sum + bytes.length, 0)
   const session = size <= MOST ? { programs, recordings } : { programs: [], recordings: [] }
-  saving = saving.then(() => put({ saved: Date.now(), ...session, selected, recording }))
+  saving = saving.then(() => put({ saved: Date.now(), ...session, selected, recording, calibration, diagnosis, sample }))
 }
 
 /** @param {Session} session */

@@ -1,9 +1,9 @@
 // The table behind a chart: what is in sight in rows, for those who do not see the chart or want its numbers.
 
 import { make, scroll } from './dom.js'
-import { count, number, seconds } from './format.js'
+import { amount, count } from './format.js'
 import { deviationLabel } from './labels.js'
-import { say } from './texts.js'
+import { say } from './texts_later.js'
 
 /** @import { Chart } from "./pkg/truefeed_whole.js" */
 
@@ -12,7 +12,8 @@ export function tableOf(chart, caption) {
   const isOverTime = chart.isOverTime()
   const labels = chart.labels()
   const rows = chart.table()
-  const place = isOverTime ? seconds : number
+  const place = written(rows.map(({ to }) => to), isOverTime ? ' s' : '')
+  const lateness = written(rows.flatMap(({ lost, lostAfter }) => [lost, lostAfter]).filter((value) => value !== undefined), ' s')
   const range = (/** @type {ArrayLike<number>} */ pair, write = count) => (pair.length > 0 ? between(write(pair[0]), write(pair[1])) : '–')
   const told = (/** @type {number | undefined} */ value, /** @type {(value: number) => string} */ write) => (value === undefined ? '–' : write(value))
   const hasErrors = labels.map((_, index) => rows.some(({ curves }) => curves[index].error !== undefined))
@@ -32,13 +33,23 @@ export function tableOf(chart, caption) {
       cells.push(range(feedrate))
       if (hasErrors[index]) cells.push(told(error, deviationLabel))
     }
-    if (hasLost) cells.push(told(lost, seconds))
-    if (hasAfter) cells.push(told(lostAfter, seconds))
+    if (hasLost) cells.push(told(lost, lateness))
+    if (hasAfter) cells.push(told(lostAfter, lateness))
     const head = make('th', { scope: 'row' }, between(place(from), place(to)))
     return make('tr', {}, head, ...cells.map((cell) => make('td', {}, cell)))
   })
   const head = make('tr', {}, ...titles.map((title) => make('th', { scope: 'col' }, title)))
   return scroll(make('table', {}, make('caption', {}, caption), make('thead', {}, head), make('tbody', {}, ...body)))
+}
+
+/** More decimals tell of no machine. */
+const MOST_DECIMALS = 6
+
+/** Writes numbers with as many decimals as tell one row from the next. @param {number[]} values  of a column @param {string} unit */
+function written(values, unit) {
+  const step = (Math.max(...values) - Math.min(...values)) / Math.max(values.length - 1, 1)
+  const decimals = Math.min(Math.max(1 - Math.floor(Math.log10(step || 1)), 1), MOST_DECIMALS)
+  return (/** @type {number} */ value) => amount(value, decimals) + unit
 }
 
 /** A range, or what both of its ends are. @param {string} from @param {string} to */

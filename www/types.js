@@ -254,10 +254,7 @@
 /**
  * The price of a batch and all it is made of; texts come from Rust.
  * @typedef {object} Offer
- * @property {string} reference
- * @property {string} program
- * @property {string} machine
- * @property {string} tolerance
+ * @property {{name: string, value: string}[]} facts  what it is of
  * @property {string} currency
  * @property {number} decimals
  * @property {number} cycle_time_s
@@ -267,6 +264,7 @@
  * @property {number} part
  * @property {OfferBatch} batch
  * @property {OfferBatch[]} breaks
+ * @property {{tolerance: string, cycle_time_s: number, unit_price: number, total: number}[]} tolerances  where there are several
  * @property {OfferShare[]} operations
  * @property {OfferShare[]} tools
  * @property {number} cycle_cost
@@ -294,6 +292,7 @@
  * @property {Cut | null} cut  the last one that was computed
  * @property {Before | null} sample  what was in the form before the sample's machine
  * @property {number | null} beside  the machine to begin with that is compared with; null: none
+ * @property {string} quoted  what the tolerance of the quote is called; empty: the first
  * @property {Progress | null} progress
  * @property {boolean} paused  the user cancelled; nothing runs until something changes
  */

@@ -40,6 +40,8 @@ pub struct Machine {
     pub provenance: String,
     /// How far off the cycle time was where these numbers were calibrated, as a part of it; none where nobody knows.
     pub cycle_time_error: Option<f64>,
+    /// The contour tolerances it was so far off at, mm; none named: that of the interpolator.
+    pub calibrated_at: Vec<f64>,
     /// How feed pulses become motion.
     pub interpolator: Interpolator,
     /// What is particular to rapid moves.
@@ -305,6 +307,14 @@ pub struct Rates {
 }
 
 impl Machine {
+    /// The contour tolerances at which it is known how far off the cycle time is, where that is known, mm.
+    pub fn tolerances_of_error(&self) -> &[f64] {
+        match self.calibrated_at.as_slice() {
+            [] => std::slice::from_ref(&self.interpolator.contour_tolerance),
+            named => named,
+        }
+    }
+
     /// Whether limits of acceleration shape the command, before any filter: laws of junctions that are laws of
     /// acceleration plan their ramps by themselves.
     pub fn limits_command(&self) -> bool {
@@ -320,6 +330,7 @@ impl Default for Machine {
             name: "Machining centre".to_string(),
             provenance: String::new(),
             cycle_time_error: None,
+            calibrated_at: Vec::new(),
             interpolator: Interpolator {
                 filters: 3,
                 time_constants: TimeConstants::Equal(0.0255),

@@ -168,7 +168,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 27] = [
+const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -186,6 +186,20 @@ const GENERAL: [Parameter; 27] = [
         label: "Error of the cycle time",
         doc: "How far off the cycle time was where these numbers were calibrated; a quote takes it for its uncertainty. Empty: nobody knows. An edit of anything that moves the machine empties it.",
         access: number(Unit::Percent, (0.0, 100.0), |m| m.cycle_time_error, |m, v| m.cycle_time_error = v),
+    },
+    Parameter {
+        key: "calibration.tolerances_mm",
+        label: "Tolerances of that error",
+        doc: "Contour tolerances it was found at, the only ones it holds for. Empty: the contour tolerance.",
+        access: Access::List {
+            unit: Unit::Millimetre,
+            min: TOLERANCE_MM.0,
+            max: TOLERANCE_MM.1,
+            whole: false,
+            most: 20,
+            get: |m| Some(m.calibrated_at.clone()).filter(|list| !list.is_empty()),
+            set: |m, v| m.calibrated_at = v,
+        },
     },
     Parameter {
         key: "interpolator.filters",

@@ -31,6 +31,7 @@ pub fn presets() -> Vec<Preset> {
     };
     let mut measured = with("5-axis machining centre (DMG Mori eVo 40, TNC 640)", 0.0255, 0.010, 500.0, 4.0);
     measured.cycle_time_error = Some(LARGEST_MISS_OF_PAPER);
+    measured.calibrated_at = vec![0.010, 0.050];
     measured.provenance =
         "the eight pockets that Ward et al. 2021 measured (docs/paper.md, Table 1), whose paths had \
                            to be reconstructed: the largest miss"
@@ -68,16 +69,22 @@ mod tests {
     fn the_error_of_the_measured_preset_is_the_largest_of_the_table() {
         let table = include_str!("../../docs/paper.md").split("| pocket |").nth(1).expect("Table 1");
         let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
-        let misses: Vec<f64> = rows
-            .map(|row| {
-                let last = row.trim_end_matches(['|', ' ']).rsplit('|').next().expect("it has columns");
-                last.trim().trim_end_matches(" %").parse::<f64>().expect("a percentage").abs() / 100.0
+        let cells =
+            rows.map(|row| row.trim_matches(['|', ' ']).split('|').map(str::trim).collect::<Vec<_>>());
+        let (misses, tolerances): (Vec<f64>, Vec<f64>) = cells
+            .map(|cells| {
+                let miss = cells[cells.len() - 1].trim_end_matches(" %").parse::<f64>();
+                let tolerance = cells[2].parse::<f64>().expect("micrometres");
+                (miss.expect("a percentage").abs() / 100.0, tolerance / 1000.0)
             })
-            .collect();
+            .unzip();
         assert_eq!(misses.len(), 8);
         let largest = misses.into_iter().fold(0.0, f64::max);
         assert_eq!(largest, LARGEST_MISS_OF_PAPER);
-        assert_eq!(presets()[0].machine.cycle_time_error, Some(largest));
+        let measured = &presets()[0].machine;
+        assert_eq!(measured.cycle_time_error, Some(largest));
+        assert!(tolerances.iter().all(|tolerance| measured.calibrated_at.contains(tolerance)));
+        assert!(measured.calibrated_at.iter().all(|tolerance| tolerances.contains(tolerance)));
         assert!(presets()[1..].iter().all(|preset| preset.machine.cycle_time_error.is_none()));
     }
 }

@@ -74,6 +74,7 @@ impl CalibrationReport {
         let mut machine = calibration.machine.clone();
         machine.provenance = provenance(calibration, names);
         machine.cycle_time_error = Some(worst(calibration, |side| side.whole));
+        machine.calibrated_at = tolerances(calibration);
         if !before.name.ends_with(CALIBRATED) {
             machine.name = format!("{}{CALIBRATED}", before.name);
         }
@@ -228,13 +229,25 @@ fn run_row(run: &RunResult, name: &str) -> RunRow {
 
 /// What the machine file says of where its numbers come from.
 fn provenance(calibration: &Calibration, names: &[String]) -> String {
-    let percent = |of: fn(&Comparison) -> Durations| PERCENT * worst(calibration, of);
+    let at_most = |of: fn(&Comparison) -> Durations| {
+        // What is rounded to nothing is not nothing.
+        let percent = (PERCENT * worst(calibration, of)).max(0.1);
+        format!("{percent:.1} %")
+    };
     format!(
-        "calibrated from {}; there the cycle time is off by {:.1} % at most, motion alone by {:.1} %",
+        "calibrated from {}; there the cycle time is off by {} at most, motion alone by {}",
         names.join(", "),
-        percent(|side| side.whole),
-        percent(|side| side.motion)
+        at_most(|side| side.whole),
+        at_most(|side| side.motion)
     )
+}
+
+/// The contour tolerances of the runs, each once.
+fn tolerances(calibration: &Calibration) -> Vec<f64> {
+    let mut all: Vec<f64> = calibration.runs.iter().map(|run| significant(run.tolerance, DIGITS)).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
 }
 
 /// The largest error of a duration among the runs after the calibration, as a part of it.

@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 
 use crate::machine::{Access, Machine, PARAMETERS, parameter, presets};
 use crate::project::{
-    CYCLE_TIME_ERROR, Fault, TIME_CONSTANTS, Written, contradiction, motion_of_machine, position, rivals,
-    set, written,
+    CALIBRATION, Fault, TIME_CONSTANTS, Written, contradiction, motion_of_machine, position, rivals, set,
+    written,
 };
 use crate::simulation::gcode::Dialect;
 
@@ -205,7 +205,7 @@ pub fn edited(form: &str, key: &str, value: &str) -> Option<String> {
     let before = motion(&values);
     values.insert(key.to_string(), serde_json::from_str(value).ok()?);
     if before != motion(&values) {
-        values.insert(CYCLE_TIME_ERROR.to_string(), Value::Null);
+        values.extend(CALIBRATION.map(|key| (key.to_string(), Value::Null)));
     }
     Some(Value::Object(values).to_string())
 }
@@ -252,13 +252,15 @@ mod tests {
     #[test]
     fn an_edit_of_the_motion_takes_the_error_of_the_calibration_away() {
         let form = Value::Object(values(&presets()[0].machine)).to_string();
+        let [error_key, tolerances_key] = CALIBRATION;
         let error = |key: &str, value: &str| {
             let form: Value = serde_json::from_str(&edited(&form, key, value).expect("JSON")).expect("JSON");
-            form[CYCLE_TIME_ERROR].as_f64()
+            assert_eq!(form[error_key].is_null(), form[tolerances_key].is_null(), "{key}");
+            form[error_key].as_f64()
         };
         assert_eq!(error("name", "\"mine\""), Some(7.9));
         assert_eq!(error("rates.hourly", "80"), Some(7.9));
-        assert_eq!(error(CYCLE_TIME_ERROR, "3"), Some(3.0));
+        assert_eq!(error(error_key, "3"), Some(3.0));
         assert_eq!(error("times.tool_change_s", "9"), None);
         assert_eq!(error("interpolator.filters", "99"), None);
         assert_eq!(edited("[", "name", "1"), None);
@@ -267,7 +269,7 @@ mod tests {
     #[test]
     fn every_parameter_has_a_group_of_its_own_name_or_is_of_the_machine_itself() {
         for row in PARAMETERS.iter() {
-            let known = ["name", "provenance", CYCLE_TIME_ERROR].contains(&row.key);
+            let known = ["name", "provenance"].contains(&row.key) || CALIBRATION.contains(&row.key);
             assert_eq!(group(row.key) == group(""), known, "{}", row.key);
         }
     }

@@ -95,6 +95,7 @@ pub fn motion_of_machine(machine: &Machine) -> String {
         name: neutral.name,
         provenance: neutral.provenance,
         cycle_time_error: neutral.cycle_time_error,
+        calibrated_at: neutral.calibrated_at,
         rates: neutral.rates,
         ..machine.clone()
     };

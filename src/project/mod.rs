@@ -11,9 +11,12 @@ mod comparison;
 mod cutting_file;
 mod cutting_results;
 mod diagnosis;
+mod dropped;
 mod form;
 mod machine_file;
 mod offer;
+mod offer_csv;
+mod offer_facts;
 mod offer_html;
 mod request;
 mod places;
@@ -27,6 +30,7 @@ pub use comparison::{ComparisonReport, Refusal, lost_label};
 pub use cutting_file::{EXAMPLE_CUTTING, cutting_from_toml};
 pub use cutting_results::{cutting_refusal, cutting_remarks, cutting_table, loads_csv, materials_json};
 pub use diagnosis::{DiagnosisReport, RunChart, diagnosis_chart, extended};
+pub use dropped::{FileKind, file_kind};
 pub use form::{dialects, edited, faults_to_json, form, machine_from_form, machine_values};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use offer::OfferReport;
@@ -38,8 +42,8 @@ pub use terms::{terms_form, terms_from_form};
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, Tool, parameter};
 use crate::units::Unit;
 
-/// How far off a machine was when it was calibrated.
-const CYCLE_TIME_ERROR: &str = "calibration.cycle_time_error_percent";
+/// How far off a machine was when it was calibrated, and at which tolerances.
+const CALIBRATION: [&str; 2] = ["calibration.cycle_time_error_percent", "calibration.tolerances_mm"];
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
 const REQUIRED: [&str; 4] =

@@ -1,43 +1,84 @@
-//! An offer as text: what the page shows, JSON and CSV. Amounts are in the currency of the terms, times in s.
-
-use std::fmt::Write;
+//! An offer as text: what the page shows, and JSON. Amounts are in the currency of the terms, times in s.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::machine::Machine;
+use crate::project::offer_facts::{Fact, UncertaintyRow, facts, uncertainty_row};
 use crate::project::terms::terms_from_values;
 use crate::project::{Fault, machine_from_form};
 use crate::quote::{Addend, Breakdown, Item, Offer, Terms, Uncertainty, offer};
 use crate::units::{MINUTES_PER_HOUR, PERCENT, SECONDS_PER_HOUR, Unit};
 
-/// What an offer is asked for: filled forms of machine and terms, and a run of `predict --json`, of which
-/// only the times are read.
+/// What an offer is asked for: filled forms of machine and terms, and runs of `predict --json`, of which the times are
+/// read and what their tolerance is called. One of them is offered, and the others stand beside it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Asked {
     machine: Map<String, Value>,
     terms: Map<String, Value>,
     program: String,
-    tolerance: String,
+    /// The day it is made, as it shall stand there; may be empty.
+    #[serde(default)]
+    date: String,
     programmed_time_s: f64,
-    run: Run,
+    #[serde(default)]
+    remarks: Remarks,
+    runs: Vec<Run>,
+    chosen: usize,
+}
+
+/// How many remarks there are on the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Remarks {
+    pub(super) errors: usize,
+    pub(super) warnings: usize,
 }
 
 #[derive(Deserialize)]
 struct Run {
+    tolerance: String,
+    tolerance_mm: f64,
     breakdown: Kinds,
     operations: Vec<Part>,
     tools: Vec<Part>,
 }
 
-#[derive(Deserialize)]
-struct Kinds {
+/// What the cycle time is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Kinds {
     cutting_s: f64,
     rapid_s: f64,
     dwell_s: f64,
     tool_change_s: f64,
     other_s: f64,
+}
+
+impl Kinds {
+    /// Each with its name.
+    pub(super) fn named(self) -> [(&'static str, f64); 5] {
+        let Kinds { cutting_s, rapid_s, dwell_s, tool_change_s, other_s } = self;
+        [
+            ("cutting", cutting_s),
+            ("rapids", rapid_s),
+            ("dwells", dwell_s),
+            ("tool changes", tool_change_s),
+            ("other", other_s),
+        ]
+    }
+
+    /// As the cycle of a quote.
+    fn cycle(self) -> Breakdown {
+        let Kinds {
+            cutting_s: cutting,
+            rapid_s: rapid,
+            dwell_s: dwell,
+            tool_change_s: tool_change,
+            other_s: other,
+        } = self;
+        Breakdown { cutting, rapid, dwell, tool_change, other, ..Breakdown::default() }
+    }
 }
 
 #[derive(Deserialize)]
@@ -56,11 +97,16 @@ pub struct OfferReport {
     pub(super) program: String,
     pub(super) machine: String,
     pub(super) tolerance: String,
+    pub(super) date: String,
+    pub(super) remarks: Remarks,
+    /// What it is of and how sure that is, as people read it.
+    pub(super) facts: Vec<Fact>,
     pub(super) currency: String,
     /// Decimals of the amounts.
     pub(super) decimals: u32,
     pub(super) programmed_time_s: f64,
     pub(super) cycle_time_s: f64,
+    pub(super) breakdown: Kinds,
     pub(super) uncertainty: UncertaintyRow,
     pub(super) addends: Vec<AddendRow>,
     pub(super) once: f64,
@@ -69,6 +115,8 @@ pub struct OfferReport {
     pub(super) batch: Batch,
     /// Other quantities, ascending, that of the batch among them.
     pub(super) breaks: Vec<Batch>,
+    /// The batch at each tolerance, where there are several.
+    pub(super) tolerances: Vec<ToleranceRow>,
     /// Cost of the cycle by operation, machine and operator, without margin; together `cycle_cost`.
     pub(super) operations: Vec<ShareRow>,
     /// The same by tool.
@@ -76,16 +124,6 @@ pub struct OfferReport {
     pub(super) cycle_cost: f64,
     /// How the numbers are meant, one sentence each.
     pub(super) notes: Vec<String>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct UncertaintyRow {
-    /// given, calibrated or unknown.
-    kind: &'static str,
-    /// As a part of the cycle time.
-    pub(super) ratio: Option<f64>,
-    pub(super) cycle_time_s: Option<[f64; 2]>,
-    pub(super) sentence: String,
 }
 
 /// One amount; `of_batch` is what the batch pays of it.
@@ -111,6 +149,15 @@ pub(super) struct Batch {
     pub(super) total_range: Option<[f64; 2]>,
 }
 
+/// The same batch at a contour tolerance.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct ToleranceRow {
+    pub(super) tolerance: String,
+    pub(super) cycle_time_s: f64,
+    pub(super) unit_price: f64,
+    pub(super) total: f64,
+}
+
 /// An operation or a tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct ShareRow {
@@ -124,20 +171,18 @@ pub(super) struct ShareRow {
 impl OfferReport {
     /// The offer that a JSON text asks for, or what is wrong with its forms.
     pub fn from_json(json: &str) -> Result<OfferReport, Vec<Fault>> {
-        let asked: Asked = serde_json::from_str(json)
-            .map_err(|error| vec![Fault { place: None, key: None, message: error.to_string() }])?;
+        let malformed = |message: String| vec![Fault { place: None, key: None, message }];
+        let mut asked: Asked = serde_json::from_str(json).map_err(|error| malformed(error.to_string()))?;
         let machine = machine_from_form(&Value::Object(asked.machine).to_string())?;
         let terms = terms_from_values(&asked.terms)?;
-        let Run { breakdown, operations, tools } = asked.run;
-        let cycle = Breakdown {
-            cutting: breakdown.cutting_s,
-            rapid: breakdown.rapid_s,
-            dwell: breakdown.dwell_s,
-            tool_change: breakdown.tool_change_s,
-            other: breakdown.other_s,
-            ..Breakdown::default()
-        };
-        let uncertainty = Uncertainty::of(&terms, &machine);
+        if asked.runs.len() <= asked.chosen {
+            return Err(malformed(format!("there is no run {}", asked.chosen)));
+        }
+        let tolerances = tolerance_rows(&asked.runs, &machine, &terms);
+        let Run { tolerance, tolerance_mm, breakdown, operations, tools } =
+            asked.runs.swap_remove(asked.chosen);
+        let cycle = breakdown.cycle();
+        let uncertainty = Uncertainty::of(&terms, &machine, tolerance_mm);
         let middle = offer(&cycle, 1.0, &machine, &terms);
         let ends = uncertainty.ratio().map(|ratio| {
             [1.0 - ratio, 1.0 + ratio].map(|of_cycle| offer(&cycle, of_cycle, &machine, &terms))
@@ -155,88 +200,38 @@ impl OfferReport {
         quantities.push(terms.quantity);
         quantities.sort_unstable();
         quantities.dedup();
-        Ok(OfferReport {
+        let mut report = OfferReport {
             reference: terms.reference.clone(),
             program: asked.program,
             machine: machine.name.clone(),
-            tolerance: asked.tolerance,
+            tolerance,
+            date: asked.date,
+            remarks: asked.remarks,
+            facts: Vec::new(),
             currency: terms.currency.clone(),
             decimals: terms.rounding.decimals(),
             programmed_time_s: asked.programmed_time_s,
             cycle_time_s: cycle.total(),
-            uncertainty: uncertainty_row(uncertainty, cycle.total(), &machine),
+            breakdown,
+            uncertainty: uncertainty_row(uncertainty, cycle.total(), tolerance_mm, &machine),
             addends: middle.addends.iter().map(|addend| addend_row(addend, &middle, &terms)).collect(),
             once: middle.amount(middle.once),
             part: middle.amount(middle.part),
             batch: batch(terms.quantity),
             breaks: quantities.into_iter().map(batch).collect(),
+            tolerances,
             operations: share_rows(&middle, operations),
             tools: share_rows(&middle, tools),
             cycle_cost: middle.amount(middle.cycle),
             notes: notes(&terms, &machine),
-        })
+        };
+        report.facts = facts(&report);
+        Ok(report)
     }
 
     /// As JSON text.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).expect("text and finite numbers have a JSON form")
-    }
-
-    /// As CSV: a table of the addends, one of the quantities, one of operations and one of tools, each with a head.
-    pub fn to_csv(&self) -> String {
-        let mut csv = String::from("item,basis,paid,time_s,per_hour,amount,of_batch\n");
-        let mut row = |cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|cell| cell_of_csv(cell)).collect();
-            writeln!(csv, "{}", cells.join(",")).expect("writing to a string cannot fail");
-        };
-        let optional = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
-        for addend in &self.addends {
-            row(&[
-                addend.item.to_string(),
-                addend.basis.clone(),
-                if addend.once { "once" } else { "a part" }.to_string(),
-                optional(addend.time_s),
-                optional(addend.hourly),
-                self.money(addend.amount),
-                self.money(addend.of_batch),
-            ]);
-        }
-        let total = [String::new(), self.money(self.batch.total)];
-        row(&[
-            &["Total".to_string(), format!("{} parts", self.batch.quantity)][..],
-            &vec![String::new(); 3],
-            &total,
-        ]
-        .concat());
-        row(&[]);
-        row(&["quantity", "unit_price", "total", "total_low", "total_high", "currency"].map(str::to_string));
-        for batch in &self.breaks {
-            let end =
-                |index: usize| batch.total_range.map(|ends| self.money(ends[index])).unwrap_or_default();
-            row(&[
-                batch.quantity.to_string(),
-                self.unit_price(batch.unit_price),
-                self.money(batch.total),
-                end(0),
-                end(1),
-                self.currency.clone(),
-            ]);
-        }
-        for (title, parts) in [("operation", &self.operations), ("tool", &self.tools)] {
-            row(&[]);
-            row(&[title, "line", "tool", "time_s", "cost"].map(str::to_string));
-            for part in parts {
-                let number = |value: Option<u32>| value.map(|value| value.to_string()).unwrap_or_default();
-                row(&[
-                    part.name.clone(),
-                    number(part.line),
-                    number(part.tool),
-                    part.time_s.to_string(),
-                    self.money(part.amount),
-                ]);
-            }
-        }
-        csv
     }
 
     /// An amount with its decimals.
@@ -250,47 +245,8 @@ impl OfferReport {
     }
 }
 
-/// A cell as a spreadsheet reads it. What it would take for a formula is text.
-fn cell_of_csv(text: &str) -> String {
-    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err();
-    let text = if is_formula { format!("'{text}") } else { text.to_string() };
-    if text.contains(['"', ',', '\n', '\r', ';']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text
-    }
-}
-
-fn uncertainty_row(uncertainty: Uncertainty, cycle_time: f64, machine: &Machine) -> UncertaintyRow {
-    let ratio = uncertainty.ratio();
-    let percent = Unit::Percent.from_core(ratio.unwrap_or(0.0));
-    let (kind, sentence) = match uncertainty {
-        Uncertainty::Given(_) => ("given", format!("Cycle time ±{percent:.1} %, as entered.")),
-        Uncertainty::Calibrated(_) => {
-            let from = if machine.provenance.is_empty() { "the machine file" } else { &machine.provenance };
-            (
-                "calibrated",
-                format!(
-                    "Cycle time ±{percent:.1} %, from: {from}. A program unlike those can be further off."
-                ),
-            )
-        }
-        Uncertainty::Unknown => (
-            "unknown",
-            match machine.provenance.as_str() {
-                "" => "Uncertainty of the cycle time: unknown until the machine is calibrated. Compare a recording of it, \
-                       or enter an uncertainty of your own."
-                    .to_string(),
-                provenance => format!(
-                    "Uncertainty of the cycle time: unknown. The machine was changed after its numbers were found, or it \
-                     does not say how far off they were ({provenance})."
-                ),
-            },
-        ),
-    };
-    let ends = ratio.map(|ratio| [1.0 - ratio, 1.0 + ratio].map(|of_cycle| of_cycle * cycle_time));
-    UncertaintyRow { kind, ratio, cycle_time_s: ends, sentence }
-}
+/// What comes before any tool is called has no name of its own.
+const BEFORE_FIRST_TOOL: &str = "Before the first tool";
 
 fn addend_row(addend: &Addend, offer: &Offer, terms: &Terms) -> AddendRow {
     let hourly = addend.rate.map(|rate| super::tidy(rate * SECONDS_PER_HOUR));
@@ -349,12 +305,27 @@ fn label(item: Item) -> &'static str {
     }
 }
 
+fn tolerance_rows(runs: &[Run], machine: &Machine, terms: &Terms) -> Vec<ToleranceRow> {
+    let row = |run: &Run| {
+        let cycle = run.breakdown.cycle();
+        let offer = offer(&cycle, 1.0, machine, terms);
+        ToleranceRow {
+            tolerance: run.tolerance.clone(),
+            cycle_time_s: cycle.total(),
+            unit_price: offer.unit_price(terms.quantity),
+            total: offer.amount(offer.total()),
+        }
+    };
+    if runs.len() < 2 { Vec::new() } else { runs.iter().map(row).collect() }
+}
+
 fn share_rows(offer: &Offer, parts: Vec<Part>) -> Vec<ShareRow> {
     let times: Vec<f64> = parts.iter().map(|part| part.time_s).collect();
     let rows = parts.into_iter().zip(offer.by_time(&times)).map(|(part, steps)| {
         let tool = part.tool.map(|tool| format!("T{tool}"));
         let names = [part.name, tool, part.tool_name].into_iter().flatten();
         let name = names.filter(|name| !name.is_empty()).collect::<Vec<_>>().join(" ");
+        let name = if name.is_empty() { BEFORE_FIRST_TOOL.to_string() } else { name };
         ShareRow { line: part.line, tool: part.tool, name, time_s: part.time_s, amount: offer.amount(steps) }
     });
     rows.collect()
@@ -386,14 +357,18 @@ pub(super) mod tests {
         let mut machine = values(&presets()[preset].machine);
         machine.insert("rates.hourly".to_string(), Value::from(90.0));
         let part = |time: f64, line: u32, tool: u32| serde_json::json!({"line": line, "name": "face, \"rough\"", "tool": tool, "tool_name": null, "time_s": time, "blocks": 4});
+        let run = |tolerance: f64, cutting: f64| {
+            serde_json::json!({
+                "tolerance": format!("{:.0} µm", 1000.0 * tolerance), "tolerance_mm": tolerance,
+                "cycle_time_s": cutting + 20.0, "price": 3.0,
+                "breakdown": {"cutting_s": cutting, "rapid_s": 15.0, "dwell_s": 0.0, "tool_change_s": 4.0, "other_s": 1.0, "other": {}},
+                "operations": [part(cutting - 30.0, 3, 1), part(50.0, 40, 2)],
+                "tools": [part(cutting - 30.0, 3, 1), part(50.0, 40, 2)],
+            })
+        };
         serde_json::json!({
-            "machine": machine, "terms": terms, "program": program, "tolerance": "10 µm", "programmed_time_s": 90.0,
-            "run": {
-                "cycle_time_s": 120.0, "price": 3.0,
-                "breakdown": {"cutting_s": 100.0, "rapid_s": 15.0, "dwell_s": 0.0, "tool_change_s": 4.0, "other_s": 1.0, "other": {}},
-                "operations": [part(70.0, 3, 1), part(50.0, 40, 2)],
-                "tools": [part(70.0, 3, 1), part(50.0, 40, 2)],
-            },
+            "machine": machine, "terms": terms, "program": program, "date": "2026-11-22", "programmed_time_s": 90.0,
+            "remarks": {"errors": 1, "warnings": 2}, "runs": [run(0.01, 100.0), run(0.02, 90.0)], "chosen": 0,
         })
     }
 
@@ -438,16 +413,36 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_table_has_every_number_and_no_formula() {
-        let csv = report(0, serde_json::json!({"reference": "x", "quantity": 2})).to_csv();
+    fn an_uncertainty_is_claimed_only_at_the_tolerances_it_was_measured_at() {
+        let mut asked = asked(0, serde_json::json!({}), "part.nc");
+        asked["chosen"] = Value::from(1);
+        let elsewhere = OfferReport::from_json(&asked.to_string()).expect("right");
+        assert_eq!((elsewhere.tolerance.as_str(), elsewhere.cycle_time_s), ("20 µm", 110.0));
+        assert_eq!((elsewhere.uncertainty.kind, elsewhere.uncertainty.cycle_time_s), ("unknown", None));
+        let sentence = &elsewhere.uncertainty.sentence;
         assert!(
-            csv.starts_with("item,basis,paid,time_s,per_hour,amount,of_batch\n\"Machine, cutting\","),
-            "{csv}"
+            sentence.contains("not measured at 20 µm") && sentence.contains("At 10 µm and 50 µm"),
+            "{sentence}"
         );
-        assert!(csv.contains("\"face, \"\"rough\"\" T1\",3,1,70,"), "{csv}");
-        assert!(csv.contains("\nTotal,2 parts,,,,,6.00\n"), "{csv}");
-        assert_eq!(cell_of_csv("=1+1"), "'=1+1");
-        assert_eq!(cell_of_csv("-1.5"), "-1.5");
+        assert_eq!(elsewhere.batch.total_range, None);
+    }
+
+    #[test]
+    fn an_error_too_small_to_be_told_is_not_said_to_be_none() {
+        let mut asked = asked(0, serde_json::json!({}), "part.nc");
+        asked["machine"]["calibration.cycle_time_error_percent"] = Value::from(0.004);
+        let sentence = OfferReport::from_json(&asked.to_string()).expect("right").uncertainty.sentence;
+        assert!(sentence.starts_with("Cycle time within ±0.1 %, from: the eight pockets"), "{sentence}");
+    }
+
+    #[test]
+    fn the_batch_is_priced_at_every_tolerance() {
+        let report = report(0, serde_json::json!({"quantity": 2}));
+        let rows: Vec<_> = report.tolerances.iter().map(|row| (row.tolerance.as_str(), row.total)).collect();
+        assert_eq!(rows, [("10 µm", report.batch.total), ("20 µm", 5.5)]);
+        let mut asked = asked(0, serde_json::json!({}), "");
+        asked["chosen"] = Value::from(2);
+        assert!(OfferReport::from_json(&asked.to_string()).is_err());
     }
 
     #[test]

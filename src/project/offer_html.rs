@@ -24,14 +24,10 @@ impl OfferReport {
         };
         let currency = &self.currency;
         let mut body = format!("<h1>{}</h1>\n", escaped(&title));
-        body += &paragraph(&format!(
-            "Program {} on {}, contour tolerance {}. Computed by Truefeed {}.",
-            self.program,
-            self.machine,
-            self.tolerance,
-            env!("CARGO_PKG_VERSION")
-        ));
-        body += &table("", &["", ""], &self.facts(), None);
+        body += &paragraph(&format!("Computed by Truefeed {}.", env!("CARGO_PKG_VERSION")));
+        let facts: Vec<Vec<String>> =
+            self.facts.iter().map(|fact| vec![fact.name.to_string(), fact.value.clone()]).collect();
+        body += &table("", &["", ""], &facts, None);
         let addends: Vec<Vec<String>> = self
             .addends
             .iter()
@@ -52,8 +48,9 @@ impl OfferReport {
         let sum =
             ["Total", "", &self.money(self.once), &self.money(self.part), &self.money(self.batch.total)]
                 .map(str::to_string);
-        let head = format!("{} parts, {currency}", self.batch.quantity);
-        body += &table("What the price is made of", &["", "", "Once", "A part", &head], &addends, Some(&sum));
+        let parts = format!("{} parts, {currency}", self.batch.quantity);
+        let head = ["", "", "Once", "A part", &parts];
+        body += &table("What the price is made of", &head, &addends, Some(&sum));
         let breaks: Vec<Vec<String>> = self.breaks.iter().map(|batch| self.of_batch(batch)).collect();
         body += &table(
             "Price by quantity",
@@ -61,6 +58,14 @@ impl OfferReport {
             &breaks,
             None,
         );
+        let tolerances: Vec<Vec<String>> = (self.tolerances.iter())
+            .map(|row| {
+                let [unit, total] = [self.unit_price(row.unit_price), self.money(row.total)];
+                vec![row.tolerance.clone(), format!("{:.1} s", row.cycle_time_s), unit, total]
+            })
+            .collect();
+        let head = ["Contour tolerance", "Cycle time", "A part", &parts];
+        body += &table("Price by tolerance", &head, &tolerances, None);
         let shares = |rows: &[ShareRow]| -> Vec<Vec<String>> {
             let row = |row: &ShareRow| {
                 let line = row.line.map(|line| format!("line {line}")).unwrap_or_default();
@@ -90,17 +95,6 @@ impl OfferReport {
              <style>{STYLE}</style></head>\n<body>\n{body}</body></html>\n",
             escaped(&title)
         )
-    }
-
-    fn facts(&self) -> Vec<Vec<String>> {
-        let ends = self.uncertainty.cycle_time_s;
-        let range = ends.map(|[low, high]| format!(", {low:.1} to {high:.1} s")).unwrap_or_default();
-        let row = |name: &str, value: String| vec![name.to_string(), value];
-        vec![
-            row("Cycle time of a part", format!("{:.1} s{range}", self.cycle_time_s)),
-            row("How sure", self.uncertainty.sentence.clone()),
-            row("CAM would say", format!("{:.1} s", self.programmed_time_s)),
-        ]
     }
 
     fn of_batch(&self, batch: &Batch) -> Vec<String> {
@@ -139,6 +133,7 @@ fn table(title: &str, head: &[&str], rows: &[Vec<String>], sum: Option<&[String]
 
 #[cfg(test)]
 mod tests {
+    use crate::plot::escaped;
     use crate::project::offer::OfferReport;
     use crate::project::offer::tests::asked;
 
@@ -158,5 +153,13 @@ mod tests {
             assert!(html.contains(&format!("<td>{}</td>", report.money(addend.of_batch))), "{}", addend.item);
         }
         assert!(html.contains(&report.money(report.batch.total)));
+        for fact in &report.facts {
+            assert!(
+                html.contains(&format!("<td class=\"basis\">{}</td>", escaped(&fact.value))),
+                "{}",
+                fact.name
+            );
+        }
+        assert!(html.contains("<td>20 µm</td><td>110.0 s</td>"), "{html}");
     }
 }

@@ -114,21 +114,29 @@ impl Offer {
     }
 }
 
+/// Tolerances that differ by a smaller part are the same: a calibration knows its own no better.
+const SAME_TOLERANCE: f64 = 0.01;
+
 /// How sure a cycle time is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Uncertainty {
     /// The estimator says so, as a part of it.
     Given(f64),
-    /// It was off by that part where the machine was calibrated.
+    /// It was off by that part where the machine was calibrated, at this tolerance.
     Calibrated(f64),
+    /// It was off by that part at other tolerances, and nobody has measured at this one.
+    Elsewhere(f64),
     /// Nobody knows.
     Unknown,
 }
 
 impl Uncertainty {
-    /// That of a cycle time on a machine.
-    pub fn of(terms: &Terms, machine: &Machine) -> Uncertainty {
-        let own = machine.cycle_time_error.map_or(Uncertainty::Unknown, Uncertainty::Calibrated);
+    /// That of a cycle time on a machine at a contour tolerance, mm.
+    pub fn of(terms: &Terms, machine: &Machine, tolerance: f64) -> Uncertainty {
+        let is_near = |other: &f64| (other / tolerance - 1.0).abs() < SAME_TOLERANCE;
+        let is_measured = machine.tolerances_of_error().iter().any(is_near);
+        let known = if is_measured { Uncertainty::Calibrated } else { Uncertainty::Elsewhere };
+        let own = machine.cycle_time_error.map_or(Uncertainty::Unknown, known);
         terms.uncertainty.map_or(own, Uncertainty::Given)
     }
 
@@ -136,7 +144,7 @@ impl Uncertainty {
     pub fn ratio(self) -> Option<f64> {
         match self {
             Uncertainty::Given(ratio) | Uncertainty::Calibrated(ratio) => Some(ratio),
-            Uncertainty::Unknown => None,
+            Uncertainty::Elsewhere(_) | Uncertainty::Unknown => None,
         }
     }
 }
@@ -384,11 +392,16 @@ mod tests {
     #[test]
     fn an_uncertainty_is_entered_or_calibrated_or_unknown() {
         let (mut machine, mut terms) = (Machine::default(), Terms::default());
-        assert_eq!(Uncertainty::of(&terms, &machine), Uncertainty::Unknown);
+        let at = Uncertainty::of;
+        assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Unknown);
         machine.cycle_time_error = Some(0.02);
-        assert_eq!(Uncertainty::of(&terms, &machine), Uncertainty::Calibrated(0.02));
+        assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Calibrated(0.02));
+        assert_eq!(at(&terms, &machine, 0.02), Uncertainty::Elsewhere(0.02));
+        machine.calibrated_at = vec![0.02, 0.05];
+        assert_eq!(at(&terms, &machine, 0.02), Uncertainty::Calibrated(0.02));
+        assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Elsewhere(0.02));
         terms.uncertainty = Some(0.1);
-        assert_eq!(Uncertainty::of(&terms, &machine), Uncertainty::Given(0.1));
-        assert_eq!(Uncertainty::Unknown.ratio(), None);
+        assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Given(0.1));
+        assert_eq!((Uncertainty::Unknown.ratio(), Uncertainty::Elsewhere(0.02).ratio()), (None, None));
     }
 }

@@ -201,6 +201,36 @@ pageTest('a diagnosis can be cancelled, and leaves everything as it was', async 
   assert.ok(await page.isEnabled('#diagnosis .start'))
 })
 
+pageTest('a reload keeps what was found', async ({ page }) => {
+  await loadSample(page)
+  await page.click('#diagnosis .start')
+  await diagnosed(page)
+  const [sentence, numbers] = await page.$$eval('#diagnosis .sentence, #diagnosis .result', (all) => all.map(({ textContent }) => textContent))
+  // Nothing says when the browser has written it; it is asked for before the reload.
+  await page.waitForFunction(
+    () =>
+      new Promise((resolve) => {
+        const asked = indexedDB.open('truefeed', 1)
+        asked.onsuccess = () => {
+          const found = asked.result.transaction('tabs').objectStore('tabs').getAll()
+          found.onsuccess = () => {
+            asked.result.close()
+            resolve(found.result.some(({ diagnosis }) => diagnosis))
+          }
+        }
+      }),
+  )
+  await page.reload()
+  await compared(page)
+  await diagnosed(page)
+  assert.equal(await page.textContent('#diagnosis .sentence'), sentence)
+  await page.waitForFunction(() => document.querySelector('#diagnosis .what-if')?.textContent)
+  assert.equal((await page.textContent('#diagnosis .result')).slice(0, 200), numbers.slice(0, 200))
+  assert.ok(await page.isHidden('#diagnosis .outdated'), await page.textContent('#diagnosis .outdated'))
+  await page.click('#diagnosis .restore button')
+  assert.ok(await page.isVisible('#diagnosis .outdated'))
+})
+
 pageTest('a recording that is refused says why, and is not diagnosed', async ({ page }) => {
   const other = join(folder, 'other.nc')
   writeFileSync(other, ['G21 G90', 'G1 X200 F2000', 'G1 Y300', 'G1 X0', 'G1 Y0', 'M30'].join('\n'))

@@ -148,3 +148,14 @@ pageTest('a file does the same as a link, by keys alone', async ({ page }) => {
   assert.match(await page.textContent('#notice .refused'), /mine\.json cannot be used/)
   assert.equal(await page.inputValue('#field-rapid-feed_mm_min'), '23456')
 })
+
+pageTest('settings that are dropped are taken as settings, whatever the file is called', async ({ page }) => {
+  await filled(page)
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('.save-settings')])
+  const text = readFileSync(await download.path())
+  await page.click('#machine .reset')
+  await page.setInputFiles('#files', { name: 'shop.txt', mimeType: 'text/plain', buffer: text })
+  await page.waitForSelector('#notice .taken', { state: 'visible' })
+  assert.equal(await page.inputValue('#field-rapid-feed_mm_min'), '23456')
+  assert.equal(await page.locator('#recording .pairs li').count(), 0)
+})

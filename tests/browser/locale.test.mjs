@@ -23,6 +23,8 @@ for (const [locale, time, constant] of [
       await page.waitForSelector('html[data-ready]')
       const field = '#field-interpolator-time_constant_s'
       assert.equal(await page.inputValue(field), constant)
+      // The number of a section is none of that kind.
+      assert.match(await page.textContent('#machine .source'), /Sect\. 2\.2\b/)
       await page.setInputFiles('#files', SAMPLE)
       await computed(page)
       const cells = await page.$$eval('#results tbody tr:first-child td:nth-of-type(2)', (all) => all.map((cell) => cell.textContent))
@@ -83,7 +85,7 @@ for (const [locale, unclear, plain] of [
 /** What is read on the page, but for texts of programs and what is typed in files. */
 const READ = 'main *:not(code, textarea, option, .listing *, #diagnostics *, #cutting .materials *, script)'
 /** A number with a point that sets no three digits apart. */
-const POINTED = /(?<![\w./])\d+\.(\d{1,2}|\d{4,})(?![\w]|\.\w)/
+const POINTED = /(?<![\w./]|Sect\. )\d+\.(\d{1,2}|\d{4,})(?![\w]|\.\w)/
 
 test('where a comma is the decimal sign no number on page, pictures and reports has a point, and files for machines have', { timeout: 240_000 }, async () => {
   const opened = await openPage({ locale: 'de-DE' })

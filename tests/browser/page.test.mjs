@@ -116,10 +116,73 @@ pageTest('a bad program is answered line by line, and the rest is quoted', async
   assert.ok((await cycleTimes(page)).every((time) => time > 0))
   await shot(page, 'bad')
 
-  const noise = Buffer.from(Array.from({ length: 5000 }, (_, i) => (i * 7919) % 256))
-  await page.setInputFiles('#files', { name: 'noise.bin', mimeType: 'application/octet-stream', buffer: noise })
+  await page.setInputFiles('#files', { name: 'letter.txt', mimeType: 'text/plain', buffer: Buffer.from('Dear Sir,\nthe part is late.\n') })
   await page.waitForFunction(() => document.querySelectorAll('.choose').length === 2)
   await page.waitForSelector('.moves-nothing #diagnostics tbody tr')
+})
+
+pageTest('what is no program is named, with what to drop instead, and what is beside it is taken', async ({ page }) => {
+  const noise = Buffer.from(Array.from({ length: 5000 }, (_, i) => (i * 7919) % 256))
+  const file = (name, buffer) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(buffer) })
+  const refused = '#notice .refused span'
+  for (const [name, bytes, kind] of [
+    ['noise.bin', noise, 'a binary file'],
+    ['part.zip', 'PK\x03\x04\x14', 'a ZIP archive'],
+    ['drawing.pdf', '%PDF-1.7\n', 'a PDF'],
+    ['part.step', 'ISO-10303-21;\nHEADER;\n', 'a STEP model'],
+  ]) {
+    await page.setInputFiles('#files', file(name, bytes))
+    await page.waitForFunction(({ refused, text }) => document.querySelector(refused).textContent.includes(text), { refused, text: `${name} seems to be ${kind}` })
+    assert.match(await page.textContent(refused), /Drop a G-code program/)
+    assert.ok(await page.isVisible(refused))
+  }
+  assert.equal(await page.locator('.choose').count(), 0)
+  await page.setInputFiles('#files', [file('part.zip', 'PK\x03\x04'), file('part.nc', 'G21 G90\nG1 X10 F600\n')])
+  await computed(page)
+  assert.match(await page.textContent(refused), /part\.zip/)
+  assert.deepEqual(await page.$$eval('.choose .file', (all) => all.map(({ textContent }) => textContent)), ['part.nc'])
+})
+
+pageTest('the focus is never lost: it goes to the program that was added, and to Undo when the last one is removed', async ({ page }) => {
+  const focused = () => page.evaluate(() => document.activeElement.className)
+  await page.focus('#welcome .sample')
+  await page.keyboard.press('Enter')
+  await computed(page)
+  assert.equal(await focused(), 'choose')
+  await page.keyboard.press('Delete')
+  await frame(page)
+  assert.equal(await focused(), 'undo-change')
+  await page.keyboard.press('Enter')
+  await computed(page)
+})
+
+pageTest(
+  'the page fits a phone at twice its size',
+  async ({ page }) => {
+    await page.click('#welcome .sample')
+    await computed(page)
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), PHONE.width / 2)
+  },
+  { viewport: { width: PHONE.width / 2, height: PHONE.height / 2 } },
+)
+
+pageTest('two fingers magnify the chart about the place between them', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  const cdp = await page.context().newCDPSession(page)
+  await cdp.send('Emulation.setTouchEmulationEnabled', { enabled: true, maxTouchPoints: 2 })
+  const { x, y, width, height } = await page.locator('#chart .plot').boundingBox()
+  const [from, to] = await span(page)
+  const touch = (type, apart) => {
+    const points = [-1, 1].map((side, id) => ({ x: x + width / 2 + side * apart, y: y + height / 3, id }))
+    return cdp.send('Input.dispatchTouchEvent', { type, touchPoints: apart ? points : [] })
+  }
+  await touch('touchStart', 40)
+  for (const apart of [60, 80, 100, 120]) await touch('touchMove', apart)
+  await touch('touchEnd', 0)
+  const [left, right] = await span(page)
+  assert.ok(Math.abs((to - from) / (right - left) / 3 - 1) < 0.1, `${to - from} mm became ${right - left} mm`)
+  assert.ok(from < left && right < to)
 })
 
 pageTest('cancelling ends the work and keeps what there was; the next run works', async ({ page }) => {
@@ -468,6 +531,11 @@ pageTest('behind the chart is a table of what is in sight', async ({ page }) => 
   const zoomed = await rows()
   assert.equal(zoomed.length, 20)
   assert.ok(end(zoomed) < length)
+  // However far it is zoomed, each row begins elsewhere.
+  for (let times = 0; times < 12; times += 1) await page.keyboard.press('+')
+  await page.waitForFunction((first) => document.querySelector('#chart .behind tbody th').textContent !== first, zoomed[0][0])
+  await page.waitForTimeout(400)
+  assert.equal(new Set((await rows()).map(([place]) => place)).size, 20, (await rows())[0][0])
   await page.selectOption('#chart .over', 'time')
   await page.waitForFunction(() => document.querySelector('#chart .behind thead th').textContent === 'Time')
   assert.match((await rows())[0][0], / s$/)

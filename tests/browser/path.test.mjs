@@ -41,6 +41,19 @@ const legend = (page) =>
   page.$$eval('#path .ramp span', (all) => all.map((swatch) => swatch.style.backgroundColor.match(/\d+/g).join(' ')))
 const selectedLine = (page) => page.locator('#path [aria-selected="true"]').evaluate((line) => Number(line.dataset.line))
 
+pageTest('a click in the chart selects the line before the path was ever in sight', async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  await frame(page)
+  assert.ok(!(await page.isVisible('#path .places tbody tr')), 'the path has been drawn already')
+  const { width, height } = await page.locator('#chart .plot').boundingBox()
+  await page.click('#chart .plot', { position: { x: width / 2, y: height / 3 } })
+  const line = await page.textContent('#chart .reading .code')
+  await page.locator('#path .listing').scrollIntoViewIfNeeded()
+  await page.waitForSelector('#path [aria-selected="true"]')
+  assert.match(line, new RegExp(`line ${await selectedLine(page)}\\b`))
+})
+
 for (const [width, height] of [
   [360, 780],
   [1280, 900],

@@ -93,11 +93,80 @@ pageTest('an edit of the machine takes its error away, and the quote says so', a
   assert.match(await page.textContent('#quote .sure'), /±7\.9 %/)
 })
 
+pageTest('an uncertainty is claimed at the tolerances it was measured at, and nowhere else', async ({ page }) => {
+  await quoted(page)
+  assert.match(await page.textContent('#quote .sure'), /±7\.9 %/)
+  await page.selectOption('#quote .at select', '20 µm')
+  assert.match(await page.textContent('#quote .sure'), /not measured at 20 µm\. At 10 µm and 50 µm it was ±7\.9 %/)
+  assert.match(await page.textContent('#quote .answer table >> nth=1'), /unknown/)
+  await page.selectOption('#quote .at select', '50 µm')
+  assert.match(await page.textContent('#quote .sure'), /Cycle time ±7\.9 %/)
+
+  // What is quoted is not forgotten.
+  await page.selectOption('#compare .beside', { index: 2 })
+  const beside = await page.inputValue('#compare .beside')
+  await page.reload()
+  await computed(page)
+  assert.equal(await page.inputValue('#quote .at select'), '50 µm')
+  assert.match(await page.textContent('#quote .on-paper'), /50 µm/)
+  assert.equal(await page.inputValue('#compare .beside'), beside)
+})
+
+pageTest('a quote of the machine before is not taken away for one of the machine of now', async ({ page }) => {
+  await quoted(page)
+  const before = await page.textContent('#quote .answer')
+  const during = await page.evaluate(() => {
+    const field = document.querySelector('#field-interpolator-time_constant_s')
+    field.value = '0.05'
+    field.dispatchEvent(new Event('input', { bubbles: true }))
+    field.dispatchEvent(new Event('change', { bubbles: true }))
+    const quantity = document.querySelector('#term-quantity')
+    quantity.value = '3'
+    quantity.dispatchEvent(new Event('input', { bubbles: true }))
+    quantity.dispatchEvent(new Event('change', { bubbles: true }))
+    return {
+      answer: document.querySelector('#quote .answer').textContent,
+      waits: document.querySelector('#quote .waits').textContent,
+      open: [...document.querySelectorAll('#quote .exports button')].filter(({ disabled }) => !disabled).length,
+    }
+  })
+  assert.equal(during.answer, before, 'the price of the machine before has settings of now')
+  assert.match(during.waits, /Computing anew/)
+  assert.equal(during.open, 0)
+  await page.emulateMedia({ media: 'print' })
+  await computed(page)
+  await page.emulateMedia({ media: 'screen' })
+  assert.equal(await page.textContent('#quote .waits'), '')
+  const { cycle_time_s: time, batch } = JSON.parse((await downloaded(page, '#quote .json')).bytes)
+  assert.equal(time, Number(await page.getAttribute('#results data', 'value')))
+  assert.equal(batch.quantity, 3)
+})
+
+pageTest('every document of a quote says the same facts', async ({ page }) => {
+  await quoted(page)
+  const { facts, tolerances } = JSON.parse((await downloaded(page, '#quote .json')).bytes)
+  assert.deepEqual(
+    facts.map(({ name }) => name),
+    ['Reference', 'Program', 'Machine', 'Contour tolerance', 'Date', 'Cycle time of a part', 'Of that', 'CAM would say', 'How sure', 'Remarks on the program'],
+  )
+  assert.equal(tolerances.length, 3)
+  const csv = (await downloaded(page, '#quote .csv')).bytes.toString()
+  const html = await page.context().newPage()
+  await html.setContent((await downloaded(page, '#quote .html')).bytes.toString())
+  const [document, paper] = [await html.textContent('body'), await page.textContent('#quote .on-paper')]
+  for (const { name, value } of facts) {
+    for (const text of [csv, document, paper]) assert.ok(text.includes(name) && text.includes(value), `${name}: ${value}`)
+  }
+  for (const { tolerance } of tolerances) assert.match(csv, new RegExp(`\n${tolerance},\\d`))
+  assert.match(document, /Price by tolerance/)
+  await html.close()
+})
+
 pageTest('the quote leaves as CSV, JSON and HTML that stands alone', async ({ page, origin }) => {
   await quoted(page)
   const csv = await downloaded(page, '#quote .csv')
   assert.match(csv.name, /^quote-.*\.csv$/)
-  assert.match(csv.bytes.toString(), /^item,basis,paid,time_s,per_hour,amount,of_batch\n/)
+  assert.match(csv.bytes.toString(), /^fact,value\n[^]*\n\nitem,basis,paid,time_s,per_hour,amount,of_batch\n/)
   const offer = JSON.parse((await downloaded(page, '#quote .json')).bytes)
   assert.equal(offer.batch.quantity, 25)
   const sum = offer.addends.reduce((all, addend) => all + Math.round(100 * addend.of_batch), 0)

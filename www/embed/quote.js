@@ -3,7 +3,7 @@
 import { make } from '../dom.js'
 import { Engine } from '../engine.js'
 import * as show from '../format.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
 import { wholeModule } from './module.js'
 import { QuoteError, bytesOf, refusalOf, refused, requestOf } from './request.js'
 import { sheetOfQuote } from './sheet.js'

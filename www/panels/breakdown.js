@@ -3,7 +3,7 @@
 import { find, make } from '../dom.js'
 import { count, difference, millimetres, number, seconds } from '../format.js'
 import { toleranceLabel } from '../labels.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
 
 /** @import { Breakdown, Cut, CutOfOperation, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
 

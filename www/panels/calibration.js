@@ -4,7 +4,7 @@ import { find, make, scroll } from '../dom.js'
 import { count, worded } from '../format.js'
 import { usable } from '../recordings.js'
 import { saveMachine } from '../save.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
 
 /** @import { Calibration, CalibrationReport, State } from "../types.js" */
 

@@ -8,7 +8,7 @@ import { sheetOf, whenStill } from '../drawing.js'
 import { clock, difference, money, percent, seconds } from '../format.js'
 import { deviationLabel, toleranceLabel } from '../labels.js'
 import { offerPictures } from '../pictures.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
 import { Times, asked, coarseFirst } from '../times.js'
 
 /** @import { Engine } from "../engine.js" */

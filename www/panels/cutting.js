@@ -8,7 +8,7 @@ import { Ended } from '../engine.js'
 import { feedrate, figures, number, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
 import { join } from '../plot.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
 import { headOf, lineOf } from './chart.js'
 
 /** @import { Engine } from "../engine.js" */

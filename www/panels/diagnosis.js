@@ -9,7 +9,7 @@ import { lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
 import { evidence, usable } from '../recordings.js'
 import { saveFile, saveMachine } from '../save.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
 import { headOf, lineOf } from './chart.js'
 
 /** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Value, Values } from "../types.js" */

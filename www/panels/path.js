@@ -9,7 +9,7 @@ import { mountListing } from '../listing.js'
 import { offerPictures } from '../pictures.js'
 import { link } from '../plot.js'
 import { recordingOf } from '../recordings.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
 import { lineOf } from './chart.js'
 
 /** @import { Column, LostAt, MatchedColumns, Outcome, Program, Run, State } from "../types.js" */
@@ -68,6 +68,8 @@ export function mount(root, actions) {
     },
     hide: () => hide(),
     choose: (distance) => {
+      // Where it has not been in sight so far, it knows nothing of the program yet.
+      fill()
       const line = view.lineAt(distance)
       if (line !== undefined) chooseLine(line)
     },
@@ -479,6 +481,7 @@ export function mount(root, actions) {
   return {
     /** Marks a stretch of the path, mm. @param {[number, number]} stretch */
     keep(stretch) {
+      fill()
       if (outcome) keep(stretch)
     },
     /** @param {State} state */

@@ -1,21 +1,23 @@
 // The list of programs: adding by file, drop or sample, choosing one, removing with undo.
 
-import { isRecording, sniffedBytes } from '../pkg/truefeed.js'
+import { fileKind, sniffedBytes } from '../pkg/truefeed.js'
 import { columnsOf, isStill } from '../columns.js'
 import { find, make } from '../dom.js'
 import { clock, count, size } from '../format.js'
 import { say } from '../texts.js'
+import { mountUndo } from '../undo.js'
 
 /** @import { Program, State } from "../types.js" */
 
 const SAMPLE = 'samples/pocket.nc'
-const UNDO_MS = 10_000
 
 /**
  * @typedef {object} Actions
  * @property {(files: {name: string, file: Blob}[]) => void} addPrograms
  * @property {(files: {name: string, bytes: Uint8Array}[]) => void} addRecordings
  * @property {(file: File) => Promise<void>} addMachine
+ * @property {(file: File) => Promise<void>} addSettings
+ * @property {(message: string) => void} refuse
  * @property {(id: number) => void} select
  * @property {(id: number, dialect: string | null) => void} setDialect
  * @property {(id: number) => () => void} removeProgram
@@ -35,9 +37,10 @@ export function mount(root, dialects, actions) {
   })
   const list = find(root, '.programs')
   const input = /** @type {HTMLInputElement} */ (find(document.body, '#files'))
-  const undo = find(root, '.undo')
-  let timer = 0
-  let putBack = () => {}
+  const undo = mountUndo(find(root, '.undo'))
+  /** What had the focus is out of sight. */
+  const focusSelected = () => /** @type {HTMLElement | null} */ (list.querySelector('[aria-selected=true]'))?.focus({ preventScroll: true })
+  find(root, '.undo button').addEventListener('click', focusSelected)
 
   input.addEventListener('change', async () => {
     await add([...(input.files ?? [])], actions)
@@ -47,12 +50,9 @@ export function mount(root, dialects, actions) {
     button.addEventListener('click', async () => {
       const response = await fetch(new URL(`../${SAMPLE}`, import.meta.url))
       actions.addPrograms([{ name: say.program.sample, file: await response.blob() }])
+      if (button.closest('#welcome')) focusSelected()
     })
   }
-  find(undo, 'button').addEventListener('click', () => {
-    undo.hidden = true
-    putBack()
-  })
   find(root, '.remove-selected').addEventListener('click', () => {
     const program = programs.find(({ id }) => id === selected)
     if (program) remove(program)
@@ -61,12 +61,9 @@ export function mount(root, dialects, actions) {
 
   /** @param {Program} program */
   function remove(program) {
-    putBack = actions.removeProgram(program.id)
-    find(undo, 'span').textContent = say.common.removed(program.name)
-    undo.hidden = false
-    clearTimeout(timer)
-    timer = window.setTimeout(() => (undo.hidden = true), UNDO_MS)
-    find(undo, 'button').focus()
+    undo.offer(say.common.removed(program.name), actions.removeProgram(program.id))
+    // Without a program the list is out of sight.
+    find(document.body, programs.length > 0 ? '#program .undo button' : '.undo-change').focus()
   }
 
   /** What is in the list, by program; kept, so that nobody clicks on what is being replaced. @type {Map<number, Entry>} */
@@ -159,7 +156,7 @@ export async function bytesOf(files) {
 /** Files up to this size are kept as they are now; larger ones are read again where they are. Bytes. */
 const KEPT = 16_000_000
 
-/** Takes machines by their names, and programs and recordings, told apart by what stands in them. @param {File[]} dropped @param {Actions} actions */
+/** Takes machines by their names and all else by what stands in it, and says what is of no use. @param {File[]} dropped @param {Actions} actions */
 async function add(dropped, actions) {
   const isMachine = (/** @type {File} */ { name }) => /\.toml$/i.test(name)
   for (const file of dropped.filter(isMachine)) await actions.addMachine(file)
@@ -167,13 +164,17 @@ async function add(dropped, actions) {
   const headed = async (/** @type {File} */ file) => ({
     file,
     // A table of which nothing can be read is a recording too, which says why not.
-    isLog: /\.csv$/i.test(file.name) || isRecording(new Uint8Array(await file.slice(0, sniffedBytes()).arrayBuffer())),
+    kind: /\.csv$/i.test(file.name) ? 'recording' : fileKind(new Uint8Array(await file.slice(0, sniffedBytes()).arrayBuffer())),
     kept: file.size <= KEPT ? new Blob([await file.arrayBuffer()]) : file,
   })
   const results = await Promise.allSettled(files.map(headed))
   const all = results.flatMap((result) => (result.status === 'fulfilled' ? [result.value] : []))
-  const programs = all.filter(({ isLog }) => !isLog).map(({ file, kept }) => ({ name: file.name, file: kept }))
-  const recordings = await bytesOf(all.filter(({ isLog }) => isLog).map(({ file }) => file))
+  const of = (/** @type {string} */ wanted) => all.filter(({ kind }) => kind === wanted)
+  const programs = of('program').map(({ file, kept }) => ({ name: file.name, file: kept }))
+  const recordings = await bytesOf(of('recording').map(({ file }) => file))
+  const others = all.filter(({ kind }) => !['program', 'recording', 'settings'].includes(kind))
+  actions.refuse(others.map(({ file, kind }) => say.program.notTaken(file.name, kind)).join(' '))
+  for (const { file } of of('settings')) await actions.addSettings(file)
   if (programs.length > 0) actions.addPrograms(programs)
   if (recordings.length > 0) actions.addRecordings(recordings)
 }

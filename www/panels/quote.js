@@ -7,7 +7,8 @@ import { field, idOf, same } from '../field.js'
 import { amount, clock, count, seconds, worded, wordedHtml } from '../format.js'
 import { addressOf } from '../pictures.js'
 import { saveFile } from '../save.js'
-import { say } from '../texts.js'
+import { say } from '../texts_later.js'
+import { outOfDate } from './results.js'
 
 /** @import { Column, Form, Offer, OfferShare, Outcome, Parameter, State, Value } from "../types.js" */
 
@@ -18,11 +19,13 @@ const MACHINE_RATE = 'rates.hourly'
 /**
  * @param {HTMLElement} root
  * @param {Form} form
- * @param {{setParameter(key: string, value: Value): void, setTerm(key: string, value: Value): void}} actions
+ * @param {{setParameter(key: string, value: Value): void, setTerm(key: string, value: Value): void, setQuoted(tolerance: string): void}} actions
  */
 export function mount(root, form, actions) {
   const chosen = /** @type {HTMLSelectElement} */ (find(root, '.at select'))
   const answer = find(root, '.answer')
+  const waits = find(root, '.waits')
+  const exporting = /** @type {NodeListOf<HTMLButtonElement>} */ (root.querySelectorAll('.exports button'))
   const pictures = find(root, '.pictures')
   /** @type {Parameter[]} */
   const terms = JSON.parse(termsForm())
@@ -44,7 +47,7 @@ export function mount(root, form, actions) {
   /** What is in sight is of. @type {unknown[]} */
   let shown = []
 
-  chosen.addEventListener('change', () => state && update(state))
+  chosen.addEventListener('change', () => actions.setQuoted(chosen.value))
 
   /** @param {string} selector @param {(offered: Offered, name: string) => void} act */
   function on(selector, act) {
@@ -64,7 +67,7 @@ export function mount(root, form, actions) {
     await Promise.all(placePictures().map((picture) => picture.decode()))
     window.print()
   })
-  window.addEventListener('beforeprint', () => offered && pictures.childElementCount === 0 && placePictures())
+  window.addEventListener('beforeprint', () => offered && !root.matches('.stale') && pictures.childElementCount === 0 && placePictures())
 
   /** The charts on paper. */
   function placePictures() {
@@ -104,53 +107,63 @@ export function mount(root, form, actions) {
       show(source.values[parameter.key] ?? null, message)
     }
     choices(now, outcome)
+    if (columns.some((column) => columnLabel(column) === now.quoted)) chosen.value = now.quoted
     const column = columns[chosen.selectedIndex]
     const run = outcome?.runs.get(column)?.summary
     root.hidden = columns.length === 0
     document.body.classList.toggle('has-quote', !root.hidden)
-    root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machine.motion)
-    const of = [run, machine.values, terms.values, program()?.name, columns]
-    if (same([...of.slice(1)], shown.slice(1)) && run === shown[0]) return
+    const isStale = Boolean(outcome) && outcome?.motion !== machine.motion
+    root.classList.toggle('stale', isStale)
+    // A price of the former motion and the settings of now is of neither.
+    const reason = isStale ? outOfDate(now) : ''
+    if (waits.textContent !== reason) waits.textContent = reason
+    if (isStale && shown[0] === program()) return allow(false)
+    const of = [program(), run, machine.values, terms.values, columns]
+    if (of.every((value, index) => value === shown[index])) return allow(offered !== null)
     shown = of
     offered?.free()
     offered = null
     pictures.replaceChildren()
-    if (!run || !outcome) return answer.replaceChildren()
-    const asked = (/** @type {Column} */ column) => ({
+    answer.replaceChildren()
+    if (run && outcome && !isStale) offer(now, outcome)
+    allow(offered !== null)
+  }
+
+  /** Says whether the quote may be taken away. @param {boolean} may */
+  function allow(may) {
+    for (const button of exporting) button.disabled = !may
+  }
+
+  /** Prices what has been computed. @param {State} now @param {Outcome} outcome */
+  function offer({ machine, terms }, outcome) {
+    const severe = (/** @type {string} */ kind) => outcome.summary.diagnostics.filter(({ severity }) => severity === kind).length
+    const asked = {
       machine: machine.values,
       terms: terms.values,
       program: program()?.name ?? '',
-      // What machines read has a decimal point.
-      tolerance: column === null ? say.charts.asProgrammed : toleranceLabel(column),
+      // As ISO writes it, by the clock of the user.
+      date: new Date().toLocaleDateString('sv'),
       programmed_time_s: outcome.summary.programmed_time_s,
-      run: outcome.runs.get(column)?.summary,
-    })
-    const offerAt = (/** @type {Column} */ column) => {
-      const other = new Offered(JSON.stringify(asked(column)))
-      const offer = /** @type {Offer} */ (JSON.parse(other.json()))
-      other.free()
-      return offer
+      remarks: { errors: severe('error'), warnings: severe('warning') },
+      // What machines read has a decimal point.
+      runs: columns.map((column) => ({ ...outcome.runs.get(column)?.summary, tolerance: column === null ? say.charts.asProgrammed : toleranceLabel(column) })),
+      chosen: chosen.selectedIndex,
     }
     try {
-      offered = new Offered(JSON.stringify(asked(column)))
-      const offers = columns.length > 1 ? columns.map(offerAt) : []
-      answer.replaceChildren(...priced(JSON.parse(offered.json()), offers))
+      offered = new Offered(JSON.stringify(asked))
+      answer.replaceChildren(...priced(JSON.parse(offered.json())))
     } catch (faults) {
       if (typeof faults !== 'string') throw faults
       answer.replaceChildren(make('p', { className: 'fault' }, say.quote.faults, list(faults)))
     }
-    for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (root.querySelectorAll('.exports button')))
-      button.disabled = !offered
   }
 
   /** The tolerances that can be quoted. @param {State} now @param {Outcome | null | undefined} outcome */
   function choices(now, outcome) {
     const computed = columnsOf(now, outcome).filter((column) => outcome?.runs.has(column))
     if (same(computed, columns)) return
-    const before = chosen.value
     columns = [...computed]
     chosen.replaceChildren(...columns.map((column) => make('option', {}, columnLabel(column))))
-    if (columns.some((column) => columnLabel(column) === before)) chosen.value = before
   }
 
   return { update }
@@ -164,8 +177,8 @@ function list(faults) {
   return all.map(({ key, message }) => (key ? `${key}: ${message}` : message)).join('; ')
 }
 
-/** The price and what it is made of. @param {Offer} offer @param {Offer[]} offers  of all tolerances, where there are several */
-function priced(offer, offers) {
+/** The price and what it is made of. @param {Offer} offer */
+function priced(offer) {
   const money = (/** @type {number} */ value) => amount(value, offer.decimals)
   const each = (/** @type {number} */ value) => amount(value, Math.max(2, offer.decimals))
   const { batch, uncertainty, currency } = offer
@@ -188,13 +201,13 @@ function priced(offer, offers) {
   const breaks = offer.breaks.map((other) =>
     row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range, money)]),
   )
-  const tolerances = offers.map(({ tolerance, cycle_time_s: own, batch: { unit_price: one, total } }) =>
+  const tolerances = offer.tolerances.map(({ tolerance, cycle_time_s: own, unit_price: one, total }) =>
     row(worded(tolerance), [clock(own), each(one), money(total)]),
   )
   const cost = [seconds(offer.cycle_time_s), money(offer.cycle_cost)]
   const shares = (/** @type {OfferShare[]} */ all) => [
     ...all.map(({ name, line, time_s: own, amount: value }) =>
-      row(name || say.common.beforeFirstTool, [seconds(own), money(value)], line === null ? '' : say.quote.line(line)),
+      row(name, [seconds(own), money(value)], line === null ? '' : say.quote.line(line)),
     ),
     sum(say.common.together, cost),
   ]
@@ -205,8 +218,8 @@ function priced(offer, offers) {
     table(say.quote.operations, ['', say.common.time, say.quote.cost], shares(offer.operations)),
     table(say.quote.tools, ['', say.common.time, say.quote.cost], shares(offer.tools)),
   )
-  const title = offer.reference || offer.program
-  const of = make('p', { className: 'on-paper' }, make('b', {}, title), say.quote.about(offer.program, offer.machine, worded(offer.tolerance)))
+  const facts = offer.facts.map(({ name, value }) => make('div', {}, make('dt', {}, name), make('dd', {}, worded(value))))
+  const of = make('dl', { className: 'on-paper' }, ...facts)
   const sure = make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence))
   // Where nothing costs anything, a price of nothing would be taken for one.
   if (offer.addends.length === 0) {

@@ -1,20 +1,20 @@
 // Recordings: adding, choosing and removing them, what each says first, both curves and the time lost, and where.
 
 import { Chart } from '../pkg/truefeed.js'
-import { find, make, scroll } from '../dom.js'
+import { find, make } from '../dom.js'
 import { clock, count, difference, feedrate, percent, seconds, size, worded } from '../format.js'
 import { lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
 import { programOf, recordingOf } from '../recordings.js'
 import { say } from '../texts.js'
+import { mountUndo } from '../undo.js'
 import { headOf, lineOf } from './chart.js'
 import { bytesOf } from './program.js'
 
 /** @import { Filled } from "../plot.js" */
-/** @import { ComparisonReport, Place, Program, Recording, State } from "../types.js" */
+/** @import { Program, Recording, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
-const UNDO_MS = 10_000
 /** A program, its machine and a recording in which something is concealed. */
 const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'standin.toml' }
 const NAMES = [say.recording.recordedCurve, say.recording.simulatedCurve]
@@ -38,7 +38,7 @@ export function mount(root, actions) {
   const view = find(root, '.view')
   const chosen = find(root, '.chosen')
   const tables = find(root, '.tables')
-  const undo = find(root, '.undo')
+  const undo = mountUndo(find(root, '.undo'))
   const orphans = find(document.body, '#welcome .orphans')
   const chart = new Chart()
   /** @type {Recording | undefined} */
@@ -49,8 +49,6 @@ export function mount(root, actions) {
   let filled = []
   /** What the list shows now. */
   let listed = ''
-  let timer = 0
-  let putBack = () => {}
 
   const plot = mountPlot(root, chart, {
     isShown: () => Boolean(recording?.match?.report),
@@ -77,19 +75,11 @@ export function mount(root, actions) {
       })
     })
   }
-  find(undo, 'button').addEventListener('click', () => {
-    undo.hidden = true
-    putBack()
-  })
 
   /** @param {Recording} removed */
   function remove(removed) {
-    putBack = actions.removeRecording(removed.id)
-    find(undo, 'span').textContent = say.common.removed(removed.name)
-    undo.hidden = false
-    clearTimeout(timer)
-    timer = window.setTimeout(() => (undo.hidden = true), UNDO_MS)
-    find(undo, 'button').focus()
+    undo.offer(say.common.removed(removed.name), actions.removeRecording(removed.id))
+    find(root, '.undo button').focus()
   }
 
   /** @param {State} state */
@@ -146,7 +136,9 @@ export function mount(root, actions) {
     )
     fillChart(chart)
     plot.fit(true)
-    tables.replaceChildren(partsTable(report), stretchesTable(report, plot.show))
+    import('./stretches.js').then(({ partsTable, stretchesTable }) => {
+      if (recording?.match === match) tables.replaceChildren(partsTable(report), stretchesTable(report, plot.show))
+    })
   }
 
   /** Puts the comparison in sight into a chart. @param {Filled} chart */
@@ -230,51 +222,4 @@ function words({ distance, line, programmed, rapid, curves, lost }, program) {
   )
   const late = lost === undefined ? [] : [make('p', {}, say.recording.lostSoFar, make('strong', {}, lostLabel(lost)))]
   return [headOf(distance, programmed, rapid), make('table', {}, ...rows), ...late, ...lineOf(line, program)]
-}
-
-/** @param {string} caption @param {string[]} titles @param {HTMLElement[]} rows */
-function table(caption, titles, rows) {
-  const head = titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {})))
-  const title = make('caption', {}, caption)
-  const body = make('table', {}, title, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
-  return scroll(body)
-}
-
-/** How far the simulated time is from the recorded one. @param {number} recorded @param {number} simulated */
-function apart(recorded, simulated) {
-  const ratio = recorded > 0 ? ` (${percent(simulated / recorded - 1)})` : ''
-  return `${difference(simulated - recorded)}${ratio}`
-}
-
-/** @param {ComparisonReport} report */
-function partsTable(report) {
-  const whole = { name: say.common.together, is_detail: false, recorded_s: report.recorded_s, simulated_s: report.simulated_s }
-  const rows = [...report.parts, whole].map(({ name, is_detail: isDetail, recorded_s: recorded, simulated_s: simulated }) =>
-    make(
-      'tr',
-      { className: isDetail ? 'detail' : '' },
-      make('th', { scope: 'row' }, name),
-      ...[seconds(recorded), seconds(simulated), apart(recorded, simulated)].map((cell) => make('td', {}, cell)),
-    ),
-  )
-  return table(say.recording.motionWaiting, ['', say.recording.recorded, say.recording.simulated, say.common.difference], rows)
-}
-
-/** @param {ComparisonReport} report @param {(place: Pick<Place, 'distance_mm'>) => void} show */
-function stretchesTable({ stretches, all_stretches: all }, show) {
-  const rows = stretches.map((stretch) => {
-    const [from, to] = stretch.lines
-    const go = make('button', { type: 'button', title: say.common.showInCharts }, from === to ? `${from}` : `${from}–${to}`)
-    go.addEventListener('click', () => show(stretch))
-    const cells = [lostLabel(stretch.seconds), seconds(stretch.recorded_s), seconds(stretch.simulated_s)]
-    return make(
-      'tr',
-      {},
-      make('td', {}, go),
-      ...cells.map((cell) => make('td', {}, cell)),
-      make('td', { className: 'kind' }, stretch.kind),
-    )
-  })
-  const which = stretches.length < all ? say.recording.largestOf(count(stretches.length), count(all)) : ''
-  return table(say.recording.whereLost(which), [say.common.lines, say.common.lost, say.recording.recorded, say.recording.simulated, say.recording.while], rows)
 }

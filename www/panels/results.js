@@ -152,7 +152,7 @@ function table(outcome, columns, machine) {
 }
 
 /** Why the results in sight are not those of the machine in the form. @param {State} state */
-function outOfDate({ machine, paused }) {
+export function outOfDate({ machine, paused }) {
   if (machine.faults.length > 0) return say.results.ofBeforeFault
   return paused ? say.results.ofBefore : say.results.anew
 }

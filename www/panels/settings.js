@@ -1,11 +1,13 @@
 // Settings as a link or a file: giving them away and taking them in. What they may say is Rust's affair.
 
 import { find } from '../dom.js'
-import { linkTo, takeFromAddress } from '../link.js'
 import { saveFile } from '../save.js'
 import { say } from '../texts.js'
 
 /** @import { State } from "../types.js" */
+
+/** What stands after the # of a link is not sent to any server. */
+const MARK = '#settings='
 
 /**
  * @typedef {object} Actions
@@ -45,9 +47,8 @@ export function mount(root, notice, actions) {
   file.addEventListener('change', async () => {
     const [chosen] = file.files ?? []
     if (!chosen) return
-    const text = await chosen.text()
+    await takeFile(chosen)
     file.value = ''
-    take(text, say.settings.settingsOf(chosen.name))
   })
   find(notice, '.back').addEventListener('click', () => {
     actions.undoSettings()
@@ -75,6 +76,11 @@ export function mount(root, notice, actions) {
     }
   }
 
+  /** Takes the settings of a file. @param {File} file */
+  async function takeFile(file) {
+    take(await file.text(), say.settings.settingsOf(file.name))
+  }
+
   /** @param {string} text @param {string} what */
   function take(text, what) {
     try {
@@ -93,9 +99,35 @@ export function mount(root, notice, actions) {
 
   return {
     fromAddress,
+    takeFile,
+    refuse,
     /** @param {State} state */
     update({ beforeSettings }) {
       taken.hidden = beforeSettings === null
     },
+  }
+}
+
+/** The link to this page with settings. @param {string} text */
+function linkTo(text) {
+  // Brackets and marks are escaped as well, which programs that find links in a text would leave out at their end.
+  const escaped = encodeURIComponent(text).replace(/[!'()*]/g, (mark) => `%${mark.charCodeAt(0).toString(16)}`)
+  return location.href.replace(/#.*$/s, '') + MARK + escaped
+}
+
+/**
+ * The text of the settings in the address, which is taken out of it: none where there are none, and what cannot be
+ * decoded as it stands.
+ * @returns {string | undefined}
+ */
+function takeFromAddress() {
+  const { hash } = location
+  if (!hash.startsWith(MARK)) return undefined
+  history.replaceState(null, '', location.href.replace(/#.*$/s, ''))
+  const written = hash.slice(MARK.length)
+  try {
+    return decodeURIComponent(written)
+  } catch {
+    return written
   }
 }

@@ -35,6 +35,7 @@ use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, cost_of, fit};
 use crate::machine::{Machine, TimeConstants};
+use crate::simulation::feed::Tolerances;
 
 /// A relative standard deviation above which a positive parameter counts as unknown.
 const UNKNOWN: f64 = 0.4;
@@ -90,6 +91,8 @@ pub struct RunResult {
     pub before: Comparison,
     /// Against the calibrated machine.
     pub after: Comparison,
+    /// Contour tolerance under which most of it was cut, mm.
+    pub tolerance: f64,
 }
 
 /// A calibrated machine, and how it came about.
@@ -251,7 +254,11 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     });
     let estimates = estimates.collect();
     let after = compared(&last.machine);
-    let results = before.into_iter().zip(after).map(|(before, after)| RunResult { before, after });
+    let programmed = Tolerances::Programmed;
+    let results = before.into_iter().zip(after).zip(runs).map(|((before, after), run)| {
+        let held = programmed.held(run.toolpath, &last.machine);
+        RunResult { before, after, tolerance: programmed.prevailing(&held, &last.machine) }
+    });
     Calibration {
         runs: results.collect(),
         estimates,

@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::machine::{Access, parameter};
+use crate::project::CALIBRATION;
 use crate::project::calibrated_view::{as_short, to_the_digits_of};
 
 /// Endings of a parameter's key with the unit they stand for, the longer ones first.
@@ -81,7 +82,7 @@ pub fn told(parameters: &Map<String, Value>, uncertainty: &Map<String, Value>) -
 
 /// The fields of a filled form that another has otherwise.
 pub fn changes(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<Change> {
-    let is_physics = |key: &str| !["name", "provenance", crate::project::CYCLE_TIME_ERROR].contains(&key);
+    let is_physics = |key: &str| !["name", "provenance"].contains(&key) && !CALIBRATION.contains(&key);
     let changed = after.iter().filter(|(key, value)| is_physics(key) && before.get(*key) != Some(value));
     changed
         .map(|(key, value)| {
