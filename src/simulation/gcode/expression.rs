@@ -462,7 +462,7 @@ impl<'a> Expressions<'a> {
             {
                 self.continuation += written.iter().filter(|byte| is_continuation(**byte)).count();
                 self.at = end + 1;
-                Ok(Place::Named(self.names.index(name.to_lowercase())))
+                Ok(Place::Named(self.names.index(name.to_ascii_lowercase())))
             }
             _ => Err((Unread::Name { text: excerpt(&self.text[start..end]) }, start..start + 1)),
         }

@@ -24,7 +24,7 @@ use crate::simulation::toolpath::trace::Tracer;
 use std::collections::BTreeMap;
 
 /// What stands for a diameter in a header, the longer ones first.
-const NAMES: [&str; 8] = ["DIAMETER", "DIAM.", "DIAM", "DIA.", "DIA", "D=", "Ø", REGISTER];
+const NAMES: [&str; 9] = ["DIAMETER", "DIAM.", "DIAM", "DIA.", "DIA", "D=", "Ø", "ø", REGISTER];
 
 /// Registers are whole numbers (`D01`), diameters have a point (`D12.0`).
 const REGISTER: &str = "D";
@@ -94,7 +94,7 @@ impl Tracer<'_> {
 
 /// The diameter that the description of a tool names.
 fn diameter_in(text: &str) -> Option<f64> {
-    let text = text.to_uppercase();
+    let text = text.to_ascii_uppercase();
     if text.contains("WEAR COMP") {
         return None;
     }
