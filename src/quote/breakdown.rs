@@ -126,7 +126,8 @@ impl<'a> Ledger<'a> {
             let moves = |pulse: &Pulse| !pulse.is_halt() && is_rapid(pulse.segment as usize) == rapid;
             running_sum(pulses.clone().filter(moves).map(|pulse| pulse.duration)).last().unwrap_or(0.0)
         };
-        let halts: f64 = pulses.clone().filter(Pulse::is_halt).map(|pulse| pulse.duration).sum();
+        // The sum of nothing is −0, which would be shown.
+        let halts = pulses.clone().filter(Pulse::is_halt).fold(0.0, |halts, pulse| halts + pulse.duration);
         breakdown.functions.halts = halts;
         breakdown.other += halts;
         (breakdown.cutting, breakdown.rapid) = (sum(false), sum(true));
