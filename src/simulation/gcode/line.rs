@@ -43,9 +43,11 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Columns of the bytes from `start` to `end`, counted in characters as editors do.
+    /// Columns of the bytes from `start` to `end`, counted in characters as editors do. What stands before a text that is
+    /// counted already comes out too far left, but within the line.
     pub(super) fn columns(&self, start: usize, end: usize) -> (u32, u32) {
-        ((start - self.continuation) as u32 + 1, (end - self.continuation) as u32 + 1)
+        let column = |at: usize| at.saturating_sub(self.continuation) as u32 + 1;
+        (column(start), column(end))
     }
 }
 

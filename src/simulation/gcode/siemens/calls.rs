@@ -75,8 +75,10 @@ impl Reader<'_> {
         (at, end): (usize, usize),
         line: &mut Line,
     ) -> Result<usize, Refusal> {
-        self.refuse_modal_call(&text[at..end], line.columns(at, end))?;
         let open = skip_blanks(text, end);
+        // The columns of what stands before texts are told before these are counted.
+        let (called, opened) = (line.columns(at, end), line.columns(open, open + 1));
+        self.refuse_modal_call(&text[at..end], called)?;
         let (mut next, mut given) = (end, 0_u64);
         if text.get(open) == Some(&b'(') {
             next = open + 1;
@@ -86,10 +88,7 @@ impl Reader<'_> {
                 match text.get(next) {
                     None => {
                         let found = "the end of the line".to_string();
-                        return Err((
-                            Unread::Expected { expected: "`)`", found },
-                            line.columns(open, open + 1),
-                        ));
+                        return Err((Unread::Expected { expected: "`)`", found }, opened));
                     }
                     Some(b')') => break,
                     Some(b',') => {
@@ -110,7 +109,7 @@ impl Reader<'_> {
             }
             next += 1;
         }
-        self.assign_number(GIVEN, given as f64, line.columns(at, end));
+        self.assign_number(GIVEN, given as f64, called);
         let next = self.siemens_times(text, next, line)?;
         self.siemens_call_by_name(&text[at..end]);
         Ok(next)
