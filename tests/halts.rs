@@ -86,6 +86,16 @@ fn causes(diagnosis: &Diagnosis) -> Vec<(&'static str, u32, f64)> {
     causes.collect()
 }
 
+/// A machine that is held in lines for so many seconds, after so much of their path.
+fn held(holds: &[(u32, f64, f64)]) -> Machine {
+    let mut machine = Machine::default();
+    for (line, seconds, place) in holds {
+        machine.halts.feed_holds.insert(*line, *seconds);
+        machine.halts.feed_hold_places.insert(*line, *place);
+    }
+    machine
+}
+
 /// One cause is found and no other, in its line and with its seconds.
 #[track_caller]
 fn assert_alone(machine: &Machine, (cause, line, seconds): (&str, u32, f64)) {
@@ -103,10 +113,7 @@ fn nothing_is_missing_where_nothing_was_held() {
 
 #[test]
 fn two_feed_holds_are_found_with_their_lines_and_seconds() {
-    let mut machine = Machine::default();
-    machine.halts.feed_holds = [(10, 1.3), (34, 0.6)].into();
-    machine.halts.feed_hold_places = [(10, 0.3), (34, 0.7)].into();
-    let diagnosis = diagnosed(&machine);
+    let diagnosis = diagnosed(&held(&[(10, 1.3, 0.3), (34, 0.6, 0.7)]));
     let found = causes(&diagnosis);
     assert_eq!(
         found.iter().map(|(id, line, _)| (*id, *line)).collect::<Vec<_>>(),
@@ -121,19 +128,13 @@ fn two_feed_holds_are_found_with_their_lines_and_seconds() {
 /// The ramps of so short a hold take up most of it: the tool stands for less than a tenth of a second.
 #[test]
 fn a_feed_hold_hardly_longer_than_its_ramps_is_found_inside_a_line() {
-    let mut machine = Machine::default();
-    machine.halts.feed_holds = [(10, 0.13)].into();
-    machine.halts.feed_hold_places = [(10, 0.3)].into();
-    assert_alone(&machine, ("feed_hold", 10, 0.13));
+    assert_alone(&held(&[(10, 0.13, 0.3)]), ("feed_hold", 10, 0.13));
 }
 
 /// The filters, 77 ms long, never run empty: the tool only slows down.
 #[test]
 fn a_feed_hold_shorter_than_its_ramps_is_found_as_a_dip() {
-    let mut machine = Machine::default();
-    machine.halts.feed_holds = [(10, 0.055)].into();
-    machine.halts.feed_hold_places = [(10, 0.3)].into();
-    assert_alone(&machine, ("feed_hold", 10, 0.055));
+    assert_alone(&held(&[(10, 0.055, 0.3)]), ("feed_hold", 10, 0.055));
 }
 
 /// The slower rows of a limit dip as well, each like the others.

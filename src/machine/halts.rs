@@ -12,6 +12,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::machine::words::word_of;
+
 /// Halts that the program does not ask for; neutral none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Halts {
@@ -49,7 +51,7 @@ impl InPosition {
 
     /// The word it is written with.
     pub fn word(self) -> &'static str {
-        InPosition::WORDS.iter().find(|(_, at)| *at == self).expect("each has a word").0
+        word_of(&InPosition::WORDS, self)
     }
 
     /// Whether rapid moves end in it.

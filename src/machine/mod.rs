@@ -14,15 +14,17 @@ mod presets;
 mod supply;
 mod times;
 mod tolerance;
+mod words;
+
+use crate::machine::words::word_of;
+use std::collections::BTreeMap;
 
 pub use halts::{Halts, InPosition};
 pub use junction::Junction;
 pub use parameters::{Access, PARAMETERS, Parameter, parameter};
 pub use presets::{Preset, presets};
-use std::collections::BTreeMap;
 pub use supply::PlannedBy;
 pub use times::{Direction, Function, Spin, SpindleTimes, Times};
-
 pub use tolerance::{
     ToleranceError, USUAL_TOLERANCES, checked_tolerance, deviation_label, tolerance_from_text,
     tolerance_label,
@@ -141,7 +143,7 @@ impl CornerMode {
 
     /// The word it is written with.
     pub fn word(self) -> &'static str {
-        CornerMode::WORDS.iter().find(|(_, mode)| *mode == self).expect("every mode has a word").0
+        word_of(&CornerMode::WORDS, self)
     }
 }
 

@@ -17,6 +17,7 @@ use crate::machine::parameters::halts::HALTS;
 use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
 use crate::machine::supply::SUPPLY;
+use crate::machine::words::choice_of;
 use crate::machine::{ARC_STEP, CornerMode, Machine, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
 use std::collections::BTreeMap;
@@ -269,8 +270,8 @@ const GENERAL: [Parameter; 28] = [
             words: &[CornerMode::WORDS[0].0, CornerMode::WORDS[1].0],
             get: |m| m.interpolator.corner_mode.word(),
             set: |m, v| {
-                if let Some((_, mode)) = CornerMode::WORDS.iter().find(|(word, _)| *word == v) {
-                    m.interpolator.corner_mode = *mode;
+                if let Some(mode) = choice_of(&CornerMode::WORDS, v) {
+                    m.interpolator.corner_mode = mode;
                 }
             },
         },

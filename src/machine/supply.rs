@@ -5,6 +5,7 @@
 //! planned more slowly: none of its corners is faster for that.
 
 use crate::machine::parameters::{finite, number, whole};
+use crate::machine::words::{choice_of, word_of};
 use crate::machine::{Access, Parameter};
 use crate::units::Unit;
 
@@ -25,7 +26,7 @@ impl PlannedBy {
 
     /// The word it is written with.
     pub fn word(self) -> &'static str {
-        PlannedBy::WORDS.iter().find(|(_, by)| *by == self).expect("each has a word").0
+        word_of(&PlannedBy::WORDS, self)
     }
 }
 
@@ -60,8 +61,8 @@ pub const SUPPLY: [Parameter; 3] = [
             words: &[PlannedBy::WORDS[0].0, PlannedBy::WORDS[1].0],
             get: |m| m.interpolator.planned_by.word(),
             set: |m, v| {
-                if let Some((_, by)) = PlannedBy::WORDS.iter().find(|(word, _)| *word == v) {
-                    m.interpolator.planned_by = *by;
+                if let Some(by) = choice_of(&PlannedBy::WORDS, v) {
+                    m.interpolator.planned_by = by;
                 }
             },
         },

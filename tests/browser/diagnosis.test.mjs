@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { drop, frame, pageTest, ROOT } from './steps.mjs'
+import { drop, frame, kept, pageTest, ROOT } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-diagnosis-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -206,20 +206,7 @@ pageTest('a reload keeps what was found', async ({ page }) => {
   await page.click('#diagnosis .start')
   await diagnosed(page)
   const [sentence, numbers] = await page.$$eval('#diagnosis .sentence, #diagnosis .result', (all) => all.map(({ textContent }) => textContent))
-  // Nothing says when the browser has written it; it is asked for before the reload.
-  await page.waitForFunction(
-    () =>
-      new Promise((resolve) => {
-        const asked = indexedDB.open('truefeed', 1)
-        asked.onsuccess = () => {
-          const found = asked.result.transaction('tabs').objectStore('tabs').getAll()
-          found.onsuccess = () => {
-            asked.result.close()
-            resolve(found.result.some(({ diagnosis }) => diagnosis))
-          }
-        }
-      }),
-  )
+  await kept(page, ({ isDiagnosed }) => isDiagnosed)
   await page.reload()
   await compared(page)
   await diagnosed(page)

@@ -1,7 +1,7 @@
 // Siege of the page: workers that die, reloads in mid-work, hostile files. What the user had stays.
 
 import assert from 'node:assert/strict'
-import { computed, cycleTimes, pageTest } from './steps.mjs'
+import { computed, cycleTimes, kept, pageTest } from './steps.mjs'
 
 const field = (key) => `#field-${key.replaceAll('.', '-')}`
 const names = (page) => page.$$eval('#program .file', (all) => all.map((name) => name.textContent))
@@ -72,20 +72,7 @@ pageTest('a page reloaded in mid-work goes on where it was', async ({ page }) =>
   await page.waitForSelector('#progress', { state: 'visible' })
   await page.waitForFunction(() => document.querySelectorAll('#program .file').length === 2)
   await page.click('.choose >> nth=1')
-  // Nothing says when the browser has written it; it is asked for before the reload.
-  await page.waitForFunction(
-    () =>
-      new Promise((resolve) => {
-        const asked = indexedDB.open('truefeed', 1)
-        asked.onsuccess = () => {
-          const found = asked.result.transaction('tabs').objectStore('tabs').getAll()
-          found.onsuccess = () => {
-            asked.result.close()
-            resolve(found.result.some(({ programs, selected }) => selected === programs[1]?.id))
-          }
-        }
-      }),
-  )
+  await kept(page, ({ programs, selected }) => selected === programs[1])
   assert.ok(await page.isVisible('#progress'), 'it is still at work')
   await page.reload()
   await page.waitForSelector('html[data-ready]')

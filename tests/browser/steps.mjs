@@ -139,6 +139,27 @@ export const frame = (page) =>
     await drawn()
     await next()
   })
+
+/** Waits until the browser keeps a tab of which `holds` is true; nothing says when it has written it. Programs come by their numbers. */
+export async function kept(page, holds) {
+  const tabs = () =>
+    page.evaluate(
+      () =>
+        new Promise((resolve) => {
+          const asked = indexedDB.open('truefeed', 1)
+          asked.onsuccess = () => {
+            const found = asked.result.transaction('tabs').objectStore('tabs').getAll()
+            found.onsuccess = () => {
+              asked.result.close()
+              const told = ({ programs, selected, diagnosis }) => ({ programs: programs.map(({ id }) => id), selected, isDiagnosed: Boolean(diagnosis) })
+              resolve(found.result.map(told))
+            }
+          }
+        }),
+    )
+  const end = Date.now() + 30_000
+  while (!(await tabs()).some(holds)) assert.ok(Date.now() < end, 'the browser has not written it')
+}
 export const span = async (page) => {
   await frame(page)
   return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)

@@ -17,7 +17,7 @@
 //! than the machine file says is one too, and is told apart by what else explains it.
 
 use crate::identification::alignment::Method;
-use crate::identification::diagnosis::rests::{Rest, rest_at};
+use crate::identification::diagnosis::rests::{Rest, lost_between, rest_at};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
@@ -36,14 +36,10 @@ pub fn dip(machine: &Machine, run: &Run) -> Option<Rest> {
     let machine = run.machine(machine);
     let plan = run.plan(&machine);
     let profile = Profile::new(run.toolpath, &plan);
-    let distances: Vec<f64> = fixes.iter().map(|fix| fix.distance).collect();
-    let simulated = profile.crossing_times(&distances);
-    let clock = machine.recorder.clock_ratio;
-    let late: Vec<f64> =
-        fixes.iter().zip(&simulated).map(|(fix, simulated)| fix.time - clock * simulated).collect();
-    let window = 2.0 * plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
+    let lost_between = lost_between(run, &machine, &profile);
+    let window = 2.0 * plan.longest_delay();
     let end = |from: usize| fixes.partition_point(|fix| fix.time <= fixes[from].time + window) - 1;
-    let losses: Vec<f64> = (0..fixes.len()).map(|from| late[end(from)] - late[from]).collect();
+    let losses: Vec<f64> = (0..fixes.len()).map(|from| lost_between(from, end(from))).collect();
     let from = (0..fixes.len()).max_by(|a, b| losses[*a].total_cmp(&losses[*b]))?;
     let (to, lost) = (end(from), losses[from]);
     let before = fixes.partition_point(|fix| fix.time < fixes[from].time - window);
@@ -53,7 +49,8 @@ pub fn dip(machine: &Machine, run: &Run) -> Option<Rest> {
         return None;
     }
     // The tool is slowest about where the command was taken away: there half is lost.
-    let half = late[from..=to].partition_point(|late_here| *late_here < late[from] + 0.5 * lost);
+    let so_far: Vec<f64> = (from..=to).map(|at| lost_between(from, at)).collect();
+    let half = so_far.partition_point(|so_far| *so_far < 0.5 * lost);
     let at = fixes[(from + half).min(to)].distance;
     let near = 0.5 * (fixes[to].distance - fixes[from].distance);
     rest_at(run, &profile, at, near, lost).filter(|rest| rest.place.is_some())

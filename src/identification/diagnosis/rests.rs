@@ -24,9 +24,10 @@
 //! only where feedrates were recorded that say nothing else for [`SAID`] polls, and it cost as much: one in
 //! which it may have begun, one in which it may have ended, and one that is certain.
 //!
-//! Limits: a hold shorter than the filter delay leaves no rest, and is looked for as a dip; a line that is run several times is taken to
-//! be held each time; more rests than [`MOST`], or than [`FEW`] of which most are [`ALIKE`], are a property of the
-//! machine and not halts, but for those that are [`OUT`] times as long as usual. Those at dwells are counted by themselves.
+//! Limits: a hold shorter than the filter delay leaves no rest, and is looked for as a dip; a line that is run
+//! several times is taken to be held each time; more rests than [`MOST`], or than [`FEW`] of which most are
+//! [`ALIKE`], are a property of the machine and not halts, but for those that are [`OUT`] times as long as usual.
+//! Those at dwells are counted by themselves.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -89,12 +90,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let machine = run.machine(machine);
     let plan = run.plan(&machine);
     let profile = Profile::new(run.toolpath, &plan);
-    let distances: Vec<f64> = fixes.iter().map(|fix| fix.distance).collect();
-    let simulated = profile.crossing_times(&distances);
-    let clock = machine.recorder.clock_ratio;
-    let lost = |from: usize, to: usize| {
-        (fixes[to].time - fixes[from].time) - clock * (simulated[to] - simulated[from])
-    };
+    let lost = lost_between(run, &machine, &profile);
     let noise = run.alignment.track.as_ref().map_or(0.0, |track| track.noise);
     let short = SHORT.0.max(SHORT.1 * noise);
     let poll = match run.alignment.method {
@@ -102,7 +98,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         Method::Lines | Method::Feed => run.alignment.poll.unwrap_or(0.0),
     };
     let least = LEAST.max(2.0 * poll);
-    let ramp = plan.filters.iter().map(|filter| filter.delay()).fold(0.0, f64::max);
+    let ramp = plan.longest_delay();
     let visits = visits(run.toolpath);
     let marks = &run.alignment.marks;
     let known = marks.first().map_or(0.0, |mark| mark.time)..marks.last().map_or(0.0, |mark| mark.time);
@@ -166,6 +162,15 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     }
     let (at_dwells, elsewhere): (Vec<Rest>, Vec<Rest>) = found.into_iter().partition(|rest| rest.at_dwell);
     [halts(elsewhere), halts(at_dwells)].concat()
+}
+
+/// What the recorded machine lost from one fix of a run to another, by their indices, s.
+pub fn lost_between(run: &Run, machine: &Machine, profile: &Profile) -> impl Fn(usize, usize) -> f64 {
+    let fixes = &run.alignment.fixes;
+    let distances: Vec<f64> = fixes.iter().map(|fix| fix.distance).collect();
+    let simulated = profile.crossing_times(&distances);
+    let clock = machine.recorder.clock_ratio;
+    move |from, to| (fixes[to].time - fixes[from].time) - clock * (simulated[to] - simulated[from])
 }
 
 /// The rests that are no property of the machine.

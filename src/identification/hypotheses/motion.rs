@@ -428,6 +428,7 @@ fn block_times(runs: &[Run]) -> Vec<f64> {
 
 /// Blocks that come late, to a control that knows of it when it plans corners, and to one that does not.
 fn blocks(runs: &[Run]) -> Vec<Option<Hypothesis>> {
+    let block_times = block_times(runs);
     let of = |by: PlannedBy| {
         let said = move |reported: (&'static str, Reported)| {
             let by = (by != PlannedBy::default())
@@ -452,9 +453,10 @@ fn blocks(runs: &[Run]) -> Vec<Option<Hypothesis>> {
                 (machine.interpolator.look_ahead, machine.interpolator.planned_by) = (value.round(), by);
             },
         );
-        let block_time = single("block_processing_time", Some(block_time), block_times(runs), move |value| {
-            said(("seconds", Reported::Number(value)))
-        });
+        let block_time =
+            single("block_processing_time", Some(block_time), block_times.clone(), move |value| {
+                said(("seconds", Reported::Number(value)))
+            });
         let seen = [1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0];
         let look_ahead = single("look_ahead", Some(look_ahead), seen.to_vec(), move |value| {
             said(("blocks", Reported::Number(value.round())))

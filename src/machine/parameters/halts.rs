@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::machine::parameters::{Access, Parameter, number};
+use crate::machine::words::choice_of;
 use crate::machine::{InPosition, Machine};
 use crate::units::Unit;
 
@@ -90,8 +91,8 @@ pub(super) const HALTS: [Parameter; 7] = [
             words: &[InPosition::WORDS[0].0, InPosition::WORDS[1].0, InPosition::WORDS[2].0],
             get: |m| m.halts.in_position_at.word(),
             set: |m, v| {
-                if let Some((_, at)) = InPosition::WORDS.iter().find(|(word, _)| *word == v) {
-                    m.halts.in_position_at = *at;
+                if let Some(at) = choice_of(&InPosition::WORDS, v) {
+                    m.halts.in_position_at = at;
                 }
             },
         },

@@ -180,6 +180,11 @@ impl FeedPlan {
         running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
     }
 
+    /// The longest of the filter delays, s.
+    pub fn longest_delay(&self) -> f64 {
+        self.filters.iter().map(FilterChain::delay).fold(0.0, f64::max)
+    }
+
     /// The stretches of motion in order.
     pub fn stretches(&self) -> impl Iterator<Item = &Stretch> {
         self.phases.iter().filter_map(|phase| match phase {

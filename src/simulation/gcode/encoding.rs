@@ -6,6 +6,7 @@
 //! and turned into UTF-8. What is copied out of a PDF or a word processor may have dashes for minus signs and
 //! blanks that do not break: before a number, and outside of comments, a dash is taken for a minus.
 
+use crate::simulation::gcode::line::is_continuation;
 use crate::simulation::gcode::{LineNumber, Place};
 use std::borrow::Cow;
 
@@ -31,7 +32,7 @@ pub(super) fn in_plain_signs(text: Cow<'_, [u8]>) -> (Cow<'_, [u8]>, Option<(&'s
     let (mut line, mut column, mut depth, mut is_comment) = (1, 0, 0_usize, false);
     let mut at = 0;
     while let Some(&byte) = text.get(at) {
-        column += u32::from(byte & 0xc0 != 0x80);
+        column += u32::from(!is_continuation(byte));
         match byte {
             b'\n' => (line, column, depth, is_comment) = (line + 1, 0, 0, false),
             b'(' => depth += 1,

@@ -18,7 +18,8 @@
 //! Siemens and Klartext write the same with other signs: round brackets, other operators, and
 //! parameters without `#` (`R1`, `R[R2]`, names; `Q1`). Klartext lets a function stand before its value
 //! without brackets (`SIN Q1`). `EXISTS[#<name>]` is 1 if the parameter has a value; `POW[a,b]` and
-//! Siemens' `ATAN2(y,x)`, `MINVAL(a,b)` and `MAXVAL(a,b)` take two values, `BOUND(least,greatest,a)` three. Fanuc controls let a function be written by its first two letters.
+//! Siemens' `ATAN2(y,x)`, `MINVAL(a,b)` and `MAXVAL(a,b)` take two values, `BOUND(least,greatest,a)` three. Fanuc
+//! controls let a function be written by its first two letters.
 //!
 //! In Siemens programs a text (`"ROUGH"`) is a value too, a number of its own beyond all others, which can only
 //! be kept and compared by `==` and `<>`.
@@ -29,7 +30,7 @@
 use crate::simulation::gcode::formula::{
     FUNCTIONS, Function, KLARTEXT_OPERATORS, OPERATORS, Operator, SIEMENS_OPERATORS, Step, Written,
 };
-use crate::simulation::gcode::line::{character_length, excerpt, is_continuation};
+use crate::simulation::gcode::line::{character_length, continuation, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
 use std::collections::HashMap;
@@ -260,7 +261,7 @@ impl<'a> Expressions<'a> {
             return Err(self.missing("`\"`"));
         };
         let text = &self.text[start..start + length];
-        self.continuation += text.iter().filter(|byte| is_continuation(**byte)).count();
+        self.continuation += continuation(text);
         let number = self.names.of_text(text);
         self.steps.push(number);
         self.at = start + length + 1;
@@ -460,7 +461,7 @@ impl<'a> Expressions<'a> {
                     && (1..=LONGEST_NAME).contains(&name.len())
                     && !name.contains(char::is_control) =>
             {
-                self.continuation += written.iter().filter(|byte| is_continuation(**byte)).count();
+                self.continuation += continuation(written);
                 self.at = end + 1;
                 Ok(Place::Named(self.names.index(name.to_ascii_lowercase())))
             }

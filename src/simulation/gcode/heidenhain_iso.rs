@@ -20,7 +20,7 @@
 //!
 //! Source: TNC 640, DIN/ISO Programming, 2018.
 
-use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
@@ -46,7 +46,7 @@ const WHOLE_LINE: (u32, u32) = (1, 1);
 impl Reader<'_> {
     /// Reads one line of a Heidenhain DIN/ISO program.
     pub(super) fn heidenhain_iso_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
-        let end = text.iter().position(|byte| *byte == b';').unwrap_or(text.len());
+        let end = semicolon(text, 0);
         if end + 1 < text.len() {
             line.comment = Some((end + 1, text.len()));
         }

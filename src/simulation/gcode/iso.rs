@@ -8,7 +8,7 @@ mod plain;
 use crate::simulation::gcode::expression::{Expressions, Notation, Place as Parameter};
 use crate::simulation::gcode::iso::macro_word::Keyword;
 use crate::simulation::gcode::line::{
-    CommentEnd, Line, character_length, code_end, comment_end, excerpt, is_checksum, is_continuation,
+    CommentEnd, Line, character_length, code_end, comment_end, continuation, excerpt, is_checksum,
 };
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
@@ -254,7 +254,7 @@ impl Reader<'_> {
             line.comment.get_or_insert((at + 1, inner.max(at + 1)));
         }
         let (first, _) = line.columns(at, at);
-        line.continuation += text[at..end].iter().filter(|byte| is_continuation(**byte)).count();
+        line.continuation += continuation(&text[at..end]);
         if text[end - 1] != b')' {
             let (past, _) = line.columns(end, end);
             self.remarks.add(Place { line: self.line, columns: (first, past) }, Unread::OpenComment);

@@ -34,7 +34,7 @@ pub use names::{
 
 use crate::simulation::gcode::heidenhain_iso::Modal;
 use crate::simulation::gcode::klartext::names::{PATHS, WHOLE_LINES};
-use crate::simulation::gcode::line::{Line, character_length, excerpt, is_continuation};
+use crate::simulation::gcode::line::{Line, character_length, excerpt, semicolon};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
@@ -242,7 +242,7 @@ fn code_end(text: &[u8]) -> usize {
         }
     }
     // A quote that never ends is none.
-    if is_quoted { text.iter().position(|byte| *byte == b';').unwrap_or(text.len()) } else { text.len() }
+    if is_quoted { semicolon(text, 0) } else { text.len() }
 }
 
 /// The line with a point for each comma between digits.
@@ -255,11 +255,6 @@ fn decimal_points(text: &[u8]) -> Vec<u8> {
         }
     }
     changed
-}
-
-/// Bytes of `text` that belong to a character already counted.
-fn continuation(text: &[u8]) -> usize {
-    text.iter().filter(|byte| is_continuation(**byte)).count()
 }
 
 #[cfg(test)]

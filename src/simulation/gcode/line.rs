@@ -96,6 +96,16 @@ pub(super) fn is_checksum(text: &[u8]) -> bool {
     !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
 }
 
+/// Where a comment behind `;` begins, looked for from `at` on, or the line ends.
+pub(super) fn semicolon(text: &[u8], at: usize) -> usize {
+    text[at..].iter().position(|byte| *byte == b';').map_or(text.len(), |length| at + length)
+}
+
+/// Bytes of `text` that belong to a character already counted.
+pub(super) fn continuation(text: &[u8]) -> usize {
+    text.iter().filter(|byte| is_continuation(**byte)).count()
+}
+
 /// The second to fourth byte of a character in UTF-8.
 pub(super) fn is_continuation(byte: u8) -> bool {
     byte & 0xc0 == 0x80

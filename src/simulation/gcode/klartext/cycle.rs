@@ -1,10 +1,9 @@
 //! `CYCL DEF`: the number of a cycle, and its parameters.
 
 use crate::simulation::gcode::expression::klartext_number;
-use crate::simulation::gcode::klartext::continuation;
 use crate::simulation::gcode::klartext::names::{CYCLE_NUMBER, CYCLE_STEP, statement};
 use crate::simulation::gcode::klartext::words::{found_at, plain};
-use crate::simulation::gcode::line::Line;
+use crate::simulation::gcode::line::{Line, continuation};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;

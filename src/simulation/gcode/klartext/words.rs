@@ -3,7 +3,7 @@
 use crate::simulation::gcode::expression::{Notation, klartext_number};
 use crate::simulation::gcode::klartext::begins;
 use crate::simulation::gcode::klartext::names::{WORDS, Word as Kind, statement};
-use crate::simulation::gcode::line::{Line, character_length, excerpt};
+use crate::simulation::gcode::line::{Line, character_length, continuation, excerpt};
 use crate::simulation::gcode::number::{Number, number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
@@ -169,7 +169,7 @@ impl Reader<'_> {
                 let index = self.text(String::from_utf8_lossy(&code[next + 1..close]).into_owned());
                 self.name(index, false);
                 self.push_word(address::TOOL_NAME, f64::from(index), line.columns(next, close));
-                line.continuation += crate::simulation::gcode::klartext::continuation(&code[next..close]);
+                line.continuation += continuation(&code[next..close]);
                 next = (close + 1).min(code.len());
             }
             Some(b'0'..=b'9' | b'+') => {

@@ -14,7 +14,7 @@
 //! A program called by its file name is looked for in this file. `MCALL` of a subprogram is not followed.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
-use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
@@ -63,8 +63,7 @@ impl Reader<'_> {
     }
 
     fn siemens_call_by_name(&mut self, name: &[u8]) {
-        let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
-        let to = Destination::Label(Label { kind: LabelKind::Named, id }, Direction::Either);
+        let to = Destination::Label(self.siemens_named_label(name), Direction::Either);
         self.act(Action::Call { to, has_own_parameters: false });
     }
 
@@ -145,7 +144,7 @@ impl Reader<'_> {
             ));
         }
         self.siemens_call_by_name(name);
-        Ok(text.iter().position(|byte| *byte == b';').unwrap_or(text.len()))
+        Ok(semicolon(text, 0))
     }
 
     /// `PROC NAME(REAL A, INT B=1)`: a label, and the arguments by names of its own.

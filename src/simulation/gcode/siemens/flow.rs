@@ -11,7 +11,7 @@
 //! up to `ENDLABEL:`, or to itself. CASE becomes one jump after the other, with its value in a parameter beyond all R numbers.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
-use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
@@ -115,9 +115,9 @@ impl Reader<'_> {
             b"WHEN" | b"WHENEVER" | b"EVERY" | b"DO" => {
                 let code = statement(b"WHEN").map_or(0.0, f64::from);
                 self.push_word(address::STATEMENT, code, columns);
-                text.iter().position(|byte| *byte == b';').unwrap_or(text.len())
+                semicolon(text, 0)
             }
-            b"EXTERN" => text.iter().position(|byte| *byte == b';').unwrap_or(text.len()),
+            b"EXTERN" => semicolon(text, 0),
             b"CALL" | b"EXTCALL" | b"PCALL" => self.siemens_call_by_text(text, end, line)?,
             b"CASE" => self.siemens_case(text, end, line)?,
             _ => return Ok(None),
@@ -338,7 +338,7 @@ impl Reader<'_> {
     }
 
     /// The label of this name, wherever it stands.
-    fn siemens_named_label(&mut self, name: &[u8]) -> Label {
+    pub(super) fn siemens_named_label(&mut self, name: &[u8]) -> Label {
         let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
         Label { kind: LabelKind::Named, id }
     }

@@ -10,7 +10,7 @@
 //! frames (`$P_UIFR[1]`), are not followed, and said.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
-use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
@@ -60,7 +60,7 @@ impl Reader<'_> {
 
     /// A frame that is not followed, to the end of its line.
     pub(super) fn siemens_other_frame(&mut self, text: &[u8], at: usize, line: &Line) -> usize {
-        let end = text[at..].iter().position(|byte| *byte == b';').map_or(text.len(), |length| at + length);
+        let end = semicolon(text, at);
         let code = statement(b"$P_UIFR").map_or(0.0, f64::from);
         self.push_word(address::STATEMENT, code, line.columns(at, end));
         end

@@ -9,7 +9,7 @@
 //! [`COLUMNS`]. A STRING holds the number of its text. Variables of type AXIS, CHAR or FRAME are not followed.
 
 use crate::simulation::gcode::expression::{Expressions, Fault, Notation, identifier};
-use crate::simulation::gcode::line::{Line, excerpt};
+use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::{number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
@@ -66,7 +66,7 @@ impl Reader<'_> {
         let first_value = match &kind[..] {
             b"REAL" | b"INT" | b"BOOL" => Step::Number(0.0),
             b"STRING" => self.names.of_text(b""),
-            _ => return Ok(text.iter().position(|byte| *byte == b';').unwrap_or(text.len())),
+            _ => return Ok(semicolon(text, 0)),
         };
         next += length;
         if kind == b"STRING" && text.get(next) == Some(&b'[') {
