@@ -152,6 +152,7 @@ pub struct Columns {
 
 impl From<(u32, u32)> for Columns {
     /// From the first and one past the last.
+    #[inline]
     fn from((first, past): (u32, u32)) -> Columns {
         let width = past.saturating_sub(first).min(u32::from(u8::MAX)) as u8;
         Columns { first: first.to_ne_bytes(), width }

@@ -52,3 +52,27 @@ impl Reader<'_> {
         Some(&text[end..])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::simulation::gcode::read;
+
+    /// A comment makes a line go the long way, and changes nothing else.
+    #[test]
+    fn plain_lines_are_read_as_all_lines_are() {
+        let pieces =
+            "G1|X|Y|Z|g0|F|N10|5|-|+|.|0|12.345|1234567890123456| |  |\t|M98|O|T1|1.2.3|5-|X1 2|Z-.5";
+        let pieces: Vec<&str> = pieces.split('|').collect();
+        let mut state = 0x2545_f491_4f6c_dd1d_u64;
+        for _ in 0..50_000 {
+            let mut line = String::new();
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (0..state % 10).for_each(|k| line += pieces[(state >> (6 * k)) as usize % pieces.len()]);
+            let (plain, long) = (read(line.as_bytes()), read(format!("{line}()").as_bytes()));
+            assert_eq!((plain.words, plain.blocks), (long.words, long.blocks), "{line:?}");
+            assert_eq!(plain.diagnostics.len(), long.diagnostics.len(), "{line:?}");
+        }
+    }
+}
