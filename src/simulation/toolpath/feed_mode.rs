@@ -41,7 +41,7 @@ pub(super) struct Feed {
     /// G93, 1/min.
     inverse_time: Option<f64>,
     /// G94 as written, in units of length or degrees per minute.
-    per_minute: Option<f64>,
+    pub(super) per_minute: Option<f64>,
     /// G95, mm.
     per_revolution: Option<f64>,
 }
@@ -59,9 +59,9 @@ impl Tracer<'_> {
         if self.siemens.leaves_feeds { 1.0 } else { self.modal.unit }
     }
 
-    /// F, by the mode in force.
-    pub(super) fn take_feed(&mut self, block: Block) {
-        let Some(value) = self.given.get(b'F') else { return };
+    /// The value of F in a block that has one, by the mode in force.
+    pub(super) fn take_feed(&mut self, block: Block, value: Option<f64>) {
+        let Some(value) = value else { return };
         let length = value * self.unit_of_feeds();
         let is_possible = match self.modal.feed.mode {
             FeedMode::InverseTime => INVERSE_TIMES.contains(&value),

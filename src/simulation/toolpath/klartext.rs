@@ -187,7 +187,7 @@ impl Tracer<'_> {
         if self.given.has(bits(b"F")) {
             let is_per_turn = per_revolution.is_some() || self.klartext.has_feed_per_revolution;
             self.modal.feed.mode = if is_per_turn { FeedMode::PerRevolution } else { FeedMode::PerMinute };
-            self.take_feed(block);
+            self.take_feed(block, self.given.get(b'F'));
             if name == "TOOL CALL" {
                 self.klartext.auto_feed = self.modal.feedrate;
             }

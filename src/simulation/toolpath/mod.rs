@@ -52,6 +52,7 @@ mod operations;
 mod own;
 mod parameters;
 mod path_mode;
+mod plain;
 mod plane;
 #[cfg(test)]
 mod random;

@@ -39,6 +39,13 @@ pub(super) struct Rotary {
     ahead: Option<Vector>,
 }
 
+impl Rotary {
+    /// The next move turns them along.
+    pub(super) fn turn_along(&self) -> bool {
+        self.ahead.is_some()
+    }
+}
+
 impl Tracer<'_> {
     /// Reads the rotary words of a block: its next move turns the axes along.
     pub(super) fn take_rotary(&mut self, block: Block) {

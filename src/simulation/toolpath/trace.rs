@@ -14,6 +14,7 @@ use crate::simulation::toolpath::motion::has_dwell_by_feed;
 use crate::simulation::toolpath::own::{self, OwnState};
 use crate::simulation::toolpath::parameters::{Parameters, Values};
 use crate::simulation::toolpath::path_mode::{InForce, PathWord};
+use crate::simulation::toolpath::plain::Plain;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::Rotary;
@@ -164,6 +165,8 @@ pub(super) struct Tracer<'a> {
     pub(super) klartext: Klartext,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
+    /// As long as nothing else is run than plain blocks; none where it is to be looked for.
+    pub(super) plain: Option<Plain>,
     pub(super) functions: Functions,
     pub(super) path_mode: InForce,
     pub(super) ended: Option<Code>,
@@ -203,6 +206,7 @@ impl<'a> Tracer<'a> {
             own: OwnState::default(),
             klartext: Klartext::default(),
             exact_stop: false,
+            plain: None,
             functions: Functions::default(),
             path_mode: InForce::default(),
             ended: None,
@@ -241,6 +245,10 @@ impl<'a> Tracer<'a> {
         if self.is_heidenhain() {
             return self.klartext_block(block);
         }
+        if self.plain_block(block) {
+            return;
+        }
+        self.plain = None;
         let mut request = self.take_words(block);
         for (word, code, place) in std::mem::take(&mut request.path_words) {
             let has_cycle = request.groups[9].is_some() && self.cycle.is_active();
@@ -254,7 +262,7 @@ impl<'a> Tracer<'a> {
         if matches!(request.special, Some((Special::Dwell, _))) && has_dwell_by_feed(self.dialect) {
             self.given.take(b'F');
         }
-        self.take_feed(block);
+        self.take_feed(block, self.given.get(b'F'));
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole(tool);
         } else if self.given.get(address::TOOL_NAME).is_some() {

@@ -87,6 +87,11 @@ impl Contour {
         self.queue.is_beside()
     }
 
+    /// A move comes out as it is given if it has a length, and nothing waits for it.
+    pub(super) fn is_idle(&self) -> bool {
+        !self.keeps_back() && !self.is_beside() && self.next_corner.is_none()
+    }
+
     /// The next programmed move, in this working plane.
     #[inline]
     pub(super) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
