@@ -265,6 +265,9 @@ impl Overrides {
     }
 
     fn at(by_line: &BTreeMap<u32, f64>, line: u32) -> f64 {
+        if by_line.is_empty() {
+            return 1.0;
+        }
         by_line.range(..=line).next_back().map_or(1.0, |(_, ratio)| *ratio)
     }
 }

@@ -31,6 +31,10 @@
 //! arc the hold is then a little longer than published; were it to grow with the arc's own limit,
 //! a wider tolerance could make a crowded arc slower.
 //!
+//! G⁻¹ is Newton's method, begun at cubics in u = √(1 − G/S(h)), of which α is a smooth function though G is level at
+//! α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α) begins with −√(2 S(h)/h). One cubic for all of it takes
+//! some three steps, each of which waits for the one before; a stretch of many corners tabulates 64, and one step arrives.
+//!
 //! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition.
 
 use crate::simulation::filter::FilterChain;
@@ -39,6 +43,9 @@ use crate::simulation::filter::FilterChain;
 /// change it by a rounding error.
 const LAST_STEP: f64 = 1e-8;
 
+/// So many cubics are made in a moment, and the first step from one of them is mostly the last.
+const PARTS: usize = 64;
+
 /// The law of an isolated corner for one filter chain.
 #[derive(Clone, Debug)]
 pub struct CornerLaw<'a> {
@@ -46,18 +53,57 @@ pub struct CornerLaw<'a> {
     half_delay: f64,
     /// S(h) = G(1), s.
     full: f64,
+    /// About α on equal parts of u from 0 to 1: coefficients of the powers of the place in the part, from 0 to 1, the
+    /// constant first. Of one part at least.
+    starts: Vec<[f64; 4]>,
 }
 
 impl<'a> CornerLaw<'a> {
     /// The law for this filter chain.
     pub fn new(filter: &'a FilterChain) -> CornerLaw<'a> {
         let half_delay = filter.half_delay();
-        CornerLaw { filter, half_delay, full: filter.displacement(half_delay) }
+        let full = filter.displacement(half_delay);
+        let starts = cubics(&[(1.0, -(2.0 * full / half_delay).sqrt()), (0.0, -2.0)]);
+        CornerLaw { filter, half_delay, full, starts }
+    }
+
+    /// The same law, which takes a while to be made and is then quicker.
+    pub fn for_many_corners(filter: &'a FilterChain) -> CornerLaw<'a> {
+        let law = CornerLaw::new(filter);
+        let node = |k: usize| {
+            let u = k as f64 / PARTS as f64;
+            let alpha = law.alpha(law.full * (1.0 - u * u));
+            let slope = -2.0 * u * law.full / law.deviation_and_slope(alpha).1;
+            (alpha, if k == 0 { -(2.0 * law.full / law.half_delay).sqrt() } else { slope })
+        };
+        let nodes: Vec<(f64, f64)> = (0..=PARTS).map(node).collect();
+        CornerLaw { starts: cubics(&nodes), ..law }
+    }
+
+    /// About the α of a deviation from 0 to G(1), s.
+    fn start(&self, deviation: f64) -> f64 {
+        let part_of_full = deviation / self.full;
+        // There G is straight, and u would lose its digits.
+        if part_of_full < 1e-6 {
+            return part_of_full;
+        }
+        let place = (1.0 - part_of_full).sqrt() * self.starts.len() as f64;
+        let part = (place as usize).min(self.starts.len() - 1);
+        let [constant, linear, square, cubic] = self.starts[part];
+        let within = place - part as f64;
+        constant + within * (linear + within * (square + within * cubic))
     }
 
     /// G(α), s: the deviation for F ‖u2 − u1‖ = 1 mm/s.
     pub fn deviation(&self, alpha: f64) -> f64 {
-        alpha * self.full + (1.0 - alpha) * self.filter.displacement(alpha * self.half_delay)
+        self.deviation_and_slope(alpha).0
+    }
+
+    /// G(α), s, and its slope.
+    fn deviation_and_slope(&self, alpha: f64) -> (f64, f64) {
+        let (step, displacement) = self.filter.step_and_displacement(alpha * self.half_delay);
+        let deviation = alpha * self.full + (1.0 - alpha) * displacement;
+        (deviation, self.full - displacement + (1.0 - alpha) * self.half_delay * step)
     }
 
     /// The largest α whose deviation is at most `deviation`, s.
@@ -65,20 +111,20 @@ impl<'a> CornerLaw<'a> {
         if self.full <= deviation || deviation.is_nan() {
             return 1.0;
         }
-        // Newton's method; G is nearly straight, so a few steps do, each of which squares what is missing.
-        // A step that leaves the bracket is replaced by halving it.
+        if deviation <= 0.0 {
+            return 0.0;
+        }
+        // Each step of Newton's method squares what is missing. A step that leaves the bracket is replaced by halving it.
         let (mut low, mut high) = (0.0, 1.0);
-        let mut alpha = deviation / self.full;
+        let mut alpha = self.start(deviation);
         for _ in 0..60 {
-            let delayed = alpha * self.half_delay;
-            let (step, displacement) = self.filter.step_and_displacement(delayed);
-            let excess = alpha * self.full + (1.0 - alpha) * displacement - deviation;
+            let (reached, slope) = self.deviation_and_slope(alpha);
+            let excess = reached - deviation;
             if excess <= 0.0 {
                 low = alpha;
             } else {
                 high = alpha;
             }
-            let slope = self.full - displacement + (1.0 - alpha) * self.half_delay * step;
             let newton = alpha - excess / slope;
             if (newton - alpha).abs() <= LAST_STEP * alpha {
                 return newton;
@@ -102,6 +148,19 @@ impl<'a> CornerLaw<'a> {
     pub fn hold(&self, corner: f64, feedrate: f64) -> f64 {
         self.half_delay * (1.0 - corner / feedrate)
     }
+}
+
+/// Cubics from node to node, equal parts of 0 to 1, with these values and slopes.
+fn cubics(nodes: &[(f64, f64)]) -> Vec<[f64; 4]> {
+    let part = 1.0 / (nodes.len() - 1) as f64;
+    let cubic = |ends: &[(f64, f64)]| {
+        let [(first, first_slope), (last, last_slope)] =
+            [ends[0], ends[1]].map(|(value, slope)| (value, part * slope));
+        let rise = last - first;
+        let square = 3.0 * rise - 2.0 * first_slope - last_slope;
+        [first, first_slope, square, first_slope + last_slope - 2.0 * rise]
+    };
+    nodes.windows(2).map(cubic).collect()
 }
 
 #[cfg(test)]
@@ -133,25 +192,43 @@ mod tests {
         }
     }
 
+    const CHAINS: [&[f64]; 6] =
+        [&[0.03], &[0.02, 0.02], &[0.03, 0.007], &[0.0255; 3], &[0.02; 4], &[0.2, 0.001]];
+
     #[test]
     fn alpha_inverts_the_deviation() {
-        for constants in [&[0.03][..], &[0.02, 0.02], &[0.03, 0.007], &[0.0255; 3], &[0.02; 4], &[0.2, 0.001]]
-        {
+        for constants in CHAINS {
             let filter = FilterChain::new(constants);
-            let law = CornerLaw::new(&filter);
-            let mut before = 0.0;
-            for i in 1..=2000 {
-                let alpha = i as f64 / 2000.0;
-                let deviation = law.deviation(alpha);
-                assert!(before < deviation, "G rises");
-                before = deviation;
-                assert!((law.alpha(deviation) - alpha).abs() < 1e-12, "{constants:?}, α = {alpha}");
+            for law in [CornerLaw::new(&filter), CornerLaw::for_many_corners(&filter)] {
+                let mut before = 0.0;
+                for i in 1..=2000 {
+                    let alpha = i as f64 / 2000.0;
+                    let deviation = law.deviation(alpha);
+                    assert!(before < deviation, "G rises");
+                    before = deviation;
+                    assert!((law.alpha(deviation) - alpha).abs() < 1e-12, "{constants:?}, α = {alpha}");
+                }
+                for tiny in [1e-300, 1e-12, 1e-9, 1e-6] {
+                    let alpha = law.alpha(tiny * law.full);
+                    assert!((law.deviation(alpha) / (tiny * law.full) - 1.0).abs() < 1e-12);
+                }
+                assert_eq!(law.alpha(f64::INFINITY), 1.0);
+                assert_eq!(law.alpha(0.0), 0.0);
             }
-            for tiny in [1e-12, 1e-9, 1e-6] {
-                let alpha = law.alpha(tiny * law.full);
-                assert!((law.deviation(alpha) / (tiny * law.full) - 1.0).abs() < 1e-12);
-            }
-            assert_eq!(law.alpha(f64::INFINITY), 1.0);
+        }
+    }
+
+    #[test]
+    fn a_law_for_many_corners_begins_near_the_end() {
+        for constants in CHAINS {
+            let filter = FilterChain::new(constants);
+            let law = CornerLaw::for_many_corners(&filter);
+            let missing = |k: usize| {
+                let alpha = k as f64 / 1000.0;
+                (law.start(law.deviation(alpha)) - alpha).abs()
+            };
+            let far = (0..=1000).filter(|k| 1e-7 < missing(*k)).count();
+            assert!(far < 100, "{constants:?}: {far} of 1000");
         }
     }
 }

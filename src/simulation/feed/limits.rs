@@ -68,11 +68,11 @@ pub fn rotary_time(rotation: &Vector, rate: Option<f64>, machine: &Machine) -> f
     programmed.max(shortest_turn(rotation, rate.is_none(), machine))
 }
 
-/// The largest feedrate at which the filtered path stays within `tolerance` (mm) of an arc that
+/// The largest feedrate at which the filtered path stays within `tolerance` (mm) of an arc of `length` (mm) that
 /// goes on and on, mm/s; infinite along a line.
-pub fn arc_feedrate(segment: &Segment, filter: &FilterChain, tolerance: f64) -> f64 {
-    let Curve::Arc(arc) = &segment.curve else { return f64::INFINITY };
-    (24.0 * tolerance / (filter.sum_of_squares() * curvature(arc, segment.length))).sqrt()
+pub fn arc_feedrate(curve: &Curve, length: f64, filter: &FilterChain, tolerance: f64) -> f64 {
+    let Curve::Arc(arc) = curve else { return f64::INFINITY };
+    (24.0 * tolerance / (filter.sum_of_squares() * curvature(arc, length))).sqrt()
 }
 
 /// The largest feedrate that centripetal acceleration allows, mm/s.
@@ -82,12 +82,12 @@ pub fn curve_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     (acceleration / curvature(arc, segment.length)).sqrt()
 }
 
-/// How far along a segment a corner's command can be held, mm: on an arc to the end of the first of
+/// How far along a segment of `length` (mm) a corner's command can be held, mm: on an arc to the end of the first of
 /// the chords that the control makes of it.
-pub fn first_chord(segment: &Segment, machine: &Machine) -> f64 {
-    match &segment.curve {
+pub fn first_chord(curve: &Curve, length: f64, machine: &Machine) -> f64 {
+    match curve {
         Curve::Line => f64::INFINITY,
-        Curve::Arc(arc) => segment.length * (machine.interpolator.arc_step / arc.sweep),
+        Curve::Arc(arc) => length * (machine.interpolator.arc_step / arc.sweep),
     }
 }
 

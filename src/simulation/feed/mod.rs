@@ -59,7 +59,7 @@ use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::stretch::add_stretch;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
-use crate::simulation::toolpath::{Motion, Segment, Stop, StopCause, Toolpath};
+use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause, Toolpath};
 
 /// A piece of command along one segment, linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -241,17 +241,8 @@ fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPl
         while let Some(stop) = stops.next_if(|stop| stop.after <= begin) {
             add_wait(&mut plan, stop, machine, &mut left);
         }
-        let next_stop = stops.peek().map_or(usize::MAX, |stop| stop.after);
-        let mut end = begin + 1;
-        while end < segments.len()
-            && end != next_stop
-            && !stands_between(&segments.at(end - 1), &segments.at(end), machine)
-            && !halting.stands_before(end)
-        {
-            end += 1;
-        }
-        add_stretch(&mut plan, begin..end, toolpath, machine, rule);
-        begin = end;
+        let next_stop = stops.peek().map_or(segments.len(), |stop| stop.after.min(segments.len()));
+        begin = add_stretch(&mut plan, begin..next_stop, toolpath, machine, &halting, rule);
     }
     for stop in stops {
         add_wait(&mut plan, stop, machine, &mut left);
@@ -317,7 +308,15 @@ fn wait(stop: &Stop, machine: &Machine) -> Wait {
     Wait { duration, cause: stop.cause, line: stop.line }
 }
 
-/// Whether the machine stands between two segments without being told to by a stop.
+/// Whether the machine stands before the segment `next` without being told to by a stop.
+fn stands_before(segments: &Segments, next: usize, machine: &Machine) -> bool {
+    // Nearly all go on in feed, and then only a turn can stop the machine.
+    let turns_stop = machine.interpolator.stopping_angle() < std::f64::consts::PI;
+    (turns_stop || !segments.goes_on(next))
+        && stands_between(&segments.at(next - 1), &segments.at(next), machine)
+}
+
+/// The same, of two segments that follow one another.
 fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool {
     let rapid = |segment: &Segment| segment.motion == Motion::Rapid;
     let own_filters = machine.rapid.time_constants.is_some()
@@ -343,7 +342,7 @@ fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bo
     let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
     let before = toolpath.segments.at(next - 1);
     before.exact_stop
-        || (!waits && toolpath.segments.get(next).is_some_and(|next| stands_between(&before, &next, machine)))
+        || (!waits && next < toolpath.segments.len() && stands_before(&toolpath.segments, next, machine))
 }
 
 /// The angle by which the path turns between two segments, rad.

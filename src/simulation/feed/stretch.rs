@@ -8,8 +8,8 @@
 //! pulses    of each segment between its corners
 //! ```
 //!
-//! A long program is one stretch of millions of segments, and to fetch them costs more than to reckon with them: each
-//! of these steps goes over them once.
+//! A long program is one stretch of millions of segments, and to fetch them costs more than to reckon with them. Where
+//! nothing is starved or to be reached, the last step follows one segment behind the corners, and they are fetched twice.
 
 use std::ops::Range;
 
@@ -17,33 +17,38 @@ use crate::machine::{Junction, Machine, PlannedBy, TimeConstants};
 use crate::simulation::feed::blend::{self, Blend, Leg};
 use crate::simulation::feed::block::{self, End, Part};
 use crate::simulation::feed::corner::CornerLaw;
+use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::junction::{self, Turn};
 use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::{
     FeedPlan, Limit, Phase, Pulse, Pulses, Rule, Stretch, is_stopped_by_mode, limits, positioning,
-    running_sum,
+    running_sum, stands_before,
 };
 use crate::simulation::filter::FilterChain;
-use crate::simulation::toolpath::{Motion, Segment, Toolpath, Vector};
+use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath, Vector};
 
-/// Plans the segments of `range`, between two full stops.
+/// Plans from the first segment of `range` on, up to the next full stop or the end of `range`; gives where that is.
 pub(super) fn add_stretch(
     plan: &mut FeedPlan,
     range: Range<usize>,
     toolpath: &Toolpath,
     machine: &Machine,
+    halting: &Halting,
     rule: Rule,
-) {
+) -> usize {
     // Feedrates and corners of the stretch are in the lists of the plan from the beginning: a long program has no room
     // for them twice.
     let FeedPlan { filters, segment_feedrates, corner_feedrates, pulses, phases, .. } = plan;
     let (first_feedrate, first_corner, first_pulse) =
         (segment_feedrates.len(), corner_feedrates.len(), pulses.len());
-    let asked = Asked::of(toolpath, range.clone(), machine, segment_feedrates);
+    let asked = Asked::of(toolpath, range.clone(), machine, halting, segment_feedrates);
+    let range = range.start..asked.end;
     let feedrates = &mut segment_feedrates[first_feedrate..];
     let filter = asked.filter(filters, &toolpath.segments.at(range.start), machine);
     let chain = &filters[filter];
-    let stretch = Planned { toolpath, machine, rule, filter: chain, law: CornerLaw::new(chain), range };
+    let has_many_corners = MANY_CORNERS < range.len();
+    let law = if has_many_corners { CornerLaw::for_many_corners(chain) } else { CornerLaw::new(chain) };
+    let stretch = Planned { toolpath, machine, rule, filter: chain, law, range };
     let supplied = stretch.supplied(&asked);
     let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
     // A planner of ramps knows what it is supplied with.
@@ -51,29 +56,46 @@ pub(super) fn add_stretch(
     if is_known && let Some(supplied) = &supplied {
         feedrates.iter_mut().zip(supplied).for_each(|(feedrate, most)| *feedrate = feedrate.min(*most));
     }
-    let Corners { mut blends, mut lowered } = stretch.corners(feedrates, corner_feedrates);
+    let starving = supplied.filter(|_| !is_known);
+    let are_final = !is_blended && starving.is_none() && !stretch.has_reach();
+    let mut found = stretch.corners(feedrates, corner_feedrates, |commanded| {
+        if are_final {
+            stretch.add_pulses(pulses, &asked, commanded);
+        }
+    });
     if is_blended {
-        blends.push(Blend::none(0.0));
-        let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &blends);
+        found.blends.push(Blend::none(0.0));
+        let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &found.blends);
         pulses.extend(blended);
         corner_feedrates.truncate(first_corner);
         corner_feedrates.extend(at_corners);
-    } else {
-        // The full stop at the end.
-        corner_feedrates.push(0.0);
+    } else if !are_final {
         let corners = &mut corner_feedrates[first_corner..];
-        if let Some(supplied) = supplied.filter(|_| !is_known) {
-            lowered = starved(&supplied, feedrates, &lowered);
+        if let Some(supplied) = starving {
+            found.lowered = starved(&supplied, feedrates, &found.lowered);
         }
         stretch.reach(corners, feedrates, &asked);
-        stretch.add_pulses(pulses, &asked, &lowered, feedrates, corners);
+        let mut lowered = found.lowered.into_iter().peekable();
+        let mut before = 0.0;
+        for (i, (&feedrate, &after)) in feedrates.iter().zip(&*corners).enumerate() {
+            let without_tolerance = lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, asked)| asked);
+            let corners = [std::mem::replace(&mut before, after), after];
+            let feedrates = [feedrate, without_tolerance];
+            stretch.add_pulses(pulses, &asked, &stretch.commanded(i, feedrates, corners));
+        }
     }
     let pulses = first_pulse..pulses.len();
     phases.push(Phase::Motion(Stretch { segments: stretch.range, pulses, filter }));
+    asked.end
 }
 
-/// What is asked of each segment by itself, apart from its feedrate.
+/// A law for many corners pays where there are so many.
+const MANY_CORNERS: usize = 100;
+
+/// What is asked of each segment of a stretch by itself, apart from its feedrate.
 struct Asked {
+    /// One past its last segment in the toolpath.
+    end: usize,
     /// Accelerations, mm/s²; empty where nothing depends on them.
     accelerations: Vec<f64>,
     /// The feedrate requested on the first segment, mm/s.
@@ -83,12 +105,23 @@ struct Asked {
 }
 
 impl Asked {
-    /// Adds to `feedrates` those asked for with every limit but the tolerance, mm/s.
-    fn of(toolpath: &Toolpath, range: Range<usize>, machine: &Machine, feedrates: &mut Vec<f64>) -> Asked {
+    /// Adds to `feedrates` those asked for with every limit but the tolerance, mm/s, of the stretch that `range` begins with.
+    fn of(
+        toolpath: &Toolpath,
+        range: Range<usize>,
+        machine: &Machine,
+        halting: &Halting,
+        feedrates: &mut Vec<f64>,
+    ) -> Asked {
         let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
         let has_accelerations = machine.limits_command() || machine.interpolator.look_ahead.is_finite();
         let (mut accelerations, mut first, mut largest) = (Vec::new(), None, 0.0_f64);
+        let mut end = range.start;
         for segment in toolpath.segments.range(range.clone()) {
+            let stands = || stands_before(&toolpath.segments, end, machine) || halting.stands_before(end);
+            if range.start < end && stands() {
+                break;
+            }
             let requested = limits::requested_feedrate(&segment, machine);
             let requested = positioning::feedrate(&segment, requested, machine);
             first.get_or_insert(requested);
@@ -105,11 +138,12 @@ impl Asked {
                 });
             }
             feedrates.push(feedrate);
+            end += 1;
         }
-        if is_blended && !is_stopped_by_mode(toolpath, range.end, machine) {
-            accelerations[range.len() - 1] *= 0.5;
+        if is_blended && !is_stopped_by_mode(toolpath, end, machine) {
+            *accelerations.last_mut().expect("a stretch has a segment") *= 0.5;
         }
-        Asked { accelerations, first: first.unwrap_or(0.0), largest }
+        Asked { end, accelerations, first: first.unwrap_or(0.0), largest }
     }
 
     /// The filters of the stretch that begins with the segment `first`, by index; they are made where there are none
@@ -154,6 +188,22 @@ struct Corners {
     lowered: Vec<(usize, f64)>,
 }
 
+/// A segment between its corners.
+struct Commanded {
+    /// Counted from the first of the stretch.
+    i: usize,
+    /// mm.
+    length: f64,
+    /// How far along it a corner's command can be held, mm.
+    chord: f64,
+    /// mm/s.
+    feedrate: f64,
+    /// What was asked for before the tolerance lowered it, mm/s.
+    without_tolerance: f64,
+    /// At the corner before it and after it, mm/s.
+    corners: [f64; 2],
+}
+
 /// What a corner has to know of the segment before it.
 #[derive(Clone, Copy)]
 struct Before {
@@ -167,6 +217,10 @@ struct Before {
 impl Planned<'_> {
     fn segment(&self, i: usize) -> Segment {
         self.toolpath.segments.at(self.range.start + i)
+    }
+
+    fn curve(&self, i: usize) -> &Curve {
+        self.toolpath.segments.curve(self.range.start + i)
     }
 
     fn length(&self, i: usize) -> f64 {
@@ -199,30 +253,47 @@ impl Planned<'_> {
         Some((0..count).map(supplied).collect())
     }
 
-    /// Lowers the feedrates that are asked for (mm/s) to what the tolerance allows along each segment, and adds the
-    /// command at each corner between two of them (mm/s).
-    fn corners(&self, feedrates: &mut [f64], corners: &mut Vec<f64>) -> Corners {
+    /// Lowers the feedrates that are asked for (mm/s) to what the tolerance allows along each segment, adds the command at
+    /// the corner after each (mm/s), and goes on with each `then`.
+    fn corners(
+        &self,
+        feedrates: &mut [f64],
+        corners: &mut Vec<f64>,
+        mut then: impl FnMut(&Commanded),
+    ) -> Corners {
         let mut found = Corners { blends: vec![Blend::none(0.0)], lowered: Vec::new() };
         let held = self.rule.tolerances().limits(self.toolpath, self.machine, self.range.start);
         let mut last: Option<Before> = None;
+        // Of the segment before: what was asked of it, and the command at the corner before it.
+        let (mut asked_before, mut first_corner) = (0.0, 0.0);
+        let mut end = |i: usize, feedrates: [f64; 2], ends: [f64; 2]| {
+            corners.push(ends[1]);
+            then(&self.commanded(i, feedrates, ends));
+        };
         for ((i, feedrate), limit) in feedrates.iter_mut().enumerate().zip(held) {
-            let segment = self.segment(i);
             let most = match self.rule {
                 Rule::Given { segments, .. } => segments[self.range.start + i],
                 _ => {
                     let tolerance = self.machine.interpolator.arc_tolerance.unwrap_or(limit.along());
-                    limits::arc_feedrate(&segment, self.filter, tolerance)
+                    limits::arc_feedrate(self.curve(i), self.length(i), self.filter, tolerance)
                 }
             };
-            if most < *feedrate {
-                found.lowered.push((i, *feedrate));
+            let asked = *feedrate;
+            if most < asked {
+                found.lowered.push((i, asked));
                 *feedrate = most;
             }
-            let [entry, direction] = segment.tangents();
+            let [entry, direction] = self.toolpath.segments.tangents(self.range.start + i);
             let after = Before { limit, feedrate: *feedrate, direction: entry };
-            if let Some(before) = last.replace(Before { direction, ..after }) {
-                corners.push(self.corner(i, before, after, &mut found.blends));
+            if let Some(before) = last {
+                let corner = self.corner(i, before, after, &mut found.blends);
+                end(i - 1, [before.feedrate, asked_before], [first_corner, corner]);
+                first_corner = corner;
             }
+            (last, asked_before) = (Some(Before { direction, ..after }), asked);
+        }
+        if let Some(before) = last {
+            end(self.range.len() - 1, [before.feedrate, asked_before], [first_corner, 0.0]);
         }
         found
     }
@@ -281,10 +352,15 @@ impl Planned<'_> {
         (!positioning::applies(&self.segment(i), self.machine)).then_some(ramp)
     }
 
+    /// A corner may be too fast for its neighbours.
+    fn has_reach(&self) -> bool {
+        self.machine.limits_command() || self.machine.path.jerk != f64::INFINITY
+    }
+
     /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
     /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
     fn reach(&self, corners: &mut [f64], feedrates: &[f64], asked: &Asked) {
-        if !self.machine.limits_command() && self.machine.path.jerk == f64::INFINITY {
+        if !self.has_reach() {
             return;
         }
         let reach = |from: f64, to: f64, i: usize| match self.ramp(i, asked) {
@@ -304,56 +380,48 @@ impl Planned<'_> {
         }
     }
 
-    /// Adds the pulses of all segments, commanded at `feedrates` and at the corners after them (mm/s), of which some
-    /// are lowered.
-    fn add_pulses(
-        &self,
-        pulses: &mut Pulses,
-        asked: &Asked,
-        lowered: &[(usize, f64)],
-        feedrates: &[f64],
-        corners: &[f64],
-    ) {
-        let mut lowered = lowered.iter().peekable();
-        let mut corner = 0.0;
-        for (i, (&feedrate, &next_corner)) in feedrates.iter().zip(corners).enumerate() {
-            let number = self.range.start + i;
-            if number == FIRST_SEGMENTS {
-                make_room(pulses, self.toolpath.segments.len() - FIRST_SEGMENTS);
+    /// A segment with its feedrate and what that was without the tolerance, and with the command at its corners, mm/s.
+    fn commanded(&self, i: usize, [feedrate, without_tolerance]: [f64; 2], corners: [f64; 2]) -> Commanded {
+        let length = self.length(i);
+        let chord = limits::first_chord(self.curve(i), length, self.machine);
+        Commanded { i, length, chord, feedrate, without_tolerance, corners }
+    }
+
+    /// Adds the pulses of a segment.
+    fn add_pulses(&self, pulses: &mut Pulses, asked: &Asked, commanded: &Commanded) {
+        let &Commanded { i, length, chord, feedrate, without_tolerance, corners } = commanded;
+        let number = self.range.start + i;
+        if number == FIRST_SEGMENTS {
+            make_room(pulses, self.toolpath.segments.len() - FIRST_SEGMENTS);
+        }
+        // Before the first segment, and behind the last, the motion does not go on. Where a corner is starved, its
+        // command is held as far along the segment as it would be, and not as long.
+        let end = |corner: f64, is_blended: bool| {
+            let command = corner.min(feedrate);
+            let longer = if command < corner { corner / command } else { 1.0 };
+            let hold = match is_blended {
+                true => (longer * self.law.hold(corner, without_tolerance)).min(chord / command),
+                false => 0.0,
+            };
+            End { feedrate: command, hold }
+        };
+        let ends = [end(corners[0], 0 < i), end(corners[1], i + 1 < self.range.len())];
+        let mut offset = 0.0;
+        let mut add = |(duration, first, last): Part| {
+            if 0.0 < duration {
+                pulses.push(Pulse { segment: number as u32, duration, offset, feedrate: [first, last] });
+                offset += duration * 0.5 * (first + last);
             }
-            let segment = self.segment(i);
-            let chord = limits::first_chord(&segment, self.machine);
-            let without_tolerance = lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, asked)| *asked);
-            // Before the first segment, and behind the last, the motion does not go on. Where a corner is starved, its
-            // command is held as far along the segment as it would be, and not as long.
-            let end = |corner: f64, is_blended: bool| {
-                let command = corner.min(feedrate);
-                let longer = if command < corner { corner / command } else { 1.0 };
-                let hold = match is_blended {
-                    true => (longer * self.law.hold(corner, without_tolerance)).min(chord / command),
-                    false => 0.0,
-                };
-                End { feedrate: command, hold }
-            };
-            let ends = [end(corner, 0 < i), end(next_corner, i + 1 < corners.len())];
-            corner = next_corner;
-            let mut offset = 0.0;
-            let mut add = |(duration, first, last): Part| {
-                if 0.0 < duration {
-                    pulses.push(Pulse { segment: number as u32, duration, offset, feedrate: [first, last] });
-                    offset += duration * 0.5 * (first + last);
-                }
-            };
-            match self.ramp(i, asked) {
-                Some(ramp) => {
-                    let parts = ramp.parts(segment.length, feedrate, ends[0], ends[1]);
-                    parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
-                }
-                None => {
-                    let acceleration = self.acceleration(i, asked);
-                    let parts = block::parts(segment.length, feedrate, acceleration, ends[0], ends[1]);
-                    parts.into_iter().for_each(&mut add);
-                }
+        };
+        match self.ramp(i, asked) {
+            Some(ramp) => {
+                let parts = ramp.parts(length, feedrate, ends[0], ends[1]);
+                parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
+            }
+            None => {
+                let acceleration = self.acceleration(i, asked);
+                let parts = block::parts(length, feedrate, acceleration, ends[0], ends[1]);
+                parts.into_iter().for_each(&mut add);
             }
         }
     }

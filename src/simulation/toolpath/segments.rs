@@ -116,6 +116,15 @@ impl Moves {
         (kept.end - self.start(index)) / kept.length
     }
 
+    /// The unit tangents at the beginning and at the end of the segment with this index. Panics beyond the end.
+    #[inline]
+    pub fn tangents(&self, index: usize) -> [Vector; 2] {
+        match self.moves[index].has_shape() {
+            true => self.at(index).tangents(),
+            false => [self.direction(index); 2],
+        }
+    }
+
     /// The position at a distance (mm) from the start of the segment with this index, mm. Panics beyond the end.
     #[inline]
     pub fn point(&self, index: usize, distance: f64) -> Point {
@@ -127,6 +136,16 @@ impl Moves {
     #[inline]
     pub fn motion(&self, index: usize) -> Motion {
         self.ways[self.moves[index].way()].motion()
+    }
+
+    /// The segment with this index is run in feed as the one before it, and that does not end in an exact stop. Panics at
+    /// the first, and beyond the end.
+    #[inline]
+    pub fn goes_on(&self, index: usize) -> bool {
+        let way = self.moves[index].way();
+        way == self.moves[index - 1].way()
+            && self.ways[way].feedrate.is_finite()
+            && !self.ways[way].exact_stop
     }
 
     /// Each segment with the one that follows it.
@@ -251,9 +270,20 @@ mod tests {
                 assert_eq!(kept.at(index), *segment);
                 assert_eq!((kept.curve(index), kept.length(index)), (&segment.curve, segment.length));
                 assert_eq!(kept.motion(index), segment.motion);
+                if let Some(before) = index.checked_sub(1).map(|before| &expected[before]) {
+                    let is_feed = matches!(segment.motion, Motion::Feed { .. });
+                    let is_same =
+                        before.motion == segment.motion && !before.exact_stop && !segment.exact_stop;
+                    assert!(!kept.goes_on(index) || (is_feed && is_same));
+                    let are_lines = [before, segment]
+                        .iter()
+                        .all(|one| one.curve == Curve::Line && one.rotation.is_none());
+                    assert!(kept.goes_on(index) || !are_lines || !(is_feed && is_same));
+                }
                 assert_eq!(kept.point(index, 0.3), segment.point(0.3));
                 let line = Segment { curve: Curve::Line, ..segment.clone() };
                 assert_eq!(kept.direction(index), line.tangent(0.0));
+                assert_eq!(kept.tangents(index), segment.tangents());
             }
             // Some are taken away and others put in their place.
             let removed = random.below(count + 1);
