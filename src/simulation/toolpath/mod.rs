@@ -54,7 +54,7 @@ mod parameters;
 mod path_mode;
 mod plane;
 #[cfg(test)]
-mod random;
+pub(crate) mod random;
 mod remark;
 mod rotary;
 mod run;
