@@ -9,7 +9,7 @@
 use std::ops::Range;
 
 use crate::machine::{Function, Machine};
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Wait, running_sum};
+use crate::simulation::feed::{FeedPlan, Phase, RunningSum, Wait};
 use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
 
 /// Where the cycle time goes, s.
@@ -119,18 +119,20 @@ impl<'a> Ledger<'a> {
             breakdown.functions.start = self.plan.start;
             breakdown.other = self.plan.start;
         }
-        let is_rapid = |segment: usize| self.toolpath.segments.at(segment).motion == Motion::Rapid;
+        let is_rapid = |segment: usize| self.toolpath.segments.motion(segment) == Motion::Rapid;
         let pulses = &self.plan.pulses;
-        let pulses = pulses.range(pulses.before(segments.start)..pulses.before(segments.end));
-        let sum = |rapid: bool| {
-            let moves = |pulse: &Pulse| !pulse.is_halt() && is_rapid(pulse.segment as usize) == rapid;
-            running_sum(pulses.clone().filter(moves).map(|pulse| pulse.duration)).last().unwrap_or(0.0)
-        };
-        // The sum of nothing is −0, which would be shown.
-        let halts = pulses.clone().filter(Pulse::is_halt).fold(0.0, |halts, pulse| halts + pulse.duration);
+        let (mut cutting, mut rapid, mut halts) = (RunningSum::default(), RunningSum::default(), 0.0);
+        for pulse in pulses.range(pulses.before(segments.start)..pulses.before(segments.end)) {
+            if pulse.is_halt() {
+                halts += pulse.duration;
+            } else {
+                let moves = if is_rapid(pulse.segment as usize) { &mut rapid } else { &mut cutting };
+                moves.add(pulse.duration);
+            }
+        }
         breakdown.functions.halts = halts;
         breakdown.other += halts;
-        (breakdown.cutting, breakdown.rapid) = (sum(false), sum(true));
+        (breakdown.cutting, breakdown.rapid) = (cutting.value(), rapid.value());
         let before = |segment: usize| self.ends.partition_point(|(end, _)| *end < segment);
         for &(end, half) in &self.ends[before(segments.start)..before(segments.end)] {
             *(if is_rapid(end) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += half;

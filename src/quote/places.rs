@@ -157,21 +157,21 @@ struct Division {
 }
 
 impl Division {
-    fn of(pulses: impl DoubleEndedIterator<Item = Pulse> + Clone, feedrate: f64) -> Division {
+    fn of(pulses: &[Pulse], feedrate: f64) -> Division {
         let speed = |pulse: &Pulse| pulse.feedrate[0].max(pulse.feedrate[1]);
         let way = |pulse: &Pulse| pulse.duration * 0.5 * (pulse.feedrate[0] + pulse.feedrate[1]);
         // Of ramps that meet, the point where they do is the body.
         let cruise = |pulse: &Pulse| pulse.feedrate[0].min(pulse.feedrate[1]);
-        let peak = pulses.clone().map(|pulse| speed(&pulse)).fold(0.0, f64::max);
-        let is_body = |pulse: &Pulse| !pulse.is_halt() && REACHED * peak <= cruise(pulse);
-        let turning = pulses.clone().find(|pulse| REACHED * peak <= speed(pulse));
-        let turning = turning.map_or(0.0, |pulse| pulse.offset + way(&pulse));
-        let from = pulses.clone().find(is_body).map_or(turning, |pulse| pulse.offset);
-        let to = pulses.clone().rfind(is_body).map_or(turning, |pulse| pulse.offset + way(&pulse));
+        let peak = pulses.iter().map(speed).fold(0.0, f64::max);
+        let is_body = |pulse: &&Pulse| !pulse.is_halt() && REACHED * peak <= cruise(pulse);
+        let turning = pulses.iter().find(|pulse| REACHED * peak <= speed(pulse));
+        let turning = turning.map_or(0.0, |pulse| pulse.offset + way(pulse));
+        let from = pulses.iter().find(is_body).map_or(turning, |pulse| pulse.offset);
+        let to = pulses.iter().rfind(is_body).map_or(turning, |pulse| pulse.offset + way(pulse));
         let mut division = Division { from, to, peak, ..Division::default() };
         for pulse in pulses {
-            let lost = pulse.duration - way(&pulse) / feedrate;
-            let middle = pulse.offset + 0.5 * way(&pulse);
+            let lost = pulse.duration - way(pulse) / feedrate;
+            let middle = pulse.offset + 0.5 * way(pulse);
             *(if pulse.is_halt() {
                 &mut division.halt
             } else if middle < from {
@@ -277,7 +277,8 @@ impl Walk<'_> {
         standing: Standing,
     ) {
         let (delay, half) = (plan.filters[stretch.filter].delay(), plan.filters[stretch.filter].half_delay());
-        let mut pulses = stretch.pulses.clone();
+        // Those left, and those of one block.
+        let (mut pulses, mut own) = (stretch.pulses.clone(), Vec::new());
         let lost = plan.retiming.as_ref().map_or(&[][..], |found| found.lost_on(stretch.segments.clone()));
         let mut lost = lost.iter().peekable();
         let (first, last) = (stretch.segments.start, stretch.segments.end - 1);
@@ -288,13 +289,14 @@ impl Walk<'_> {
             let segment = self.toolpath.segments.at(index);
             let is_later = |&pulse: &usize| index < plan.pulses.segment(pulse);
             let end = pulses.clone().find(is_later).unwrap_or(pulses.end);
-            let own = plan.pulses.range(std::mem::replace(&mut pulses.start, end)..end);
+            own.clear();
+            own.extend(plan.pulses.range(std::mem::replace(&mut pulses.start, end)..end));
             let mut behind = 0.0;
             while let Some((_, seconds)) = lost.next_if(|(at, _)| *at <= index) {
                 behind += seconds;
             }
             let feedrate = programmed(&segment, self.machine);
-            let division = Division::of(own, feedrate);
+            let division = Division::of(&own, feedrate);
             let command = plan.segment_feedrates.get(index).copied().unwrap_or(feedrate).min(feedrate);
             let is_rapid = segment.motion == Motion::Rapid;
             let is_short =

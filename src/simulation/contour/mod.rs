@@ -163,12 +163,11 @@ fn segment_errors(
     pulses: &Pulses,
     own: Range<usize>,
 ) -> SegmentErrors {
-    let motion = steps.motion;
     let (first, last) = (own.start, own.end - 1);
     let number = pulses.segment(first);
     let segment = toolpath.segments.at(number);
-    let delay = motion.filter().delay();
-    let (start, end) = (motion.pulse_start(first), motion.pulse_start(last) + pulses.duration(last));
+    let delay = steps.walk.motion.filter().delay();
+    let (start, end) = (steps.walk.pulse_start(first), steps.walk.pulse_start(last) + pulses.duration(last));
     let (begins_at_corner, ends_at_corner) =
         (stretch.segments.start < number, number + 1 < stretch.segments.end);
     let mut errors = SegmentErrors::default();
@@ -192,11 +191,12 @@ fn segment_errors(
                 continue;
             }
             let elapsed = (i + 0.5) / count * pulse.duration;
-            let commanded = motion.pulse_start(index) + elapsed;
+            let commanded = steps.walk.pulse_start(index) + elapsed;
             let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
             let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
             let point = segment.point(offset);
-            let state = steps.state(motion.moment_from(index, commanded + 0.5 * delay));
+            let moment = steps.walk.moment_from(index, commanded + 0.5 * delay);
+            let state = steps.state(moment);
             let away = state.position - point;
             let along = away.dot(&state.velocity) / state.velocity.norm();
             let likely = away.norm_squared() - along * along;
@@ -245,8 +245,8 @@ struct OnArc {
 /// Distance (mm) of the filtered path from a point that was commanded at `commanded` (s since the
 /// beginning of the stretch), no earlier than the pulse `pulse`.
 fn distance_from_path(steps: &mut Steps, point: Point, commanded: f64, pulse: usize) -> f64 {
-    let motion = steps.motion;
-    let state = steps.state(motion.moment_from(pulse, commanded + 0.5 * motion.filter().delay()));
+    let moment = steps.walk.moment_from(pulse, commanded + 0.5 * steps.walk.motion.filter().delay());
+    let state = steps.state(moment);
     nearest(steps, point, commanded, pulse, state, 0.0)
 }
 
@@ -259,8 +259,7 @@ fn nearest(
     mut state: State,
     enough: f64,
 ) -> f64 {
-    let motion = steps.motion;
-    let delay = motion.filter().delay();
+    let delay = steps.walk.motion.filter().delay();
     let mut time = commanded + 0.5 * delay;
     let mut nearest = f64::INFINITY;
     // Moments before and after the nearest one, with (P − X)·Ṗ there once that is known.
@@ -296,7 +295,8 @@ fn nearest(
             break;
         }
         time = next;
-        state = steps.state(motion.moment_from(pulse, time));
+        let moment = steps.walk.moment_from(pulse, time);
+        state = steps.state(moment);
     }
     nearest
 }

@@ -20,6 +20,9 @@ pub struct Region {
     pub largest: f64,
 }
 
+/// There is room for a region in so many segments from the beginning on.
+const SEGMENTS_OF_A_REGION: usize = 16;
+
 /// The regions in which the contour error is above `ratio` times what holds there, in program order.
 pub fn regions_beyond(
     toolpath: &Toolpath,
@@ -28,7 +31,8 @@ pub fn regions_beyond(
     ratio: f64,
 ) -> Vec<Region> {
     let mut beyond = errors.beyond(bounds, ratio).peekable();
-    let mut regions: Vec<Region> = Vec::new();
+    // A list that grows from nothing leaves pieces of memory behind, together as large as itself.
+    let mut regions: Vec<Region> = Vec::with_capacity(toolpath.segments.len() / SEGMENTS_OF_A_REGION);
     let mut begin = 0.0;
     // Length of the bad segments since the last good one, mm.
     let mut run = 0.0;
@@ -52,6 +56,7 @@ pub fn regions_beyond(
         }
         begin = end;
     }
+    regions.shrink_to_fit();
     regions
 }
 

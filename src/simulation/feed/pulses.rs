@@ -1,11 +1,11 @@
-//! The pulses of a plan as they are kept: 24 bytes each.
+//! The pulses of a plan as they are kept: 20 bytes each.
 //!
 //! A long program has one and a half pulses a segment, and the memory they take is what planning waits for. Two thirds of
-//! them begin where their segment does and are even, so that a single feedrate says all of them; what the others have, an
-//! offset or another feedrate at the end, lies in lists of its own. A pulse is put together whenever it is read, bit for
-//! bit as it was pushed.
+//! them begin where their segment does, nearly all others where the one pulse before them on it ends, and most are even, so
+//! that a single feedrate says all of them; what the others have, an offset or another feedrate at the end, lies in
+//! lists of its own. A pulse is put together whenever it is read, bit for bit as it was pushed.
 //!
-//! Limits: no more than 2³² − 1 pulses that do not begin with their segment or are not even.
+//! Limits: no more than 2³² − 1 pulses that begin elsewhere or are not even.
 
 use crate::simulation::compact::{Compact, Keep};
 use crate::simulation::feed::Pulse;
@@ -19,6 +19,8 @@ pub type Pulses = Compact<KeptPulses>;
 #[derive(Clone, Default)]
 pub struct KeptPulses {
     kept: Vec<Kept>,
+    /// Which pulses have something beside.
+    marks: Vec<Marks>,
     /// Distances from the start of the segment, mm, of the pulses that have something beside, in their order.
     offsets: Vec<f64>,
     /// The bits in which the feedrates at beginning and end differ, of the first of the same pulses: up to the last that is
@@ -26,26 +28,33 @@ pub struct KeptPulses {
     changes: Vec<u64>,
 }
 
-/// One pulse without what few have.
-#[derive(Clone)]
+/// One pulse without what few have, and with no room between its numbers.
+#[derive(Clone, Copy)]
+#[repr(C, packed(4))]
 struct Kept {
     segment: u32,
-    /// The index of what lies beside; [`NOTHING`] where nothing does.
-    beside: u32,
     /// s.
     duration: f64,
     /// At its beginning, mm/s.
     feedrate: f64,
 }
 
-const _: () = assert!(size_of::<Kept>() == 24);
+const _: () = assert!(size_of::<Kept>() == 20);
 
-/// No index: beyond both lists, so that all pulses are put together alike. Which of them have something beside the
-/// processor would guess wrong too often.
-const NOTHING: u32 = u32::MAX;
+/// Which of so many pulses in a row have something beside.
+#[derive(Clone, Copy)]
+struct Marks {
+    /// How many have before them.
+    before: u32,
+    /// One bit a pulse, the lowest for the first.
+    bits: u32,
+}
+
+/// Pulses whose marks are kept together.
+const MARKED: usize = u32::BITS as usize;
 
 impl KeptPulses {
-    /// The index of the segment of the pulse with this index. This and the next are for where so many are looked at that
+    /// The index of the segment of the pulse with this index. This and those that follow are for where so many are looked at that
     /// even to put a pulse together takes time. Panics beyond the end.
     #[inline]
     pub fn segment(&self, index: usize) -> usize {
@@ -56,6 +65,23 @@ impl KeptPulses {
     #[inline]
     pub fn duration(&self, index: usize) -> f64 {
         self.kept[index].duration
+    }
+
+    /// The feedrates at the beginning and at the end of the pulse with this index, mm/s. Panics beyond the end.
+    #[inline]
+    pub fn feedrates(&self, index: usize) -> [f64; 2] {
+        let first = self.kept[index].feedrate;
+        if self.changes.is_empty() {
+            return [first; 2];
+        }
+        [first, self.beside(index).map_or(first, |beside| self.last_feedrate(first, beside))]
+    }
+
+    /// Where the pulse with this index begins, mm from the start of the segment. Panics beyond the end.
+    #[inline]
+    pub fn offset(&self, index: usize) -> f64 {
+        let usual = || self.usual_offset(index, self.kept[index].segment);
+        self.beside(index).map_or_else(usual, |beside| self.offsets[beside])
     }
 
     /// How many pulses there are before those of a segment.
@@ -80,19 +106,46 @@ impl KeptPulses {
         let more = |of: usize| (of as f64 / self.count().max(1) as f64 * additional as f64) as usize;
         let (offsets, changes) = (more(self.offsets.len()), more(self.changes.len()));
         self.kept.try_reserve_exact(additional)?;
+        self.marks.try_reserve_exact(additional.div_ceil(MARKED))?;
         self.offsets.try_reserve_exact(offsets)?;
         self.changes.try_reserve_exact(changes)
     }
 
     /// For how many there is room and how many there are, of all lists.
     #[cfg(test)]
-    pub fn room(&self) -> [(usize, usize); 3] {
-        let KeptPulses { kept, offsets, changes } = self;
+    pub fn room(&self) -> [(usize, usize); 4] {
+        let KeptPulses { kept, marks, offsets, changes } = self;
         [
             (kept.capacity(), kept.len()),
+            (marks.capacity(), marks.len()),
             (offsets.capacity(), offsets.len()),
             (changes.capacity(), changes.len()),
         ]
+    }
+
+    /// Where a pulse of a segment begins that has nothing beside, mm from the start of the segment: where the pulse before
+    /// it ends, if that is even and the first of the same segment.
+    #[inline]
+    fn usual_offset(&self, index: usize, segment: u32) -> f64 {
+        let before = index.wrapping_sub(1);
+        match self.kept.get(before) {
+            Some(before) if before.segment == segment => before.duration * before.feedrate,
+            _ => 0.0,
+        }
+    }
+
+    /// The index of what lies beside the pulse with this index; none where nothing does.
+    #[inline]
+    fn beside(&self, index: usize) -> Option<usize> {
+        let Marks { before, bits } = self.marks[index / MARKED];
+        let own = 1 << (index % MARKED);
+        (bits & own != 0).then(|| (before + (bits & (own - 1)).count_ones()) as usize)
+    }
+
+    /// The feedrate at the end of a pulse that begins with `first` (mm/s) and has this beside it, mm/s.
+    #[inline]
+    fn last_feedrate(&self, first: f64, beside: usize) -> f64 {
+        f64::from_bits(first.to_bits() ^ self.changes.get(beside).copied().unwrap_or_default())
     }
 }
 
@@ -106,29 +159,32 @@ impl Keep for KeptPulses {
 
     #[inline]
     fn at(&self, index: usize) -> Pulse {
-        let kept = &self.kept[index];
-        let beside = kept.beside as usize;
-        let offset = self.offsets.get(beside).copied().unwrap_or_default();
-        let change = self.changes.get(beside).copied().unwrap_or_default();
-        let last = f64::from_bits(kept.feedrate.to_bits() ^ change);
-        Pulse { segment: kept.segment, duration: kept.duration, offset, feedrate: [kept.feedrate, last] }
+        let Kept { segment, duration, feedrate } = self.kept[index];
+        let (offset, last) = match self.beside(index) {
+            Some(beside) => (self.offsets[beside], self.last_feedrate(feedrate, beside)),
+            None => (self.usual_offset(index, segment), feedrate),
+        };
+        Pulse { segment, duration, offset, feedrate: [feedrate, last] }
     }
 
     #[inline]
     fn push(&mut self, pulse: Pulse) {
         let Pulse { segment, duration, offset, feedrate: [feedrate, last] } = pulse;
-        let change = feedrate.to_bits() ^ last.to_bits();
-        let mut beside = NOTHING;
+        let (index, change) = (self.count(), feedrate.to_bits() ^ last.to_bits());
+        if index.is_multiple_of(MARKED) {
+            self.marks.push(Marks { before: self.offsets.len() as u32, bits: 0 });
+        }
         // Also the offset by its bits, as −0.0 = 0.0.
-        if (offset.to_bits(), change) != (0, 0) {
-            beside = self.offsets.len() as u32;
+        let usual = self.usual_offset(index, segment);
+        if (offset.to_bits(), change) != (usual.to_bits(), 0) {
+            self.marks[index / MARKED].bits |= 1 << (index % MARKED);
             if change != 0 {
                 self.changes.resize(self.offsets.len(), 0);
                 self.changes.push(change);
             }
             self.offsets.push(offset);
         }
-        self.kept.push(Kept { segment, beside, duration, feedrate });
+        self.kept.push(Kept { segment, duration, feedrate });
     }
 
     fn reserve(&mut self, additional: usize) {
@@ -142,17 +198,21 @@ mod tests {
 
     /// So many pulses, each kind of offset with each kind of feedrates, and ever more of a segment.
     fn pulses(count: u32) -> Vec<Pulse> {
+        let mut end = 0.0_f64;
         let pulse = |number: u32| {
             let (first, last) = (f64::from(number) / 7.0 + 0.1, f64::from(number) / 3.0 + 0.2);
-            let offsets = [0.0, -0.0, first];
+            // From the start, from where the pulse before ends, from just beyond that and from anywhere.
+            let offsets = [0.0, end, -0.0, end.next_up(), first];
             let feedrates =
                 [[first; 2], [first, last], [0.0, last], [0.0; 2], [-0.0; 2], [0.0, -0.0], [-0.0, 0.0]];
-            Pulse {
+            let pulse = Pulse {
                 segment: number.isqrt(),
                 duration: first + last,
                 offset: offsets[number as usize % offsets.len()],
                 feedrate: feedrates[number as usize % feedrates.len()],
-            }
+            };
+            end = pulse.duration * 0.5 * (pulse.feedrate[0] + pulse.feedrate[1]);
+            pulse
         };
         (0..count).map(pulse).collect()
     }
@@ -175,6 +235,8 @@ mod tests {
                 assert_eq!(bits(kept.at(index)), bits(pulse));
                 assert_eq!(kept.segment(index), pulse.segment as usize);
                 assert_eq!(kept.duration(index), pulse.duration);
+                assert_eq!(kept.offset(index), pulse.offset);
+                assert_eq!(kept.feedrates(index), pulse.feedrate);
             }
         }
     }
@@ -211,11 +273,16 @@ mod tests {
     fn only_what_few_have_lies_beside() {
         let even = Pulse { segment: 0, duration: 1.0, offset: 0.0, feedrate: [5.0; 2] };
         let halt = Pulse { feedrate: [0.0; 2], ..even };
-        let mut kept: Pulses = [even, halt, Pulse { offset: 1.0, ..even }, even].into_iter().collect();
-        assert_eq!(kept.room().map(|(_, needed)| needed), [4, 1, 0]);
-        kept.try_reserve_exact(400).expect("there is room");
-        assert_eq!(kept.room().map(|(room, _)| room), [404, 101, 0]);
-        kept.push(Pulse { feedrate: [5.0, 6.0], ..even });
-        assert_eq!(kept.room().map(|(_, needed)| needed), [5, 2, 2]);
+        let next = Pulse { offset: 5.0, ..even };
+        let mut kept: Pulses = [even, next, Pulse { segment: 1, ..halt }].into_iter().collect();
+        assert_eq!(kept.room().map(|(_, needed)| needed), [3, 1, 0, 0]);
+        // The third of a segment does not begin where the one before it would end by itself.
+        kept.extend([Pulse { segment: 2, ..even }, Pulse { segment: 2, ..next }]);
+        kept.push(Pulse { segment: 2, offset: 10.0, ..even });
+        assert_eq!(kept.room().map(|(_, needed)| needed), [6, 1, 1, 0]);
+        kept.try_reserve_exact(600).expect("there is room");
+        assert_eq!(kept.room().map(|(room, _)| room), [606, 20, 101, 0]);
+        kept.push(Pulse { segment: 3, feedrate: [5.0, 6.0], ..even });
+        assert_eq!(kept.room().map(|(_, needed)| needed), [7, 1, 2, 2]);
     }
 }

@@ -1,6 +1,6 @@
 //! When the tool crosses given distances along the path.
 //!
-//! Within a stretch the distance s(t) of [`Motion::progress`] never falls, and its slope v(t) is known,
+//! Within a stretch the distance s(t) of [`Walk::progress`] never falls, and its slope v(t) is known,
 //! so that
 //!
 //! ```text
@@ -11,7 +11,7 @@
 //! a few evaluations. At a full stop a distance is crossed when the next motion begins.
 
 use crate::simulation::feed::Phase;
-use crate::simulation::profile::{Motion, Profile};
+use crate::simulation::profile::{Profile, Walk};
 
 /// Newton's steps, or halvings of the bracket, at most.
 const MOST_STEPS: usize = 60;
@@ -27,15 +27,15 @@ impl Profile<'_> {
         let mut wanted = distances.iter().copied().peekable();
         for (phase, start) in self.plan.phases.iter().zip(&self.phase_starts) {
             let Phase::Motion(stretch) = phase else { continue };
-            let from = self.distances[stretch.segments.start];
-            let to = self.distances[stretch.segments.end];
-            let motion = self.motion(stretch);
+            let mut walk = Walk::of(self.motion(stretch));
+            let from = walk.distances.before(stretch.segments.start);
+            let to = walk.distances.before(stretch.segments.end);
             let mut pulse = stretch.pulses.start;
             let mut low = 0.0;
             while let Some(distance) = wanted.next_if(|distance| *distance < to) {
                 let within =
-                    if distance < from { 0.0 } else { motion.crossing(distance, &mut low, &mut pulse) };
-                times.push(start + motion.true_time(within));
+                    if distance < from { 0.0 } else { walk.crossing(distance, &mut low, &mut pulse) };
+                times.push(start + walk.motion.true_time(within));
             }
         }
         let end = self.cycle_time();
@@ -44,26 +44,28 @@ impl Profile<'_> {
     }
 }
 
-impl Motion<'_> {
+impl Walk<'_> {
     /// When the tool has run `distance` (mm from the beginning of the program), s since the beginning
     /// of the stretch. `low` is a time not later than that, and `pulse` one that has not sent it; both
     /// move up.
-    fn crossing(&self, distance: f64, low: &mut f64, pulse: &mut usize) -> f64 {
-        let sent_before = |pulse: usize| {
-            let pulse = self.pulses.at(pulse);
-            self.distances[pulse.segment as usize] + pulse.offset
+    fn crossing(&mut self, distance: f64, low: &mut f64, pulse: &mut usize) -> f64 {
+        let motion = self.motion;
+        let mut sent_before = |pulse: usize| {
+            let pulse = motion.pulses.at(pulse);
+            self.distances.before(pulse.segment as usize) + pulse.offset
         };
-        while *pulse + 1 < self.end_pulse && sent_before(*pulse + 1) <= distance {
+        while *pulse + 1 < motion.end_pulse && sent_before(*pulse + 1) <= distance {
             *pulse += 1;
         }
         // What has arrived was sent one delay ago at the earliest, and is not ahead of what is sent.
-        let delay = self.filter.delay();
-        let command = self.pulse_starts[*pulse];
+        let delay = motion.filter.delay();
+        let command = self.starts.before(*pulse);
         let mut before = low.max(command);
-        let mut after = (command + self.pulses.duration(*pulse) + delay).min(self.duration());
+        let mut after = (command + motion.pulses.duration(*pulse) + delay).min(motion.duration());
         let mut time = (command + 0.5 * delay).clamp(before, after);
         for _ in 0..MOST_STEPS {
-            let (arrived, feedrate) = self.progress(self.moment(time));
+            let moment = self.moment_from(*pulse, time);
+            let (arrived, feedrate) = self.progress(moment);
             let ahead = arrived - distance;
             if ahead <= 0.0 {
                 before = time

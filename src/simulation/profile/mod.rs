@@ -16,15 +16,19 @@ mod retiming;
 mod samples;
 mod state;
 mod steps;
+mod sums;
+mod walk;
 
 pub use retiming::retimed;
 pub use samples::{FeedCurve, Resolution, Samples};
 pub use state::{Dynamics, Moment, State};
 pub use steps::Steps;
+pub use walk::Walk;
 
 use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulses, Stretch, retiming::lost, running_sum};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::profile::crowds::Crowds;
+use crate::simulation::profile::sums::{Checkpoints, Sums};
 use crate::simulation::toolpath::{Point, Segments, Toolpath};
 
 /// The filtered motion of a whole program.
@@ -32,11 +36,11 @@ pub struct Profile<'a> {
     toolpath: &'a Toolpath,
     plan: &'a FeedPlan,
     /// Distance before each segment, and at the end, mm.
-    distances: Vec<f64>,
+    distances: Checkpoints,
     /// When each phase begins, and the end, s.
     phase_starts: Vec<f64>,
     /// When each pulse begins, since the beginning of its stretch, s.
-    pulse_starts: Vec<f64>,
+    pulse_starts: Checkpoints,
     crowds: Crowds,
 }
 
@@ -46,8 +50,8 @@ pub struct Motion<'a> {
     segments: &'a Segments,
     pulses: &'a Pulses,
     filter: &'a FilterChain,
-    distances: &'a [f64],
-    pulse_starts: &'a [f64],
+    distances: &'a Checkpoints,
+    pulse_starts: &'a Checkpoints,
     crowds: &'a Crowds,
     first_pulse: usize,
     /// One past the last pulse.
@@ -59,19 +63,14 @@ pub struct Motion<'a> {
 impl<'a> Profile<'a> {
     /// The profile of a plan for a toolpath.
     pub fn new(toolpath: &'a Toolpath, plan: &'a FeedPlan) -> Profile<'a> {
-        // Sums do not tell how many they are: without room for all of them lists would grow to twice their size.
-        let mut distances = Vec::with_capacity(toolpath.segments.len() + 1);
-        distances.push(0.0);
-        distances.extend(running_sum(toolpath.segments.iter().map(|segment| segment.length)));
-        // Where a stretch ends is entered and taken back.
-        let mut pulse_starts = Vec::with_capacity(plan.pulses.len() + 1);
+        let segments = &toolpath.segments;
+        let mut distances = Checkpoints::with_room(segments.len());
+        distances.add_run((0..segments.len()).map(|segment| segments.length(segment)));
+        let mut pulse_starts = Checkpoints::with_room(plan.pulses.len());
         for stretch in plan.stretches() {
-            let durations = stretch.pulses.clone().map(|pulse| plan.pulses.duration(pulse));
-            pulse_starts.push(0.0);
-            pulse_starts.extend(running_sum(durations));
-            pulse_starts.pop();
+            pulse_starts.add_run(stretch.pulses.clone().map(|pulse| plan.pulses.duration(pulse)));
         }
-        let crowds = Crowds::of(plan, &toolpath.segments);
+        let crowds = Crowds::of(plan, segments);
         let mut profile =
             Profile { toolpath, plan, distances, phase_starts: Vec::new(), pulse_starts, crowds };
         let durations: Vec<f64> = plan.phases.iter().map(|phase| profile.phase_duration(phase)).collect();
@@ -87,7 +86,7 @@ impl<'a> Profile<'a> {
 
     /// Length of the programmed path, mm.
     pub fn length(&self) -> f64 {
-        self.distances.last().copied().unwrap_or(0.0)
+        self.distance_before(self.toolpath.segments.len())
     }
 
     /// The motion at a time since the start (s); before it and after the end the machine stands.
@@ -98,8 +97,7 @@ impl<'a> Profile<'a> {
         match &self.plan.phases[index] {
             Phase::Wait(_) => self.standing(self.segments_before(index)),
             Phase::Motion(stretch) => {
-                let motion = self.motion(stretch);
-                motion.state_at(time - self.phase_starts[index])
+                Walk::of(self.motion(stretch)).state_at(time - self.phase_starts[index])
             }
         }
     }
@@ -148,7 +146,7 @@ impl<'a> Profile<'a> {
 
     /// Length of the programmed path before a segment, mm.
     pub fn distance_before(&self, segment: usize) -> f64 {
-        self.distances[segment]
+        self.distances.before(&self.toolpath.segments, 0, segment)
     }
 
     fn phase_duration(&self, phase: &Phase) -> f64 {
@@ -182,15 +180,15 @@ impl<'a> Profile<'a> {
             Some(last) => all.at(last).end,
             None => all.first().map_or(Point::origin(), |first| first.start),
         };
-        State { distance: self.distances[segments], position, velocity: Default::default() }
+        State { distance: self.distance_before(segments), position, velocity: Default::default() }
     }
 }
 
-impl Motion<'_> {
+impl<'a> Motion<'a> {
     /// How long the command lasts, s.
     pub fn command_time(&self) -> f64 {
         let last = self.end_pulse - 1;
-        self.pulse_starts[last] + self.pulses.duration(last)
+        self.pulse_start(last) + self.pulses.duration(last)
     }
 
     /// How long the motion lasts, s: the command and the filter delay.
@@ -200,7 +198,12 @@ impl Motion<'_> {
 
     /// When a pulse of the plan begins, s since the beginning of the stretch.
     pub fn pulse_start(&self, pulse: usize) -> f64 {
-        self.pulse_starts[pulse]
+        self.pulse_starts.before(self.pulses, self.first_pulse, pulse)
+    }
+
+    /// When its pulses begin, s since the beginning of the stretch.
+    fn starts(&self) -> Sums<'a, Pulses> {
+        Sums::of(self.pulse_starts, self.pulses, self.first_pulse..self.end_pulse)
     }
 
     /// The filters the motion runs through.
@@ -210,21 +213,15 @@ impl Motion<'_> {
 
     /// The moment so long (s) after the beginning of the stretch.
     pub fn moment(&self, time: f64) -> Moment {
-        let starts = &self.pulse_starts[self.first_pulse..self.end_pulse];
-        let pulse = self.first_pulse + starts.partition_point(|&start| start <= time).max(1) - 1;
-        Moment { pulse, elapsed: (time - self.pulse_starts[pulse]).max(0.0) }
+        self.starts().moment(self.first_pulse, time)
     }
+}
 
-    /// The same where the pulse `from` begins no later, and not long before.
-    pub fn moment_from(&self, from: usize, time: f64) -> Moment {
-        let starts = &self.pulse_starts[from..self.end_pulse];
-        let mut reach = 8;
-        while reach < starts.len() && starts[reach] <= time {
-            reach *= 2;
-        }
-        let near = &starts[..reach.min(starts.len())];
-        let pulse = from + near.partition_point(|&start| start <= time).max(1) - 1;
-        Moment { pulse, elapsed: (time - self.pulse_starts[pulse]).max(0.0) }
+impl Sums<'_, Pulses> {
+    /// The moment so long (s) after the beginning of the stretch, if the pulse `from` begins no later or is the first.
+    fn moment(&mut self, from: usize, time: f64) -> Moment {
+        let pulse = self.first_above(from + 1, 0.0, time) - 1;
+        Moment { pulse, elapsed: (time - self.before(pulse)).max(0.0) }
     }
 }
 
@@ -250,7 +247,7 @@ mod tests {
         for (room, needed) in plan.pulses.room() {
             assert!(is_close(room, needed), "{room} for {needed}");
         }
-        assert!(is_close(profile.pulse_starts.capacity(), plan.pulses.len()));
-        assert!(is_close(profile.distances.capacity(), toolpath.segments.len()));
+        assert!(profile.pulse_starts.room() < plan.pulses.len() / 10);
+        assert!(profile.distances.room() < toolpath.segments.len() / 10);
     }
 }

@@ -29,7 +29,7 @@
 
 use crate::machine::Machine;
 use crate::simulation::feed::{FeedPlan, Knot, Retiming, Stretch, retiming, running_sum};
-use crate::simulation::profile::{Dynamics, Motion, Profile, State};
+use crate::simulation::profile::{Dynamics, Moment, Motion, Profile, State, Walk};
 use crate::simulation::toolpath::{Curve, Toolpath, Vector};
 
 /// Samples within one filter delay, and at most where one of the filters is short.
@@ -145,10 +145,11 @@ impl Limits {
         let mut samples: Vec<Sample> = Vec::new();
         let (mut time, mut segment) = (0.0, stretch.segments.start);
         let mut before = Vector::zeros();
+        let mut walk = Walk::of(*motion);
+        let mut moment = walk.moment(time);
         loop {
-            let moment = motion.moment(time);
-            let state = motion.state(moment);
-            while segment + 1 < stretch.segments.end && motion.distances[segment + 1] <= state.distance {
+            let state = walk.state(moment);
+            while segment + 1 < stretch.segments.end && walk.distances.before(segment + 1) <= state.distance {
                 segment += 1;
             }
             let filtered = state.velocity.norm();
@@ -177,7 +178,8 @@ impl Limits {
             if end <= time {
                 return samples;
             }
-            time = next_time(motion, time).min(end);
+            time = next_time(&mut walk, moment, time).min(end);
+            moment = walk.moment_from(moment.pulse, time);
         }
     }
 
@@ -270,19 +272,6 @@ impl Motion<'_> {
         retiming::true_time(self.knots, filtered)
     }
 
-    /// Where the tool is and how fast it moves at a true time since the beginning of the stretch, s.
-    pub(super) fn state_at(&self, time: f64) -> State {
-        let pace = retiming::pace(self.knots, time);
-        let mut state = self.state(self.moment(pace.filtered));
-        let filtered = state.velocity.norm();
-        if let Some((feedrate, _)) = pace.feedrate
-            && 0.0 < filtered
-        {
-            state.velocity *= feedrate / filtered;
-        }
-        state
-    }
-
     /// How the velocity changes at a true time since the beginning of the stretch, s: along a path with
     /// the direction u and its derivatives N and N′ by length, v̇ u + v² N, and its derivative.
     pub(super) fn dynamics_at(&self, time: f64) -> Dynamics {
@@ -307,13 +296,29 @@ impl Motion<'_> {
     }
 }
 
-/// Where the next sample lies.
-fn next_time(motion: &Motion, time: f64) -> f64 {
+impl Walk<'_> {
+    /// Where the tool is and how fast it moves at a true time since the beginning of the stretch, s.
+    pub(super) fn state_at(&mut self, time: f64) -> State {
+        let pace = retiming::pace(self.motion.knots, time);
+        let moment = self.moment(pace.filtered);
+        let mut state = self.state(moment);
+        let filtered = state.velocity.norm();
+        if let Some((feedrate, _)) = pace.feedrate
+            && 0.0 < filtered
+        {
+            state.velocity *= feedrate / filtered;
+        }
+        state
+    }
+}
+
+/// Where the sample after that at a moment lies.
+fn next_time(walk: &mut Walk, moment: Moment, time: f64) -> f64 {
+    let motion = walk.motion;
     let delay = motion.filter.delay();
     let shortest = motion.filter.time_constants().iter().copied().fold(delay, f64::min);
     let (fewest, most) = SAMPLES_PER_DELAY;
     let step = time + (shortest / SAMPLES_PER_FILTER).clamp(delay / most, delay / fewest);
-    let moment = motion.moment(time);
     let pulse = motion.pulses.at(moment.pulse);
     if moment.elapsed < delay {
         return step;
@@ -325,5 +330,5 @@ fn next_time(motion: &Motion, time: f64) -> f64 {
         Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * first.max(last)),
     };
     let widest = if first == last { widest } else { widest.min(pulse.duration / SAMPLES_PER_SLOPE) };
-    step.max((motion.pulse_starts[moment.pulse] + pulse.duration).min(time + widest))
+    step.max((walk.pulse_start(moment.pulse) + pulse.duration).min(time + widest))
 }

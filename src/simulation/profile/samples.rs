@@ -231,11 +231,13 @@ struct Sampler<'a, T> {
 impl<T: Table> Sampler<'_, T> {
     /// Lays rows where they are needed, until there are more than `most`.
     fn run(&mut self, most: usize) {
-        let duration = self.steps.motion.duration();
-        let mut last = self.row(self.steps.motion.first_pulse, 0.0);
+        let motion = self.steps.walk.motion;
+        let duration = motion.duration();
+        let mut last = self.row(motion.first_pulse, 0.0);
         self.push(last);
         while last.filtered < duration && self.table.rows() <= most {
-            let next = self.row(last.moment.pulse, self.next_time(last).min(duration));
+            let time = self.next_time(last).min(duration);
+            let next = self.row(last.moment.pulse, time);
             let middle = self.between(last, next);
             self.fill(last, middle, next, 0);
             last = next;
@@ -244,9 +246,10 @@ impl<T: Table> Sampler<'_, T> {
 
     /// Lays rows at equal times, and one between standing and standing at least.
     fn run_evenly(&mut self, spacing: f64) {
-        let duration = self.steps.motion.duration();
+        let motion = self.steps.walk.motion;
+        let duration = motion.duration();
         let parts = (duration / spacing).ceil().max(2.0);
-        let mut pulse = self.steps.motion.first_pulse;
+        let mut pulse = motion.first_pulse;
         for part in 0..=parts as u64 {
             let row = self.row(pulse, duration * (part as f64 / parts));
             pulse = row.moment.pulse;
@@ -256,53 +259,56 @@ impl<T: Table> Sampler<'_, T> {
 
     /// The row at a filtered time (s), no earlier than the pulse `from` begins.
     fn row(&mut self, from: usize, filtered: f64) -> Row {
-        let moment = self.steps.motion.moment_from(from, filtered);
-        if self.steps.motion.knots.is_empty() {
+        let walk = &mut self.steps.walk;
+        let moment = walk.moment_from(from, filtered);
+        if walk.motion.knots.is_empty() {
             return Row { time: filtered, filtered, moment, state: self.steps.state(moment) };
         }
-        let time = self.steps.motion.true_time(filtered);
-        Row { time, filtered, moment, state: self.steps.motion.state_at(time) }
+        let time = walk.motion.true_time(filtered);
+        Row { time, filtered, moment, state: walk.state_at(time) }
     }
 
     /// Where the row of the first spacing after `last` goes: on by an eighth of the filter delay, or to
     /// the end of the time in which nothing changes.
-    fn next_time(&self, last: Row) -> f64 {
+    fn next_time(&mut self, last: Row) -> f64 {
         let time = last.filtered;
-        let delay = self.steps.motion.filter.delay();
+        let motion = self.steps.walk.motion;
+        let delay = motion.filter.delay();
         let step = self.next_kink(time, time + delay / 8.0);
         // A ramp behind the filters may begin or end where nothing changes before them.
-        let knots = self.steps.motion.knots;
+        let knots = motion.knots;
         let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));
         let edge = edge.map_or(f64::INFINITY, |knot| knot.filtered);
-        let pulse = self.steps.motion.pulses.at(last.moment.pulse);
+        let pulse = motion.pulses.at(last.moment.pulse);
         if last.moment.elapsed < delay || pulse.feedrate[0] != pulse.feedrate[1] {
             return step;
         }
-        let segment = self.steps.motion.segments.at(pulse.segment as usize);
+        let segment = motion.segments.at(pulse.segment as usize);
         let widest = match &segment.curve {
             Curve::Line => f64::INFINITY,
             Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
         };
-        let end = self.steps.motion.pulse_starts[last.moment.pulse] + pulse.duration;
+        let end = self.steps.walk.pulse_start(last.moment.pulse) + pulse.duration;
         step.max(end.min(time + widest).min(edge))
     }
 
     /// The first time after `time` and up to `latest` at which the feedrate may bend within less
     /// than an eighth of the delay: with a single filter, or one much shorter than the others, a
     /// short pulse gives ramps of its own length, a knot of the filters after each of its ends.
-    fn next_kink(&self, time: f64, latest: f64) -> f64 {
-        let motion = &self.steps.motion;
+    fn next_kink(&mut self, time: f64, latest: f64) -> f64 {
+        let walk = &mut self.steps.walk;
+        let motion = walk.motion;
         let (filter, delay) = (motion.filter, motion.filter.delay());
         let is_sharp = |constant: &f64| *constant < delay / 8.0;
         if 1 < filter.time_constants().len() && !filter.time_constants().iter().any(is_sharp) {
             return latest;
         }
         // Edges ascend, and with them the kinks that one knot makes of them.
-        let starts = &motion.pulse_starts[motion.first_pulse..motion.end_pulse];
         let end = motion.command_time();
         filter.knots().fold(latest, |next, knot| {
-            let edge = starts.get(starts.partition_point(|start| start + knot <= time)).copied();
-            let kink = edge.unwrap_or(end) + knot;
+            let pulse = walk.starts.first_above(motion.first_pulse, knot, time);
+            let edge = if pulse < motion.end_pulse { walk.pulse_start(pulse) } else { end };
+            let kink = edge + knot;
             if time < kink { next.min(kink) } else { next }
         })
     }
@@ -347,22 +353,23 @@ impl<T: Table> Sampler<'_, T> {
 
     fn push(&mut self, row: Row) {
         self.segment = self.segment_at(row.state.distance);
-        let line = || self.steps.motion.segments.at(self.segment).line.0;
+        let line = || self.steps.walk.motion.segments.at(self.segment).line.0;
         self.table.push(self.start + row.time, &row.state, line);
     }
 
     /// The feedrate that the resolution refers to where a row lies, mm/s.
-    fn commanded(&self, row: Row) -> f64 {
-        match self.steps.motion.segments.motion(self.segment_at(row.state.distance)) {
+    fn commanded(&mut self, row: Row) -> f64 {
+        let segment = self.segment_at(row.state.distance);
+        match self.steps.walk.motion.segments.motion(segment) {
             toolpath::Motion::Feed { feedrate } => feedrate,
             toolpath::Motion::Rapid => self.fastest,
         }
     }
 
     /// The segment in which a distance lies that is not before the last row's.
-    fn segment_at(&self, distance: f64) -> usize {
+    fn segment_at(&mut self, distance: f64) -> usize {
         let mut segment = self.segment;
-        while segment < self.last_segment && self.steps.motion.distances[segment + 1] <= distance {
+        while segment < self.last_segment && self.steps.walk.distances.before(segment + 1) <= distance {
             segment += 1;
         }
         segment

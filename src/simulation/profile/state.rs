@@ -182,6 +182,11 @@ impl Progress {
 impl Motion<'_> {
     /// Where the tool is and how fast it moves.
     pub fn state(&self, moment: Moment) -> State {
+        self.state_along(moment, &mut |segment| self.distances.before(self.segments, 0, segment))
+    }
+
+    /// The same where `distance_before` tells how long the path is before a segment, mm.
+    pub(super) fn state_along(&self, moment: Moment, distance_before: &mut dyn FnMut(usize) -> f64) -> State {
         let filter = self.filter;
         let (mut travel, mut velocity) = (Vector::zeros(), Vector::zeros());
         let mut sums = (Progress::default(), &mut travel, &mut velocity);
@@ -209,21 +214,24 @@ impl Motion<'_> {
             *sums.2 += arrives;
         });
         State {
-            distance: self.distances[oldest.segment] + oldest.offset + sums.0.distance,
+            distance: distance_before(oldest.segment) + oldest.offset + sums.0.distance,
             position: self.segments.point(oldest.segment, oldest.offset) + travel,
             velocity,
         }
     }
 
-    /// The distance along the programmed path (mm) and how fast it grows (mm/s): the sum of the
-    /// filtered feed command, which at a corner is more than the feedrate of the tool.
-    pub fn progress(&self, moment: Moment) -> (f64, f64) {
+    /// What [`Walk::progress`] tells, where `distance_before` tells how long the path is before a segment, mm.
+    pub(super) fn progress_along(
+        &self,
+        moment: Moment,
+        distance_before: &mut dyn FnMut(usize) -> f64,
+    ) -> (f64, f64) {
         let mut sum = Progress::default();
         let of_slice = |sum: &mut Progress, slice: Slice| {
             sum.add(&slice, self.filter);
         };
         let oldest = self.for_each_part(moment, &mut sum, of_slice, Progress::add_crowd);
-        (self.distances[oldest.segment] + oldest.offset + sum.distance, sum.feedrate)
+        (distance_before(oldest.segment) + oldest.offset + sum.distance, sum.feedrate)
     }
 
     /// How the velocity changes.

@@ -12,7 +12,7 @@
 //! not depend on the moment: it is worked out once for all moments that see it. Where there is anything but lines at an even
 //! command, and where crowds are seen as a whole, the other sum is taken.
 
-use crate::simulation::profile::{Moment, Motion, State};
+use crate::simulation::profile::{Moment, Motion, State, Walk};
 use crate::simulation::toolpath::Curve;
 
 /// The velocity of each axis and the feedrate, mm/s.
@@ -23,8 +23,8 @@ const MOST_REMEMBERED: usize = 128;
 
 /// A motion whose steps are remembered.
 pub struct Steps<'a> {
-    /// The motion.
-    pub motion: Motion<'a>,
+    /// The motion, from moment to moment.
+    pub walk: Walk<'a>,
     /// Borders, as the index of the pulse that begins there, and their steps. Their number is a power of two, and each is at
     /// its remainder.
     known: Vec<(usize, Option<Rate>)>,
@@ -35,18 +35,18 @@ impl<'a> Steps<'a> {
     pub fn of(motion: Motion<'a>) -> Steps<'a> {
         let borders = motion.end_pulse - motion.first_pulse + 1;
         let remembered = borders.next_power_of_two().min(MOST_REMEMBERED);
-        Steps { motion, known: vec![(usize::MAX, None); remembered] }
+        Steps { walk: Walk::of(motion), known: vec![(usize::MAX, None); remembered] }
     }
 
     /// Where the tool is and how fast it moves: what [`Motion::state`] tells.
     pub fn state(&mut self, moment: Moment) -> State {
-        self.sum(moment).unwrap_or_else(|| self.motion.state(moment))
+        self.sum(moment).unwrap_or_else(|| self.walk.state(moment))
     }
 
     /// The sum over borders; none where it is not taken.
     fn sum(&mut self, moment: Moment) -> Option<State> {
-        let Motion { pulses, filter, first_pulse, end_pulse, .. } = self.motion;
-        if !self.motion.crowds.is_empty() {
+        let Motion { pulses, filter, first_pulse, end_pulse, crowds, .. } = self.walk.motion;
+        if !crowds.is_empty() {
             return None;
         }
         let since_end = moment.elapsed - pulses.duration(moment.pulse);
@@ -67,7 +67,7 @@ impl<'a> Steps<'a> {
         if border == end_pulse {
             return None;
         }
-        let oldest = self.motion.even_rate(border)?;
+        let oldest = self.walk.motion.even_rate(border)?;
         travel += filter.half_delay() * oldest;
         rate += oldest;
         Some(self.state_from(border, oldest.w * (age - filter.delay()), travel, rate))
@@ -75,12 +75,11 @@ impl<'a> Steps<'a> {
 
     /// The state where the command was so far (`way`, mm) beyond the beginning of a pulse one delay ago, and the tool has
     /// travelled on from there (mm), to this rate.
-    fn state_from(&self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> State {
-        let Motion { pulses, segments, .. } = self.motion;
-        let pulse = pulses.at(pulse);
-        let (segment, offset) = (pulse.segment as usize, pulse.offset + way);
+    fn state_from(&mut self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> State {
+        let Motion { pulses, segments, .. } = self.walk.motion;
+        let (segment, offset) = (pulses.segment(pulse), pulses.offset(pulse) + way);
         State {
-            distance: self.motion.distances[segment] + offset + travel.w,
+            distance: self.walk.distances.before(segment) + offset + travel.w,
             position: segments.point(segment, offset) + travel.xyz(),
             velocity: rate.xyz(),
         }
@@ -91,7 +90,7 @@ impl<'a> Steps<'a> {
         let last = self.known.len() - 1;
         let known = &mut self.known[border & last];
         if known.0 != border {
-            *known = (border, self.motion.step_at(border));
+            *known = (border, self.walk.motion.step_at(border));
         }
         known.1
     }
@@ -107,9 +106,7 @@ impl Motion<'_> {
 
     /// The command of a pulse that is even along a line.
     fn even_rate(&self, pulse: usize) -> Option<Rate> {
-        let pulse = self.pulses.at(pulse);
-        let segment = pulse.segment as usize;
-        let [first, last] = pulse.feedrate;
+        let (segment, [first, last]) = (self.pulses.segment(pulse), self.pulses.feedrates(pulse));
         (first == last && *self.segments.curve(segment) == Curve::Line)
             .then(|| first * self.segments.direction(segment).push(1.0))
     }

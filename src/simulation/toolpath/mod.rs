@@ -55,7 +55,7 @@ mod path_mode;
 mod plain;
 mod plane;
 #[cfg(test)]
-mod random;
+pub(crate) mod random;
 mod remark;
 mod rotary;
 mod run;
