@@ -1,7 +1,8 @@
 //! A diagnosis says what there is, follows what is done to the recording, and is silent where nothing is.
 
-use truefeed::identification::diagnosis::{Verdict, diagnose};
+use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
 use truefeed::identification::hypotheses::Reported;
+use truefeed::machine::Machine;
 use truefeed::simulation::toolpath::{Motion, Segment};
 
 use crate::{Rows, csv, diagnosed, laid, machine, program, recorded, toolpath};
@@ -200,4 +201,52 @@ fn an_override_acts_on_every_line_on_which_it_is_in_force() {
         let line = segment.line.0;
         assert!(lines.iter().any(|(first, last)| *first <= line && line <= *last), "{line}: {lines:?}");
     }
+}
+
+/// Nearly two circles of this radius in lines of these lengths, one after another, mm.
+fn circles(radius: f64, lengths: &[f64]) -> String {
+    let (mut text, mut angle) = (String::from("G21 G90 G94\nG0 X0 Y0 Z5\nG1 Z-1 F600\nF3000\n"), 0.0_f64);
+    for length in lengths.iter().cycle() {
+        angle += length / radius;
+        if 12.0 < angle {
+            break;
+        }
+        text += &format!("G1 X{:.4} Y{:.4}\n", radius * (1.0 - angle.cos()), radius * angle.sin());
+    }
+    text + "G0 Z20\nG0 X0 Y0\nM30\n"
+}
+
+/// The diagnosis of a program on a machine that is changed.
+fn changed(text: &str, change: impl Fn(&mut Machine)) -> Diagnosis {
+    let mut truth = machine();
+    change(&mut truth);
+    let recorded =
+        laid(text, &csv(&recorded(text, &truth, 200.0)), &machine()).expect("it is of this program");
+    diagnose(&machine(), &[recorded.unswitched()], &mut |_| {})
+}
+
+/// The first cause, and those it cannot be told from.
+fn first(diagnosis: &Diagnosis) -> (Verdict, Vec<&str>) {
+    let first = diagnosis.causes.first().expect("it is seen");
+    let alike = first.alike.iter().map(String::as_str);
+    (diagnosis.verdict, [first.candidate.hypothesis.id].into_iter().chain(alike).collect())
+}
+
+/// Within half the delay of the filters, 30 ms, two blocks are seen or two are processed. On lines of one length that is
+/// one cap, and where such a chain ends is no place to tell them apart by.
+#[test]
+fn look_ahead_and_block_time_are_one_where_all_lines_are_as_long() {
+    let (equal, unequal) = (circles(8.0, &[0.4]), circles(8.0, &[0.25, 0.5, 0.35, 0.6]));
+    let look_ahead = |machine: &mut Machine| machine.interpolator.look_ahead = 2.0;
+    let block_time = |machine: &mut Machine| machine.interpolator.block_time = 0.015;
+    for diagnosis in [changed(&equal, look_ahead), changed(&equal, block_time)] {
+        let (verdict, ids) = first(&diagnosis);
+        assert_eq!(verdict, Verdict::Ambiguous);
+        for id in ["look_ahead", "block_processing_time"] {
+            assert!(ids.contains(&id), "{ids:?}");
+        }
+    }
+    let sure = |id| (Verdict::Explained, vec![id]);
+    assert_eq!(first(&changed(&unequal, look_ahead)), sure("look_ahead"));
+    assert_eq!(first(&changed(&unequal, block_time)), sure("block_processing_time"));
 }

@@ -98,6 +98,31 @@ pub fn held_out(
     (1 < held.better + held.worse).then_some(held)
 }
 
+/// The evidence without the stretch, as long as a section, in which a machine is worst beside a better one.
+pub fn without_worst<'a>(evidence: &Evidence<'a>, better: &Machine, worse: &Machine) -> Evidence<'a> {
+    let sections = sections_of_each(evidence.runs.len());
+    let (better, worse) = (evidence.whitened(better), evidence.whitened(worse));
+    let of_run = |(run, (better, worse)): (usize, (&Vec<f64>, &Vec<f64>))| {
+        let by = |at: usize| cost(&worse[at..=at]) - cost(&better[at..=at]);
+        let length = worse.len().div_ceil(sections);
+        let mut sum: f64 = (0..length).map(by).sum();
+        let mut worst = (sum, run, 0..length);
+        for next in length..worse.len() {
+            sum += by(next) - by(next - length);
+            if worst.0 < sum {
+                worst = (sum, run, next + 1 - length..next + 1);
+            }
+        }
+        worst
+    };
+    let worst = better.iter().zip(&worse).enumerate().map(of_run).max_by(|a, b| a.0.total_cmp(&b.0));
+    let mut rest = evidence.clone();
+    if let Some((_, run, stretch)) = worst {
+        rest.whitenings[run].ignore(|mark| stretch.contains(&mark));
+    }
+    rest
+}
+
 /// Shifts that are tried.
 const SHIFTS: usize = 300;
 /// By how much the fit in place must be better than the best of the shifted ones.

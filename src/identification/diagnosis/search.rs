@@ -13,7 +13,7 @@
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
-//! Others that cannot be told from it on these runs are alike.
+//! Others that cannot be told from it on these runs are alike: those that fit as well, be it but for one place.
 
 use std::collections::BTreeSet;
 
@@ -34,11 +34,13 @@ const BESIDE: f64 = 0.02;
 const NETTED: f64 = 0.2;
 /// A gain of this part of what is left needs no test of its place.
 const LARGE: f64 = 0.5;
-/// Candidates whose cost is this close to the best's cannot be told from it, over how much more than independent
+/// Candidates whose cost is no farther above the best's cannot be told from it, over how much more than independent
 /// ones the residuals vary.
 const SAME: f64 = 6.0;
-/// What is farther from the best, as a part of what that leaves, is not looked at again.
-const NEAR: f64 = 1.0;
+/// A single place does not tell two apart where this part of what the better one gains is elsewhere, and no more than
+/// this part of what sets them apart.
+const ELSEWHERE: f64 = 0.5;
+const IN_PLACE: f64 = 0.1;
 /// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
@@ -239,7 +241,6 @@ fn passed(
     if fine.cost(current) - candidate.cost <= price {
         return None;
     }
-    let first_cost = candidate.cost;
     // The noise once more, that of the refined one; else its last digits are those of the first guess.
     let last = looked.evidence(&with_all(base, &together(candidate, others)));
     let (candidate, others) = last.refined(base, candidate, others);
@@ -263,13 +264,24 @@ fn passed(
     }
     // The last digits of the others are those of the first guess, too.
     let dispersion = last.dispersion(&with);
-    let near = (SAME * dispersion).max(NEAR * first_cost);
+    let is_alike = |(other, others): &&(Candidate, Vec<Candidate>)| {
+        let (other, others) = last.refined(base, other, others);
+        let apart = other.cost - candidate.cost;
+        if apart < SAME * dispersion {
+            return true;
+        }
+        // What tells two apart in a single place is how their laws begin or end there, which no model knows so well.
+        let rest = gates::without_worst(&last, &with, &with_all(base, &together(&other, &others)));
+        let cost = rest.cost(&with);
+        let acts_elsewhere = || ELSEWHERE * gain < rest.cost(current) - cost;
+        let still_apart = || rest.refined(base, &other, &others).0.cost - cost;
+        acts_elsewhere() && still_apart() < (SAME * dispersion).min(IN_PLACE * apart)
+    };
     let alike: BTreeSet<String> = rest
         .iter()
-        .filter(|(other, _)| other.hypothesis.id != candidate.hypothesis.id && other.cost < first_cost + near)
-        .map(|(other, others)| last.refined(base, other, others).0)
-        .filter(|other| (other.cost - candidate.cost).abs() < SAME * dispersion)
-        .map(|other| other.hypothesis.id.to_string())
+        .filter(|(other, _)| other.hypothesis.id != candidate.hypothesis.id)
+        .filter(is_alike)
+        .map(|(other, _)| other.hypothesis.id.to_string())
         .collect();
     let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
     let found = Found { candidate, alike: alike.into_iter().collect(), held_out, confidence };

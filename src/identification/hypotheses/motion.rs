@@ -404,6 +404,8 @@ fn overrides(machine: &Machine, demand: &Demand) -> Vec<Option<Hypothesis>> {
 /// programmed time of the longest of them.
 const SHORTER: [f64; 12] = [0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0];
 const LONGER: f64 = 1.08;
+/// Where all blocks are about as long, block times between are tried as well, no farther apart than this ratio.
+const CLOSE: f64 = 1.5;
 
 /// Block times that act on more and more blocks, s; below the least of them none is shorter.
 fn block_times(runs: &[Run]) -> Vec<f64> {
@@ -423,7 +425,11 @@ fn block_times(runs: &[Run]) -> Vec<f64> {
     let mut times: Vec<f64> =
         SHORTER.iter().filter_map(|part| at(*part)).map(|time| (LONGER * time).clamp(1e-5, 1.0)).collect();
     times.dedup_by(|b, a| *b < 1.01 * *a);
-    times
+    let between = times.windows(2).flat_map(|pair| {
+        let count = ((pair[1] / pair[0]).ln() / CLOSE.ln()).ceil() as usize;
+        ratios(pair[0], pair[1], count + 1).into_iter().take(count)
+    });
+    between.chain(times.last().copied()).collect()
 }
 
 /// Blocks that come late, to a control that knows of it when it plans corners, and to one that does not.
