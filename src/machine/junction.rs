@@ -22,7 +22,7 @@ const RULES: [&str; 2] = ["tolerance", "acceleration_blend"];
 
 /// The rows of the law. Each law with a value has a row of its own, so that the value carries its
 /// unit; giving it chooses the law, and taking it away takes back that law alone.
-pub(super) const JUNCTION: [Parameter; 6] = [
+pub(super) const JUNCTION: [Parameter; 7] = [
     Parameter {
         key: "interpolator.junction_rule",
         label: "Junctions",
@@ -105,12 +105,23 @@ pub(super) const JUNCTION: [Parameter; 6] = [
     Parameter {
         key: "interpolator.path_smoothing_mm",
         label: "Path smoothing",
-        doc: "Lines whose points lie within this of one line are run as one; 0: none; empty: with acceleration_blend by Q or P of G64, else none.",
+        doc: "Lines within this of one line are run as that; 0: none; empty: with acceleration_blend by Q or P of G64.",
         access: number(
             Unit::Millimetre,
             (0.0, 10.0),
             |m| m.interpolator.path_smoothing,
             |m, v| m.interpolator.path_smoothing = v,
+        ),
+    },
+    Parameter {
+        key: "interpolator.corner_smoothing_mm",
+        label: "Corner smoothing",
+        doc: "Corners between lines that a curve passes within this are not slowed; 0: all are.",
+        access: number(
+            Unit::Millimetre,
+            (0.0, 10.0),
+            |m| Some(m.interpolator.corner_smoothing),
+            |m, v| m.interpolator.corner_smoothing = v.unwrap_or(0.0),
         ),
     },
 ];

@@ -107,6 +107,8 @@ pub struct Interpolator {
     /// Chains of lines whose points lie within this distance of one line are run as that line, mm; 0: no
     /// line is; neutral none: as the program says where the law of junctions is LinuxCNC's, else as 0.
     pub path_smoothing: Option<f64>,
+    /// Corners between lines that a curve passes within this distance are not slowed, mm; neutral 0.
+    pub corner_smoothing: f64,
 }
 
 /// How the time constants of the filters are known.
@@ -350,6 +352,7 @@ impl Default for Machine {
                 look_ahead: f64::INFINITY,
                 planned_by: PlannedBy::Supply,
                 path_smoothing: None,
+                corner_smoothing: 0.0,
             },
             rapid: Rapid {
                 feedrate: 200.0,

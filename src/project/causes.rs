@@ -158,13 +158,10 @@ pub fn known(id: &str) -> Known {
         ),
         "path_smoothing" => of(
             |p, _, s| {
-                format!(
-                    "The control merges short blocks within {} mm{}.",
-                    number(p, "tolerance_mm"),
-                    costs(s)
-                )
+                let does = if p.contains_key("at") { "rounds corners" } else { "merges short blocks" };
+                format!("The control {does} within {} mm{}.", number(p, "tolerance_mm"), costs(s))
             },
-            "COMPCAD (Siemens), G64 Q (LinuxCNC)",
+            "COMPCAD (Siemens), G5.1 Q1 (Fanuc), G64 Q (LinuxCNC)",
         ),
         "feed_override" => of(
             |p, _, s| {

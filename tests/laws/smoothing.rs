@@ -1,4 +1,5 @@
-//! Path smoothing: nothing where it is off, straight lines where it acts, and the program's distances.
+//! Path smoothing: nothing where it is off, straight lines or corners that slow nothing where it acts, and the program's
+//! distances.
 
 use crate::paths::{Case, Random, cases};
 use truefeed::machine::{Junction, Machine};
@@ -43,6 +44,34 @@ fn switched_off_it_changes_no_bit() {
         let plan = programmed(&case);
         case.machine.interpolator.path_smoothing = Some(0.0);
         assert!(programmed(&case) == plan, "case {}", case.number);
+        // Every corner of more than rounding is farther away.
+        case.machine.interpolator.corner_smoothing = 1e-14;
+        assert!(programmed(&case) == plan, "case {}", case.number);
+    }
+}
+
+/// A curve that touches both lines of a corner of φ, the shorter of L, no farther from it than that passes it at
+/// L sin(φ/2)/2.
+#[test]
+fn a_corner_is_slowed_where_no_curve_passes_it_closely() {
+    let mut random = Random(73);
+    for number in 0..CASES {
+        let (short, long) = (random.between(0.2, 1.0), random.between(1.0, 2.0));
+        let angle: f64 = random.between(0.05, 2.0);
+        let [first, second] = if random.chance(0.5) { [short, long] } else { [long, short] };
+        let (x, y) = (first + second * angle.cos(), second * angle.sin());
+        let text = format!("G21 G90 G1 F6000\nX{first:.9}\nX{x:.9} Y{y:.9}\n");
+        let mut machine = Machine::default();
+        let toolpath = trace(&read(text.as_bytes()), &machine);
+        let passed = 0.5 * short * (0.5 * angle).sin();
+        let at_corner = |within: f64, machine: &mut Machine| {
+            machine.interpolator.corner_smoothing = within;
+            plan(&toolpath, machine, Rule::Programmed).corner_feedrates[0]
+        };
+        let slowed = at_corner(0.0, &mut machine);
+        assert!(slowed < 99.0, "case {number}: {slowed} mm/s");
+        assert_eq!(at_corner(0.999 * passed, &mut machine), slowed, "case {number}");
+        assert_eq!(at_corner(1.001 * passed, &mut machine), 100.0, "case {number}");
     }
 }
 

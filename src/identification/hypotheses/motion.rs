@@ -6,6 +6,7 @@ use crate::identification::calibration::become_planner;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace, ratios};
 use crate::machine::{AXES, Junction, Machine, PlannedBy, TimeConstants};
+use crate::simulation::feed::rounding;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 use crate::units::mm_per_min;
 
@@ -50,6 +51,7 @@ pub fn hypotheses(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     all.extend(junctions(machine));
     all.extend(planners(machine));
     all.push(smoothing(machine, runs));
+    all.push(corner_smoothing(machine, runs));
     all.extend(overrides(machine, &demand));
     all.extend(blocks(runs));
     all.push(single(
@@ -323,6 +325,36 @@ fn least_joint(runs: &[Run]) -> f64 {
         Some(before.cross(&after).norm() / past.norm()).filter(|joint| 1e-6 < *joint)
     });
     joints.fold(f64::INFINITY, f64::min)
+}
+
+/// Distances of curves that are tried, each passing so many more corners, and how much farther they are than the last of these.
+const ROUNDED: usize = 16;
+const FARTHER: f64 = 1.08;
+
+/// Corners that the control passes on a curve, more and more of them.
+fn corner_smoothing(machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        return None;
+    }
+    let corners = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
+    let mut distances: Vec<f64> = corners
+        .filter_map(|(before, after)| rounding(&before, &after))
+        .filter(|distance| (1e-4..WIDEST_JOINT).contains(distance))
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    let last = distances.len().checked_sub(1)?;
+    let mut trials: Vec<f64> = (0..=ROUNDED).map(|part| FARTHER * distances[last * part / ROUNDED]).collect();
+    trials.dedup_by(|b, a| *b < 1.01 * *a);
+    let freed = Freed::number(
+        "interpolator.corner_smoothing_mm",
+        trials[0],
+        (5e-5, 2.0 * WIDEST_JOINT),
+        Scale::Ratio,
+    );
+    let found = single("path_smoothing", freed, trials, |value| {
+        vec![("tolerance_mm", Reported::Number(value)), ("at", Reported::Word("corners".to_string()))]
+    });
+    found.map(|hypothesis| Hypothesis { variant: "corners".to_string(), ..hypothesis })
 }
 
 fn junctions(machine: &Machine) -> Vec<Option<Hypothesis>> {

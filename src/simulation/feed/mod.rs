@@ -52,6 +52,7 @@ mod tolerances;
 
 pub use pulses::Pulses;
 pub use retiming::{Knot, Pace, Retiming};
+pub use smoothing::rounding;
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Machine, TimeConstants};

@@ -1,4 +1,5 @@
-//! Toolpath → toolpath with chains of nearly straight lines run as one, and the plan back again.
+//! Toolpath → toolpath with chains of nearly straight lines run as one, and the plan back again; and which corners a
+//! curve passes.
 //!
 //! A chain of feed moves begins at B. The line to a further point E joins it while every point P that
 //! was passed lies within Q of the segment BE,
@@ -21,8 +22,19 @@
 //! alone, it is Q of G64, or else P, and with neither, or with exact stops, nothing is merged. A tolerance laid over the whole
 //! program is meant as P.
 //!
+//! Other controls leave no point out, but run a curve past the corners (COMPCAD of Siemens, smoothing of Fanuc): a
+//! parabola that touches both lines of a corner, each as far from it as the shorter one is long, passes it at
+//!
+//! ```text
+//! L ‖u₂ − u₁‖ / 4          L length of the shorter line, u unit tangents
+//! ```
+//!
+//! and where that is less than the machine's distance the corner does not slow it.
+//!
 //! Limits: with [`CornerMode::Guaranteed`](crate::machine::CornerMode) nothing is corrected inside a
-//! chain. Source: LinuxCNC, naive CAM detector (src/emc/task/emccanon.cc).
+//! chain, and corners that a curve passes are held within the tolerance like all others. Neither the curve's length
+//! nor its curvature is another than that of the program. Source: LinuxCNC, naive CAM detector
+//! (src/emc/task/emccanon.cc).
 
 use crate::machine::{Junction, Machine};
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, Rule, Stretch, Tolerances};
@@ -33,6 +45,20 @@ const MOST_POINTS: usize = 101;
 
 /// Tilt of a circle's plane from that of X and Y up to which it is taken for it.
 const TILT: f64 = 1e-9;
+
+/// How far from the corner between two lines that are cut a curve passes, mm; none where there is no such corner.
+pub fn rounding(before: &Segment, after: &Segment) -> Option<f64> {
+    let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
+    let turn = || (after.tangent(0.0) - before.tangent(before.length)).norm();
+    (is_cut(before) && is_cut(after)).then(|| 0.25 * before.length.min(after.length) * turn())
+}
+
+/// Whether the machine passes the corner between two segments on a curve.
+pub fn is_rounded(before: &Segment, after: &Segment, machine: &Machine) -> bool {
+    // The law of LinuxCNC has a curve of its own at every corner.
+    machine.interpolator.junction != Junction::AccelerationBlend
+        && rounding(before, after).is_some_and(|rounding| rounding < machine.interpolator.corner_smoothing)
+}
 
 /// A toolpath to plan in place of the program's.
 pub struct Merged {

@@ -20,6 +20,7 @@ use crate::simulation::feed::corner::CornerLaw;
 use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::junction::{self, Turn};
 use crate::simulation::feed::ramp::Ramp;
+use crate::simulation::feed::smoothing;
 use crate::simulation::feed::{
     FeedPlan, Limit, Phase, Pulse, Pulses, Rule, Stretch, is_stopped_by_mode, limits, positioning,
     running_sum, stands_before,
@@ -304,6 +305,11 @@ impl Planned<'_> {
         let change = after.direction - before.direction;
         let by_rule = match self.rule {
             Rule::Given { corners, .. } => corners[self.range.start + i - 1].min(slower),
+            _ if 0.0 < self.machine.interpolator.corner_smoothing
+                && smoothing::is_rounded(&self.segment(i - 1), &self.segment(i), self.machine) =>
+            {
+                return slower;
+            }
             _ => {
                 let turn = change.norm();
                 let tolerance = before.limit.towards(after.limit, turn);
