@@ -266,6 +266,11 @@ impl Overrides {
         self.rapid * Overrides::at(&self.rapid_by_line, line)
     }
 
+    /// Whether that of feed moves is the same on all lines.
+    pub fn is_even(&self) -> bool {
+        self.lines == (0, u32::MAX) && self.feed_by_line.is_empty()
+    }
+
     fn at(by_line: &BTreeMap<u32, f64>, line: u32) -> f64 {
         if by_line.is_empty() {
             return 1.0;

@@ -18,6 +18,9 @@
 //! Only what lies within a filter delay of a change is measured again. Reductions may take too much
 //! where neighbours were to blame, so the whole is repeated from where it ended while that makes
 //! the program faster, and the fastest plan within tolerance is the result.
+//!
+//! Limits: along lines the error is that of the programmed points. Where many corners lie under one filter delay, points of
+//! the filtered path between them may be farther from the lines: by 2 % of the tolerance on one of some 20,000 hostile paths.
 
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::{ContourErrors, SegmentErrors, contour_errors, measure};

@@ -33,7 +33,7 @@
 //!
 //! G⁻¹ is Newton's method, begun at cubics in u = √(1 − G/S(h)), of which α is a smooth function though G is level at
 //! α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α) begins with −√(2 S(h)/h). One cubic for all of it takes
-//! some three steps, each of which waits for the one before; a stretch of many corners tabulates 64, and one step arrives.
+//! some three steps, each of which waits for the one before; a stretch of many corners tabulates 256, and one step arrives.
 //!
 //! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition.
 
@@ -44,7 +44,7 @@ use crate::simulation::filter::FilterChain;
 const LAST_STEP: f64 = 1e-8;
 
 /// So many cubics are made in a moment, and the first step from one of them is mostly the last.
-const PARTS: usize = 64;
+const PARTS: usize = 256;
 
 /// The law of an isolated corner for one filter chain.
 #[derive(Clone, Debug)]

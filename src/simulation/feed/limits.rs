@@ -36,9 +36,19 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
 }
 
+/// Whether of lines that are programmed alike the same is asked, wherever they lead and wherever they stand.
+pub fn are_lines_alike(machine: &Machine) -> bool {
+    machine.overrides.is_even() && has_no_axis_limit(machine)
+}
+
+/// Whether no axis has a velocity limit.
+fn has_no_axis_limit(machine: &Machine) -> bool {
+    machine.axes.iter().all(|axis| axis.velocity == f64::INFINITY)
+}
+
 /// The feedrate at which no axis is above its velocity limit, mm/s.
 pub fn axis_feedrate(segment: &Segment, machine: &Machine) -> f64 {
-    if machine.axes.iter().all(|axis| axis.velocity == f64::INFINITY) {
+    if has_no_axis_limit(machine) {
         return f64::INFINITY;
     }
     let share = largest_share(segment);

@@ -91,7 +91,7 @@ pub(super) fn add_stretch(
 }
 
 /// A law for many corners pays where there are so many.
-const MANY_CORNERS: usize = 100;
+const MANY_CORNERS: usize = 500;
 
 /// What is asked of each segment of a stretch by itself, apart from its feedrate.
 struct Asked {
@@ -117,12 +117,22 @@ impl Asked {
         let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
         let has_accelerations = machine.limits_command() || machine.interpolator.look_ahead.is_finite();
         let (mut accelerations, mut first, mut largest) = (Vec::new(), None, 0.0_f64);
+        let are_alike = !has_accelerations && limits::are_lines_alike(machine);
+        let segments = &toolpath.segments;
         let mut end = range.start;
-        for segment in toolpath.segments.range(range.clone()) {
-            let stands = || stands_before(&toolpath.segments, end, machine) || halting.stands_before(end);
-            if range.start < end && stands() {
+        for index in range.clone() {
+            let is_first = index == range.start;
+            if !is_first && (stands_before(segments, index, machine) || halting.stands_before(index)) {
                 break;
             }
+            end = index + 1;
+            let before =
+                feedrates.last().copied().filter(|_| !is_first && are_alike && segments.goes_on(index));
+            if let Some(feedrate) = before {
+                feedrates.push(feedrate);
+                continue;
+            }
+            let segment = segments.at(index);
             let requested = limits::requested_feedrate(&segment, machine);
             let requested = positioning::feedrate(&segment, requested, machine);
             first.get_or_insert(requested);
@@ -139,7 +149,6 @@ impl Asked {
                 });
             }
             feedrates.push(feedrate);
-            end += 1;
         }
         if is_blended && !is_stopped_by_mode(toolpath, end, machine) {
             *accelerations.last_mut().expect("a stretch has a segment") *= 0.5;

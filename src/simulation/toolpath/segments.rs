@@ -138,14 +138,13 @@ impl Moves {
         self.ways[self.moves[index].way()].motion()
     }
 
-    /// The segment with this index is run in feed as the one before it, and that does not end in an exact stop. Panics at
-    /// the first, and beyond the end.
+    /// Whether this segment and the one before it are lines in feed, programmed alike, without a turn and without an exact
+    /// stop. Panics at the first, and beyond the end.
     #[inline]
     pub fn goes_on(&self, index: usize) -> bool {
-        let way = self.moves[index].way();
-        way == self.moves[index - 1].way()
-            && self.ways[way].feedrate.is_finite()
-            && !self.ways[way].exact_stop
+        let (before, kept) = (&self.moves[index - 1], &self.moves[index]);
+        let way = &self.ways[kept.way()];
+        before.mark == kept.mark && !kept.has_shape() && way.feedrate.is_finite() && !way.exact_stop
     }
 
     /// Each segment with the one that follows it.
@@ -248,7 +247,7 @@ mod tests {
                 end,
                 length: if one_in(2) { arc.length() } else { (end - start).norm() },
                 curve: if one_in(3) { Curve::Arc(arc.into()) } else { Curve::Line },
-                motion: if one_in(3) { Motion::Rapid } else { Motion::Feed { feedrate: radius } },
+                motion: if one_in(3) { Motion::Rapid } else { Motion::Feed { feedrate: radius.round() } },
                 rotation: if one_in(4) { turn.into() } else { Rotation::NONE },
                 exact_stop: one_in(3),
                 line: LineNumber(line as u32),
@@ -271,14 +270,12 @@ mod tests {
                 assert_eq!((kept.curve(index), kept.length(index)), (&segment.curve, segment.length));
                 assert_eq!(kept.motion(index), segment.motion);
                 if let Some(before) = index.checked_sub(1).map(|before| &expected[before]) {
+                    let is_line =
+                        |one: &Segment| one.curve == Curve::Line && one.rotation.is_none() && !one.exact_stop;
                     let is_feed = matches!(segment.motion, Motion::Feed { .. });
-                    let is_same =
-                        before.motion == segment.motion && !before.exact_stop && !segment.exact_stop;
-                    assert!(!kept.goes_on(index) || (is_feed && is_same));
-                    let are_lines = [before, segment]
-                        .iter()
-                        .all(|one| one.curve == Curve::Line && one.rotation.is_none());
-                    assert!(kept.goes_on(index) || !are_lines || !(is_feed && is_same));
+                    let goes_on =
+                        is_feed && before.motion == segment.motion && is_line(before) && is_line(segment);
+                    assert_eq!(kept.goes_on(index), goes_on);
                 }
                 assert_eq!(kept.point(index, 0.3), segment.point(0.3));
                 let line = Segment { curve: Curve::Line, ..segment.clone() };
