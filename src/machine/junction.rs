@@ -26,7 +26,7 @@ pub(super) const JUNCTION: [Parameter; 7] = [
     Parameter {
         key: "interpolator.junction_rule",
         label: "Junctions",
-        doc: "tolerance: corners by the contour tolerance alone; acceleration_blend: also by the acceleration on a circle within the tolerance, which shares it with ramps, as LinuxCNC.",
+        doc: "tolerance: corners by the contour tolerance alone; acceleration_blend: also by the acceleration on a circle within it, as LinuxCNC.",
         access: Access::Choice {
             words: &RULES,
             get: |m| RULES[usize::from(m.interpolator.junction == Junction::AccelerationBlend)],

@@ -185,7 +185,7 @@ const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "calibration.cycle_time_error_percent",
         label: "Error of the cycle time",
-        doc: "How far off the cycle time was where these numbers were calibrated; a quote takes it for its uncertainty. Empty: nobody knows. An edit of anything that moves the machine empties it.",
+        doc: "How far off the cycle time was where these numbers were calibrated: the uncertainty of a quote; empty: unknown. An edit of the motion empties it.",
         access: number(Unit::Percent, (0.0, 100.0), |m| m.cycle_time_error, |m, v| m.cycle_time_error = v),
     },
     Parameter {
@@ -290,7 +290,7 @@ const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "interpolator.arc_step_deg",
         label: "Chords of arcs",
-        doc: "The control runs an arc as chords that turn by this angle: what it holds for a corner on an arc ends with the first of them; empty: 1, 3600: arcs are run whole.",
+        doc: "An arc is run as chords that turn by this angle: what is held for a corner on it ends with the first; empty: 1, 3600: arcs are run whole.",
         access: number(
             Unit::Degree,
             (0.01, 3600.0),
@@ -329,7 +329,7 @@ const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "rapid.time_constant_s",
         label: "Time constant T1 of rapids",
-        doc: "Averaging time of each filter during rapids; empty: as for feed moves. Where it differs, feed and rapid are joined by a full stop.",
+        doc: "Averaging time of each filter in rapids; empty: as in feed. Where it differs, a full stop joins feed and rapid.",
         access: number(
             Unit::Second,
             TIME_CONSTANT_S,

@@ -19,7 +19,7 @@ pub(super) const CURVES: [Parameter; 4] = [
     Parameter {
         key: "rapid.positioning_jerk_mm_s3",
         label: "Jerk of positioning",
-        doc: "Each rapid runs from stand to stand, its ramps T1 = √(speed reached / this jerk) a filter, for the axis that moves furthest; empty: rapids are not run so.",
+        doc: "Each rapid runs from stand to stand, its ramps T1 = √(speed reached / this jerk) a filter, for the axis that moves furthest; empty: not so.",
         access: number(
             Unit::MillimetrePerSecond3,
             JERK_MM_S3,
@@ -41,7 +41,7 @@ pub(super) const CURVES: [Parameter; 4] = [
     Parameter {
         key: "path.acceleration_limits_command",
         label: "Acceleration before the filters",
-        doc: "Acceleration limits of axes and path shape the command that goes into the filters, so that each ramp takes both; else what leaves the filters is run slower where it is beyond them.",
+        doc: "Acceleration limits shape the command before the filters, so that a ramp takes both; else what leaves the filters is run slower where it is beyond them.",
         access: Access::Flag { get: |m| m.path.limits_command, set: |m, v| m.path.limits_command = v },
     },
 ];

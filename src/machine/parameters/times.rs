@@ -96,7 +96,7 @@ pub(super) const TIMES: [Parameter; 20] = [
     Parameter {
         key: "times.spindle_s_per_1000_rpm",
         label: "Spindle ramp",
-        doc: "Time for each 1000 rpm of a change of speed, at starts, stops and S words alike; 0: none, and S words alone do not stop the motion.",
+        doc: "Time for each 1000 rpm of a change of speed; 0: none, and S words alone do not stop the motion.",
         access: number(
             Unit::SecondPerThousandRpm,
             (0.0, 100.0),
@@ -197,7 +197,7 @@ pub(super) const TIMES: [Parameter; 20] = [
     Parameter {
         key: "times.m_codes",
         label: "M-words with their own time",
-        doc: "Seconds by M-word, in place of the time of its group: for example M8 = 3.0 for a coolant that needs 3 s. Tool changes are not among them.",
+        doc: "Seconds by M-word, in place of the time of its group: M8 = 3.0 for a coolant that needs 3 s. Not for tool changes.",
         access: codes('M', |m| &m.times.m_codes, |m| &mut m.times.m_codes),
     },
 ];
