@@ -63,8 +63,9 @@ impl<'a> CornerLaw<'a> {
     pub fn new(filter: &'a FilterChain) -> CornerLaw<'a> {
         let half_delay = filter.half_delay();
         let full = filter.displacement(half_delay);
-        let starts = cubics(&[(1.0, -(2.0 * full / half_delay).sqrt()), (0.0, -2.0)]);
-        CornerLaw { filter, half_delay, full, starts }
+        let mut law = CornerLaw { filter, half_delay, full, starts: Vec::new() };
+        law.starts = cubics(&law.ends());
+        law
     }
 
     /// The same law, which takes a while to be made and is then quicker.
@@ -73,11 +74,16 @@ impl<'a> CornerLaw<'a> {
         let node = |k: usize| {
             let u = k as f64 / PARTS as f64;
             let alpha = law.alpha(law.full * (1.0 - u * u));
-            let slope = -2.0 * u * law.full / law.deviation_and_slope(alpha).1;
-            (alpha, if k == 0 { -(2.0 * law.full / law.half_delay).sqrt() } else { slope })
+            (alpha, -2.0 * u * law.full / law.deviation_and_slope(alpha).1)
         };
-        let nodes: Vec<(f64, f64)> = (0..=PARTS).map(node).collect();
+        let [first, last] = law.ends();
+        let nodes: Vec<(f64, f64)> = [first].into_iter().chain((1..PARTS).map(node)).chain([last]).collect();
         CornerLaw { starts: cubics(&nodes), ..law }
+    }
+
+    /// α and dα/du at u = 0, where G is level, and at u = 1.
+    fn ends(&self) -> [(f64, f64); 2] {
+        [(1.0, -(2.0 * self.full / self.half_delay).sqrt()), (0.0, -2.0)]
     }
 
     /// About the α of a deviation from 0 to G(1), s.

@@ -333,8 +333,7 @@ fn wait(stop: &Stop, machine: &Machine) -> Wait {
 /// Whether the machine stands before the segment `next` without being told to by a stop.
 fn stands_before(segments: &Segments, next: usize, machine: &Machine) -> bool {
     // Nearly all go on in feed, and then only a turn can stop the machine.
-    let turns_stop = machine.interpolator.stopping_angle() < std::f64::consts::PI;
-    (turns_stop || !segments.goes_on(next))
+    (turns_may_stop(machine) || !segments.goes_on(next))
         && stands_between(&segments.at(next - 1), &segments.at(next), machine)
 }
 
@@ -354,8 +353,12 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
 
 /// Whether the corner between two segments is sharper than the machine's exact-stop angle.
 fn exact_stop_by_turn(before: &Segment, after: &Segment, machine: &Machine) -> bool {
-    let angle = machine.interpolator.stopping_angle();
-    angle < std::f64::consts::PI && angle < turn(before, after)
+    turns_may_stop(machine) && machine.interpolator.stopping_angle() < turn(before, after)
+}
+
+/// Whether the machine stops at a corner for its angle, be it the sharpest.
+fn turns_may_stop(machine: &Machine) -> bool {
+    machine.interpolator.stopping_angle() < std::f64::consts::PI
 }
 
 /// Whether the stop before segment `next` is one of the path mode, known before it is reached, and not

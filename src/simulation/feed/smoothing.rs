@@ -37,6 +37,7 @@
 //! (src/emc/task/emccanon.cc).
 
 use crate::machine::{Junction, Machine};
+use crate::simulation::feed::tolerances::change;
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, Rule, Stretch, Tolerances};
 use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Point, Segment, Stop, Toolpath};
 
@@ -49,8 +50,7 @@ const TILT: f64 = 1e-9;
 /// How far from the corner between two lines that are cut a curve passes, mm; none where there is no such corner.
 pub fn rounding(before: &Segment, after: &Segment) -> Option<f64> {
     let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
-    let turn = || (after.tangent(0.0) - before.tangent(before.length)).norm();
-    (is_cut(before) && is_cut(after)).then(|| 0.25 * before.length.min(after.length) * turn())
+    (is_cut(before) && is_cut(after)).then(|| 0.25 * before.length.min(after.length) * change(before, after))
 }
 
 /// Whether the machine passes the corner between two segments on a curve.

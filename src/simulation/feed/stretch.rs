@@ -59,24 +59,28 @@ pub(super) fn add_stretch(
     }
     let starving = supplied.filter(|_| !is_known);
     let are_final = !is_blended && starving.is_none() && !stretch.has_reach();
-    let mut found = stretch.corners(feedrates, corner_feedrates, |commanded| {
+    // The segments that the tolerance makes slower than asked for, each with the feedrate asked for, mm/s.
+    let mut lowered = Vec::new();
+    let mut blends = stretch.corners(feedrates, corner_feedrates, |commanded| {
         if are_final {
             stretch.add_pulses(pulses, &asked, commanded);
+        } else if commanded.feedrate < commanded.without_tolerance {
+            lowered.push((commanded.i, commanded.without_tolerance));
         }
     });
     if is_blended {
-        found.blends.push(Blend::none(0.0));
-        let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &found.blends);
+        blends.push(Blend::none(0.0));
+        let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &blends);
         pulses.extend(blended);
         corner_feedrates.truncate(first_corner);
         corner_feedrates.extend(at_corners);
     } else if !are_final {
         let corners = &mut corner_feedrates[first_corner..];
         if let Some(supplied) = starving {
-            found.lowered = starved(&supplied, feedrates, &found.lowered);
+            lowered = starved(&supplied, feedrates, &lowered);
         }
         stretch.reach(corners, feedrates, &asked);
-        let mut lowered = found.lowered.into_iter().peekable();
+        let mut lowered = lowered.into_iter().peekable();
         let mut before = 0.0;
         for (i, (&feedrate, &after)) in feedrates.iter().zip(&*corners).enumerate() {
             let without_tolerance = lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, asked)| asked);
@@ -190,14 +194,6 @@ struct Planned<'a> {
     range: Range<usize>,
 }
 
-/// What is found beside the commands at corners.
-struct Corners {
-    /// Those of all corners where junctions are blends, the beginning of the stretch included.
-    blends: Vec<Blend>,
-    /// The segments that are slower than asked for, each with the feedrate asked for, mm/s.
-    lowered: Vec<(usize, f64)>,
-}
-
 /// A segment between its corners.
 struct Commanded {
     /// Counted from the first of the stretch.
@@ -264,14 +260,15 @@ impl Planned<'_> {
     }
 
     /// Lowers the feedrates that are asked for (mm/s) to what the tolerance allows along each segment, adds the command at
-    /// the corner after each (mm/s), and goes on with each `then`.
+    /// the corner after each (mm/s), and goes on with each `then`. Gives the blends of all corners where junctions are
+    /// blends, the beginning of the stretch included.
     fn corners(
         &self,
         feedrates: &mut [f64],
         corners: &mut Vec<f64>,
         mut then: impl FnMut(&Commanded),
-    ) -> Corners {
-        let mut found = Corners { blends: vec![Blend::none(0.0)], lowered: Vec::new() };
+    ) -> Vec<Blend> {
+        let mut blends = vec![Blend::none(0.0)];
         let held = self.rule.tolerances().limits(self.toolpath, self.machine, self.range.start);
         let mut last: Option<Before> = None;
         // Of the segment before: what was asked of it, and the command at the corner before it.
@@ -290,13 +287,12 @@ impl Planned<'_> {
             };
             let asked = *feedrate;
             if most < asked {
-                found.lowered.push((i, asked));
                 *feedrate = most;
             }
             let [entry, direction] = self.toolpath.segments.tangents(self.range.start + i);
             let after = Before { limit, feedrate: *feedrate, direction: entry };
             if let Some(before) = last {
-                let corner = self.corner(i, before, after, &mut found.blends);
+                let corner = self.corner(i, before, after, &mut blends);
                 end(i - 1, [before.feedrate, asked_before], [first_corner, corner]);
                 first_corner = corner;
             }
@@ -305,7 +301,7 @@ impl Planned<'_> {
         if let Some(before) = last {
             end(self.range.len() - 1, [before.feedrate, asked_before], [first_corner, 0.0]);
         }
-        found
+        blends
     }
 
     /// The command at the corner before a segment, mm/s.

@@ -167,7 +167,7 @@ impl Tolerances {
 }
 
 /// ‖u2 − u1‖ between two segments.
-fn change(before: &Segment, after: &Segment) -> f64 {
+pub(super) fn change(before: &Segment, after: &Segment) -> f64 {
     (after.tangent(0.0) - before.tangent(before.length)).norm()
 }
 

@@ -215,6 +215,15 @@ mod tests {
         (values, runs)
     }
 
+    /// What is kept of these runs, in the room that was made for it.
+    fn kept(values: &[f64], runs: &[Range<usize>]) -> Checkpoints {
+        let mut checkpoints = Checkpoints::with_room(values.len());
+        let room = checkpoints.room();
+        runs.iter().for_each(|run| checkpoints.add_run(values[run.clone()].iter().copied()));
+        assert_eq!(checkpoints.room(), room);
+        checkpoints
+    }
+
     /// The sums before each value of a run, and the whole.
     fn plain_sums(values: &[f64], run: &Range<usize>) -> Vec<f64> {
         [0.0].into_iter().chain(running_sum(values[run.clone()].iter().copied())).collect()
@@ -225,10 +234,7 @@ mod tests {
         let mut random = Random(0x5a5);
         for _ in 0..100 {
             let (values, runs) = random_runs(&mut random);
-            let mut checkpoints = Checkpoints::with_room(values.len());
-            let room = checkpoints.room();
-            runs.iter().for_each(|run| checkpoints.add_run(values[run.clone()].iter().copied()));
-            assert_eq!(checkpoints.room(), room);
+            let checkpoints = kept(&values, &runs);
             let last = runs.len() - 1;
             for (number, run) in runs.iter().enumerate() {
                 let expected = plain_sums(&values, run);
@@ -251,8 +257,7 @@ mod tests {
         let mut random = Random(0xf1d);
         for _ in 0..100 {
             let (values, runs) = random_runs(&mut random);
-            let mut checkpoints = Checkpoints::with_room(values.len());
-            runs.iter().for_each(|run| checkpoints.add_run(values[run.clone()].iter().copied()));
+            let checkpoints = kept(&values, &runs);
             for run in runs {
                 let all = &plain_sums(&values, &run)[..run.len()];
                 let mut sums = Sums::of(&checkpoints, &values, run.clone());
