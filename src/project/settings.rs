@@ -71,11 +71,10 @@ struct Settings {
 /// The text of settings, from a text whose machine and terms are filled forms.
 pub fn settings_text(full: &str) -> Result<String, SettingsError> {
     let mut settings = checked(full)?;
-    let differing = |filled: Map<String, Value>, neutral: &Map<String, Value>| -> Map<String, Value> {
-        filled.into_iter().filter(|(key, value)| neutral.get(key) != Some(value)).collect()
-    };
-    settings.machine = differing(settings.machine, &values(&Machine::default()));
-    settings.terms = differing(settings.terms, &terms_values(&Terms::default()));
+    let neutral = values(&Machine::default());
+    settings.machine.retain(|key, value| neutral.get(key) != Some(value));
+    let neutral = terms_values(&Terms::default());
+    settings.terms.retain(|key, value| neutral.get(key) != Some(value));
     Ok(serde_json::to_string(&settings).expect("what was read can be written"))
 }
 

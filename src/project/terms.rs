@@ -6,7 +6,7 @@
 use serde_json::{Map, Value};
 
 use crate::project::Fault;
-use crate::project::form::Field;
+use crate::project::form::{Field, filled};
 use crate::quote::{LARGEST_MARGIN_OF_PRICE, MarginOf, QUANTITY, TERMS, Term, TermAccess, Terms};
 use crate::units::Unit;
 
@@ -41,7 +41,7 @@ pub fn terms_form() -> String {
 
 /// Terms as a filled form.
 pub(super) fn terms_values(terms: &Terms) -> Map<String, Value> {
-    TERMS.iter().map(|row| (row.key.to_string(), value(terms, row))).collect()
+    filled(TERMS.iter().map(|row| (row.key.to_string(), value(terms, row))))
 }
 
 /// The terms of a filled form as JSON text, or everything wrong with it.

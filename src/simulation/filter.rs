@@ -61,7 +61,8 @@ impl FilterChain {
     /// Filters with these time constants, s; each positive and finite, one to four of them.
     pub fn new(time_constants: &[f64]) -> FilterChain {
         let mut largest_first = time_constants.to_vec();
-        largest_first.sort_by(|a, b| b.total_cmp(a));
+        largest_first.sort_by(f64::total_cmp);
+        largest_first.reverse();
         let delay: f64 = largest_first.iter().sum();
         let mut bell = vec![Piece::new(0.0, [1.0 / largest_first[0], 0.0, 0.0, 0.0])];
         let mut support = largest_first[0];

@@ -130,7 +130,12 @@ impl<R: Remark> Remarks<R> {
                 *message = format!("{} more of this kind from here on, the first: {message}", seen - LISTED);
             }
         }
-        self.diagnostics.sort_by_key(|diagnostic| diagnostic.line);
-        self.diagnostics
+        in_line_order(self.diagnostics)
     }
+}
+
+/// The same diagnostics by ascending line; those of one line stay in their order.
+pub fn in_line_order(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    diagnostics.sort_by_key(|diagnostic| diagnostic.line);
+    diagnostics
 }

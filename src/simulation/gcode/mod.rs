@@ -50,7 +50,7 @@ mod remark;
 mod siemens;
 mod structure;
 
-pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted};
+pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted, in_line_order};
 pub use dialect::Dialect;
 pub use encoding::characters;
 pub use expression::{LOCAL_PARAMETERS, STORED_PARAMETERS};

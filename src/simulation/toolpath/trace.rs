@@ -1,7 +1,7 @@
 //! The tracer: runs block after block under the modal state.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Dialect, LineNumber, Place, Program, Remarks, Word, address};
+use crate::simulation::gcode::{Dialect, LineNumber, Place, Program, Remarks, Word, address, in_line_order};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
 use crate::simulation::toolpath::compensation::{CompensationWords, Contour, LeadIn};
 use crate::simulation::toolpath::cycle::Cycles;
@@ -233,11 +233,8 @@ impl<'a> Tracer<'a> {
         self.end_contour();
         self.find_operations(&program.comments);
         self.tell_missing_points();
-        let mut toolpath = self.toolpath;
-        toolpath.diagnostics = program.diagnostics.clone();
-        toolpath.diagnostics.append(&mut self.remarks.finish());
-        toolpath.diagnostics.sort_by_key(|diagnostic| diagnostic.line);
-        toolpath
+        let diagnostics = [program.diagnostics.clone(), self.remarks.finish()].concat();
+        Toolpath { diagnostics: in_line_order(diagnostics), ..self.toolpath }
     }
 
     /// Runs one block in the order of execution of the module's head.
