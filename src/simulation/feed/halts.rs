@@ -84,6 +84,11 @@ impl Halting {
         self.segments.contains_key(&segment)
     }
 
+    /// Whether the machine stands before any segment.
+    pub(super) fn has_segments(&self) -> bool {
+        !self.segments.is_empty()
+    }
+
     /// Puts the halts into a plan that stands where they do.
     pub(super) fn put_into(&self, plan: &mut FeedPlan, toolpath: &Toolpath, machine: &Machine) {
         let in_position = machine.halts.in_position;

@@ -11,6 +11,7 @@
 //! A long program is one stretch of millions of segments, and to fetch them costs more than to reckon with them. Where
 //! nothing is starved or to be reached, the last step follows one segment behind the corners, and they are fetched twice.
 
+use std::iter::repeat_n;
 use std::ops::Range;
 
 use crate::machine::{Junction, Machine, PlannedBy, TimeConstants};
@@ -23,7 +24,7 @@ use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::smoothing;
 use crate::simulation::feed::{
     FeedPlan, Limit, Phase, Pulse, Pulses, Rule, Stretch, is_stopped_by_mode, limits, positioning,
-    running_sum, stands_before,
+    running_sum, stands_before, turns_may_stop,
 };
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath, Vector};
@@ -123,18 +124,15 @@ impl Asked {
         let (mut accelerations, mut first, mut largest) = (Vec::new(), None, 0.0_f64);
         let are_alike = !has_accelerations && limits::are_lines_alike(machine);
         let segments = &toolpath.segments;
+        let stands_before =
+            |next: usize| stands_before(segments, next, machine) || halting.stands_before(next);
+        let may_stand_anywhere = turns_may_stop(machine) || halting.has_segments();
         let mut end = range.start;
-        for index in range.clone() {
-            let is_first = index == range.start;
-            if !is_first && (stands_before(segments, index, machine) || halting.stands_before(index)) {
-                break;
-            }
-            end = index + 1;
-            let before =
-                feedrates.last().copied().filter(|_| !is_first && are_alike && segments.goes_on(index));
-            if let Some(feedrate) = before {
-                feedrates.push(feedrate);
-                continue;
+        while end < range.end && (end == range.start || !stands_before(end)) {
+            let index = end;
+            end = if are_alike { segments.goes_on_until(index).min(range.end) } else { index + 1 };
+            if may_stand_anywhere {
+                end = (index + 1..end).find(|&next| stands_before(next)).unwrap_or(end);
             }
             let segment = segments.at(index);
             let requested = limits::requested_feedrate(&segment, machine);
@@ -152,7 +150,7 @@ impl Asked {
                     own
                 });
             }
-            feedrates.push(feedrate);
+            feedrates.extend(repeat_n(feedrate, end - index));
         }
         if is_blended && !is_stopped_by_mode(toolpath, end, machine) {
             *accelerations.last_mut().expect("a stretch has a segment") *= 0.5;

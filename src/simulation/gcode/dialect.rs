@@ -1,6 +1,6 @@
 //! Which control a program was written for, by what stands in it.
 //!
-//! Every line is looked at for marks that only one family of controls reads. The dialect with the
+//! Each of the first lines is looked at for marks that only one family of controls reads. The dialect with the
 //! most lines so marked is taken; where there are none it is plain ISO, which Fanuc, Haas and
 //! most others read. The marks of a dialect and what they are worth are two tables below: marks of
 //! the code, and the few that comments may hold.
@@ -67,6 +67,9 @@ pub(super) fn detect(text: &[u8]) -> Dialect {
     let (mut whole, mut code) = (Vec::new(), Vec::new());
     for line in lines(text).take(LOOKED_AT) {
         plain(line, &mut whole);
+        if is_bare_move(&whole) {
+            continue;
+        }
         without_comments(&whole, &mut code);
         for (marks, text) in [(MARKS.as_slice(), &code), (SAID.as_slice(), &whole)] {
             for (dialect, worth, _) in marks.iter().filter(|(.., is_mark)| is_mark(text)) {
@@ -224,6 +227,12 @@ const SIEMENS: &[&[u8]] = &[
     b"IF $",
     b"UNTIL ",
 ];
+
+/// Whether a line holds but the end of a move and a feedrate, which mark no dialect. Nearly all do.
+fn is_bare_move(line: &[u8]) -> bool {
+    let words = line.strip_prefix(b"G0").or(line.strip_prefix(b"G1")).unwrap_or(line);
+    words.iter().all(|byte| matches!(byte, b'X'..=b'Z' | b'F' | b'0'..=b'9' | b'.' | b'-' | b'+' | b' '))
+}
 
 fn is_okuma(code: &[u8]) -> bool {
     let by_h = [&b"G15 H"[..], b"G15H", b"G16 H", b"G16H", b"G56 H", b"G56H", b"[VC"];

@@ -68,12 +68,20 @@ pub(super) fn operations(
         previous: LineNumber(0),
     };
     let mut stop = 0;
-    for (index, segment) in segments.iter().enumerate() {
+    let mut index = 0;
+    while index < segments.len() {
         while let Some(next) = stops.get(stop).filter(|next| next.after <= index) {
             cutter.stop(next, index, stop);
             stop += 1;
         }
-        cutter.segment(&segment, index, stop);
+        cutter.segment(&segments.at(index), index, stop);
+        index += 1;
+        if cutter.headings.is_empty() {
+            // Lines that go on alike begin nothing, up to the next stop.
+            let next_stop = stops.get(stop).map_or(segments.len(), |next| next.after);
+            index = segments.goes_on_until(index - 1).min(next_stop).max(index);
+            cutter.previous = segments.at(index - 1).line;
+        }
     }
     for (index, next) in stops.iter().enumerate().skip(stop) {
         cutter.stop(next, segments.len(), index);

@@ -47,8 +47,8 @@ struct Way {
     /// mm/s; infinite in rapid.
     feedrate: f64,
     exact_stop: bool,
-    /// The index of its shape; of the last one before for a line without a turn.
-    shape: u32,
+    /// How many shapes there are up to here; that of a segment which has one is the last of them.
+    shapes: u32,
 }
 
 /// What few segments have.
@@ -86,7 +86,7 @@ impl Moves {
     /// The shape of a segment that has one.
     #[inline]
     fn shape(&self, of: &Move) -> Option<&Shape> {
-        of.has_shape().then(|| &self.shapes[self.ways[of.way()].shape as usize])
+        of.has_shape().then(|| &self.shapes[self.ways[of.way()].shapes as usize - 1])
     }
 
     /// Where the segment with this index begins, mm.
@@ -145,6 +145,24 @@ impl Moves {
         let (before, kept) = (&self.moves[index - 1], &self.moves[index]);
         let way = &self.ways[kept.way()];
         before.mark == kept.mark && !kept.has_shape() && way.feedrate.is_finite() && !way.exact_stop
+    }
+
+    /// Where the lines end that go on as this segment does; the next index where none does. It takes no longer than the
+    /// logarithm of their number. Panics beyond the end.
+    pub fn goes_on_until(&self, index: usize) -> usize {
+        let count = self.count();
+        if count <= index + 1 || !self.goes_on(index + 1) {
+            return index + 1;
+        }
+        // Ways never come back, and one that a line has gone has no shape any more.
+        let mark = self.moves[index].mark;
+        let mut step = 1;
+        while index + step < count && self.moves[index + step].mark == mark {
+            step *= 2;
+        }
+        let known = index + step / 2;
+        let unknown = &self.moves[known..count.min(index + step)];
+        known + unknown.partition_point(|kept| kept.mark == mark)
     }
 
     /// Each segment with the one that follows it.
@@ -211,7 +229,7 @@ impl Keep for Moves {
             Motion::Rapid => f64::INFINITY,
             Motion::Feed { feedrate } => feedrate,
         };
-        let way = Way { feedrate, exact_stop, shape: (self.shapes.len() as u32).saturating_sub(1) };
+        let way = Way { feedrate, exact_stop, shapes: self.shapes.len() as u32 };
         if self.ways.last() != Some(&way) {
             self.ways.push(way);
         }
@@ -276,6 +294,9 @@ mod tests {
                     let goes_on =
                         is_feed && before.motion == segment.motion && is_line(before) && is_line(segment);
                     assert_eq!(kept.goes_on(index), goes_on);
+                    let until = kept.goes_on_until(index - 1);
+                    assert!((index..until).all(|next| kept.goes_on(next)), "{index} to {until}");
+                    assert!(until == count || !kept.goes_on(until), "{index} to {until}");
                 }
                 assert_eq!(kept.point(index, 0.3), segment.point(0.3));
                 let line = Segment { curve: Curve::Line, ..segment.clone() };
@@ -292,6 +313,33 @@ mod tests {
             assert!(kept.iter().eq(expected.iter().cloned()));
         }
         assert_eq!(Segments::default().pop(), None);
+    }
+
+    /// A line, an arc and a line may be programmed alike, and yet go on only where line follows line.
+    #[test]
+    fn lines_go_on_up_to_an_arc() {
+        let mut random = Random(0xa2c);
+        for _ in 0..500 {
+            let like = |of: &Segment| Segment {
+                motion: Motion::Feed { feedrate: 5.0 },
+                rotation: Rotation::NONE,
+                exact_stop: false,
+                ..of.clone()
+            };
+            let count = 1 + random.below(40);
+            let mut all: Vec<Segment> = random_segments(&mut random, count).iter().map(like).collect();
+            let arc = random.below(2 * count);
+            for (index, segment) in all.iter_mut().enumerate() {
+                if index != arc {
+                    segment.curve = Curve::Line;
+                }
+            }
+            let kept: Segments = all.iter().cloned().collect();
+            for index in 0..count {
+                let end = (index + 1..count).find(|next| !kept.goes_on(*next)).unwrap_or(count);
+                assert_eq!(kept.goes_on_until(index), end, "{index} of {count}, arc {arc}");
+            }
+        }
     }
 
     #[test]

@@ -174,3 +174,25 @@ fn okuma() {
         ],
     );
 }
+
+/// Lines that are passed over would not have counted.
+#[test]
+fn a_bare_move_marks_no_dialect() {
+    let words =
+        ["X", "Y", "Z", "F", " ", ".", "-", "+", "0", "1", "3", "4", "5", "6", "2", "500", "331", "642"];
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    for _ in 0..50_000 {
+        let mut line = String::new();
+        for _ in 0..10 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            line += words[(state >> 33) as usize % words.len()];
+        }
+        let line = ["", "G0", "G1", "G01 "][(state >> 60) as usize % 4].to_string() + &line;
+        assert!(is_bare_move(line.as_bytes()), "{line}");
+        let marks = MARKS.iter().chain(&SAID).filter(|(.., is_mark)| is_mark(line.as_bytes()));
+        assert_eq!(marks.count(), 0, "{line}");
+    }
+    for line in ["G500", "G331 X1", "X1*", "R1=5", "X1 M47", "(MACH3)", "$H"] {
+        assert!(!is_bare_move(line.as_bytes()), "{line}");
+    }
+}
