@@ -17,10 +17,10 @@ const megabytes = Number(argv.slice(2).find((argument) => /^\d+$/.test(argument)
 const { page, close } = await openPage({ path: '/index.html' })
 try {
   const browser = /** @type {import('playwright-core').Browser} */ (page.context().browser())
-  const session = await browser.newBrowserCDPSession()
+  const system = await browser.newBrowserCDPSession()
   /** The process of the page: seconds it worked, and its number. */
   const renderer = async () => {
-    const { processInfo } = await session.send('SystemInfo.getProcessInfo')
+    const { processInfo } = await system.send('SystemInfo.getProcessInfo')
     return processInfo.filter(({ type }) => type === 'renderer').reduce((a, b) => (a.cpuTime < b.cpuTime ? b : a))
   }
   const { lines, bytes } = await page.evaluate(make, megabytes * 1e6)

@@ -36,7 +36,7 @@ import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { pairs, recordingOf } from './recordings.js'
-import { diagnosisOf, loadSession, saveSession } from './session.js'
+import { diagnosisOf, loadOpen, saveOpen } from './kept.js'
 import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
 import { say } from './texts.js'
 import { whole } from './whole.js'
@@ -70,34 +70,34 @@ form.presets.push(...loadMachines())
 /** @type {import("./types.js").Parameter[]} */
 const termFields = JSON.parse(termsForm())
 const settings = loadSettings()
-const session = await loadSession()
+const opened = await loadOpen()
 
 const knownPreset = startNamed(settings.preset)
 
 /** @type {State} */
 const state = {
-  programs: session.programs.map((kept) => ({ ...kept, lines: linesOf(kept.file), outcome: null, failure: null })),
-  selected: session.selected,
+  programs: opened.programs.map((kept) => ({ ...kept, lines: linesOf(kept.file), outcome: null, failure: null })),
+  selected: opened.selected,
   programmed: settings.programmed ?? true,
   tolerances: settings.tolerances ?? [...usualTolerances()],
   machine: filled(knownPreset, { ...(settings.values ?? form.presets[knownPreset].values) }),
   terms: filledTerms(settings.terms ?? {}),
   beforeSettings: loadBefore(),
-  recordings: session.recordings.map((kept) => ({ ...kept, match: null, failure: null })),
-  recording: session.recording,
-  calibration: session.calibration,
+  recordings: opened.recordings.map((kept) => ({ ...kept, match: null, failure: null })),
+  recording: opened.recording,
+  calibration: opened.calibration,
   calibrating: false,
   diagnosis: null,
   diagnosing: false,
   cut: null,
-  sample: session.sample,
+  sample: opened.sample,
   beside: presetNamed(settings.beside) ?? null,
   quoted: settings.quoted ?? '',
   progress: null,
   paused: false,
 }
 
-state.diagnosis = diagnosisOf(session, state)
+state.diagnosis = diagnosisOf(opened, state)
 const history = new History(snapshot())
 let nextId = Math.max(0, ...[...state.programs, ...state.recordings].map(({ id }) => id)) + 1
 let timer = 0
@@ -603,7 +603,7 @@ function whenIdle(what) {
 }
 
 function update() {
-  saveSession(state)
+  saveOpen(state)
   document.body.classList.toggle('has-programs', state.programs.length > 0)
   document.body.classList.toggle('has-recording', recordingOf(state) !== undefined)
   document.body.classList.toggle('moves-nothing', isStill(state.programs.find(({ id }) => id === state.selected)?.outcome))

@@ -232,11 +232,11 @@ test('the page can be installed', { timeout: 120_000 }, async () => {
   const { page, close } = await openPage()
   try {
     await kept(page)
-    const session = await page.context().newCDPSession(page)
-    const { errors, url } = await session.send('Page.getAppManifest')
+    const devtools = await page.context().newCDPSession(page)
+    const { errors, url } = await devtools.send('Page.getAppManifest')
     assert.match(url, /manifest\.webmanifest$/)
     assert.deepEqual(errors, [])
-    const { installabilityErrors } = await session.send('Page.getInstallabilityErrors')
+    const { installabilityErrors } = await devtools.send('Page.getInstallabilityErrors')
     // The tests' profile is a private one, where nothing is ever installed.
     assert.deepEqual(installabilityErrors.filter(({ errorId }) => errorId !== 'in-incognito'), [])
   } finally {

@@ -21,7 +21,7 @@ const MOST = 1_000_000_000
 /** @typedef {{id: number, name: string, bytes: Uint8Array, program: number | null, used: boolean}} KeptRecording */
 /** Its programs by their numbers. @typedef {Omit<Diagnosis, 'runs'> & {runs: {name: string, program: number, columns: DiagnosedColumns}[]}} KeptDiagnosis */
 /** What was found, and what it took the place of. @typedef {{calibration: Calibration | null, diagnosis: KeptDiagnosis | null, sample: Before | null}} Found */
-/** @typedef {{saved: number, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null} & Found} Session */
+/** @typedef {{saved: number, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null} & Found} Kept */
 
 /** @returns {Promise<IDBDatabase>} */
 function open() {
@@ -47,22 +47,22 @@ function tab() {
   return name
 }
 
-/** @returns {Session} */
+/** @returns {Kept} */
 const nothing = () => ({ saved: 0, programs: [], recordings: [], selected: null, recording: null, calibration: null, diagnosis: null, sample: null })
 
-/** What this tab had open; nothing where the browser keeps nothing, or takes too long. @returns {Promise<Session>} */
-export function loadSession() {
+/** What this tab had open; nothing where the browser keeps nothing, or takes too long. @returns {Promise<Kept>} */
+export function loadOpen() {
   const patience = new Promise((resolve) => setTimeout(() => resolve(nothing()), PATIENCE_MS))
-  return Promise.race([load(), /** @type {Promise<Session>} */ (patience)])
+  return Promise.race([load(), /** @type {Promise<Kept>} */ (patience)])
 }
 
-/** @returns {Promise<Session>} */
+/** @returns {Promise<Kept>} */
 async function load() {
   try {
     const database = await open()
     const store = database.transaction(STORE, 'readwrite').objectStore(STORE)
     const own = tab()
-    const found = /** @type {Session | undefined} */ (await answer(store.get(own)))
+    const found = /** @type {Kept | undefined} */ (await answer(store.get(own)))
     const others = await answer(store.getAllKeys())
     for (const key of others) {
       const other = key === own ? undefined : await answer(store.get(key))
@@ -75,7 +75,7 @@ async function load() {
   }
 }
 
-/** The diagnosis that was kept, with the programs as they are now; none where one of them is gone. @param {Session} session @param {State} state @returns {Diagnosis | null} */
+/** The diagnosis that was kept, with the programs as they are now; none where one of them is gone. @param {Kept} kept @param {State} state @returns {Diagnosis | null} */
 export function diagnosisOf({ diagnosis }, { programs }) {
   const runs = (diagnosis?.runs ?? []).flatMap((run) => {
     const program = programs.find(({ id }) => id === run.program)
@@ -91,7 +91,7 @@ let lastFound = []
 let saving = Promise.resolve()
 
 /** Keeps what is open, after what is being kept already. @param {State} state */
-export function saveSession(state) {
+export function saveOpen(state) {
   const programs = state.programs.map(({ id, name, file, dialect }) => ({ id, name, file, dialect }))
   const recordings = state.recordings.map(({ id, name, bytes, program, used }) => ({ id, name, bytes, program, used }))
   const { selected, recording, calibration, sample } = state
@@ -107,15 +107,15 @@ export function saveSession(state) {
   last = standing
   lastFound = found
   const size = programs.reduce((sum, { file }) => sum + file.size, 0) + recordings.reduce((sum, { bytes }) => sum + bytes.length, 0)
-  const session = size <= MOST ? { programs, recordings } : { programs: [], recordings: [] }
-  saving = saving.then(() => put({ saved: Date.now(), ...session, selected, recording, calibration, diagnosis, sample }))
+  const files = size <= MOST ? { programs, recordings } : { programs: [], recordings: [] }
+  saving = saving.then(() => put({ saved: Date.now(), ...files, selected, recording, calibration, diagnosis, sample }))
 }
 
-/** @param {Session} session */
-async function put(session) {
+/** @param {Kept} kept */
+async function put(kept) {
   try {
     const database = await open()
-    await answer(database.transaction(STORE, 'readwrite').objectStore(STORE).put(session, tab()))
+    await answer(database.transaction(STORE, 'readwrite').objectStore(STORE).put(kept, tab()))
     database.close()
   } catch {
     // A browser that keeps nothing still computes.
