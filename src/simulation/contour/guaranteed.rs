@@ -19,14 +19,16 @@
 //! where neighbours were to blame, so the whole is repeated from where it ended while that makes
 //! the program faster, and the fastest plan within tolerance is the result.
 //!
-//! Limits: along lines the error is that of the programmed points. Where many corners lie under one filter delay, points of
-//! the filtered path between them may be farther from the lines: by 2 % of the tolerance on one of some 20,000 hostile paths.
+//! What is measured are programmed points. Where the filtered path is too far from the lines between them all the same, as
+//! [`strays`] finds it, the corners it follows there are held to less, and the whole is gone through again.
 
 use crate::machine::{CornerMode, Machine};
+use crate::simulation::contour::strays::{Stray, strays};
 use crate::simulation::contour::{ContourErrors, SegmentErrors, contour_errors, measure};
 use crate::simulation::feed::{Bound, FeedPlan, Pulse, Rule, Tolerances, plan};
 use crate::simulation::profile::{Profile, retimed};
 use crate::simulation::toolpath::{Curve, Toolpath};
+use std::collections::BTreeMap;
 
 /// p above.
 const STEP: f64 = 0.7;
@@ -57,6 +59,9 @@ const MARGIN: f64 = 0.005;
 
 /// An isolated corner takes the tolerance exactly, but for this part of it.
 const ROUNDING: f64 = 1e-9;
+
+/// How often corners are held to less where the filtered path strays between them.
+const STRAYINGS: usize = 8;
 
 /// How much of what is left to do a round is taken for: how many it will be is not known before.
 const PART_OF_REST: f64 = 0.05;
@@ -159,16 +164,25 @@ fn corrected(
     let mut measured = vec![SegmentErrors::default(); toolpath.segments.len()];
     measure(toolpath, &now, &Profile::new(toolpath, &now), |_| true, |k, found| measured[k] = found);
     let mut errors = ContourErrors::by_corner(&measured);
+    let mut shares = Shares::default();
     let bounds = || tolerances.bounds(toolpath, machine);
-    let holds = |errors: &ContourErrors| errors.beyond(bounds(), 1.0 + ROUNDING).next().is_none();
+    let holds = |errors: &ContourErrors, shares: &Shares| {
+        errors.beyond(shares.of(bounds()), 1.0 + ROUNDING).next().is_none()
+    };
+    let allowed: Vec<f64> = bounds().map(|bound| bound.along.max(bound.near)).collect();
+    let strays = |plan: &FeedPlan| strays(toolpath, plan, &Profile::new(toolpath, plan), &allowed);
     // Where the isolated law holds everywhere its plan is the one to beat.
-    let mut fastest = holds(&errors).then(|| (now.cycle_time(), now.clone(), errors.clone()));
+    let mut fastest = (holds(&errors, &shares) && strays(&now).is_empty())
+        .then(|| (now.cycle_time(), now.clone(), errors.clone()));
+    // What is left where the path strays however much is taken: no programmed point is beyond tolerance.
+    let mut at_points = None;
     let mut rest = 1.0;
-    for _ in 0..PASSES {
+    let (mut passes, mut strayings) = (0, 0);
+    while passes < PASSES && strayings < STRAYINGS {
         for round in (0..ROUNDS + REDUCTIONS + STOPS).map(Round::of) {
             progress(1.0 - rest);
             rest *= 1.0 - PART_OF_REST;
-            if asked.change(&now, &errors, bounds(), round) {
+            if asked.change(&now, &errors, shares.of(bounds()), round) {
                 let given = Rule::Given { corners: &asked.corners, segments: &asked.segments };
                 let next = plan(toolpath, machine, given);
                 let stale = within_a_delay(&now, &next);
@@ -176,20 +190,61 @@ fn corrected(
                 let profile = Profile::new(toolpath, &now);
                 measure(toolpath, &now, &profile, |k| stale[k], |k, found| measured[k] = found);
                 errors = ContourErrors::by_corner(&measured);
-            } else if holds(&errors) {
+            } else if holds(&errors, &shares) {
                 break;
             }
         }
+        let strays = strays(&now);
+        if !strays.is_empty() {
+            if at_points.is_none() && holds(&errors, &shares) {
+                at_points = Some((now.clone(), errors.clone()));
+            }
+            shares.lower(&strays);
+            strayings += 1;
+            continue;
+        }
+        passes += 1;
         let time = now.cycle_time();
         let before = fastest.as_ref().map_or(f64::INFINITY, |(time, ..)| *time);
-        if holds(&errors) && time < before {
+        if holds(&errors, &shares) && time < before {
             fastest = Some((time, now.clone(), errors.clone()));
         }
         if before < time * (1.0 + WORTH_ANOTHER_PASS) {
             break;
         }
     }
-    fastest.map_or((now, errors), |(_, plan, errors)| (plan, errors))
+    let fastest = fastest.map(|(_, plan, errors)| (plan, errors));
+    fastest.or(at_points).unwrap_or((now, errors))
+}
+
+/// To which part of its tolerance a segment is held where the filtered path strays between corners.
+#[derive(Default)]
+struct Shares(BTreeMap<usize, f64>);
+
+impl Shares {
+    /// What holds with them.
+    fn of(&self, bounds: impl Iterator<Item = Bound>) -> impl Iterator<Item = Bound> {
+        bounds.enumerate().map(|(k, bound)| match self.0.get(&k) {
+            None => bound,
+            Some(share) => {
+                Bound { along: share * bound.along, corner: share * bound.corner, near: share * bound.near }
+            }
+        })
+    }
+
+    /// Holds the segments where the path strays to less, each by how far it does at most.
+    fn lower(&mut self, strays: &[Stray]) {
+        let mut ratios = BTreeMap::new();
+        for stray in strays {
+            for segment in stray.segments.clone() {
+                let ratio = ratios.entry(segment).or_insert(stray.ratio);
+                *ratio = stray.ratio.max(*ratio);
+            }
+        }
+        for (segment, ratio) in ratios {
+            *self.0.entry(segment).or_insert(1.0) *= (1.0 - MARGIN) / ratio;
+        }
+    }
 }
 
 /// The feedrates that the next plan is asked for, mm/s.

@@ -19,6 +19,7 @@
 mod few;
 mod guaranteed;
 mod regions;
+mod strays;
 
 pub use few::Few;
 pub use guaranteed::{cycle_time_within, plan_within};
@@ -29,7 +30,7 @@ use std::ops::Range;
 
 use crate::simulation::feed::{Bound, FeedPlan, Pulses, Stretch};
 use crate::simulation::profile::{Profile, State, Steps};
-use crate::simulation::toolpath::{Curve, Point, Toolpath};
+use crate::simulation::toolpath::{Curve, Point, Segment, Toolpath};
 
 /// Contour errors along a program.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -314,22 +315,31 @@ fn distance_from_programmed(
     let neighbours = start.max(number.saturating_sub(1))..end.min(number + 2);
     let distances = neighbours.map(|near| {
         let segment = toolpath.segments.at(near);
-        let mut s = match near.cmp(&number) {
+        let near_there = match near.cmp(&number) {
             Ordering::Less => segment.length,
             Ordering::Equal => offset,
             Ordering::Greater => 0.0,
         };
-        // Newton's method for the foot of the perpendicular; on a line one step is exact.
-        for _ in 0..4 {
-            let [tangent, curvature, _] = segment.derivatives(s);
-            let away = segment.point(s) - point;
-            let change = tangent.norm_squared() + away.dot(&curvature);
-            if change <= 0.0 {
-                break;
-            }
-            s = (s - away.dot(&tangent) / change).clamp(0.0, segment.length);
-        }
-        (segment.point(s) - point).norm()
+        distance_from_segment(&segment, near_there, point)
     });
     distances.fold(f64::INFINITY, f64::min)
+}
+
+/// Distance (mm) of a point from a segment near the distance `s` (mm) along it.
+fn distance_from_segment(segment: &Segment, mut s: f64, point: Point) -> f64 {
+    let mut away = segment.point(s) - point;
+    // Newton's method for the foot of the perpendicular; on a line one step is exact. Where an arc bends more than it is long,
+    // a step may lead away.
+    for _ in 0..4 {
+        let [tangent, curvature, _] = segment.derivatives(s);
+        let change = tangent.norm_squared() + away.dot(&curvature);
+        let next = (s - away.dot(&tangent) / change).clamp(0.0, segment.length);
+        let next_away = segment.point(next) - point;
+        let is_nearer = 0.0 < change && next_away.norm_squared() < away.norm_squared();
+        if !is_nearer {
+            break;
+        }
+        (s, away) = (next, next_away);
+    }
+    away.norm()
 }
