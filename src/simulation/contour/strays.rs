@@ -74,7 +74,8 @@ pub(super) fn strays(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile, al
             if allowed[likely] < distance(likely) {
                 let nearest = followed.clone().map(distance).fold(f64::INFINITY, f64::min);
                 let most = allowed[followed.clone()].iter().copied().fold(0.0, f64::max);
-                if most < nearest {
+                // Where nothing at all is allowed the machine stands at every corner.
+                if 0.0 < most && most < nearest {
                     found.push(Stray { segments: followed, ratio: nearest / most });
                 }
             }
