@@ -193,8 +193,7 @@ fn segment_errors(
             }
             let elapsed = (i + 0.5) / count * pulse.duration;
             let commanded = steps.walk.pulse_start(index) + elapsed;
-            let slope = (pulse.feedrate[1] - pulse.feedrate[0]) / pulse.duration;
-            let offset = pulse.offset + elapsed * (pulse.feedrate[0] + 0.5 * slope * elapsed);
+            let offset = pulse.offset_after(elapsed);
             let point = segment.point(offset);
             let moment = steps.walk.moment_from(index, commanded + 0.5 * delay);
             let state = steps.state(moment);

@@ -18,8 +18,8 @@
 use std::ops::Range;
 
 use crate::simulation::contour::{POINTS_PER_DELAY, distance_from_segment};
-use crate::simulation::feed::{FeedPlan, Pulses};
-use crate::simulation::profile::{Moment, Profile, Steps};
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::profile::{Profile, Steps};
 use crate::simulation::toolpath::{Curve, Toolpath};
 
 /// A place where the filtered path strays.
@@ -37,37 +37,36 @@ pub(super) fn strays(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile, al
     for stretch in plan.stretches().filter(|stretch| !stretch.pulses.is_empty()) {
         let mut steps = Steps::of(profile.motion(stretch));
         let delay = plan.filters[stretch.filter].delay();
-        let at_rest = || Command {
-            pulses: &plan.pulses,
-            end: stretch.pulses.end,
-            pulse: stretch.pulses.start,
-            since: 0.0,
-        };
-        let (mut newest, mut middle, mut oldest) = (at_rest(), at_rest(), at_rest());
+        let (pulses, last) = (&plan.pulses, stretch.pulses.end - 1);
+        // The pulses commanded now, half a delay ago and a delay ago.
+        let [mut newest, mut middle, mut oldest] = [stretch.pulses.start; 3];
         let step = delay / POINTS_PER_DELAY;
         let mut time = 0.0;
         loop {
-            newest.go_to(time);
-            oldest.go_to(time - delay);
-            let followed = oldest.segment()..newest.segment() + 1;
+            let now = steps.walk.moment_from(newest, time);
+            newest = now.pulse;
+            oldest = steps.walk.moment_from(oldest, (time - delay).max(0.0)).pulse;
+            let followed = pulses.segment(oldest)..pulses.segment(newest) + 1;
             let is_line = followed.len() == 1 && *toolpath.segments.curve(followed.start) == Curve::Line;
-            if is_line || oldest.pulse == newest.pulse {
+            if is_line || oldest == newest {
                 // Nothing is cut short along a line, and as much of an arc everywhere as at the points measured on it.
-                if newest.is_last() {
+                if newest == last {
                     break;
                 }
-                time = newest.ends().max(time + step);
+                time = steps.walk.pulse_start(newest + 1).max(time + step);
                 continue;
             }
-            middle.go_to(time - 0.5 * delay);
-            let point = steps.state(Moment { pulse: newest.pulse, elapsed: time - newest.since }).position;
-            let likely = middle.segment();
+            let point = steps.state(now).position;
+            let half_ago = steps.walk.moment_from(middle, (time - 0.5 * delay).max(0.0));
+            middle = half_ago.pulse;
+            let likely = pulses.segment(middle);
+            let along = pulses.at(middle).offset_after(half_ago.elapsed);
             let distance = |number: usize| {
                 let segment = toolpath.segments.at(number);
                 let near = match number {
                     _ if number < likely => segment.length,
                     _ if likely < number => 0.0,
-                    _ => middle.offset(time - 0.5 * delay).clamp(0.0, segment.length),
+                    _ => along.clamp(0.0, segment.length),
                 };
                 distance_from_segment(&segment, near, point)
             };
@@ -80,52 +79,11 @@ pub(super) fn strays(toolpath: &Toolpath, plan: &FeedPlan, profile: &Profile, al
                 }
             }
             time += step;
-            let is_over = oldest.is_last() && oldest.ends() <= time - delay;
             // At feedrates that take for ever a step is less than time can be told.
-            if is_over || time + step <= time {
+            if time + step <= time {
                 break;
             }
         }
     }
     found
-}
-
-/// What is commanded at a moment of a stretch; the last pulse once that is over.
-struct Command<'a> {
-    pulses: &'a Pulses,
-    /// One past the last pulse of the stretch.
-    end: usize,
-    pulse: usize,
-    /// When it began, s since the beginning of the stretch.
-    since: f64,
-}
-
-impl Command<'_> {
-    /// Goes on to a later time (s).
-    fn go_to(&mut self, time: f64) {
-        while self.ends() <= time && !self.is_last() {
-            self.since = self.ends();
-            self.pulse += 1;
-        }
-    }
-
-    fn ends(&self) -> f64 {
-        self.since + self.pulses.duration(self.pulse)
-    }
-
-    fn is_last(&self) -> bool {
-        self.pulse + 1 == self.end
-    }
-
-    fn segment(&self) -> usize {
-        self.pulses.segment(self.pulse)
-    }
-
-    /// How far along its segment the command is at a time within the pulse (s), mm.
-    fn offset(&self, time: f64) -> f64 {
-        let [first, last] = self.pulses.at(self.pulse).feedrate;
-        let elapsed = time - self.since;
-        let part = elapsed / self.pulses.duration(self.pulse);
-        self.pulses.offset(self.pulse) + elapsed * (first + 0.5 * part * (last - first))
-    }
 }

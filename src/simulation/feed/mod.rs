@@ -165,6 +165,12 @@ impl Pulse {
     pub fn is_halt(&self) -> bool {
         self.feedrate == [0.0, 0.0]
     }
+
+    /// How far along its segment the command is so long (s) after the pulse began, mm.
+    pub fn offset_after(&self, elapsed: f64) -> f64 {
+        let slope = (self.feedrate[1] - self.feedrate[0]) / self.duration;
+        self.offset + elapsed * (self.feedrate[0] + 0.5 * slope * elapsed)
+    }
 }
 
 impl FeedPlan {
