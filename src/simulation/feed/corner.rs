@@ -31,9 +31,11 @@
 //! arc the hold is then a little longer than published; were it to grow with the arc's own limit,
 //! a wider tolerance could make a crowded arc slower.
 //!
-//! G⁻¹ is Newton's method, begun at cubics in u = √(1 − G/S(h)), of which α is a smooth function though G is level at
-//! α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α) begins with −√(2 S(h)/h). One cubic for all of it takes
-//! some three steps, each of which waits for the one before; a stretch of many corners tabulates 256, and one step arrives.
+//! G⁻¹ is Newton's method, begun at a cubic in u = √(1 − G/S(h)), of which α is a smooth function though G is level at
+//! α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α) begins with −√(2 S(h)/h). That takes some three
+//! steps, each of which waits for the one before. A stretch of many corners tabulates α(u) on 128 parts, each the polynomial
+//! through six points of it; where that is off by no more than roundings are, which is all but where G is pieced together
+//! and where α is nearly nought, it is the answer.
 //!
 //! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition.
 
@@ -43,8 +45,14 @@ use crate::simulation::filter::FilterChain;
 /// change it by a rounding error.
 const LAST_STEP: f64 = 1e-8;
 
-/// So many cubics are made in a moment, and the first step from one of them is mostly the last.
-const PARTS: usize = 256;
+/// Parts of a table: fewer are off by more, and to make more takes longer.
+const PARTS: usize = 128;
+
+/// Points of a part, the ends among them.
+const POINTS: usize = 6;
+
+/// By so much of α a table may be off between its points.
+const EXACT: f64 = 5e-13;
 
 /// The law of an isolated corner for one filter chain.
 #[derive(Clone, Debug)]
@@ -53,9 +61,43 @@ pub struct CornerLaw<'a> {
     half_delay: f64,
     /// S(h) = G(1), s.
     full: f64,
-    /// About α on equal parts of u from 0 to 1: coefficients of the powers of the place in the part, from 0 to 1, the
-    /// constant first. Of one part at least.
-    starts: Vec<[f64; 4]>,
+    /// α on equal parts of u from 0 to 1; of few corners none.
+    table: Vec<Part>,
+}
+
+/// α on a part of u, through points at equal distances.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    /// The divided differences of its points, over the place in the part from 0 to 1.
+    differences: [f64; POINTS],
+    /// It is α, and not only near it.
+    is_exact: bool,
+}
+
+impl Part {
+    /// The part through these values.
+    fn through(values: [f64; POINTS]) -> Part {
+        let mut differences = values;
+        for order in 1..POINTS {
+            for i in (order..POINTS).rev() {
+                differences[i] =
+                    (differences[i] - differences[i - 1]) / (Part::point(order) - Part::point(0));
+            }
+        }
+        Part { differences, is_exact: false }
+    }
+
+    /// Where a point of it lies.
+    fn point(index: usize) -> f64 {
+        index as f64 / (POINTS - 1) as f64
+    }
+
+    /// α at a place from 0 to 1.
+    #[inline]
+    fn alpha(&self, place: f64) -> f64 {
+        let last = self.differences[POINTS - 1];
+        (0..POINTS - 1).rev().fold(last, |sum, i| self.differences[i] + (place - Part::point(i)) * sum)
+    }
 }
 
 impl<'a> CornerLaw<'a> {
@@ -63,41 +105,57 @@ impl<'a> CornerLaw<'a> {
     pub fn new(filter: &'a FilterChain) -> CornerLaw<'a> {
         let half_delay = filter.half_delay();
         let full = filter.displacement(half_delay);
-        let mut law = CornerLaw { filter, half_delay, full, starts: Vec::new() };
-        law.starts = cubics(&law.ends());
-        law
+        CornerLaw { filter, half_delay, full, table: Vec::new() }
     }
 
     /// The same law, which takes a while to be made and is then quicker.
     pub fn for_many_corners(filter: &'a FilterChain) -> CornerLaw<'a> {
         let law = CornerLaw::new(filter);
-        let node = |k: usize| {
-            let u = k as f64 / PARTS as f64;
-            let alpha = law.alpha(law.full * (1.0 - u * u));
-            (alpha, -2.0 * u * law.full / law.deviation_and_slope(alpha).1)
-        };
-        let [first, last] = law.ends();
-        let nodes: Vec<(f64, f64)> = [first].into_iter().chain((1..PARTS).map(node)).chain([last]).collect();
-        CornerLaw { starts: cubics(&nodes), ..law }
+        let mut table = Vec::with_capacity(PARTS);
+        // From the last two points it is known about where the next one lies.
+        let (mut before, mut last) = (law.cubic(-Part::point(1) / PARTS as f64), 1.0);
+        for k in 0..PARTS {
+            let deviation = |place: f64| law.full * (1.0 - ((k as f64 + place) / PARTS as f64).powi(2));
+            let mut values = [last; POINTS];
+            for (i, value) in values.iter_mut().enumerate().skip(1) {
+                *value = law.newton(deviation(Part::point(i)), 2.0 * last - before);
+                (before, last) = (last, *value);
+            }
+            let part = Part::through(values);
+            // Half-way between its points it is off by most.
+            let is_off = |i: usize| {
+                let place = 0.5 * (Part::point(i) + Part::point(i + 1));
+                let alpha = part.alpha(place);
+                let (reached, slope) = law.deviation_and_slope(alpha);
+                EXACT * alpha * slope < (reached - deviation(place)).abs()
+            };
+            table.push(Part { is_exact: k + 1 < PARTS && !(0..POINTS - 1).any(is_off), ..part });
+        }
+        CornerLaw { table, ..law }
     }
 
-    /// α and dα/du at u = 0, where G is level, and at u = 1.
-    fn ends(&self) -> [(f64, f64); 2] {
-        [(1.0, -(2.0 * self.full / self.half_delay).sqrt()), (0.0, -2.0)]
-    }
-
-    /// About the α of a deviation from 0 to G(1), s.
-    fn start(&self, deviation: f64) -> f64 {
+    /// About the α of a deviation from 0 to G(1), s, and whether it is that α.
+    #[inline]
+    fn start(&self, deviation: f64) -> (f64, bool) {
         let part_of_full = deviation / self.full;
         // There G is straight, and u would lose its digits.
         if part_of_full < 1e-6 {
-            return part_of_full;
+            return (part_of_full, false);
         }
-        let place = (1.0 - part_of_full).sqrt() * self.starts.len() as f64;
-        let part = (place as usize).min(self.starts.len() - 1);
-        let [constant, linear, square, cubic] = self.starts[part];
-        let within = place - part as f64;
-        constant + within * (linear + within * (square + within * cubic))
+        let u = (1.0 - part_of_full).sqrt();
+        let place = u * PARTS as f64;
+        let number = place as u32;
+        match self.table.get(number as usize) {
+            Some(part) => (part.alpha(place - f64::from(number)), part.is_exact),
+            None => (self.cubic(u), false),
+        }
+    }
+
+    /// The cubic that has the values and the slopes of α over u at 0, where G is level, and at 1.
+    fn cubic(&self, u: f64) -> f64 {
+        let (first, last) = (-(2.0 * self.full / self.half_delay).sqrt(), -2.0);
+        let (square, cubic) = (-3.0 - 2.0 * first - last, 2.0 + first + last);
+        1.0 + u * (first + u * (square + u * cubic))
     }
 
     /// G(α), s: the deviation for F ‖u2 − u1‖ = 1 mm/s.
@@ -120,9 +178,14 @@ impl<'a> CornerLaw<'a> {
         if deviation <= 0.0 {
             return 0.0;
         }
+        let (alpha, is_exact) = self.start(deviation);
+        if is_exact { alpha } else { self.newton(deviation, alpha) }
+    }
+
+    /// The α of a deviation from 0 to G(1), s, from one that is near it.
+    fn newton(&self, deviation: f64, mut alpha: f64) -> f64 {
         // Each step of Newton's method squares what is missing. A step that leaves the bracket is replaced by halving it.
         let (mut low, mut high) = (0.0, 1.0);
-        let mut alpha = self.start(deviation);
         for _ in 0..60 {
             let (reached, slope) = self.deviation_and_slope(alpha);
             let excess = reached - deviation;
@@ -142,6 +205,7 @@ impl<'a> CornerLaw<'a> {
 
     /// The fastest command at a corner between legs run at `before` and `after` (mm/s) that keeps
     /// the deviation over ‖u2 − u1‖ at most `distance`, mm.
+    #[inline]
     pub fn feedrate(&self, distance: f64, before: f64, after: f64) -> f64 {
         let of_leg = |feedrate: f64| feedrate * self.alpha(distance / feedrate);
         let (slower, faster) = (before.min(after), before.max(after));
@@ -151,22 +215,10 @@ impl<'a> CornerLaw<'a> {
 
     /// How long a leg keeps the corner's command `corner` (mm/s), s; `feedrate` (mm/s) is that of
     /// the leg without the limit of the tolerance.
+    #[inline]
     pub fn hold(&self, corner: f64, feedrate: f64) -> f64 {
         self.half_delay * (1.0 - corner / feedrate)
     }
-}
-
-/// Cubics from node to node, equal parts of 0 to 1, with these values and slopes.
-fn cubics(nodes: &[(f64, f64)]) -> Vec<[f64; 4]> {
-    let part = 1.0 / (nodes.len() - 1) as f64;
-    let cubic = |ends: &[(f64, f64)]| {
-        let [(first, first_slope), (last, last_slope)] =
-            [ends[0], ends[1]].map(|(value, slope)| (value, part * slope));
-        let rise = last - first;
-        let square = 3.0 * rise - 2.0 * first_slope - last_slope;
-        [first, first_slope, square, first_slope + last_slope - 2.0 * rise]
-    };
-    nodes.windows(2).map(cubic).collect()
 }
 
 #[cfg(test)]
@@ -224,17 +276,14 @@ mod tests {
         }
     }
 
+    /// Of the polynomial of a part only its last digits are missing, but of those where G is pieced together.
     #[test]
-    fn a_law_for_many_corners_begins_near_the_end() {
+    fn nearly_all_parts_of_a_table_are_exact() {
         for constants in CHAINS {
             let filter = FilterChain::new(constants);
             let law = CornerLaw::for_many_corners(&filter);
-            let missing = |k: usize| {
-                let alpha = k as f64 / 1000.0;
-                (law.start(law.deviation(alpha)) - alpha).abs()
-            };
-            let far = (0..=1000).filter(|k| 1e-7 < missing(*k)).count();
-            assert!(far < 100, "{constants:?}: {far} of 1000");
+            let inexact = law.table.iter().filter(|part| !part.is_exact).count();
+            assert!(inexact < 16, "{constants:?}: {inexact} of {PARTS}");
         }
     }
 }
