@@ -150,12 +150,19 @@ pub struct Columns {
     width: u8,
 }
 
+impl Columns {
+    /// From the first and how many they are.
+    #[inline]
+    pub fn of_width(first: u32, width: u8) -> Columns {
+        Columns { first: first.to_ne_bytes(), width }
+    }
+}
+
 impl From<(u32, u32)> for Columns {
     /// From the first and one past the last.
     #[inline]
     fn from((first, past): (u32, u32)) -> Columns {
-        let width = past.saturating_sub(first).min(u32::from(u8::MAX)) as u8;
-        Columns { first: first.to_ne_bytes(), width }
+        Columns::of_width(first, past.saturating_sub(first).min(u32::from(u8::MAX)) as u8)
     }
 }
 

@@ -70,45 +70,38 @@ pub(super) fn number(text: &[u8], at: usize) -> Option<Number> {
     Some(Number { value, has_point, end })
 }
 
-/// Goes on with a whole number by the digits from `at` on; gives it, and where they end.
-#[inline]
-fn digits(text: &[u8], at: usize, mut value: u64) -> (u64, usize) {
-    let mut end = at;
-    for byte in text.get(at..).unwrap_or_default() {
-        let digit = byte.wrapping_sub(b'0');
-        if 9 < digit {
-            break;
-        }
-        value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
-        end += 1;
-    }
-    (value, end)
-}
+/// So many bytes after its sign hold a plain number and the one that ends it.
+const PLAIN: usize = 15;
 
-/// The number that begins at `at` where it is written without blanks, in 15 digits at most; it is what [`number`] says
-/// unless more of a number follows.
+/// The number that begins at `at` where it is written without blanks, in less than 15 signs, and where the text goes on so
+/// far; it is what [`number`] says unless more of a number follows.
 #[inline]
 pub(super) fn plain_number(text: &[u8], at: usize) -> Option<Number> {
-    let sign = text.get(at).copied();
-    let is_negative = sign == Some(b'-');
-    let first = at + usize::from(is_negative || sign == Some(b'+'));
-    let (mut value, mut end) = digits(text, first, 0);
-    let (mut count, mut decimals) = (end - first, 0);
-    let has_point = text.get(end) == Some(&b'.');
-    if has_point {
-        let point = end;
-        (value, end) = digits(text, point + 1, value);
-        decimals = end - point - 1;
-        count += decimals;
+    let rest = text.get(at..)?;
+    let sign = *rest.first()?;
+    let is_negative = sign == b'-';
+    let first = usize::from(is_negative || sign == b'+');
+    let signs = rest.get(first..)?.first_chunk::<PLAIN>()?;
+    let (mut value, mut past_point) = (0_u64, None);
+    for (index, &sign) in signs.iter().enumerate() {
+        let digit = sign.wrapping_sub(b'0');
+        if digit <= 9 {
+            value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
+        } else if sign == b'.' && past_point.is_none() {
+            past_point = Some(index + 1);
+        } else {
+            let decimals = past_point.map_or(0, |past| index - past);
+            let has_point = past_point.is_some();
+            if index == usize::from(has_point) {
+                return None;
+            }
+            // So few digits fit a signed number too, which processors turn into f64 in one step.
+            let magnitude = value as i64 as f64 / EXACT_POWERS[decimals];
+            let value = if is_negative { -magnitude } else { magnitude };
+            return Some(Number { value, has_point, end: at + first + index });
+        }
     }
-    // 15 digits are less than 2^53, and the product cannot have wrapped.
-    if count == 0 || 15 < count {
-        return None;
-    }
-    // So few digits fit a signed number too, which processors turn into f64 in one step.
-    let magnitude = value as i64 as f64 / EXACT_POWERS[decimals];
-    let value = if is_negative { -magnitude } else { magnitude };
-    Some(Number { value, has_point, end })
+    None
 }
 
 #[cfg(test)]
@@ -117,12 +110,15 @@ mod tests {
 
     #[test]
     fn plain_numbers_are_the_same_numbers() {
-        for text in ["5", "-0.125X", "+.5 Y", "5. ", "123456789012345", "0.000", "-0"] {
-            assert_eq!(plain_number(text.as_bytes(), 0), number(text.as_bytes(), 0), "{text}");
+        let plain = |text: &str| plain_number(format!("{text}\nG1 X5 Y5 Z5 F500").as_bytes(), 0);
+        for text in ["5", "-0.125X", "+.5 Y", "5. ", "12345678901234", "-1234567.890123", "0.000", "-0", ".5"]
+        {
+            assert_eq!(plain(text), number(text.as_bytes(), 0), "{text}");
         }
-        for text in ["", ".", "-", " 5", "1234567890123456"] {
-            assert_eq!(plain_number(text.as_bytes(), 0), None, "{text}");
+        for text in ["", ".", "-", "-.", " 5", "123456789012345", "1234567.8901234"] {
+            assert_eq!(plain(text), None, "{text}");
         }
+        assert_eq!(plain_number(b"5", 0), None);
     }
 
     fn value(text: &str) -> Option<f64> {

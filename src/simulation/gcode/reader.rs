@@ -350,6 +350,16 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Ends the block being read, of which nothing but words was read.
+    #[inline]
+    pub(super) fn end_block_of_words(&mut self) {
+        let (before, words) = (self.before[0], self.program.words.len());
+        if before < words {
+            self.program.blocks.push(Block { line: self.line, words: before as u32..words as u32 });
+            self.before[0] = words;
+        }
+    }
+
     /// Adds a plain word.
     pub(super) fn push_word(&mut self, letter: u8, value: f64, columns: (u32, u32)) {
         let reference = Reference::Modal;

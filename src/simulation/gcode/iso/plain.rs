@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! line   = { blank } { letter number { blank } }      no O word, nothing that calls or returns
-//! number = [ "+" | "-" ] digits [ "." [ digits ] ]  |  [ "+" | "-" ] "." digits     without blanks, 15 digits at most
+//! number = [ "+" | "-" ] digits [ "." [ digits ] ]  |  [ "+" | "-" ] "." digits     without blanks, and not long
 //! ```
 //!
 //! They are read as the rules for all lines read them, in one pass, their end included, and without a look at what
@@ -11,7 +11,7 @@
 use crate::simulation::gcode::iso::{CALLING_G, CALLING_M};
 use crate::simulation::gcode::number::{is_blank, plain_number};
 use crate::simulation::gcode::reader::Reader;
-use crate::simulation::gcode::{Reference, Word};
+use crate::simulation::gcode::{Columns, Reference, Word};
 
 impl Reader<'_> {
     /// Reads the line that `text` begins with, and gives what follows it; none where the line holds anything but plain
@@ -22,14 +22,14 @@ impl Reader<'_> {
         let mut at = 0;
         let end = loop {
             let letter = match text.get(at) {
+                Some(byte) if !is_blank(*byte) => byte.to_ascii_uppercase(),
                 None => break at,
                 Some(b'\n') => break at + 1,
                 Some(b'\r') => break at + 1 + usize::from(text.get(at + 1) == Some(&b'\n')),
-                Some(byte) if is_blank(*byte) => {
+                Some(_) => {
                     at += 1;
                     continue;
                 }
-                Some(byte) => byte.to_ascii_uppercase(),
             };
             let number = if letter.is_ascii_uppercase() { plain_number(text, at + 1) } else { None };
             let Some(number) = number.filter(|number| match letter {
@@ -42,13 +42,13 @@ impl Reader<'_> {
                 return None;
             };
             if letter != b'N' {
-                let columns = (at as u32 + 1, number.end as u32 + 1);
+                let columns = Columns::of_width(at as u32 + 1, (number.end - at) as u8);
                 let (value, has_point, reference) = (number.value, number.has_point, Reference::Modal);
-                words.push(Word { value, columns: columns.into(), letter, has_point, reference });
+                words.push(Word { value, columns, letter, has_point, reference });
             }
             at = number.end;
         };
-        self.end_block();
+        self.end_block_of_words();
         Some(&text[end..])
     }
 }
