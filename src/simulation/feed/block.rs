@@ -36,6 +36,7 @@ pub type Part = (f64, f64, f64);
 
 /// The parts of a block of `length` (mm) at `feedrate` (mm/s) and `acceleration` (mm/s², may be
 /// infinite) in order: hold, ramp, cruise, ramp, hold. Parts that are not needed last 0 s.
+#[inline]
 pub fn parts(length: f64, feedrate: f64, acceleration: f64, first: End, last: End) -> [Part; 5] {
     // Without a limit a ramp takes neither room nor time, and divisions are dear.
     let is_limited = acceleration != f64::INFINITY;

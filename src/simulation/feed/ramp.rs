@@ -33,6 +33,7 @@ pub struct Ramp {
 
 impl Ramp {
     /// The law of a machine whose jerk along the path is limited; none where it is not.
+    #[inline]
     pub fn of(machine: &Machine, acceleration: f64) -> Option<Ramp> {
         machine.path.jerk.is_finite().then_some(Ramp { jerk: machine.path.jerk, acceleration })
     }

@@ -9,7 +9,9 @@
 //! ```
 //!
 //! A long program is one stretch of millions of segments, and to fetch them costs more than to reckon with them. Where
-//! nothing is starved or to be reached, the last step follows one segment behind the corners, and they are fetched twice.
+//! nothing is starved or to be reached, the last step follows a few segments behind the corners, and they are fetched twice.
+//! A corner waits for roots and quotients, one after another, and the processor works on several at once where nothing
+//! else is done between them: the corners of some segments come before all pulses of these.
 
 use std::iter::repeat_n;
 use std::ops::Range;
@@ -87,7 +89,7 @@ pub(super) fn add_stretch(
             let without_tolerance = lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, asked)| asked);
             let corners = [std::mem::replace(&mut before, after), after];
             let feedrates = [feedrate, without_tolerance];
-            stretch.add_pulses(pulses, &asked, &stretch.commanded(i, feedrates, corners));
+            stretch.add_pulses(pulses, &asked, &stretch.commanded(i, stretch.length(i), feedrates, corners));
         }
     }
     let pulses = first_pulse..pulses.len();
@@ -208,15 +210,22 @@ struct Commanded {
     corners: [f64; 2],
 }
 
-/// What a corner has to know of the segment before it.
+/// A segment on one side of a corner.
 #[derive(Clone, Copy)]
-struct Before {
+struct Side {
     limit: Limit,
+    /// mm.
+    length: f64,
+    /// Its unit tangents at its beginning and at its end.
+    tangents: [Vector; 2],
     /// Command along it, mm/s.
     feedrate: f64,
-    /// Its unit tangent at the corner.
-    direction: Vector,
+    /// What was asked for before the tolerance lowered it, mm/s.
+    without_tolerance: f64,
 }
+
+/// The corners of so many segments are worked out before their pulses.
+const AT_ONCE: usize = 64;
 
 impl Planned<'_> {
     fn segment(&self, i: usize) -> Segment {
@@ -267,45 +276,55 @@ impl Planned<'_> {
         mut then: impl FnMut(&Commanded),
     ) -> Vec<Blend> {
         let mut blends = vec![Blend::none(0.0)];
-        let held = self.rule.tolerances().limits(self.toolpath, self.machine, self.range.start);
-        let mut last: Option<Before> = None;
-        // Of the segment before: what was asked of it, and the command at the corner before it.
-        let (mut asked_before, mut first_corner) = (0.0, 0.0);
-        let mut end = |i: usize, feedrates: [f64; 2], ends: [f64; 2]| {
-            corners.push(ends[1]);
-            then(&self.commanded(i, feedrates, ends));
-        };
-        for ((i, feedrate), limit) in feedrates.iter_mut().enumerate().zip(held) {
-            let most = match self.rule {
-                Rule::Given { segments, .. } => segments[self.range.start + i],
-                _ => {
-                    let tolerance = self.machine.interpolator.arc_tolerance.unwrap_or(limit.along());
-                    limits::arc_feedrate(self.curve(i), self.length(i), self.filter, tolerance)
-                }
-            };
-            let asked = *feedrate;
-            if most < asked {
-                *feedrate = most;
+        let mut limits = self.rule.tolerances().limits(self.toolpath, self.machine, self.range.start);
+        let count = feedrates.len();
+        // The segments whose pulses are still to come, the first of them by its number, and the corner before it.
+        let mut sides: Vec<Side> = Vec::with_capacity(count.min(AT_ONCE + 1));
+        let (mut first, mut before) = (0, 0.0);
+        for some in feedrates.chunks_mut(AT_ONCE) {
+            let begun = sides.len();
+            for (feedrate, limit) in some.iter_mut().zip(&mut limits) {
+                let side = self.side(first + sides.len(), *feedrate, limit);
+                *feedrate = side.feedrate;
+                sides.push(side);
             }
-            let [entry, direction] = self.toolpath.segments.tangents(self.range.start + i);
-            let after = Before { limit, feedrate: *feedrate, direction: entry };
-            if let Some(before) = last {
-                let corner = self.corner(i, before, after, &mut blends);
-                end(i - 1, [before.feedrate, asked_before], [first_corner, corner]);
-                first_corner = corner;
+            let known = corners.len();
+            corners.extend(
+                (1..sides.len()).map(|i| self.corner(first + i, &sides[i - 1], &sides[i], &mut blends)),
+            );
+            if first + sides.len() == count {
+                corners.push(0.0);
             }
-            (last, asked_before) = (Some(Before { direction, ..after }), asked);
-        }
-        if let Some(before) = last {
-            end(self.range.len() - 1, [before.feedrate, asked_before], [first_corner, 0.0]);
+            debug_assert_eq!(sides.len() - begun, some.len(), "every segment has a limit");
+            for (side, &after) in sides.iter().zip(&corners[known..]) {
+                let feedrates = [side.feedrate, side.without_tolerance];
+                let corners = [std::mem::replace(&mut before, after), after];
+                then(&self.commanded(first, side.length, feedrates, corners));
+                first += 1;
+            }
+            sides.drain(..corners.len() - known);
         }
         blends
     }
 
+    /// A segment of which a feedrate is asked (mm/s), with what its limit allows.
+    fn side(&self, i: usize, asked: f64, limit: Limit) -> Side {
+        let (length, tangents) = (self.length(i), self.toolpath.segments.tangents(self.range.start + i));
+        let most = match self.rule {
+            Rule::Given { segments, .. } => segments[self.range.start + i],
+            _ => {
+                let tolerance = self.machine.interpolator.arc_tolerance.unwrap_or(limit.along());
+                limits::arc_feedrate(self.curve(i), length, self.filter, tolerance)
+            }
+        };
+        let feedrate = if most < asked { most } else { asked };
+        Side { limit, length, tangents, feedrate, without_tolerance: asked }
+    }
+
     /// The command at the corner before a segment, mm/s.
-    fn corner(&self, i: usize, before: Before, after: Before, blends: &mut Vec<Blend>) -> f64 {
+    fn corner(&self, i: usize, before: &Side, after: &Side, blends: &mut Vec<Blend>) -> f64 {
         let slower = before.feedrate.min(after.feedrate);
-        let change = after.direction - before.direction;
+        let change = after.tangents[0] - before.tangents[1];
         let by_rule = match self.rule {
             Rule::Given { corners, .. } => corners[self.range.start + i - 1].min(slower),
             _ if 0.0 < self.machine.interpolator.corner_smoothing
@@ -356,6 +375,7 @@ impl Planned<'_> {
     }
 
     /// The ramp of constant jerk by which the command of a segment changes, where it does.
+    #[inline]
     fn ramp(&self, i: usize, asked: &Asked) -> Option<Ramp> {
         let ramp = Ramp::of(self.machine, self.acceleration(i, asked))?;
         (!positioning::applies(&self.segment(i), self.machine)).then_some(ramp)
@@ -389,9 +409,15 @@ impl Planned<'_> {
         }
     }
 
-    /// A segment with its feedrate and what that was without the tolerance, and with the command at its corners, mm/s.
-    fn commanded(&self, i: usize, [feedrate, without_tolerance]: [f64; 2], corners: [f64; 2]) -> Commanded {
-        let length = self.length(i);
+    /// A segment of a length (mm) with its feedrate and what that was without the tolerance, and with the command at its
+    /// corners, mm/s.
+    fn commanded(
+        &self,
+        i: usize,
+        length: f64,
+        [feedrate, without_tolerance]: [f64; 2],
+        corners: [f64; 2],
+    ) -> Commanded {
         let chord = limits::first_chord(self.curve(i), length, self.machine);
         Commanded { i, length, chord, feedrate, without_tolerance, corners }
     }

@@ -206,6 +206,7 @@ impl Frame {
     }
 
     /// Machine coordinate, mm, of a program coordinate while the chain is shifts.
+    #[inline]
     pub(super) fn coordinate(&self, axis: usize, value: f64) -> f64 {
         value + self.shift.linear[axis] + self.local.linear[axis] + self.base[axis]
     }
