@@ -309,7 +309,7 @@ impl Planned<'_> {
 
     /// A segment of which a feedrate is asked (mm/s), with what its limit allows.
     fn side(&self, i: usize, asked: f64, limit: Limit) -> Side {
-        let (length, tangents) = (self.length(i), self.toolpath.segments.tangents(self.range.start + i));
+        let (length, tangents) = self.toolpath.segments.length_and_tangents(self.range.start + i);
         let most = match self.rule {
             Rule::Given { segments, .. } => segments[self.range.start + i],
             _ => {

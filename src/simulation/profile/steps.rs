@@ -21,13 +21,26 @@ type Rate = nalgebra::Vector4<f64>;
 /// So many steps are remembered at most: more than one delay of ordinary blocks holds.
 const MOST_REMEMBERED: usize = 128;
 
+/// Nothing is known of any border.
+const UNKNOWN: Border = Border { pulse: usize::MAX, step: None, after: None };
+
 /// A motion whose steps are remembered.
 pub struct Steps<'a> {
     /// The motion, from moment to moment.
     pub walk: Walk<'a>,
-    /// Borders, as the index of the pulse that begins there, and their steps. Their number is a power of two, and each is at
-    /// its remainder.
-    known: Vec<(usize, Option<Rate>)>,
+    /// What is remembered of borders. Their number is a power of two, and each is at its remainder.
+    known: Vec<Border>,
+}
+
+/// Where one pulse ends and the next begins; none beside anything but a line at an even command.
+#[derive(Clone, Copy)]
+struct Border {
+    /// The index of the pulse that begins there.
+    pulse: usize,
+    /// How the command changes there.
+    step: Option<Rate>,
+    /// The command of the pulse that begins there.
+    after: Option<Rate>,
 }
 
 impl<'a> Steps<'a> {
@@ -35,7 +48,7 @@ impl<'a> Steps<'a> {
     pub fn of(motion: Motion<'a>) -> Steps<'a> {
         let borders = motion.end_pulse - motion.first_pulse + 1;
         let remembered = borders.next_power_of_two().min(MOST_REMEMBERED);
-        Steps { walk: Walk::of(motion), known: vec![(usize::MAX, None); remembered] }
+        Steps { walk: Walk::of(motion), known: vec![UNKNOWN; remembered] }
     }
 
     /// Where the tool is and how fast it moves: what [`Motion::state`] tells.
@@ -85,25 +98,26 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// The step at a border.
-    fn step(&mut self, border: usize) -> Option<Rate> {
-        let last = self.known.len() - 1;
-        let known = &mut self.known[border & last];
-        if known.0 != border {
-            *known = (border, self.walk.motion.step_at(border));
+    /// How the command changes at a border; none beside anything but a line at an even command.
+    fn step(&mut self, pulse: usize) -> Option<Rate> {
+        let (motion, last) = (self.walk.motion, self.known.len() - 1);
+        if self.known[pulse & last].pulse != pulse {
+            // A moment that comes later sees a border beyond the last one.
+            let known_before = self.known[pulse.wrapping_sub(1) & last];
+            let before = match pulse.checked_sub(1).filter(|_| motion.first_pulse < pulse) {
+                None => Some(Rate::zeros()),
+                Some(before) if known_before.pulse == before => known_before.after,
+                Some(before) => motion.even_rate(before),
+            };
+            let after = if pulse == motion.end_pulse { Some(Rate::zeros()) } else { motion.even_rate(pulse) };
+            let step = before.zip(after).map(|(before, after)| after - before);
+            self.known[pulse & last] = Border { pulse, step, after };
         }
-        known.1
+        self.known[pulse & last].step
     }
 }
 
 impl Motion<'_> {
-    /// How the command changes at a border; none beside anything but a line at an even command.
-    fn step_at(&self, border: usize) -> Option<Rate> {
-        let before = if border == self.first_pulse { Rate::zeros() } else { self.even_rate(border - 1)? };
-        let after = if border == self.end_pulse { Rate::zeros() } else { self.even_rate(border)? };
-        Some(after - before)
-    }
-
     /// The command of a pulse that is even along a line.
     fn even_rate(&self, pulse: usize) -> Option<Rate> {
         let (segment, [first, last]) = (self.pulses.segment(pulse), self.pulses.feedrates(pulse));

@@ -1,11 +1,12 @@
-//! The segments of a toolpath as they are kept: 40 bytes each.
+//! The segments of a toolpath as they are kept: 28 bytes each.
 //!
 //! A long program has millions of segments, and the memory they take is what tracing and planning wait for. A segment
-//! begins where the one before ends, so only the first start is kept. Most go on as the one before does: the feedrate
-//! and what few have, a curve, a turn or an exact stop, are kept where they change. A segment is put together whenever it
-//! is read, which costs about as much as to fetch one that is kept whole; arcs and turns are shared, not copied.
+//! begins where the one before ends, so only the first start is kept; a line is as long as its ends are apart. Most go on as
+//! the one before does, and stand on the line of the program that follows it: how they go, and what few have, a curve,
+//! a turn or an exact stop, is kept where it changes. A segment is put together whenever it is read, which costs less
+//! than to fetch one that is kept whole; arcs and turns are shared, not copied.
 //!
-//! Limits: no more than 2³¹ changes of how they go; a feedrate is finite, as an infinite one is rapid.
+//! Limits: no more than 2³² − 1 segments; a feedrate is finite, as an infinite one is rapid.
 
 use crate::simulation::compact::{Compact, Keep};
 use crate::simulation::gcode::LineNumber;
@@ -18,44 +19,39 @@ pub type Segments = Compact<Moves>;
 /// How segments are kept.
 #[derive(Clone, Default)]
 pub struct Moves {
-    /// Where the first begins, mm.
-    start: Point,
-    moves: Vec<Move>,
-    /// How they go, a new one wherever that changes.
+    /// Where the first begins, if there is one, and where each ends, mm.
+    points: Vec<Point>,
+    /// The index of the way of each.
+    way_indices: Vec<u32>,
+    /// The ways they go, a new one wherever that changes.
     ways: Vec<Way>,
     /// Of the segments that have one, in their order.
     shapes: Vec<Shape>,
 }
 
-/// One segment without its start and its way.
-#[derive(Clone)]
-struct Move {
-    /// Where it ends, mm.
-    end: Point,
-    /// mm.
-    length: f64,
-    line: LineNumber,
-    /// The lowest bit: it is an arc or turns axes. The others: the index of its way.
-    mark: u32,
-}
-
-const _: () = assert!(size_of::<Move>() == 40);
-
-/// How segments go that follow one another.
-#[derive(Clone, Copy, PartialEq)]
+/// How segments go that follow one another on lines that do.
+#[derive(Clone, Copy)]
 struct Way {
     /// mm/s; infinite in rapid.
     feedrate: f64,
-    exact_stop: bool,
-    /// How many shapes there are up to here; that of a segment which has one is the last of them.
+    /// Index of its first segment.
+    first: u32,
+    /// Line of that segment.
+    line: u32,
+    /// How many shapes there are up to here.
     shapes: u32,
+    /// Its only segment has the last of them.
+    has_shape: bool,
+    exact_stop: bool,
 }
 
-/// What few segments have.
+/// What few segments have: they are arcs, turn axes or are not as long as their ends are apart.
 #[derive(Clone)]
 struct Shape {
     curve: Curve,
     rotation: Rotation,
+    /// mm.
+    length: f64,
 }
 
 impl Way {
@@ -66,103 +62,115 @@ impl Way {
             feedrate => Motion::Feed { feedrate },
         }
     }
-}
 
-impl Move {
-    /// It is an arc or turns axes. That can be told without its way, for whose memory it would have to wait.
+    /// The line of one of its segments, by the index of that.
     #[inline]
-    fn has_shape(&self) -> bool {
-        self.mark & 1 == 1
+    fn line(&self, index: usize) -> LineNumber {
+        LineNumber(self.line.wrapping_add(index as u32 - self.first))
     }
 
-    /// The index of its way.
+    /// It is one of lines in feed, without a turn and without an exact stop.
     #[inline]
-    fn way(&self) -> usize {
-        (self.mark >> 1) as usize
+    fn is_plain(&self) -> bool {
+        !self.has_shape && !self.exact_stop && self.feedrate.is_finite()
     }
 }
 
 impl Moves {
-    /// The shape of a segment that has one.
+    /// The way of the segment with this index.
     #[inline]
-    fn shape(&self, of: &Move) -> Option<&Shape> {
-        of.has_shape().then(|| &self.shapes[self.ways[of.way()].shapes as usize - 1])
+    fn way(&self, index: usize) -> &Way {
+        &self.ways[self.way_indices[index] as usize]
     }
 
-    /// Where the segment with this index begins, mm.
+    /// The shape of a segment that has one, by its way.
     #[inline]
-    fn start(&self, index: usize) -> Point {
-        index.checked_sub(1).map_or(self.start, |before| self.moves[before].end)
+    fn shape_of(&self, way: &Way) -> Option<&Shape> {
+        way.has_shape.then(|| &self.shapes[way.shapes as usize - 1])
+    }
+
+    /// The shape of the segment with this index.
+    #[inline]
+    fn shape(&self, index: usize) -> Option<&Shape> {
+        // Most programs have none, and need not look for the way.
+        if self.shapes.is_empty() { None } else { self.shape_of(self.way(index)) }
+    }
+
+    /// Where the segment with this index begins and where it ends, mm.
+    #[inline]
+    fn ends(&self, index: usize) -> [Point; 2] {
+        [self.points[index], self.points[index + 1]]
+    }
+
+    /// From the start to the end of the segment with this index, mm.
+    #[inline]
+    fn chord(&self, index: usize) -> Vector {
+        let [start, end] = self.ends(index);
+        end - start
     }
 
     /// The shape of the segment with this index. This and those that follow are for where so many are looked at that even to
     /// put a segment together takes time. Panics beyond the end.
     #[inline]
     pub fn curve(&self, index: usize) -> &Curve {
-        self.shape(&self.moves[index]).map_or(&Curve::Line, |shape| &shape.curve)
+        self.shape(index).map_or(&Curve::Line, |shape| &shape.curve)
     }
 
     /// The length of the segment with this index, mm. Panics beyond the end.
     #[inline]
     pub fn length(&self, index: usize) -> f64 {
-        self.moves[index].length
+        self.shape(index).map_or_else(|| self.chord(index).norm(), |shape| shape.length)
     }
 
     /// From the start to the end of the segment with this index, over its length: the tangent of a line. Panics beyond
     /// the end.
     #[inline]
     pub fn direction(&self, index: usize) -> Vector {
-        let kept = &self.moves[index];
-        (kept.end - self.start(index)) / kept.length
+        self.chord(index) / self.length(index)
     }
 
-    /// The unit tangents at the beginning and at the end of the segment with this index. Panics beyond the end.
+    /// The length (mm) of the segment with this index, and the unit tangents at its beginning and at its end. Panics
+    /// beyond the end.
     #[inline]
-    pub fn tangents(&self, index: usize) -> [Vector; 2] {
-        match self.moves[index].has_shape() {
-            true => self.at(index).tangents(),
-            false => [self.direction(index); 2],
+    pub fn length_and_tangents(&self, index: usize) -> (f64, [Vector; 2]) {
+        let chord = self.chord(index);
+        match self.shape(index) {
+            Some(shape) => (shape.length, self.at(index).tangents()),
+            None => {
+                let length = chord.norm();
+                (length, [chord / length; 2])
+            }
         }
     }
 
     /// The position at a distance (mm) from the start of the segment with this index, mm. Panics beyond the end.
     #[inline]
     pub fn point(&self, index: usize, distance: f64) -> Point {
-        let kept = &self.moves[index];
-        self.curve(index).point(self.start(index), kept.end, distance / kept.length)
+        let [start, end] = self.ends(index);
+        self.curve(index).point(start, end, distance / self.length(index))
     }
 
     /// How the segment with this index is run. Panics beyond the end.
     #[inline]
     pub fn motion(&self, index: usize) -> Motion {
-        self.ways[self.moves[index].way()].motion()
+        self.way(index).motion()
     }
 
-    /// Whether this segment and the one before it are lines in feed, programmed alike, without a turn and without an exact
-    /// stop. Panics at the first, and beyond the end.
+    /// Whether it is known at once that this segment and the one before it are lines in feed, programmed alike, without a
+    /// turn and without an exact stop, and on lines that follow one another. Panics at the first, and beyond the end.
     #[inline]
     pub fn goes_on(&self, index: usize) -> bool {
-        let (before, kept) = (&self.moves[index - 1], &self.moves[index]);
-        let way = &self.ways[kept.way()];
-        before.mark == kept.mark && !kept.has_shape() && way.feedrate.is_finite() && !way.exact_stop
+        self.way_indices[index - 1] == self.way_indices[index] && self.way(index).is_plain()
     }
 
-    /// Where the lines end that go on as this segment does; the next index where none does. It takes no longer than the
-    /// logarithm of their number. Panics beyond the end.
+    /// Where the lines end that go on as this segment does; the next index where none does. Panics beyond the end.
     pub fn goes_on_until(&self, index: usize) -> usize {
-        let count = self.count();
-        if count <= index + 1 || !self.goes_on(index + 1) {
-            return index + 1;
+        let way = self.way_indices[index] as usize;
+        match self.ways.get(way + 1) {
+            _ if !self.ways[way].is_plain() => index + 1,
+            Some(next) => next.first as usize,
+            None => self.count(),
         }
-        // Ways never come back, and one that a line has gone has no shape any more.
-        let mark = self.moves[index].mark;
-        let mut step = 1;
-        while index + step < count && self.moves[index + step].mark == mark {
-            step *= 2;
-        }
-        let known = index + step / 2;
-        let unknown = &self.moves[known..count.min(index + step)];
-        known + unknown.partition_point(|kept| kept.mark == mark)
     }
 
     /// Each segment with the one that follows it.
@@ -173,16 +181,23 @@ impl Moves {
 
     /// Makes room for so many more, and for no more than that. It is an error where there is no such room.
     pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
-        self.moves.try_reserve_exact(additional)
+        self.points.try_reserve_exact(additional + usize::from(self.points.is_empty()))?;
+        self.way_indices.try_reserve_exact(additional)
     }
 
     /// Takes the last segment away.
     pub fn pop(&mut self) -> Option<Segment> {
-        let last = self.at(self.count().checked_sub(1)?);
-        if self.moves.pop()?.has_shape() {
+        let index = self.count().checked_sub(1)?;
+        let last = self.at(index);
+        let way = *self.way(index);
+        if way.has_shape {
             self.shapes.pop();
         }
-        self.ways.truncate(self.moves.last().map_or(0, |left| left.way() + 1));
+        if way.first as usize == index {
+            self.ways.pop();
+        }
+        self.way_indices.pop();
+        self.points.truncate(if index == 0 { 0 } else { index + 1 });
         Some(last)
     }
 }
@@ -192,53 +207,54 @@ impl Keep for Moves {
 
     #[inline]
     fn count(&self) -> usize {
-        self.moves.len()
+        self.way_indices.len()
     }
 
     #[inline]
     fn at(&self, index: usize) -> Segment {
-        let kept = &self.moves[index];
-        let way = &self.ways[kept.way()];
-        let line = || Shape { curve: Curve::Line, rotation: Rotation::NONE };
-        let shape = self.shape(kept).map_or_else(line, Shape::clone);
-        Segment {
-            start: self.start(index),
-            end: kept.end,
-            curve: shape.curve,
-            length: kept.length,
-            motion: way.motion(),
-            rotation: shape.rotation,
-            exact_stop: way.exact_stop,
-            line: kept.line,
-        }
+        let way = self.way(index);
+        let [start, end] = self.ends(index);
+        let line = || Shape { curve: Curve::Line, rotation: Rotation::NONE, length: (end - start).norm() };
+        let Shape { curve, rotation, length } = self.shape_of(way).map_or_else(line, Shape::clone);
+        let (motion, exact_stop, line) = (way.motion(), way.exact_stop, way.line(index));
+        Segment { start, end, curve, length, motion, rotation, exact_stop, line }
     }
 
     /// It begins where the last one ends; if it is the first, anywhere.
     #[inline]
     fn push(&mut self, segment: Segment) {
         let Segment { start, end, curve, length, motion, rotation, exact_stop, line } = segment;
-        match self.moves.last() {
-            Some(last) => debug_assert_eq!(start, last.end, "line {line:?} begins where the one before ends"),
-            None => self.start = start,
+        match self.points.last() {
+            Some(last) => debug_assert_eq!(start, *last, "line {line:?} begins where the one before ends"),
+            None => self.points.push(start),
         }
-        let has_shape = !matches!(curve, Curve::Line) || !rotation.is_none();
-        if has_shape {
-            self.shapes.push(Shape { curve, rotation });
-        }
+        let has_shape =
+            !matches!(curve, Curve::Line) || !rotation.is_none() || length != (end - start).norm();
         let feedrate = match motion {
             Motion::Rapid => f64::INFINITY,
             Motion::Feed { feedrate } => feedrate,
         };
-        let way = Way { feedrate, exact_stop, shapes: self.shapes.len() as u32 };
-        if self.ways.last() != Some(&way) {
-            self.ways.push(way);
+        let index = self.count();
+        let is_like = |way: &Way| {
+            way.feedrate == feedrate
+                && way.exact_stop == exact_stop
+                && !way.has_shape
+                && way.line(index) == line
+        };
+        if has_shape || !self.ways.last().is_some_and(is_like) {
+            if has_shape {
+                self.shapes.push(Shape { curve, rotation, length });
+            }
+            let (first, LineNumber(line), shapes) = (index as u32, line, self.shapes.len() as u32);
+            self.ways.push(Way { feedrate, first, line, shapes, has_shape, exact_stop });
         }
-        let mark = (self.ways.len() as u32 - 1) << 1 | u32::from(has_shape);
-        self.moves.push(Move { end, length, line, mark });
+        self.way_indices.push(self.ways.len() as u32 - 1);
+        self.points.push(end);
     }
 
     fn reserve(&mut self, additional: usize) {
-        self.moves.reserve(additional);
+        self.points.reserve(additional + usize::from(self.points.is_empty()));
+        self.way_indices.reserve(additional);
     }
 }
 
@@ -293,7 +309,7 @@ mod tests {
                     let is_feed = matches!(segment.motion, Motion::Feed { .. });
                     let goes_on =
                         is_feed && before.motion == segment.motion && is_line(before) && is_line(segment);
-                    assert_eq!(kept.goes_on(index), goes_on);
+                    assert!(goes_on || !kept.goes_on(index), "{index} does not go on");
                     let until = kept.goes_on_until(index - 1);
                     assert!((index..until).all(|next| kept.goes_on(next)), "{index} to {until}");
                     assert!(until == count || !kept.goes_on(until), "{index} to {until}");
@@ -301,7 +317,7 @@ mod tests {
                 assert_eq!(kept.point(index, 0.3), segment.point(0.3));
                 let line = Segment { curve: Curve::Line, ..segment.clone() };
                 assert_eq!(kept.direction(index), line.tangent(0.0));
-                assert_eq!(kept.tangents(index), segment.tangents());
+                assert_eq!(kept.length_and_tangents(index), (segment.length, segment.tangents()));
             }
             // Some are taken away and others put in their place.
             let removed = random.below(count + 1);
@@ -315,7 +331,7 @@ mod tests {
         assert_eq!(Segments::default().pop(), None);
     }
 
-    /// A line, an arc and a line may be programmed alike, and yet go on only where line follows line.
+    /// A line, an arc and a line may be programmed alike, and yet go on only where line follows line, also in the text.
     #[test]
     fn lines_go_on_up_to_an_arc() {
         let mut random = Random(0xa2c);
@@ -324,20 +340,28 @@ mod tests {
                 motion: Motion::Feed { feedrate: 5.0 },
                 rotation: Rotation::NONE,
                 exact_stop: false,
+                length: (of.end - of.start).norm(),
                 ..of.clone()
             };
             let count = 1 + random.below(40);
             let mut all: Vec<Segment> = random_segments(&mut random, count).iter().map(like).collect();
-            let arc = random.below(2 * count);
+            let [arc, gap] = [random.below(2 * count), random.below(2 * count)];
             for (index, segment) in all.iter_mut().enumerate() {
                 if index != arc {
                     segment.curve = Curve::Line;
                 }
+                segment.line.0 += u32::from(gap <= index);
             }
             let kept: Segments = all.iter().cloned().collect();
+            assert!(kept.iter().eq(all.iter().cloned()));
+            let is_line = |index: usize| all[index].curve == Curve::Line;
+            for index in 1..count {
+                let goes_on = is_line(index - 1) && is_line(index) && index != gap;
+                assert_eq!(kept.goes_on(index), goes_on, "{index} of {count}, arc {arc}, gap {gap}");
+            }
             for index in 0..count {
                 let end = (index + 1..count).find(|next| !kept.goes_on(*next)).unwrap_or(count);
-                assert_eq!(kept.goes_on_until(index), end, "{index} of {count}, arc {arc}");
+                assert_eq!(kept.goes_on_until(index), end, "{index} of {count}, arc {arc}, gap {gap}");
             }
         }
     }
