@@ -24,7 +24,7 @@
 //! would be longer than a hundredth of the path, so that a place is one on a long surface too.
 
 use crate::machine::Machine;
-use crate::quote::shares::programmed_wait;
+use crate::quote::shares::{programmed, programmed_wait};
 use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch, Tolerances, running_sum};
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::{Curve, Motion, Segment, StopCause, Toolpath};
@@ -136,14 +136,6 @@ fn total(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> f64 {
     running_sum([plan.cycle_time()].into_iter().chain(moves).chain(turns)).last().unwrap_or(0.0)
 }
 
-/// Programmed feedrate of a segment, mm/s.
-fn programmed(segment: &Segment, machine: &Machine) -> f64 {
-    match segment.motion {
-        Motion::Rapid => machine.rapid.feedrate,
-        Motion::Feed { feedrate } => feedrate,
-    }
-}
-
 /// What a block loses before, on and after its fastest pulses (s), and where these lie along it (mm).
 #[derive(Clone, Copy, Default)]
 struct Division {
@@ -216,7 +208,8 @@ fn each_place(
     tolerances: Tolerances,
     found: &mut dyn FnMut(LostAt),
 ) {
-    let longest = LONGEST * toolpath.segments.iter().map(|segment| segment.length).sum::<f64>();
+    let segments = &toolpath.segments;
+    let longest = LONGEST * (0..segments.len()).map(|index| segments.length(index)).sum::<f64>();
     let mut walk = Walk { toolpath, machine, found, longest, travelled: 0.0, row: None, tail: None };
     let first = toolpath.segments.first().map_or(LineNumber(1), |segment| segment.line);
     walk.tell(Reason::Start, (first, first), (0.0, 0.0), plan.start);
@@ -311,7 +304,14 @@ impl Walk<'_> {
             // The end of the block before, with the beginning of this one.
             let entering = if is_whole { 0.0 } else { head } + if is_rapid { 0.0 } else { before };
             let entered = if is_whole { here } else { here + division.from };
-            self.pass(index, entering, entered, (index == first).then_some(standing), tolerance, is_short);
+            self.pass(
+                (index, &segment),
+                entering,
+                entered,
+                (index == first).then_some(standing),
+                tolerance,
+                is_short,
+            );
 
             if is_whole {
                 let seconds = head + body + tail + behind + if is_rapid { before + after } else { 0.0 };
@@ -342,15 +342,14 @@ impl Walk<'_> {
     /// a full stop, a corner, or part of a row of short blocks.
     fn pass(
         &mut self,
-        index: usize,
+        (index, segment): (usize, &Segment),
         seconds: f64,
         to: f64,
         standing: Option<Standing>,
         tolerance: f64,
         is_short: bool,
     ) {
-        let segments = &self.toolpath.segments;
-        let line = segments.at(index).line;
+        let line = segment.line;
         let tail = self.tail.take();
         let (first_line, from) =
             tail.as_ref().map_or((line, self.travelled), |tail| (tail.line, tail.distance.0));
@@ -368,8 +367,8 @@ impl Walk<'_> {
             row.seconds += seconds;
             row.distance.1 = to;
         } else if let Some(before) = index.checked_sub(1) {
-            let before = segments.at(before);
-            let (u1, u2) = (before.tangent(before.length), segments.at(index).tangent(0.0));
+            let before = self.toolpath.segments.at(before);
+            let (u1, u2) = (before.tangent(before.length), segment.tangent(0.0));
             let turn = 2.0 * (u2 - u1).norm().atan2((u2 + u1).norm());
             self.tell(Reason::Corner { turn, tolerance }, lines, (from, to), seconds);
         }

@@ -9,9 +9,9 @@ use std::ops::Range;
 
 use crate::machine::Machine;
 use crate::quote::breakdown::{Breakdown, Ledger};
-use crate::simulation::feed::{FeedPlan, running_sum};
+use crate::simulation::feed::{FeedPlan, RunningSum, running_sum};
 use crate::simulation::gcode::LineNumber;
-use crate::simulation::toolpath::{Motion, Operation, Segment, Stop, StopCause, Toolpath};
+use crate::simulation::toolpath::{Motion, Operation, Segment, StopCause, Toolpath};
 
 /// What a part of a program takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,16 +79,17 @@ pub struct ToolShare {
 /// What CAM would say, s: length over programmed feedrate, rapids at the rapid feedrate, dwells;
 /// no ramps, no corners, no changes, no overrides.
 pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
-    programmed_time_of(toolpath.segments.iter(), &toolpath.stops, machine)
+    let moves = toolpath.segments.iter().map(|segment| segment.length / programmed(&segment, machine));
+    let dwells = toolpath.stops.iter().map(|stop| programmed_wait(&stop.cause, machine));
+    running_sum(moves.chain(dwells)).last().unwrap_or(0.0)
 }
 
-fn programmed_time_of(segments: impl Iterator<Item = Segment>, stops: &[Stop], machine: &Machine) -> f64 {
-    let moves = segments.map(|segment| match segment.motion {
-        Motion::Rapid => segment.length / machine.rapid.feedrate,
-        Motion::Feed { feedrate } => segment.length / feedrate,
-    });
-    let dwells = stops.iter().map(|stop| programmed_wait(&stop.cause, machine));
-    running_sum(moves.chain(dwells)).last().unwrap_or(0.0)
+/// Programmed feedrate of a segment, mm/s.
+pub(super) fn programmed(segment: &Segment, machine: &Machine) -> f64 {
+    match segment.motion {
+        Motion::Rapid => machine.rapid.feedrate,
+        Motion::Feed { feedrate } => feedrate,
+    }
 }
 
 /// What CAM would say of a stop, s.
@@ -111,12 +112,7 @@ pub(super) fn of_operations(toolpath: &Toolpath, machine: &Machine, plan: &FeedP
     let mut travelled = 0.0;
     let shares = operations.iter().zip(ends).map(|(operation, (segments_end, stops_end))| {
         let (segments, stops) = (operation.first_segment..segments_end, operation.first_stop..stops_end);
-        let share = share(toolpath, machine, &ledger, segments.clone(), stops.clone());
-        let lines = toolpath.segments.range(segments).map(|segment| segment.line);
-        let lines = lines.chain(toolpath.stops[stops].iter().map(|stop| stop.line));
-        let (first, last) = lines.fold((LineNumber(u32::MAX), LineNumber(0)), |(first, last), line| {
-            (first.min(line), last.max(line))
-        });
+        let (share, (first, last)) = share(toolpath, machine, &ledger, segments, stops);
         let begin = travelled;
         travelled += share.feed_length + share.rapid_length;
         OperationShare {
@@ -129,25 +125,37 @@ pub(super) fn of_operations(toolpath: &Toolpath, machine: &Machine, plan: &FeedP
     shares.collect()
 }
 
+/// What these segments and stops take, and their first and last line, which are the wrong way round where there are none.
 fn share(
     toolpath: &Toolpath,
     machine: &Machine,
     ledger: &Ledger,
     segments: Range<usize>,
     stops: Range<usize>,
-) -> Share {
+) -> (Share, (LineNumber, LineNumber)) {
     let moves = toolpath.segments.range(segments.clone());
-    let length = |rapid: bool| {
-        let moves = moves.clone().filter(|segment| (segment.motion == Motion::Rapid) == rapid);
-        running_sum(moves.map(|segment| segment.length)).last().unwrap_or(0.0)
-    };
-    Share {
-        programmed: programmed_time_of(moves.clone(), &toolpath.stops[stops.clone()], machine),
-        feed_length: length(false),
-        rapid_length: length(true),
+    let mut lines = (LineNumber(u32::MAX), LineNumber(0));
+    let mut pass = |line: LineNumber| lines = (lines.0.min(line), lines.1.max(line));
+    let [mut time, mut feed_length, mut rapid_length] = [RunningSum::default(); 3];
+    // One way through them for all sums: to put millions of segments together takes longer than to add them.
+    for segment in moves.clone() {
+        let length = if segment.motion == Motion::Rapid { &mut rapid_length } else { &mut feed_length };
+        length.add(segment.length);
+        time.add(segment.length / programmed(&segment, machine));
+        pass(segment.line);
+    }
+    for stop in &toolpath.stops[stops.clone()] {
+        time.add(programmed_wait(&stop.cause, machine));
+        pass(stop.line);
+    }
+    let share = Share {
+        programmed: time.value(),
+        feed_length: feed_length.value(),
+        rapid_length: rapid_length.value(),
         moves: moves.len(),
         breakdown: ledger.breakdown(segments, stops),
-    }
+    };
+    (share, lines)
 }
 
 /// What each tool takes, in the order of first use.

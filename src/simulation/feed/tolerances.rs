@@ -122,16 +122,17 @@ impl Tolerances {
     pub fn bounds<'a>(self, toolpath: &'a Toolpath, machine: &Machine) -> impl Iterator<Item = Bound> + 'a {
         let limits = self.limits(toolpath, machine, 0);
         let mut following = self.limits(toolpath, machine, 1);
-        limits.zip(&toolpath.segments).enumerate().map(move |(index, (limit, segment))| {
+        let segments = &toolpath.segments;
+        limits.enumerate().map(move |(index, limit)| {
             let along = limit.along;
             let Some(next) = following.next() else { return Bound { along, corner: along, near: along } };
-            let next_segment = toolpath.segments.at(index + 1);
             let has_distance = limit.distance != 0.0 || next.distance != 0.0;
-            let change = if has_distance { change(&segment, &next_segment) } else { 0.0 };
+            let change =
+                if has_distance { change(&segments.at(index), &segments.at(index + 1)) } else { 0.0 };
             let corner = limit.towards(next, change);
             let of_arc =
-                |segment: &Segment, along: f64| if segment.curve == Curve::Line { 0.0 } else { along };
-            let near = corner.max(of_arc(&segment, along)).max(of_arc(&next_segment, next.along));
+                |index: usize, along: f64| if *segments.curve(index) == Curve::Line { 0.0 } else { along };
+            let near = corner.max(of_arc(index, along)).max(of_arc(index + 1, next.along));
             Bound { along, corner, near }
         })
     }
