@@ -5,7 +5,7 @@
 use serde_json::Value;
 use truefeed::identification::probe::probe_between;
 use truefeed::identification::recording::{Recording, is_recording, read};
-use truefeed::machine::{Machine, presets};
+use truefeed::machine::{CornerMode, Machine, presets};
 use truefeed::project::{
     Fault, OfferReport, QuoteRequest, cutting_from_toml, machine_from_form, machine_from_toml,
     settings_from_text, settings_text, terms_from_form, toml_from_machine,
@@ -165,6 +165,9 @@ pub fn planned(bytes: &[u8]) {
     if bytes.len().is_multiple_of(3) {
         machine.axes[0].acceleration = 800.0;
         machine.path.acceleration = 1500.0;
+    }
+    if bytes.len().is_multiple_of(5) {
+        machine.interpolator.corner_mode = CornerMode::Guaranteed;
     }
     let toolpath = trace_within(&read_program(bytes), &machine, MOST_REPEATED);
     if toolpath.segments.len() <= MOST_PLANNED {

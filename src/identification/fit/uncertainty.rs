@@ -8,19 +8,20 @@
 //! |---|---|
 //! | what is left, as far as it is seen | H⁻¹ ĉ, with ĉ the variance of the sums of ν over contiguous blocks over that of independent ones, at the length of block where it is largest (batch means) |
 //! | what is left, where a value acts | the jackknife that leaves out one of so many contiguous blocks (H − H_g)⁻¹ g_g, at the length at which the values move most; a value that hangs on one block is told at shorter ones |
-//! | what no residual shows | the clock: (H⁻¹ JᵀW n)² σ², n the whitened trace of a clock that is off, σ what quartzes are off by |
+//! | what no residual shows | the clock: (H⁻¹ JᵀW n)² σ², n the whitened trace of a clock that is off, σ what clocks are off by |
 //!
 //! The variance of a value is the larger of the first two, plus the third. What a control counts in cycles, and how far
 //! two laws agree at best, comes besides, see [`Freed::floor`](crate::identification::fit::Freed::floor). Sources: Efron and Tibshirani 1993,
-//! Sect. 11.5 and 17; Flegal and Jones 2010 for batch means; ±50 ppm is the usual tolerance of quartzes.
+//! Sect. 11.5 and 17; Flegal and Jones 2010 for batch means. Clocks of recorders are off by 10 to
+//! 200 ppm: quartzes by 50, computers that follow no other clock by more.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::identification::fit::information::{Information, inverse};
 use crate::identification::fit::minimise::{Minimum, weight};
 
-/// Standard deviation of a clock's rate: that of an even spread of ±50 ppm.
-const CLOCK: f64 = 2.9e-5;
+/// Standard deviation of a clock's rate: that of 10 to 200 ppm, each size as likely as its double.
+const CLOCK: f64 = 8.2e-5;
 /// Most blocks a run is cut into; each further length is twice the one before.
 const MOST_BLOCKS: usize = 512;
 /// Fewest blocks a run is cut into.
