@@ -282,7 +282,6 @@ impl Planned<'_> {
         let mut sides: Vec<Side> = Vec::with_capacity(count.min(AT_ONCE + 1));
         let (mut first, mut before) = (0, 0.0);
         for some in feedrates.chunks_mut(AT_ONCE) {
-            let begun = sides.len();
             for (feedrate, limit) in some.iter_mut().zip(&mut limits) {
                 let side = self.side(first + sides.len(), *feedrate, limit);
                 *feedrate = side.feedrate;
@@ -295,7 +294,6 @@ impl Planned<'_> {
             if first + sides.len() == count {
                 corners.push(0.0);
             }
-            debug_assert_eq!(sides.len() - begun, some.len(), "every segment has a limit");
             for (side, &after) in sides.iter().zip(&corners[known..]) {
                 let feedrates = [side.feedrate, side.without_tolerance];
                 let corners = [std::mem::replace(&mut before, after), after];
