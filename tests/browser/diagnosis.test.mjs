@@ -95,8 +95,7 @@ for (const viewport of [
       // A region is shown in the charts.
       const whole = await page.getAttribute('#diagnosis .plot', 'data-span')
       await page.click('#diagnosis .scroll button')
-      await frame(page)
-      assert.notEqual(await page.getAttribute('#diagnosis .plot', 'data-span'), whole)
+      await page.waitForFunction((whole) => document.querySelector('#diagnosis .plot').dataset.span !== whole, whole)
     },
     { viewport },
   )
