@@ -1,43 +1,73 @@
 //! Fewer points for the same picture.
 //!
 //! A pixel column shows no more of a curve than where it comes in, its lowest and highest point
-//! and where it goes out. Keeping these four samples of each column draws the same pixels from
-//! at most four points a column, whatever the number of samples.
+//! and where it goes out. Four points of each column draw the same pixels, whatever the number of samples.
 
-use crate::plot::View;
+use std::ops::Range;
 
-/// The samples of a curve within a view that matter on `columns` pixel columns, in order: a
-/// subset of the rows (x, y), with one row outside at either end so that the line reaches the
-/// border. `x` is ascending.
-pub fn decimated(x: &[f64], y: &[f64], (low, high): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
+use crate::plot::{Column, View};
+
+/// So many rows of a pixel column are drawn as they are; of more, the extremes are.
+pub const FEW: usize = 4;
+
+/// What matters on `columns` pixel columns of a curve within a view, in order: its samples (x, y), or four points for
+/// all that lie in one column, with one row outside at either end so that the line reaches the border. `x` is ascending.
+pub fn decimated(x: &[f64], y: &Column, (low, high): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
     let first = x.partition_point(|&v| v < low).saturating_sub(1);
     let last = (x.partition_point(|&v| v <= high) + 1).min(x.len());
-    let width = (high - low) / columns as f64;
-
     let mut kept = Vec::new();
-    let mut start = first;
-    while start < last {
-        let border = low + width * (((x[start] - low) / width).floor() + 1.0);
-        let end = start + 1 + x[start + 1..last].partition_point(|&v| v < border);
-        let (mut lowest, mut highest) = (start, start);
-        for index in start..end {
-            if y[index] < y[lowest] {
-                lowest = index;
-            }
-            if y[highest] < y[index] {
-                highest = index;
-            }
+    for rows in by_column(x, first..last, (low, high), columns) {
+        let (first, last) = (rows.start, rows.end - 1);
+        let at = |row: usize| (x[row], y[row]);
+        let mut four = [0, 1, 2, 3].map(|row| at((first + row).min(last)));
+        if FEW < rows.len()
+            && let Some(extremes) = y.extremes(rows)
+        {
+            four = [at(first), (x[first], extremes.lowest), (x[first], extremes.highest), at(last)];
         }
-        let mut four = [start, lowest, highest, end - 1];
-        four.sort_unstable();
-        for (place, index) in four.into_iter().enumerate() {
-            if place == 0 || four[place - 1] != index {
-                kept.push((x[index], y[index]));
-            }
-        }
-        start = end;
+        kept.extend(four);
     }
+    kept.dedup();
     kept
+}
+
+/// Rows by the pixel columns in which they lie, of `columns` from `low` to `high`. A row lies where `x` says, which is
+/// ascending.
+pub fn by_column(
+    x: &[f64],
+    rows: Range<usize>,
+    (low, high): (f64, f64),
+    columns: usize,
+) -> Vec<Range<usize>> {
+    let width = (high - low) / columns as f64;
+    let mut all = Vec::new();
+    let (mut start, mut likely) = (rows.start, 0);
+    while start < rows.end {
+        let border = low + width * (((x[start] - low) / width).floor() + 1.0);
+        likely = 1 + count_before(&x[start + 1..rows.end], border, likely);
+        all.push(start..start + likely);
+        start += likely;
+    }
+    all
+}
+
+/// How many of these ascending rows are less than a border. It is looked for around a number that is likely: halving
+/// millions of rows waits for memory at every step, and one column has about as many as the one before it.
+pub fn count_before(x: &[f64], border: f64, likely: usize) -> usize {
+    let is_before = |v: f64| v < border;
+    let likely = likely.min(x.len());
+    let (mut low, mut high, mut step) = (likely, likely, 1);
+    while high < x.len() && is_before(x[high]) {
+        low = high + 1;
+        high = (high + step).min(x.len());
+        step *= 2;
+    }
+    while 0 < low && !is_before(x[low - 1]) {
+        high = low - 1;
+        low = high.saturating_sub(step);
+        step *= 2;
+    }
+    low + x[low..high].partition_point(|&v| is_before(v))
 }
 
 /// The parts of a polyline (distance, feedrate) inside a view, each a polyline of its own.
@@ -107,7 +137,7 @@ mod tests {
     fn keeps_every_extreme_with_few_points() {
         let (x, y) = spiky(200_000);
         let columns = 800;
-        let kept = decimated(&x, &y, (100.0, 1900.0), columns);
+        let kept = decimated(&x, &y.clone().into(), (100.0, 1900.0), columns);
         assert!(kept.len() <= 4 * (columns + 2), "{} points", kept.len());
         assert!(kept.windows(2).all(|pair| pair[0].0 <= pair[1].0));
 
@@ -119,10 +149,27 @@ mod tests {
 
     #[test]
     fn few_samples_are_all_kept() {
-        let (x, y) = ([0.0, 1.0, 1.0, 2.0], [0.0, 5.0, 0.0, 3.0]);
+        let (x, y) = ([0.0, 1.0, 1.0, 2.0], Column::from(vec![0.0, 5.0, 0.0, 3.0]));
         let kept = decimated(&x, &y, (0.0, 2.0), 100);
         assert_eq!(kept, [(0.0, 0.0), (1.0, 5.0), (1.0, 0.0), (2.0, 3.0)]);
-        assert_eq!(decimated(&[], &[], (0.0, 1.0), 10), []);
+        assert_eq!(decimated(&[], &Column::default(), (0.0, 1.0), 10), []);
+    }
+
+    #[test]
+    fn a_border_is_found_wherever_it_is_thought_to_be() {
+        let rows: Vec<f64> = (0..100).map(|row| f64::from(row / 3)).collect();
+        for count in [0, 1, 2, 17, 100] {
+            for border in [-1.0, 0.0, 0.5, 4.0, 20.0, 33.0, 99.0] {
+                for likely in [0, 1, 2, 5, 16, 60, 99, 100, 1000] {
+                    let found = count_before(&rows[..count], border, likely);
+                    assert_eq!(
+                        found,
+                        rows[..count].partition_point(|row| *row < border),
+                        "{border} near {likely}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

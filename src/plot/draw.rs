@@ -100,26 +100,21 @@ fn draw_legend<B: DrawingBackend>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Curve, LostTime, Programmed, Stretch};
-    use crate::simulation::contour::{ContourErrors, Few};
+    use crate::plot::{Curve, Errors, LostTime, Programmed, Stretch};
 
     fn chart() -> FeedChart {
-        let programmed = Programmed {
-            end: vec![20.0, 60.0, 100.0],
-            feedrate: vec![500.0, 20.0, 30.0],
-            rapid: vec![true, false, false],
-            line: vec![1, 2, 3],
-        };
+        let (end, feedrate) = (vec![20.0, 60.0, 100.0], vec![500.0, 20.0, 30.0]);
+        let programmed = Programmed::new(end, feedrate, vec![true, false, false], vec![1, 2, 3]);
         let curve = |label: &str, tolerance: f64, dip: f64| Curve {
             label: label.to_string(),
             tolerances: vec![Stretch { from: 0.0, to: f64::INFINITY, tolerance }],
-            errors: ContourErrors {
-                corner: vec![0.0, 1.5 * tolerance, 0.0],
-                arc: Few::new(vec![2], vec![0.004]),
-                ..ContourErrors::default()
+            errors: Errors {
+                corner: vec![0.0, 1.5 * tolerance, 0.0].into(),
+                arcs: vec![2],
+                along_arcs: vec![0.004].into(),
             },
             distance: vec![0.0, 10.0, 20.0, 59.0, 60.0, 61.0, 100.0],
-            feedrate: vec![0.0, 500.0, 20.0, 20.0, dip, 30.0, 0.0],
+            feedrate: vec![0.0, 500.0, 20.0, 20.0, dip, 30.0, 0.0].into(),
             time: vec![0.0, 1.0, 2.0, 4.0, 4.1, 4.2, 6.0],
             ends: Vec::new(),
         };
@@ -176,7 +171,7 @@ mod tests {
     fn the_needle_of_a_corner_is_as_high_as_its_error_against_the_dashed_tolerance() {
         let mut chart = chart();
         chart.curves.truncate(1);
-        chart.curves[0].errors.corner[1] = 0.5 * chart.curves[0].tolerances[0].tolerance;
+        chart.curves[0].errors.corner = vec![0.0, 0.5 * chart.curves[0].tolerances[0].tolerance, 0.0].into();
         let (text, frame) = svg_of(&chart, chart.full_view(false));
         let (top, bottom) = frame.errors_y;
         let points: Vec<_> = points_of(&text, "#0072B2").filter(|&(_, y)| top < y).collect();
@@ -194,7 +189,8 @@ mod tests {
     #[test]
     fn beside_a_recording_the_lower_panel_is_the_time_lost() {
         let mut chart = chart();
-        let lost = LostTime { distance: vec![0.0, 50.0, 50.0, 100.0], seconds: vec![0.0, -1.0, 3.0, 2.0] };
+        let lost =
+            LostTime { distance: vec![0.0, 50.0, 50.0, 100.0], seconds: vec![0.0, -1.0, 3.0, 2.0].into() };
         chart.lost = Some(lost);
         assert_eq!(chart.reading(25.0, 1.0).lost, Some(-0.5));
         assert_eq!(chart.reading(50.0, 1.0).lost, Some(-1.0));

@@ -9,6 +9,7 @@ use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
+use crate::plot::decimate::count_before;
 use crate::plot::draw::Failure;
 use crate::plot::feed_panel::rapid_stretches;
 use crate::plot::panel::{Axes, Borders, Look, borders};
@@ -92,10 +93,18 @@ fn merged(tolerances: &[Stretch], view: View, columns: usize) -> Vec<Stretch> {
 fn outline(curve: &Curve, programmed: &Programmed, view: View, columns: usize) -> Vec<(f64, f64)> {
     let (low, high) = view.distance;
     let border = |column: usize| low + (high - low) * column as f64 / columns as f64;
+    let ends = curve.segment_ends(programmed);
+    let mut first = ends.partition_point(|&end| end <= low);
+    let mut likely = 0;
     let mut points = vec![(low, 0.0)];
     for column in 0..columns {
         let (from, to) = (border(column), border(column + 1));
-        let error = micrometres(curve.largest_error(programmed, (from, to)).unwrap_or(0.0));
+        // Those that end in the column, and the one that goes on beyond.
+        likely = count_before(&ends[first..], to, likely);
+        let last = first + likely;
+        let seen = first..(last + 1).min(ends.len());
+        first = last + count_before(&ends[last..], to.next_up(), 0);
+        let error = micrometres(curve.largest_error_on(ends, seen, to).unwrap_or(0.0));
         let last = points[points.len() - 1].1;
         if error != last {
             points.extend([(from, last), (from, error)]);
@@ -114,18 +123,15 @@ fn steps(outline: &[(f64, f64)]) -> impl Iterator<Item = Vec<(f64, f64)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::contour::{ContourErrors, Few};
+    use crate::plot::Errors;
 
     /// Blocks of 1 mm with errors that repeat after 97, and an arc from 500 to 501 mm.
     fn curve() -> (Curve, Programmed) {
         let end: Vec<f64> = (1..=1000).map(f64::from).collect();
-        let corner = (0..1000).map(|k| 0.001 * f64::from(k % 97)).collect();
-        let arc = Few::new(vec![500], vec![0.2]);
+        let corner = (0..1000).map(|k| 0.001 * f64::from(k % 97)).collect::<Vec<_>>().into();
+        let (arcs, along_arcs) = (vec![500], vec![0.2].into());
         let programmed = Programmed { end, ..Programmed::default() };
-        (
-            Curve { errors: ContourErrors { corner, arc, ..Default::default() }, ..Curve::default() },
-            programmed,
-        )
+        (Curve { errors: Errors { corner, arcs, along_arcs }, ..Curve::default() }, programmed)
     }
 
     #[test]
@@ -166,7 +172,7 @@ mod tests {
     #[test]
     fn an_arc_is_a_step_along_the_whole_of_it() {
         let (mut curve, programmed) = curve();
-        curve.errors.corner.fill(0.0);
+        curve.errors.corner = vec![0.0; 1000].into();
         let view = View { distance: (490.0, 510.0), feedrate: (0.0, 1.0) };
         let points = outline(&curve, &programmed, view, 200);
         let parts: Vec<_> = steps(&points).collect();

@@ -1,12 +1,14 @@
 //! The upper panel: shaded rapids, programmed steps and the feedrate of each curve.
 
+use std::ops::Range;
+
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use crate::plot::decimate::{clipped, decimated};
+use crate::plot::decimate::{FEW, by_column, clipped, decimated};
 use crate::plot::draw::Failure;
 use crate::plot::panel::{Axes, Borders, Look, borders};
-use crate::plot::{Abscissa, FeedChart, View};
+use crate::plot::{Abscissa, Extremes, FeedChart, View};
 use crate::units::mm_per_min;
 
 /// Width of the programmed steps, points.
@@ -71,32 +73,122 @@ pub(crate) fn rapid_stretches(chart: &FeedChart, view: View, columns: usize) -> 
         // Each curve has its rapids at other times.
         return stretches;
     }
-    for index in chart.programmed.within(view.distance).filter(|&index| chart.programmed.rapid[index]) {
-        let (from, to) = (chart.programmed.start(index).max(low), chart.programmed.end[index].min(high));
-        match stretches.last_mut() {
-            Some(last) if from < last.1 + pixel => last.1 = to,
-            _ => stretches.push((from, to)),
+    let steps = &chart.programmed;
+    let begin = |rapid: &Range<usize>| steps.start(rapid.start);
+    let end = |rapid: &Range<usize>| steps.end[rapid.end - 1];
+    let first = steps.rapids.partition_point(|rapid| end(rapid) <= low);
+    let mut left = &steps.rapids[first..];
+    while let Some(rapid) = left.first().filter(|rapid| begin(rapid) < high) {
+        let (from, mut to) = (begin(rapid), end(rapid));
+        left = &left[1..];
+        // Those that begin within a pixel of its end, then those that do of the end of these.
+        while let near @ 1.. = left.partition_point(|rapid| begin(rapid) < high.min(to + pixel)) {
+            to = end(&left[near - 1]);
+            left = &left[near..];
         }
+        stretches.push((from.max(low), to.min(high)));
     }
     stretches
 }
 
-/// The programmed feedrate in sight as a polyline with a point at either side of each change, decimated.
+/// The programmed feedrate in sight as a polyline with a point at either side of each change, or four points for all
+/// changes in one of the pixel columns.
 fn programmed_steps(chart: &FeedChart, view: View, columns: usize) -> Vec<(f64, f64)> {
     let steps = &chart.programmed;
-    let seen = steps.within(view.distance);
-    let (mut distance, mut feedrate) = (Vec::new(), Vec::new());
-    for index in seen.clone() {
-        let here = steps.feedrate[index];
-        for (at, is_change) in [
-            (steps.start(index), index == seen.start || steps.feedrate[index - 1] != here),
-            (steps.end[index], index + 1 == seen.end || steps.feedrate[index + 1] != here),
-        ] {
-            if is_change {
-                distance.push(at);
-                feedrate.push(here);
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    let mut add = |begin: f64, end: f64, feedrate: f64| match points.last_mut() {
+        Some(last) if *last == (begin, feedrate) => last.0 = end,
+        _ => points.extend([(begin, feedrate), (end, feedrate)]),
+    };
+    for seen in by_column(&steps.end, steps.within(view.distance), view.distance, columns) {
+        match steps.feedrate.extremes(seen.clone()) {
+            Some(Extremes { lowest, highest }) if FEW < seen.len() => {
+                let (first, last) = (seen.start, seen.end - 1);
+                add(steps.start(first), steps.end[first], steps.feedrate[first]);
+                add(steps.end[first], steps.end[first], lowest);
+                add(steps.end[first], steps.start(last), highest);
+                add(steps.start(last), steps.end[last], steps.feedrate[last]);
+            }
+            _ => seen.for_each(|index| add(steps.start(index), steps.end[index], steps.feedrate[index])),
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::Programmed;
+
+    /// Segments of 1 to 3 mm, of which some are rapid moves, at ever other feedrates.
+    fn chart() -> FeedChart {
+        let (mut end, mut ends) = (0, Vec::new());
+        for k in 0..4000_u32 {
+            end += 1 + k * k % 3;
+            ends.push(f64::from(end));
+        }
+        let feedrate = (0..4000_u32).map(|k| f64::from(10 + k / 3 * 7919 % 101)).collect();
+        let rapid = (0..4000_u32).map(|k| k / 7 * 6007 % 11 < 3 || k % 29 == 0).collect();
+        let programmed = Programmed::new(ends, feedrate, rapid, (0..4000).collect());
+        FeedChart { programmed, ..FeedChart::default() }
+    }
+
+    const VIEWS: [(f64, f64); 6] =
+        [(0.0, 8000.0), (0.5, 20.5), (300.0, 301.0), (1000.0, 5000.0), (-5.0, 10.0), (7990.0, 9000.0)];
+
+    #[test]
+    fn rapids_nearer_than_a_pixel_are_one() {
+        let chart = chart();
+        let steps = &chart.programmed;
+        for (low, high) in VIEWS {
+            for columns in [3, 100, 5000] {
+                let pixel = (high - low) / columns as f64;
+                let mut one_by_one: Vec<(f64, f64)> = Vec::new();
+                for index in steps.within((low, high)).filter(|&index| steps.rapid[index]) {
+                    let (from, to) = (steps.start(index).max(low), steps.end[index].min(high));
+                    match one_by_one.last_mut() {
+                        Some(last) if from < last.1 + pixel => last.1 = to,
+                        _ => one_by_one.push((from, to)),
+                    }
+                }
+                let view = View { distance: (low, high), feedrate: (0.0, 1.0) };
+                assert_eq!(
+                    rapid_stretches(&chart, view, columns),
+                    one_by_one,
+                    "{low} to {high}, {columns} columns"
+                );
             }
         }
     }
-    decimated(&distance, &feedrate, view.distance, columns)
+
+    #[test]
+    fn each_column_shows_the_highest_and_the_lowest_step() {
+        let chart = chart();
+        let steps = &chart.programmed;
+        for (low, high) in VIEWS {
+            for columns in [10, 333] {
+                let view = View { distance: (low, high), feedrate: (0.0, 1.0) };
+                let points = programmed_steps(&chart, view, columns);
+                assert!(points.is_sorted_by(|a, b| a.0 <= b.0) && points.len() <= 8 * (columns + 2));
+                let width = (high - low) / columns as f64;
+                for index in steps.within((low, high)) {
+                    let (at, feedrate) = (steps.end[index], steps.feedrate[index]);
+                    let near = points.iter().filter(|(x, _)| (x - at).abs() <= 1.001 * width.max(3.0));
+                    let (least, most) = near.fold((f64::INFINITY, 0.0_f64), |(least, most), (_, y)| {
+                        (least.min(*y), most.max(*y))
+                    });
+                    assert!(
+                        least <= feedrate && feedrate <= most,
+                        "step {index}: {feedrate} in {least} to {most}"
+                    );
+                }
+            }
+        }
+        let view = View { distance: (0.5, 6.0), feedrate: (0.0, 1.0) };
+        // The first three of 1, 2 and 2 mm are alike.
+        assert_eq!(
+            programmed_steps(&chart, view, 1000),
+            [(0.0, 10.0), (5.0, 10.0), (5.0, 51.0), (6.0, 51.0)]
+        );
+    }
 }

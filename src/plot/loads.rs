@@ -7,11 +7,10 @@
 use plotters::prelude::*;
 
 use crate::cutting::{Engagement, Load, Loads};
-use crate::plot::Theme;
-use crate::plot::View;
 use crate::plot::decimate::{clipped, decimated};
 use crate::plot::draw::Failure;
 use crate::plot::panel::{Axes, Look, axis_number, borders};
+use crate::plot::{Column, Theme, View};
 use crate::units::{mm_per_min, watts_of_n_mm_per_s};
 
 /// Room above the largest value, as a part of it.
@@ -24,9 +23,9 @@ const MM3_PER_CM3: f64 = 1000.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadCurves {
     /// By the programmed feedrate.
-    pub programmed: Vec<f64>,
+    pub programmed: Column,
     /// By the predicted one.
-    pub predicted: Vec<f64>,
+    pub predicted: Column,
 }
 
 /// Everything the chart shows, in columns of equal length.
@@ -45,25 +44,35 @@ pub struct LoadChart {
 impl LoadChart {
     /// The loads of an engagement by the programmed and the predicted feedrate.
     pub fn of(engagement: &Engagement, [programmed, predicted]: &[Loads; 2]) -> LoadChart {
-        let mut chart = LoadChart::default();
         let none = Load::default();
+        let mut rows: Vec<(f64, [&Load; 2])> = Vec::new();
         let mut end = f64::NEG_INFINITY;
         for (index, place) in engagement.places.iter().enumerate() {
             let start = place.distance - 0.5 * place.length;
             // A hair is rounding, more is a gap in which nothing is cut.
             if end + 1e-6 < start {
                 if end.is_finite() {
-                    chart.push(end, [&none, &none]);
+                    rows.push((end, [&none, &none]));
                 }
-                chart.push(start, [&none, &none]);
+                rows.push((start, [&none, &none]));
             }
-            chart.push(place.distance, [&programmed.at[index], &predicted.at[index]]);
+            rows.push((place.distance, [&programmed.at[index], &predicted.at[index]]));
             end = place.distance + 0.5 * place.length;
         }
         if end.is_finite() {
-            chart.push(end, [&none, &none]);
+            rows.push((end, [&none, &none]));
         }
-        chart
+        let column = |by: usize, of: fn(&Load) -> f64| {
+            rows.iter().map(|(_, loads)| of(loads[by])).collect::<Vec<_>>().into()
+        };
+        let curves =
+            |of: fn(&Load) -> f64| LoadCurves { programmed: column(0, of), predicted: column(1, of) };
+        LoadChart {
+            distance: rows.iter().map(|(at, _)| *at).collect(),
+            force: curves(|load| load.force),
+            power: curves(|load| watts_of_n_mm_per_s(load.power)),
+            removal_rate: curves(|load| mm_per_min(load.removal_rate) / MM3_PER_CM3),
+        }
     }
 
     /// The distances it is drawn over, mm.
@@ -84,18 +93,6 @@ impl LoadChart {
             [&curves.programmed, &curves.predicted]
                 .map(|values| values[before] + share * (values[after] - values[before]))
         })
-    }
-
-    fn push(&mut self, distance: f64, [programmed, predicted]: [&Load; 2]) {
-        self.distance.push(distance);
-        for (curves, of) in [
-            (&mut self.force, (|load| load.force) as fn(&Load) -> f64),
-            (&mut self.power, |load| watts_of_n_mm_per_s(load.power)),
-            (&mut self.removal_rate, |load| mm_per_min(load.removal_rate) / MM3_PER_CM3),
-        ] {
-            curves.programmed.push(of(programmed));
-            curves.predicted.push(of(predicted));
-        }
     }
 }
 
@@ -145,8 +142,8 @@ pub fn draw_loads<B: DrawingBackend>(
 /// The top of an ordinate that fits what is in sight.
 fn top(at: &[f64], curves: &LoadCurves, (low, high): (f64, f64)) -> f64 {
     let seen = at.partition_point(|at| *at < low)..at.partition_point(|at| *at <= high);
-    let largest = |values: &[f64]| values[seen.clone()].iter().copied().fold(0.0, f64::max);
-    let largest = largest(&curves.programmed).max(largest(&curves.predicted));
+    let of_both = [&curves.programmed, &curves.predicted].map(|values| values.extremes(seen.clone()));
+    let largest = of_both.into_iter().flatten().fold(0.0, |top: f64, own| top.max(own.highest));
     if 0.0 < largest { largest * (1.0 + HEADROOM) } else { 1.0 }
 }
 
@@ -185,7 +182,7 @@ mod tests {
         // Each slot begins and ends at 0.
         let zeros = chart.power.programmed.iter().filter(|power| **power == 0.0).count();
         assert!(4 <= zeros, "{zeros}");
-        for (programmed, predicted) in chart.force.programmed.iter().zip(&chart.force.predicted) {
+        for (programmed, predicted) in chart.force.programmed.iter().zip(&*chart.force.predicted) {
             assert!(*predicted <= *programmed);
         }
         let at = chart.distance.len() / 4;

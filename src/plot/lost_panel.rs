@@ -66,12 +66,14 @@ pub(crate) fn draw<B: DrawingBackend>(
 
 /// From the least to the largest time lost between two distances (mm), with 0 and some room.
 fn in_sight(lost: &LostTime, (low, high): (f64, f64)) -> (f64, f64) {
-    let inside = lost.distance.iter().zip(&lost.seconds).filter(|(at, _)| low <= **at && **at <= high);
+    let (at, seconds) = (&lost.distance, &lost.seconds);
+    let inside = seconds.extremes(at.partition_point(|at| *at < low)..at.partition_point(|at| *at <= high));
     let ends = [low, high].map(|end| {
-        let (before, after, part) = rows_around(&lost.distance, end)?;
-        Some(lost.seconds[before] + part * (lost.seconds[after] - lost.seconds[before]))
+        let (before, after, part) = rows_around(at, end)?;
+        Some(seconds[before] + part * (seconds[after] - seconds[before]))
     });
-    let all = inside.map(|(_, seconds)| *seconds).chain(ends.into_iter().flatten());
+    let inside = inside.map(|inside| [inside.lowest, inside.highest]).into_iter().flatten();
+    let all = inside.chain(ends.into_iter().flatten());
     let (least, largest) = all.fold((0.0f64, 0.0f64), |(a, b), value| (a.min(value), b.max(value)));
     let room = HEADROOM * (largest - least).max(LEAST_SPAN);
     (least - room, largest + room)
@@ -83,7 +85,8 @@ mod tests {
 
     #[test]
     fn the_ordinate_fits_what_is_in_sight_and_has_zero_in_it() {
-        let lost = LostTime { distance: vec![0.0, 10.0, 10.0, 20.0], seconds: vec![0.0, 1.0, 5.0, 3.0] };
+        let lost =
+            LostTime { distance: vec![0.0, 10.0, 10.0, 20.0], seconds: vec![0.0, 1.0, 5.0, 3.0].into() };
         let (low, high) = in_sight(&lost, (0.0, 5.0));
         assert!(low < 0.0 && (high - 0.5 * (1.0 + HEADROOM)).abs() < 1e-12, "{low} to {high}");
         let (low, high) = in_sight(&lost, (12.0, 13.0));

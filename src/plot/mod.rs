@@ -18,6 +18,7 @@
 //! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its
 //! [`Frame`], which turns pixels into data and back.
 
+mod column;
 mod decimate;
 mod draw;
 mod error_panel;
@@ -34,6 +35,7 @@ mod theme;
 mod tolerances;
 mod view;
 
+pub use column::{Column, Extremes};
 pub use draw::draw;
 pub use loads::{LoadChart, LoadCurves, draw_loads};
 pub use markup::escaped;
@@ -42,6 +44,8 @@ pub use table::{Cell, Row};
 pub use theme::{PALETTE, Theme};
 pub use tolerances::{Mark, TimeCurve, ToleranceChart, ToleranceFrame, curve_tolerances, draw_tolerances};
 pub use view::{Frame, View};
+
+use std::ops::Range;
 
 use crate::machine::Machine;
 use crate::simulation::contour::ContourErrors;
@@ -92,7 +96,7 @@ pub struct LostTime {
     /// Distance along the programmed path, mm; ascending, with equal values where the tool waits.
     pub distance: Vec<f64>,
     /// Time lost since the start, s.
-    pub seconds: Vec<f64>,
+    pub seconds: Column,
 }
 
 /// The programmed feedrate as steps over distance, one step a segment.
@@ -101,11 +105,15 @@ pub struct Programmed {
     /// Where each segment ends, distance along the path, mm; ascending.
     pub end: Vec<f64>,
     /// Programmed feedrate of each segment, or the machine's rapid feedrate, mm/s.
-    pub feedrate: Vec<f64>,
+    pub feedrate: Column,
     /// Whether each segment is a rapid move.
     pub rapid: Vec<bool>,
     /// Line of the program each segment comes from.
     pub line: Vec<u32>,
+    /// The segments that are rapid moves, one range for all that follow one another.
+    rapids: Vec<Range<usize>>,
+    /// The highest feedrate of all others, mm/s.
+    highest_cutting: f64,
 }
 
 /// One simulated profile over distance, straight lines between the rows.
@@ -116,15 +124,26 @@ pub struct Curve {
     /// Distance along the programmed path, mm; ascending, with equal values where the tool waits.
     pub distance: Vec<f64>,
     /// Feedrate, mm/s.
-    pub feedrate: Vec<f64>,
+    pub feedrate: Column,
     /// Time since the start, s.
     pub time: Vec<f64>,
     /// Contour tolerances and where they hold, in the order of the path.
     pub tolerances: Vec<Stretch>,
     /// Contour errors, by the segments of the programmed steps; empty where they are unknown.
-    pub errors: ContourErrors,
+    pub errors: Errors,
     /// Where segments end on the abscissa, where that is not where the programmed steps end; else empty.
     pub ends: Vec<f64>,
+}
+
+/// Contour errors, by the segments of the programmed steps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// At the corner that ends each segment and on arcs near it, mm.
+    pub corner: Column,
+    /// The segments that are arcs along which there is an error, by index; ascending.
+    pub arcs: Vec<u32>,
+    /// The largest along each of these, away from its corners, mm.
+    pub along_arcs: Column,
 }
 
 /// A part of the path with one contour tolerance.
@@ -177,14 +196,9 @@ impl FeedChart {
 
     /// The first view: the whole path, with the feedrates of cutting, or of rapids as well.
     pub fn full_view(&self, with_rapids: bool) -> View {
-        let highest = |rapids: bool| {
-            let steps = self.programmed.feedrate.iter().zip(&self.programmed.rapid);
-            steps
-                .filter(|&(_, &rapid)| rapids || !rapid)
-                .fold(0.0, |top: f64, (&feedrate, _)| top.max(feedrate))
-        };
-        let cutting = highest(false);
-        let top = if with_rapids || cutting == 0.0 { highest(true) } else { cutting };
+        let Programmed { feedrate, highest_cutting: cutting, .. } = &self.programmed;
+        let all = || feedrate.extremes(0..feedrate.len()).map_or(0.0, |all| all.highest);
+        let top = if with_rapids || *cutting == 0.0 { all() } else { *cutting };
         View::up_to(self.length(), top)
     }
 
@@ -206,6 +220,13 @@ impl FeedChart {
             lost: self.lost.as_ref().and_then(|lost| lost.at(distance)),
             lost_after: self.lost_after.as_ref().and_then(|lost| lost.at(distance)),
         }
+    }
+}
+
+impl From<ContourErrors> for Errors {
+    fn from(errors: ContourErrors) -> Errors {
+        let (arcs, along_arcs) = errors.arc.into_columns();
+        Errors { corner: errors.corner.into(), arcs, along_arcs: along_arcs.into() }
     }
 }
 
@@ -231,7 +252,13 @@ fn rows_around(column: &[f64], value: f64) -> Option<(usize, usize, f64)> {
 impl Programmed {
     /// The steps of a toolpath on a machine.
     pub fn of(toolpath: &Toolpath, machine: &Machine) -> Programmed {
-        let mut steps = Programmed::default();
+        let (end, feedrate, rapid, line) = Programmed::columns(toolpath, machine);
+        Programmed::new(end, feedrate, rapid, line)
+    }
+
+    /// Their columns, as [`Programmed::new`] takes them.
+    pub fn columns(toolpath: &Toolpath, machine: &Machine) -> (Vec<f64>, Vec<f64>, Vec<bool>, Vec<u32>) {
+        let (mut ends, mut feedrates, mut rapids, mut lines) = (vec![], vec![], vec![], vec![]);
         let mut end = 0.0;
         for segment in &toolpath.segments {
             end += segment.length;
@@ -239,29 +266,44 @@ impl Programmed {
                 Motion::Rapid => (machine.rapid.feedrate, true),
                 Motion::Feed { feedrate } => (feedrate, false),
             };
-            steps.end.push(end);
-            steps.feedrate.push(feedrate);
-            steps.rapid.push(rapid);
-            steps.line.push(segment.line.0);
+            ends.push(end);
+            feedrates.push(feedrate);
+            rapids.push(rapid);
+            lines.push(segment.line.0);
         }
-        steps
+        (ends, feedrates, rapids, lines)
     }
-}
 
-impl Programmed {
+    /// Steps in columns of equal length: where each segment ends (mm), its feedrate (mm/s), whether it is a rapid move
+    /// and its line of the program.
+    pub fn new(end: Vec<f64>, feedrate: Vec<f64>, rapid: Vec<bool>, line: Vec<u32>) -> Programmed {
+        let cutting = feedrate.iter().zip(&rapid).filter(|(_, rapid)| !**rapid);
+        let highest_cutting = cutting.fold(0.0, |top: f64, (feedrate, _)| top.max(*feedrate));
+        let mut rapids = Vec::new();
+        let mut next = 0;
+        for alike in rapid.chunk_by(|a, b| a == b) {
+            let own = next..next + alike.len();
+            next = own.end;
+            if alike[0] {
+                rapids.push(own);
+            }
+        }
+        Programmed { end, feedrate: feedrate.into(), rapid, line, rapids, highest_cutting }
+    }
+
     /// Where a segment begins, mm.
     fn start(&self, index: usize) -> f64 {
         index.checked_sub(1).map_or(0.0, |before| self.end[before])
     }
 
     /// The segments of which some part lies between two distances (mm).
-    fn within(&self, between: (f64, f64)) -> std::ops::Range<usize> {
+    fn within(&self, between: (f64, f64)) -> Range<usize> {
         within(&self.end, between)
     }
 }
 
 /// The segments that end in `ends` of which some part lies between two places.
-fn within(ends: &[f64], (low, high): (f64, f64)) -> std::ops::Range<usize> {
+fn within(ends: &[f64], (low, high): (f64, f64)) -> Range<usize> {
     let first = ends.partition_point(|&end| end <= low);
     let last = ends.partition_point(|&end| end < high);
     first..(last + 1).min(ends.len())
@@ -277,10 +319,22 @@ impl Curve {
     /// corner nor an arc.
     fn largest_error(&self, programmed: &Programmed, between: (f64, f64)) -> Option<f64> {
         let ends = self.segment_ends(programmed);
-        let segments = within(ends, between);
-        let arcs = self.errors.arc.within(segments.clone());
-        let corners = segments.filter(|&k| ends[k] <= between.1).filter_map(|k| self.errors.corner.get(k));
-        corners.chain(arcs).copied().reduce(f64::max)
+        self.largest_error_on(ends, within(ends, between), between.1)
+    }
+
+    /// The largest contour error (mm) on segments that end in `ends` and all begin before a place.
+    fn largest_error_on(&self, ends: &[f64], segments: Range<usize>, before: f64) -> Option<f64> {
+        // The last of them may have its corner beyond.
+        let is_beyond = ends[segments.clone()].last().is_some_and(|&end| before < end);
+        let Errors { corner, arcs, along_arcs } = &self.errors;
+        let [first, end] =
+            [segments.start, segments.end - usize::from(is_beyond)].map(|k| k.min(corner.len()));
+        let arcs_before = |segment: usize| arcs.partition_point(|&arc| (arc as usize) < segment);
+        let of_both = [
+            corner.extremes(first..end),
+            along_arcs.extremes(arcs_before(segments.start)..arcs_before(segments.end)),
+        ];
+        of_both.into_iter().flatten().map(|own| own.highest).reduce(f64::max)
     }
 
     /// Feedrate (mm/s) and time (s) at a distance (mm); the earliest where the tool waits there.
@@ -294,29 +348,19 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::contour::Few;
 
     /// From rest to 5 mm/s over 10 mm, a wait, and back to rest over as much; a rapid of 5 mm before a cut of 15 mm.
     pub(super) fn ramp() -> FeedChart {
         let curve = Curve {
             label: "10 µm".to_string(),
             distance: vec![0.0, 10.0, 10.0, 20.0],
-            feedrate: vec![0.0, 5.0, 5.0, 0.0],
+            feedrate: vec![0.0, 5.0, 5.0, 0.0].into(),
             time: vec![0.0, 4.0, 6.0, 10.0],
             tolerances: vec![Stretch { from: 0.0, to: 20.0, tolerance: 0.01 }],
-            errors: ContourErrors {
-                corner: vec![0.012, 0.0],
-                arc: Few::new(vec![1], vec![0.003]),
-                ..ContourErrors::default()
-            },
+            errors: Errors { corner: vec![0.012, 0.0].into(), arcs: vec![1], along_arcs: vec![0.003].into() },
             ..Curve::default()
         };
-        let programmed = Programmed {
-            end: vec![5.0, 20.0],
-            feedrate: vec![100.0, 10.0],
-            rapid: vec![true, false],
-            line: vec![3, 4],
-        };
+        let programmed = Programmed::new(vec![5.0, 20.0], vec![100.0, 10.0], vec![true, false], vec![3, 4]);
         FeedChart { programmed, curves: vec![curve], ..FeedChart::default() }
     }
 

@@ -72,16 +72,16 @@ fn between(column: &[f64], of: &[f64], value: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::Errors;
     use crate::plot::tests::ramp;
-    use crate::simulation::contour::ContourErrors;
 
     fn chart() -> FeedChart {
         let curve = |slower: f64| Curve {
             distance: vec![0.0, 10.0, 10.0, 20.0],
-            feedrate: vec![0.0, 5.0, 5.0, 0.0],
+            feedrate: vec![0.0, 5.0, 5.0, 0.0].into(),
             time: [0.0, 4.0, 6.0, 10.0].map(|time| slower * time).to_vec(),
             tolerances: vec![Stretch { from: 10.0, to: 20.0, tolerance: 0.01 }],
-            errors: ContourErrors { corner: vec![0.012, 0.0], ..Default::default() },
+            errors: Errors { corner: vec![0.012, 0.0].into(), ..Errors::default() },
             ..Curve::default()
         };
         let programmed = ramp().programmed;

@@ -4,7 +4,7 @@
 //! feedrate in it and its largest contour error. Straight lines between the samples are read at both ends of the stretch, so
 //! that no row is empty where a curve is coarse.
 
-use crate::plot::{Curve, FeedChart, LostTime, Programmed};
+use crate::plot::{Curve, Extremes, FeedChart, LostTime, Programmed};
 
 /// A stretch of the abscissa (mm, or s over time) and what is in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct Row {
     /// Where it ends.
     pub to: f64,
     /// Programmed feedrate, least and largest, mm/s; none where nothing is programmed.
-    pub programmed: Option<(f64, f64)>,
+    pub programmed: Option<Extremes>,
     /// Each curve in it; none where it is empty.
     pub curves: Vec<Option<Cell>>,
     /// Time lost against a recording at its end, s; none without one.
@@ -27,7 +27,7 @@ pub struct Row {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Feedrate, least and largest, mm/s.
-    pub feedrate: (f64, f64),
+    pub feedrate: Extremes,
     /// Largest contour error, mm; none where there is neither a corner nor an arc.
     pub error: Option<f64>,
 }
@@ -66,26 +66,20 @@ impl FeedChart {
 
 impl Programmed {
     /// Least and largest feedrate (mm/s) between two places.
-    fn range(&self, between: (f64, f64)) -> Option<(f64, f64)> {
-        range(self.feedrate[self.within(between)].iter().copied())
+    fn range(&self, between: (f64, f64)) -> Option<Extremes> {
+        self.feedrate.extremes(self.within(between))
     }
 }
 
 impl Curve {
     /// Least and largest feedrate (mm/s) between two places.
-    fn range(&self, (low, high): (f64, f64)) -> Option<(f64, f64)> {
+    fn range(&self, (low, high): (f64, f64)) -> Option<Extremes> {
         let [first, last] = [self.at(low)?.0, self.at(high)?.0];
         let inside =
             self.distance.partition_point(|&at| at < low)..self.distance.partition_point(|&at| at <= high);
-        range(self.feedrate[inside].iter().copied().chain([first, last]))
+        let ends = Extremes::of(first).and(Extremes::of(last));
+        Some(self.feedrate.extremes(inside).map_or(ends, |inside| inside.and(ends)))
     }
-}
-
-fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.fold(None, |range, value| {
-        let (least, largest) = range.unwrap_or((value, value));
-        Some((value.min(least), value.max(largest)))
-    })
 }
 
 #[cfg(test)]
@@ -106,11 +100,12 @@ mod tests {
         let ends: Vec<_> = rows.iter().map(|row| (row.from, row.to)).collect();
         assert_eq!(ends, [(0.0, 5.0), (5.0, 10.0), (10.0, 15.0), (15.0, 20.0)]);
         let feedrates: Vec<_> = rows.iter().map(|row| row.curves[0].map(|cell| cell.feedrate)).collect();
-        assert_eq!(feedrates, [Some((0.0, 2.5)), Some((2.5, 5.0)), Some((2.5, 5.0)), Some((0.0, 2.5))]);
+        let range = |lowest: f64, highest: f64| Some(Extremes { lowest, highest });
+        assert_eq!(feedrates, [range(0.0, 2.5), range(2.5, 5.0), range(2.5, 5.0), range(0.0, 2.5)]);
         assert_eq!(rows[0].curves[0].and_then(|cell| cell.error), Some(0.012));
         assert_eq!(rows[3].curves[0].and_then(|cell| cell.error), Some(0.003));
-        assert_eq!(rows[0].programmed, Some((100.0, 100.0)));
-        assert_eq!(rows[1].programmed, Some((10.0, 10.0)));
+        assert_eq!(rows[0].programmed, range(100.0, 100.0));
+        assert_eq!(rows[1].programmed, range(10.0, 10.0));
         assert!(rows.iter().all(|row| row.curves[1].is_none() && row.lost.is_none()));
         assert_eq!(chart().lines((0.0, 5.0)), Some((3, 3)));
         assert_eq!(chart().lines((4.0, 6.0)), Some((3, 4)));
@@ -119,7 +114,8 @@ mod tests {
     #[test]
     fn no_sample_falls_between_two_rows() {
         let distance: Vec<f64> = (0..=1000).map(f64::from).collect();
-        let feedrate = (0..=1000).map(|k| if k % 97 == 0 { 40.0 } else { f64::from(k % 7) }).collect();
+        let feedrate = (0..=1000).map(|k| if k % 97 == 0 { 40.0 } else { f64::from(k % 7) });
+        let feedrate = feedrate.collect::<Vec<_>>().into();
         let curve = Curve { time: distance.clone(), distance, feedrate, ..Curve::default() };
         let chart = FeedChart { curves: vec![curve], ..FeedChart::default() };
         for rows in [1, 3, 20, 333, 5000] {
@@ -129,7 +125,11 @@ mod tests {
             for peak in peaks {
                 let row =
                     all.iter().find(|row| row.from <= peak && peak <= row.to).expect("rows leave no gap");
-                assert_eq!(row.curves[0].map(|cell| cell.feedrate.1), Some(40.0), "{rows} rows, {peak} mm");
+                assert_eq!(
+                    row.curves[0].map(|cell| cell.feedrate.highest),
+                    Some(40.0),
+                    "{rows} rows, {peak} mm"
+                );
             }
         }
     }

@@ -7,10 +7,9 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::plot::{
-    Curve, CurveReading as CurveAt, FeedChart, Frame, LostTime, Programmed, Reading, Stretch, Theme, View,
-    draw,
+    Curve, CurveReading as CurveAt, Errors, FeedChart, Frame, LostTime, Programmed, Reading, Stretch, Theme,
+    View, draw,
 };
-use crate::simulation::contour::{ContourErrors, Few};
 use crate::units::mm_per_min;
 use crate::web::canvas::Canvas;
 use crate::web::theme::theme;
@@ -94,7 +93,7 @@ impl Chart {
         let span = self.span();
         self.view.distance = (span[0], span[1]);
         self.chart = FeedChart {
-            programmed: Programmed { end, feedrate, rapid, line },
+            programmed: Programmed::new(end, feedrate, rapid, line),
             stacked: self.chart.stacked,
             ..FeedChart::default()
         };
@@ -131,7 +130,7 @@ impl Chart {
     /// Fills the curve added last; the columns are those of `Columns`.
     pub fn fill(&mut self, distance: Vec<f64>, feedrate: Vec<f64>, time: Vec<f64>) {
         if let Some(curve) = self.chart.curves.last_mut() {
-            *curve = Curve { distance, feedrate, time, ..std::mem::take(curve) };
+            *curve = Curve { distance, feedrate: feedrate.into(), time, ..std::mem::take(curve) };
         }
     }
 
@@ -139,21 +138,20 @@ impl Chart {
     #[wasm_bindgen(js_name = fillErrors)]
     pub fn fill_errors(&mut self, corner: Vec<f64>, arcs: Vec<u32>, along_arcs: Vec<f64>) {
         if let Some(curve) = self.chart.curves.last_mut() {
-            curve.errors =
-                ContourErrors { corner, arc: Few::new(arcs, along_arcs), ..ContourErrors::default() };
+            curve.errors = Errors { corner: corner.into(), arcs, along_arcs: along_arcs.into() };
         }
     }
 
     /// Shows the time lost against a recording (s over mm) instead of contour errors.
     #[wasm_bindgen(js_name = showLost)]
     pub fn show_lost(&mut self, distance: Vec<f64>, seconds: Vec<f64>) {
-        self.chart.lost = Some(LostTime { distance, seconds });
+        self.chart.lost = Some(LostTime { distance, seconds: seconds.into() });
     }
 
     /// Shows the time lost against the machine after as well.
     #[wasm_bindgen(js_name = showLostAfter)]
     pub fn show_lost_after(&mut self, distance: Vec<f64>, seconds: Vec<f64>) {
-        self.chart.lost_after = Some(LostTime { distance, seconds });
+        self.chart.lost_after = Some(LostTime { distance, seconds: seconds.into() });
     }
 
     /// Colour of the curve with this index, as CSS writes it.

@@ -111,12 +111,12 @@ impl From<LoadChart> for LoadColumns {
     fn from(chart: LoadChart) -> LoadColumns {
         LoadColumns {
             distance: chart.distance,
-            programmed_force: chart.force.programmed,
-            predicted_force: chart.force.predicted,
-            programmed_power: chart.power.programmed,
-            predicted_power: chart.power.predicted,
-            programmed_rate: chart.removal_rate.programmed,
-            predicted_rate: chart.removal_rate.predicted,
+            programmed_force: chart.force.programmed.to_vec(),
+            predicted_force: chart.force.predicted.to_vec(),
+            programmed_power: chart.power.programmed.to_vec(),
+            predicted_power: chart.power.predicted.to_vec(),
+            programmed_rate: chart.removal_rate.programmed.to_vec(),
+            predicted_rate: chart.removal_rate.predicted.to_vec(),
         }
     }
 }
@@ -140,7 +140,10 @@ impl LoadPicture {
         programmed_rate: Vec<f64>,
         predicted_rate: Vec<f64>,
     ) -> LoadPicture {
-        let curves = |programmed, predicted| LoadCurves { programmed, predicted };
+        let curves = |programmed: Vec<f64>, predicted: Vec<f64>| LoadCurves {
+            programmed: programmed.into(),
+            predicted: predicted.into(),
+        };
         let chart = LoadChart {
             distance,
             force: curves(programmed_force, predicted_force),

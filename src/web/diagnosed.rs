@@ -63,7 +63,7 @@ pub struct DiagnosedColumns {
 
 impl From<FeedChart> for DiagnosedColumns {
     fn from(chart: FeedChart) -> DiagnosedColumns {
-        let column = |rows: &Vec<f64>| js_sys::Float64Array::from(rows.as_slice());
+        let column = |rows: &[f64]| js_sys::Float64Array::from(rows);
         let lost = || [&chart.lost, &chart.lost_after].into_iter().flatten();
         DiagnosedColumns {
             distances: chart.curves.iter().map(|curve| column(&curve.distance)).collect(),
@@ -72,7 +72,7 @@ impl From<FeedChart> for DiagnosedColumns {
             lost_distances: lost().map(|lost| column(&lost.distance)).collect(),
             lost_seconds: lost().map(|lost| column(&lost.seconds)).collect(),
             end: chart.programmed.end,
-            feedrate: chart.programmed.feedrate,
+            feedrate: chart.programmed.feedrate.to_vec(),
             rapid: chart.programmed.rapid.iter().map(|rapid| u8::from(*rapid)).collect(),
             line: chart.programmed.line,
         }

@@ -43,8 +43,8 @@ impl Job {
 
     /// The programmed feedrate over distance.
     pub fn steps(&self) -> Steps {
-        let Programmed { end, feedrate, rapid, line } = Programmed::of(&self.toolpath, &self.machine);
-        Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
+        let (end, feedrate, rapid, line) = Programmed::columns(&self.toolpath, &self.machine);
+        Steps { end, feedrate: feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
     }
 
     /// The path in space.

@@ -67,7 +67,7 @@ impl PathView {
         line: Vec<u32>,
     ) {
         let rapid = rapid.iter().map(|&flag| flag != 0).collect();
-        self.programmed = Programmed { end, feedrate, rapid, line };
+        self.programmed = Programmed::new(end, feedrate, rapid, line);
         self.trail = Trail { points: points.as_chunks::<3>().0.to_vec(), distance };
         (self.pace, self.lost, self.marked) = (Pace::default(), Pace::default(), None);
     }

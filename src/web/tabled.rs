@@ -2,7 +2,7 @@
 
 use wasm_bindgen::prelude::*;
 
-use crate::plot::{Abscissa, Cell};
+use crate::plot::{Abscissa, Cell, Extremes};
 use crate::units::mm_per_min;
 use crate::web::chart::Chart;
 
@@ -43,7 +43,7 @@ pub struct TableCell {
 impl Chart {
     /// What is in sight, in equal stretches.
     pub fn table(&self) -> Vec<TableRow> {
-        let in_minutes = |(least, largest): (f64, f64)| vec![mm_per_min(least), mm_per_min(largest)];
+        let in_minutes = |Extremes { lowest, highest }| vec![mm_per_min(lowest), mm_per_min(highest)];
         let cell = |cell: Option<Cell>| TableCell {
             feedrate: cell.map(|cell| in_minutes(cell.feedrate)).unwrap_or_default(),
             error: cell.and_then(|cell| cell.error),

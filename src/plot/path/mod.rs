@@ -139,8 +139,7 @@ pub enum Coloring {
 impl Coloring {
     /// By feedrates up to the fastest that is programmed.
     pub fn by_feedrate(programmed: &Programmed) -> Coloring {
-        let feeds = programmed.feedrate.iter().zip(&programmed.rapid).filter(|(_, rapid)| !**rapid);
-        Coloring::Feedrate(feeds.fold(0.0, |top, (&feedrate, _)| feedrate.max(top)))
+        Coloring::Feedrate(programmed.highest_cutting)
     }
 
     /// By time lost, so that two per cent of the steps are beyond the scale.

@@ -31,7 +31,7 @@ pub fn diagnosis_chart(
     let recorded = Curve {
         label: "recorded".to_string(),
         distance: rows.distance,
-        feedrate: rows.recorded,
+        feedrate: rows.recorded.into(),
         time: rows.recorded_time.into_iter().map(|time| time - begin).collect(),
         ..Curve::default()
     };
@@ -40,12 +40,12 @@ pub fn diagnosis_chart(
         let plan = run.plan(machine);
         let curve = Profile::new(run.toolpath, &plan).drawn();
         spacing = spacing.into_iter().chain(curve.spacing).reduce(f64::max);
-        let (distance, feedrate, time) = (curve.distance, curve.feedrate, curve.time);
+        let (distance, feedrate, time) = (curve.distance, curve.feedrate.into(), curve.time);
         Curve { label: label.to_string(), distance, feedrate, time, ..Curve::default() }
     };
     let lost = |comparison: &Comparison| {
         let course = course(run.toolpath, run.alignment, comparison);
-        LostTime { distance: course.distance, seconds: course.seconds }
+        LostTime { distance: course.distance, seconds: course.seconds.into() }
     };
     let chart = FeedChart {
         programmed: Programmed::of(run.toolpath, before),
