@@ -3,7 +3,6 @@
 import { find, make } from '../dom.js'
 import { field, same } from '../field.js'
 import { figures, worded } from '../format.js'
-import { saveMachine } from '../save.js'
 import { say } from '../texts.js'
 import { mountUndo } from '../undo.js'
 
@@ -51,7 +50,7 @@ export function mount(root, form, actions) {
 
   preset.addEventListener('change', () => actions.choosePreset(Number(preset.value)))
   reset.addEventListener('click', () => actions.choosePreset(Number(preset.value)))
-  save.addEventListener('click', () => saveMachine(values))
+  save.addEventListener('click', async () => (await import('../save.js')).saveMachine(values))
   keep.addEventListener('click', () => undo.offer(say.machine.kept, actions.keepMachine()))
   duplicate.addEventListener('click', () => undo.offer(say.machine.duplicated, actions.duplicateMachine()))
   remove.addEventListener('click', () => undo.offer(say.common.removed(values.name), actions.removeMachine()))

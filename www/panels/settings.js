@@ -1,7 +1,6 @@
 // Settings as a link or a file: giving them away and taking them in. What they may say is Rust's affair.
 
 import { find } from '../dom.js'
-import { saveFile } from '../save.js'
 import { say } from '../texts.js'
 
 /** @import { State } from "../types.js" */
@@ -38,9 +37,10 @@ export function mount(root, notice, actions) {
       said.textContent = say.settings.copyFromField
     }
   })
-  find(root, '.save-settings').addEventListener('click', () => {
+  find(root, '.save-settings').addEventListener('click', async () => {
     const text = written()
     if (text === undefined) return
+    const { saveFile } = await import('../save.js')
     saveFile(text, 'application/json', 'truefeed-settings.json')
     said.textContent = say.settings.saved
   })
