@@ -1,11 +1,14 @@
 // How fast and how large the WebAssembly module is in Chromium, beside the native program on the same machine:
 //
-//   scripts/build && node benches/browser.mjs [MEGABYTES] [--native]
+//   scripts/build && node benches/browser.mjs [MEGABYTES] [--native] [--chart]
 //
 // Makes a wavy finishing pass (benches/speed/programs.rs) of that size in the page, 300 MB by default, as a file of
 // pieces, and has the page's worker quote it for one tolerance: it is streamed into the module's memory and is never
 // whole in JavaScript. With --native the native program does the same for one of the same number of lines, quote and
 // columns of the charts (cargo bench --bench speed, "chart"), and the ratio is printed. Times are what the processor worked, not what passed: other work on the machine does not count.
+//
+// With --chart it also draws the chart of four tolerances on a canvas of 1920 pixels, from the whole path to a millionth of
+// it, and prints how long the slowest zoom takes.
 
 import { execFileSync } from 'node:child_process'
 import { readFileSync } from 'node:fs'
@@ -31,6 +34,10 @@ try {
   const peak = Number(/VmHWM:\s*(\d+)/.exec(readFileSync(`/proc/${id}/status`, 'utf8'))?.[1]) * 1024
   console.log(`${lines} lines, ${(bytes / 1e6).toFixed(0)} MB, cycle time ${cycleTime.toFixed(1)} s`)
   console.log(`Chromium: worked ${worked.toFixed(1)} s (${seconds.toFixed(1)} s passed), peak of the page ${(peak / bytes).toFixed(1)} × the file`)
+  if (argv.includes('--chart')) {
+    const { slowest, zoom } = await page.evaluate(drawn)
+    console.log(`chart of four tolerances, 1920 pixels wide: ${slowest.toFixed(1)} ms at the slowest zoom, ${zoom}-fold`)
+  }
   if (argv.includes('--native')) {
     const command = ['bench', '--locked', '--bench', 'speed', '--', 'measure', 'chart', 'finishing', String(lines)]
     const [time, native] = execFileSync('cargo', command, { encoding: 'utf8' }).trim().split(' ').map(Number)
@@ -76,9 +83,47 @@ async function quoted() {
   const module = { module: await WebAssembly.compileStreaming(fetch('/pkg/truefeed_whole_bg.wasm')), isWhole: true }
   // What the native program takes where nothing is given.
   const machine = { 'interpolator.filters': 3, 'interpolator.time_constant_s': 0.0255, 'rapid.feed_mm_min': 12000 }
+  Object.assign(window, { engine: new Engine(module), machine })
   const request = JSON.stringify({ machine, tolerances: [0.01], name: '' })
   const begin = performance.now()
-  const { quote, refusal } = await new Engine(module).quote({ program: /** @type {any} */ (window).made, request }, () => {})
+  const { quote, refusal } = await /** @type {any} */ (window).engine.quote({ program: /** @type {any} */ (window).made, request }, () => {})
   if (!quote) throw new Error(JSON.stringify(refusal))
   return { cycleTime: quote.runs[0].cycle_time_s, seconds: (performance.now() - begin) / 1000 }
+}
+
+/** Runs in the page: draws its chart at every zoom; the least of three times counts, as other work on the machine does not. */
+async function drawn() {
+  const { engine, made: program, machine } = /** @type {any} */ (window)
+  /** @type {any} */
+  const whole = await import(/** @type {any} */ ('/pkg/truefeed_whole.js'))
+  await whole.default({ module_or_path: '/pkg/truefeed_whole_bg.wasm' })
+  const chart = new whole.Chart()
+  const columns = [0.005, 0.01, 0.02, 0.05]
+  const request = { program, machine: JSON.stringify(machine), dialect: null, columns, labels: columns.map((mm) => `${mm} mm`) }
+  await engine.simulate(request, {
+    stage() {},
+    /** @param {any} _ @param {any} steps */
+    program: (_, { end, feedrate, rapid, line }) => chart.program(end, feedrate, rapid, line),
+    /** @param {number} tolerance @param {any} run */
+    run(tolerance, { columns: { distance, feedrate, time, corner, arcs, alongArcs } }) {
+      const [from, to, within] = [0, Infinity, tolerance].map((value) => Float64Array.of(value))
+      chart.add(`${tolerance} mm`, from, to, within)
+      chart.fill(distance, feedrate, time)
+      chart.fillErrors(corner, arcs, alongArcs)
+    },
+  })
+  chart.fit(true)
+  const canvas = document.createElement('canvas')
+  const time = () => {
+    const begin = performance.now()
+    chart.draw(canvas, 1920, 600, 1)
+    return performance.now() - begin
+  }
+  let [slowest, zoom] = [0, 1]
+  for (let part = 0; part <= 20; part += 1) {
+    const least = Math.min(time(), time(), time())
+    if (slowest < least) [slowest, zoom] = [least, 2 ** part]
+    chart.zoom(2)
+  }
+  return { slowest, zoom }
 }
