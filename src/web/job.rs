@@ -44,7 +44,7 @@ impl Job {
     /// The programmed feedrate over distance.
     pub fn steps(&self) -> Steps {
         let (end, feedrate, rapid, line) = Programmed::columns(&self.toolpath, &self.machine);
-        Steps { end, feedrate: feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
+        Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
     }
 
     /// The path in space.
