@@ -7,8 +7,8 @@
 use std::path::{Path, PathBuf};
 
 use truefeed::machine::{CornerMode, Machine};
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::trace;
 
 const HEAD: &str = "# What the corner modes cost
@@ -53,7 +53,7 @@ fn rows(name: &str, program: &[u8]) -> String {
     let rows = [0.010, 0.020, 0.050].map(|tolerance| {
         let mut of = |mode: CornerMode| {
             machine.interpolator.corner_mode = mode;
-            let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
+            let (plan, errors) = simulate::within(&toolpath, &machine, tolerance, &mut |_| {});
             (plan.cycle_time(), 1e3 * errors.largest())
         };
         let (paper, paper_error) = of(CornerMode::Paper);

@@ -131,6 +131,8 @@ export interface Quote {
   runs: Run[]
   /** What could not be read, or should be known; the rest is quoted all the same. */
   diagnostics: Diagnostic[]
+  /** The version of the build that computed it; another commit has another. */
+  version: string
 }
 
 /** What is wrong with a request: a word for it and a sentence. */

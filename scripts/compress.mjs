@@ -9,7 +9,7 @@ import { brotliCompressSync, constants } from 'node:zlib'
 
 const [, , folder] = argv
 for (const name of readdirSync(folder)) {
-  if (!/\.(js|wasm)$/.test(name)) continue
+  if (!/\.(js|wasm|txt)$/.test(name)) continue
   const path = join(folder, name)
   const bytes = readFileSync(path)
   const params = { [constants.BROTLI_PARAM_LGWIN]: constants.BROTLI_MAX_WINDOW_BITS, [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length }

@@ -5,7 +5,7 @@
 //! ```text
 //! simulation      bytes → blocks → toolpath → feed plan → profile → quote
 //! cutting                          toolpath → engagement; with profile → load
-//! identification  recording → alignment → residual → hypotheses → fit → report
+//! identification  recording → alignment → residual → effects → fit → report
 //! ```
 //!
 //! The core computes in mm, s and rad ([`units`]), does no I/O, reads no clock, draws no random
@@ -14,11 +14,11 @@
 //! ```
 //! use truefeed::machine::Machine;
 //! use truefeed::quote::programmed_time;
-//! use truefeed::simulation::{contour::plan_within, gcode::read, profile::Profile, toolpath::trace};
+//! use truefeed::simulation::{gcode::read, profile::Profile, simulate, toolpath::trace};
 //!
 //! let machine = Machine::default();
 //! let toolpath = trace(&read(b"G21 G90 G1 X40 F3000\nY40\nX0"), &machine);
-//! let (plan, errors) = plan_within(&toolpath, &machine, 0.010, &mut |_| {});
+//! let (plan, errors) = simulate::within(&toolpath, &machine, 0.010, &mut |_| {});
 //! assert!(programmed_time(&toolpath, &machine) < plan.cycle_time());
 //!
 //! let profile = Profile::new(&toolpath, &plan);

@@ -64,6 +64,12 @@ pub fn dialects() -> String {
     project::dialects()
 }
 
+/// What I, J and K of arcs may count from, as JSON: a list of word and name.
+#[wasm_bindgen(js_name = arcCenters)]
+pub fn arc_centers() -> String {
+    project::arc_centers()
+}
+
 /// What is wrong with the values of a machine form, as JSON: a list of key and message.
 #[wasm_bindgen]
 pub fn faults(machine: &str) -> String {

@@ -5,9 +5,10 @@
 
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::contour::contour_errors;
-use truefeed::simulation::feed::{FeedPlan, Rule, plan};
+use truefeed::simulation::feed::{FeedPlan, Rule};
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Toolpath, trace};
 
 /// Turns of the path at the corner, degrees.
@@ -63,7 +64,7 @@ fn for_all_corners(
     for turn in TURNS {
         for tolerance in TOLERANCES {
             let toolpath = corner(turn, feedrates);
-            let plan = plan(&toolpath, &machine, Rule::Isolated(tolerance));
+            let plan = simulate::by_rule(&toolpath, &machine, Rule::Isolated(tolerance));
             let case = format!("{turn}°, {tolerance} mm, {constants:?} s, {feedrates:?} mm/min");
             check(&case, &toolpath, &plan, tolerance);
         }

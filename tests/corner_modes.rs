@@ -2,10 +2,10 @@
 
 #[allow(dead_code)]
 #[path = "../examples/corner_modes.rs"]
-mod corner_modes;
+mod example;
 
 #[test]
 fn the_page_is_what_the_command_writes() {
     let page = include_str!("../docs/corner-modes.md");
-    assert_eq!(corner_modes::page(&[]).expect("the sample is there"), page, "run the example again");
+    assert_eq!(example::page(&[]).expect("the sample is there"), page, "run the example again");
 }

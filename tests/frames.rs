@@ -1,8 +1,9 @@
 //! Coordinates, feed modes and rotary axes: laws that hold from program to cycle time.
 
 use truefeed::machine::{Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Rule, limits, plan};
+use truefeed::simulation::feed::{FeedPlan, Rule, limits};
 use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Motion, Point, Segment, StopCause, Toolpath, trace};
 
 /// Runs a program for LinuxCNC, which reads the words of the others too.
@@ -30,7 +31,7 @@ fn run_well(text: &str) -> Toolpath {
 }
 
 fn plan_of(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
-    plan(toolpath, machine, Rule::Isolated(machine.interpolator.contour_tolerance))
+    simulate::by_rule(toolpath, machine, Rule::Isolated(machine.interpolator.contour_tolerance))
 }
 
 fn feedrate(segment: &Segment) -> f64 {
@@ -265,8 +266,9 @@ fn feed_per_revolution_is_that_per_minute_times_the_speed() {
             assert!(is_same && a.end == b.end, "{text}: {a:?} {b:?}");
         }
     }
-    let back = run_well("F300 S100\nG95 F2\nG94\nG1 X1");
-    assert_eq!(feedrate(&back.segments.at(0)), 5.0, "each mode remembers its F");
+    let back = run("F300 S100\nG95 F2\nG94\nG1 X1");
+    assert_eq!(feedrate(&back.segments.at(0)), 5.0, "the former F of G94 is taken");
+    assert_eq!(back.diagnostics[0].severity, Severity::Error, "and said, as controls forget it");
 }
 
 #[test]

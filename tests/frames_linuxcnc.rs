@@ -104,7 +104,9 @@ fn by_us(text: &str) -> Vec<Move> {
 #[track_caller]
 fn assert_agrees(text: &str, name: &str) -> bool {
     let Some(theirs) = by_linuxcnc(text, name) else {
-        eprintln!("skipped: rs274 is not installed");
+        eprintln!(
+            "skipped: LinuxCNC's interpreter: rs274 is not there; scripts/test --with-linuxcnc installs it"
+        );
         return false;
     };
     let ours = by_us(text);

@@ -4,13 +4,14 @@ use std::fmt::Write;
 
 use truefeed::identification::alignment::{Alignment, align};
 use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose, feed_holds};
+use truefeed::identification::effects::Reported;
 use truefeed::identification::fit::Run;
-use truefeed::identification::hypotheses::Reported;
 use truefeed::identification::recording;
 use truefeed::machine::Machine;
-use truefeed::simulation::feed::{Rule, plan};
+use truefeed::simulation::feed::Rule;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Toolpath, trace};
 
 /// A meander of lines and arcs with rapids between, and holes with a dwell at their bottom.
@@ -39,7 +40,7 @@ fn dwell(hole: usize) -> u32 {
 /// What a recorder sees of a run, every 10 ms and to a micrometre or two, as a table.
 fn recorded(program: &str, machine: &Machine) -> String {
     let toolpath = trace(&read(program.as_bytes()), machine);
-    let plan = plan(&toolpath, machine, Rule::Programmed);
+    let plan = simulate::by_rule(&toolpath, machine, Rule::Programmed);
     let profile = Profile::new(&toolpath, &plan);
     let mut seed = 1u64;
     let mut noise = || {
@@ -78,10 +79,10 @@ fn causes(diagnosis: &Diagnosis) -> Vec<(&'static str, u32, f64)> {
     let causes = diagnosis.causes.iter().map(|cause| {
         let reported = (cause.candidate.hypothesis.report)(&cause.candidate.values);
         let number = |name: &str| {
-            let found = reported.iter().find(|(known, _)| *known == name);
+            let found = reported.iter().find(|(known, _)| known.key == name);
             found.map_or(0.0, |(_, value)| if let Reported::Number(number) = value { *number } else { 0.0 })
         };
-        (cause.candidate.hypothesis.id, number("line") as u32, number("seconds"))
+        (cause.candidate.hypothesis.effect.id, number("line") as u32, number("seconds"))
     });
     causes.collect()
 }

@@ -1,9 +1,9 @@
 //! Limits of the machine hold in the filtered motion, at ramps and corners alike.
 
 use truefeed::machine::{Machine, PathLimits, TimeConstants};
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::trace;
 
 /// By what part an acceleration may pass its limit where a ramp of the filters turns into one of the
@@ -28,7 +28,7 @@ fn no_axis_accelerates_beyond_its_limit() {
                 let (sin, cos) = degrees.to_radians().sin_cos();
                 let program = format!("G1 X40 F{feed_mm_min}\nX{} Y{}\n", 40.0 + 40.0 * cos, 40.0 * sin);
                 let toolpath = trace(&read(program.as_bytes()), &machine);
-                let (plan, _) = plan_within(&toolpath, &machine, 0.05, &mut |_| {});
+                let (plan, _) = simulate::within(&toolpath, &machine, 0.05, &mut |_| {});
                 let profile = Profile::new(&toolpath, &plan);
                 // Where it stands a moment the direction of the path, and so its share, is nothing.
                 let moments = (0..5000)
@@ -60,7 +60,7 @@ fn ramps_before_the_filters_take_both() {
     machine.interpolator.filters = 3;
     machine.interpolator.time_constants = TimeConstants::Equal(0.02);
     let time = |machine: &Machine| {
-        let (plan, _) = plan_within(&trace(&program, machine), machine, 0.05, &mut |_| {});
+        let (plan, _) = simulate::within(&trace(&program, machine), machine, 0.05, &mut |_| {});
         plan.cycle_time()
     };
     assert_eq!(time(&machine), time(&Machine { path: before(f64::INFINITY, &machine), ..machine.clone() }));

@@ -1,10 +1,6 @@
 //! Predictions against recordings of LinuxCNC's own trajectory planner.
 //!
-//! The data are not part of the project: they lie in `../shared/recordings/linuxcnc` or in the folder of
-//! that name under `TRUEFEED_RECORDINGS`, and the test says so and ends where they are absent. The machine
-//! has the settings the recordings were made with, none was fitted; for a run with a change it has the change.
-
-mod shared;
+//! The machine has the settings the recordings were made with, none was fitted; for a run with a change it has the change.
 
 use truefeed::identification::alignment::align;
 use truefeed::identification::calibration::calibrate;
@@ -16,7 +12,7 @@ use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::toolpath::trace;
 
-use crate::shared::recordings;
+use crate::shared::corpus;
 
 /// The planner has no filters: 0.5 ms is half its period.
 const MACHINE: &str = r#"
@@ -60,7 +56,7 @@ const RUNS: [Change; 7] = [
 
 #[test]
 fn runs_take_the_time_and_have_the_feedrate_that_is_predicted() {
-    let Some(folder) = recordings("linuxcnc") else { return };
+    let folder = corpus::recordings().join("linuxcnc");
     for Change { run, program, words, machine: change } in RUNS {
         let file = |name: String| std::fs::read(folder.join(name)).expect("each run has its files");
         let mut machine = machine_from_toml(MACHINE).expect("a machine file");
@@ -84,7 +80,7 @@ fn runs_take_the_time_and_have_the_feedrate_that_is_predicted() {
 
 #[test]
 fn accelerations_are_found_from_one_run() {
-    let Some(folder) = recordings("linuxcnc") else { return };
+    let folder = corpus::recordings().join("linuxcnc");
     let file = |name: &str| std::fs::read(folder.join(name)).expect("each run has its files");
     let mut machine = machine_from_toml(MACHINE).expect("a machine file");
     machine.axes.iter_mut().for_each(|axis| axis.acceleration = 400.0);

@@ -3,7 +3,7 @@
 #[path = "../examples/paper/aerostructure.rs"]
 mod aerostructure;
 #[path = "../examples/paper/chart.rs"]
-mod chart;
+pub mod chart;
 #[path = "../examples/paper/figures.rs"]
 mod figures;
 #[path = "../examples/paper/page.rs"]

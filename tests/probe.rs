@@ -4,13 +4,14 @@
 use std::fmt::Write;
 
 use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
-use truefeed::identification::fit::{Recorded, simulate};
+use truefeed::identification::fit::Recorded;
 use truefeed::identification::probe::{Probe, ProbeError, SPACE, probe_all, probe_between};
 use truefeed::machine::{Machine, parameter};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::gcode::{Severity, read};
 use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Motion, trace};
 
 /// A machine file with these lines at its end.
@@ -81,7 +82,8 @@ fn names(pair: [&str; 2], concealed: &[(&str, &str, f64)]) {
             _ => machine(&format!("[{table}]\n{key} = {value}\n")),
         };
         let diagnosis = diagnosed(&probe.program, &believed, &truth);
-        let found: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.id).collect();
+        let found: Vec<&str> =
+            diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect();
         assert_eq!(found.first(), Some(&id), "{id} {value}: {found:?} {:?}", diagnosis.verdict);
         assert_ne!(diagnosis.verdict, Verdict::Unknown, "{id} {value} is all there is: {found:?}");
     }

@@ -18,7 +18,7 @@ fn root() -> &'static Path {
 /// The files below `folder`, in order; none, and a note, where it is absent.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
-        eprintln!("skipped: {} is not there", folder.display());
+        eprintln!("skipped: programs of others: {} is not there", folder.display());
         return Vec::new();
     };
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("a readable folder").path()).collect();
@@ -160,7 +160,7 @@ fn programmed_times_of_recorded_programs_agree() {
     for (name, expected) in [("box-op1.nc", 1338.0), ("box-op2.nc", 62.0), ("box-op3.nc", 307.0)] {
         let path = folder.join(name);
         if !path.exists() {
-            eprintln!("skipped: {} is not there", path.display());
+            eprintln!("skipped: programs of others: {} is not there", path.display());
             continue;
         }
         let feed_time = |segment: toolpath::Segment| match segment.motion {
@@ -178,7 +178,7 @@ fn programmed_times_of_recorded_programs_agree() {
 fn a_program_of_expressions_stays_on_its_part() {
     let path = root().join("../shared/gcode/linuxcnc/linuxcnc__3D_Chips.ngc");
     if !path.exists() {
-        eprintln!("skipped: {} is not there", path.display());
+        eprintln!("skipped: programs of others: {} is not there", path.display());
         return;
     }
     let toolpath = trace(&path);

@@ -1,19 +1,17 @@
 //! Readers of machine logs: one motion in every format, what is repaired and what refused, bytes of
 //! any kind, and the recordings that lie outside the repository.
 
-mod shared;
-
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use truefeed::identification::recording::{
     ClosureError, Log, Measure, Options, Recording, RecordingError, RunMark, Sampling, Scale, Status,
-    closure, closure_of, closure_on, path_length, read, read_with, unit,
+    closure, closure_of, closure_on, is_recording, path_length, read, read_with, unit,
 };
 use truefeed::machine::Machine;
 use truefeed::simulation::{gcode, toolpath};
 
-use crate::shared::recordings;
+use crate::shared::{corpus, recordings_of_others};
 
 /// Length of the motion in `tests/data/recordings`, mm.
 const PATH: f64 = 30.0;
@@ -285,6 +283,150 @@ fn no_depth_of_nesting_exhausts_the_stack() {
     }
 }
 
+/// What takes more than linear time, or a name of everything in the refusal.
+#[test]
+fn a_file_of_one_line_is_refused_by_its_length() {
+    for text in ["1,".repeat(1 << 16), "t_s,x_mm\n".to_owned() + &"1,".repeat(1 << 16)] {
+        let line = text.lines().count();
+        let error = read(text.as_bytes()).expect_err("no row is as long");
+        assert!(matches!(error, RecordingError::LongLine { line: at, .. } if at == line), "{error}");
+    }
+    let names: String = (0..5000).map(|column| format!("c{column},")).collect();
+    let error = read(format!("{names}t_s\n{0}1\n{0}2\n{0}3\n", "1,".repeat(5000)).as_bytes());
+    let message = error.expect_err("no column means anything").to_string();
+    assert!(message.len() < 300 && message.contains("and 4989 more"), "{message}");
+}
+
+#[test]
+fn elements_of_many_attributes_are_refused_with_their_line() {
+    let attributes = |count: usize| (0..count).map(|at| format!(" f{at}='>1'")).collect::<String>();
+    let trace = |count: usize| {
+        format!(
+            "<traceDisplaySetup><!-- it's -->\n<traceData><dataFrame>\n<rec time='0'{}/></dataFrame></traceData>\
+             </traceDisplaySetup>",
+            attributes(count)
+        )
+    };
+    let error = read(trace(300).as_bytes()).expect_err("no trace has as many signals");
+    assert!(matches!(&error, RecordingError::Syntax { line: 3, .. }), "{error}");
+    assert!(error.to_string().contains("attributes"), "{error}");
+    let error = read(trace(200).as_bytes()).expect_err("there is no signal in it");
+    assert!(!error.to_string().contains("attributes"), "{error}");
+}
+
+#[test]
+fn entities_are_not_expanded() {
+    let entity = |n: usize| format!("<!ENTITY e{} \"{}\">", n + 1, format!("&e{n};").repeat(10));
+    let entities: String = (0..12).map(entity).collect();
+    let bomb = format!(
+        "<?xml version=\"1.0\"?><!DOCTYPE l [<!ENTITY e0 \"a\">{entities}]><MTConnectStreams>&e12;</MTConnectStreams>"
+    );
+    assert!(matches!(read(bomb.as_bytes()), Err(RecordingError::Syntax { line: 1, .. })));
+}
+
+#[test]
+fn a_gap_of_more_than_a_day_parts_two_recordings() {
+    let jump = |seconds: f64| {
+        read(table(|n, time, x| (25 <= n).then(|| format!("{:.2},{x:.3}\n", time + seconds))).as_bytes())
+            .expect("reads")
+    };
+    let log = jump(1e9);
+    assert_eq!(log.recordings.len(), 2);
+    assert!(remarked(&log, "another recording begins"));
+    assert!(log.recordings.iter().all(|recording| recording.duration < 0.3));
+    assert_eq!(jump(3600.0).recordings.len(), 1, "an hour's wait is one");
+}
+
+#[test]
+fn a_packed_log_is_read_as_the_log() {
+    use std::io::Write;
+    let (name, plain) = samples().into_iter().find(|(name, _)| name == "recorder.json").expect("a sample");
+    let expected = read(&plain).expect("reads");
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    gzip.write_all(&plain).expect("memory");
+    let gzip = gzip.finish().expect("memory");
+    let stored = archive(&[(&name, &plain, false)]);
+    let deflated = archive(&[("__MACOSX/x", b"?", false), ("logs/", b"", false), (&name, &plain, true)]);
+    for packed in [&gzip, &stored, &deflated] {
+        assert_eq!(read(packed).expect("reads"), expected);
+        assert!(is_recording(packed) || std::ptr::eq(packed, &deflated), "its beginning tells");
+        for cut in [3, 20, packed.len() / 2, packed.len() - 3] {
+            assert!(matches!(read(&packed[..cut]), Err(RecordingError::Binary(_))), "cut at {cut}");
+        }
+    }
+    let several = archive(&[("a.csv", b"1", false), ("b.csv", b"2", true)]);
+    let error = read(&several).expect_err("which one?").to_string();
+    assert!(error.contains("2 files") && error.contains("a.csv, b.csv"), "{error}");
+}
+
+/// Zeros pack to a thousandth.
+#[test]
+fn an_archive_that_unpacks_to_far_more_than_a_log_is_refused() {
+    use std::io::Write;
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    gzip.write_all(&vec![b'0'; 100 << 20]).expect("memory");
+    let error = read(&gzip.finish().expect("memory")).expect_err("no log");
+    assert!(error.to_string().contains("far too much"), "{error}");
+}
+
+/// A ZIP archive of files: name, bytes, and whether they are deflated.
+fn archive(files: &[(&str, &[u8], bool)]) -> Vec<u8> {
+    use std::io::Write;
+    let (mut bytes, mut directory) = (Vec::new(), Vec::new());
+    let put = |to: &mut Vec<u8>, numbers: &[(usize, usize)]| {
+        numbers.iter().for_each(|(number, count)| to.extend(&number.to_le_bytes()[..*count]));
+    };
+    for (name, plain, is_deflated) in files {
+        let header = bytes.len();
+        let mut packed = plain.to_vec();
+        if *is_deflated {
+            let mut deflate = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::default());
+            deflate.write_all(plain).expect("memory");
+            packed = deflate.finish().expect("memory");
+        }
+        let method = if *is_deflated { 8 } else { 0 };
+        let common = [
+            (20, 2),
+            (0, 2),
+            (method, 2),
+            (0, 4),
+            (0, 4),
+            (packed.len(), 4),
+            (plain.len(), 4),
+            (name.len(), 2),
+            (0, 2),
+        ];
+        bytes.extend(b"PK\x03\x04");
+        put(&mut bytes, &common);
+        bytes.extend(name.as_bytes());
+        bytes.extend(&packed);
+        directory.extend(b"PK\x01\x02");
+        put(&mut directory, &[(20, 2)]);
+        put(&mut directory, &common);
+        put(&mut directory, &[(0, 2), (0, 2), (0, 2), (0, 4), (header, 4)]);
+        directory.extend(name.as_bytes());
+    }
+    let (from, count) = (bytes.len(), files.len());
+    bytes.extend(&directory);
+    bytes.extend(b"PK\x05\x06");
+    put(&mut bytes, &[(0, 2), (0, 2), (count, 2), (count, 2), (directory.len(), 4), (from, 4), (0, 2)]);
+    bytes
+}
+
+/// The tables that are made of SINUMERIK recorder files count cycles of 2 ms.
+#[test]
+fn a_recorders_table_counts_cycles() {
+    let row = |n: usize| format!("{},{:.3},{:.3},{:.3},0.5\n", 4100 + n, 0.1 * n as f64, 5.0, 0.1 * n as f64);
+    let text =
+        "CYCLE,DES_POS|1,DES_POS|2,ENC_POS|1,TORQUE|1\n".to_owned() + &(0..50).map(row).collect::<String>();
+    let recording = one(&text);
+    assert!((recording.duration - 0.098).abs() < 1e-9, "{} s", recording.duration);
+    assert!(recording.commanded[1].is_some() && recording.actual[0].is_some() && recording.actual_is_stated);
+    let told = Options { interval: Some(4e-3), ..Options::default() };
+    let log = read_with(text.as_bytes(), &told).expect("reads");
+    assert!((log.recordings[0].duration - 0.196).abs() < 1e-9);
+}
+
 #[test]
 fn files_that_tell_nothing_are_refused_with_the_reason() {
     let refused = |bytes: &[u8]| read(bytes).expect_err("must be refused");
@@ -294,11 +436,20 @@ fn files_that_tell_nothing_are_refused_with_the_reason() {
     assert!(matches!(refused(b"\x78\x9c\x01\x02"), RecordingError::Binary(kind) if kind.contains("Klipper")));
     assert!(matches!(refused(&[1, 2, 3, 0, 5, 200, 7, 0, 9]), RecordingError::Binary(_)));
     assert!(matches!(refused(b"t_s,x_mm\n0.0,1.0\n"), RecordingError::TooFewSamples { .. }));
+    let single: [&[u8]; 3] =
+        [b"t_s,x_mm\n0.0,1.0", b"0 1 2 3", b"2026-03-01T08:00:00Z|@ASSET@|1|Part|none\n"];
+    for row in single {
+        let error = refused(row);
+        assert!(matches!(error, RecordingError::TooFewSamples { .. }), "{error}");
+    }
     assert!(matches!(refused(b"the quick brown fox\njumps over\n"), RecordingError::UnknownFormat(_)));
     assert!(matches!(refused(b"t_s,load\n0.0,1\n0.1,2\n0.2,3\n"), RecordingError::NothingKnown { .. }));
     assert!(matches!(refused(b"<html><body/></html>"), RecordingError::UnknownFormat(_)));
     assert!(matches!(refused(b"{\"a\": 1}"), RecordingError::UnknownFormat(_)));
     let rows = |row: &dyn Fn(usize) -> String| (0..50).map(row).collect::<String>();
+    let restarting = "t_s,x_mm\n".to_owned() + &rows(&|n| format!("{:.2},{n}.0\n", 0.01 * (n % 5) as f64));
+    let error = refused(restarting.as_bytes());
+    assert!(matches!(error, RecordingError::TimeDisorder { line: 7, count: 9, of: 50 }), "{error}");
     let no_time = "x_mm,y_mm\n".to_owned() + &rows(&|n| format!("{n}.0,1.0\n"));
     assert!(
         matches!(refused(no_time.as_bytes()), RecordingError::NoTime { found } if found == ["x_mm", "y_mm"])
@@ -509,7 +660,7 @@ fn program_length(path: PathBuf) -> f64 {
 
 #[test]
 fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
-    let Some(nist) = recordings("nist-hurco") else { return };
+    let Some(nist) = recordings_of_others("nist-hurco") else { return };
     // Run, program, seconds as told beside the data.
     let runs = [
         ("box-op1-03", "box-op1", 1772.0),
@@ -554,7 +705,7 @@ fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
 
 #[test]
 fn the_stand_in_machines_tables_close() {
-    let Some(plant) = recordings("plant") else { return };
+    let plant = corpus::recordings().join("plant");
     for case in 1..=20 {
         let folder = plant.join(format!("case-{case:02}"));
         let log = read(&file(folder.join("recording.csv"))).expect("reads");
@@ -572,7 +723,7 @@ fn the_stand_in_machines_tables_close() {
 
 #[test]
 fn a_controllers_tables_close_and_last_as_long_as_told() {
-    let Some(folder) = recordings("linuxcnc") else { return };
+    let folder = corpus::recordings().join("linuxcnc");
     let answers: serde_json::Value =
         serde_json::from_slice(&file(folder.join("answers.json"))).expect("JSON");
     for (name, answer) in answers.as_object().expect("one entry a run") {
@@ -595,7 +746,7 @@ fn a_controllers_tables_close_and_last_as_long_as_told() {
 
 #[test]
 fn a_lathes_log_of_four_programs_comes_apart() {
-    let Some(folder) = recordings("okuma-multus") else { return };
+    let Some(folder) = recordings_of_others("okuma-multus") else { return };
     let log = read(&file(folder.join("okuma.txt"))).expect("reads");
     check_laws("okuma", &log);
     let mut runs: Vec<(&str, f64)> = Vec::new();

@@ -1,21 +1,18 @@
 //! Predictions against recordings of a stand-in machine that shares no code with this project.
 //!
-//! The data are not part of the project: they lie in `../shared/recordings` or in the folder named by
-//! `TRUEFEED_RECORDINGS`, and the test says so and ends where they are absent. Only cases in which
+//! Only cases in which
 //! nothing is concealed that changes the time are compared here, by how long the machine moves. Of a
 //! real shop's program the trend is held.
-
-mod shared;
 
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::project::machine_from_toml;
 use truefeed::quote::programmed_time;
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::trace;
 
-use crate::shared::recordings;
+use crate::shared::{corpus, recordings_of_others};
 
 /// Cases that conceal nothing (5, 6, 11), backlash (3), servo lag (8) and vibration (9).
 const CASES: [&str; 6] = ["case-03", "case-05", "case-06", "case-08", "case-09", "case-11"];
@@ -34,13 +31,14 @@ fn moving_time(rows: &[(f64, [f64; 3])]) -> f64 {
 
 #[test]
 fn the_stand_in_machine_moves_as_long_as_predicted() {
-    let Some(plant) = recordings("plant") else { return };
+    let plant = corpus::recordings().join("plant");
     for case in CASES {
         let file = |name: &str| std::fs::read(plant.join(case).join(name)).expect("each case has its files");
         let text = |name: &str| String::from_utf8(file(name)).expect("text");
         let machine = machine_from_toml(&text("machine.toml")).expect("a machine file");
         let toolpath = trace(&read(&file("program.nc")), &machine);
-        let (plan, _) = plan_within(&toolpath, &machine, machine.interpolator.contour_tolerance, &mut |_| {});
+        let (plan, _) =
+            simulate::within(&toolpath, &machine, machine.interpolator.contour_tolerance, &mut |_| {});
         let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
         let predicted: Vec<_> = (0..samples.time.len())
             .map(|row| (samples.time[row], [0, 1, 2].map(|axis: usize| samples.position[axis][row])))
@@ -63,14 +61,14 @@ fn the_stand_in_machine_moves_as_long_as_predicted() {
 
 #[test]
 fn a_real_program_takes_longer_than_programmed_and_less_at_wider_tolerances() {
-    let Some(programs) = recordings("nist-hurco/programs") else { return };
+    let Some(programs) = recordings_of_others("nist-hurco/programs") else { return };
     let mut machine = Machine::default();
     machine.interpolator.time_constants = TimeConstants::Equal(0.03);
     let program = std::fs::read(programs.join("box-op1.nc")).expect("the program is there");
     let toolpath = trace(&read(&program), &machine);
     let programmed = programmed_time(&toolpath, &machine);
     let times = [0.005, 0.010, 0.020, 0.050, 0.100]
-        .map(|tolerance| plan_within(&toolpath, &machine, tolerance, &mut |_| {}).0.cycle_time());
+        .map(|tolerance| simulate::within(&toolpath, &machine, tolerance, &mut |_| {}).0.cycle_time());
     eprintln!("box-op1: {programmed:.0} s programmed, {times:.0?} s at 5 to 100 µm");
     assert!(times.is_sorted_by(|narrow, wide| wide < narrow), "{times:?}");
     assert!(1.10 * programmed < times[1], "{} s for {programmed} s", times[1]);

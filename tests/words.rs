@@ -2,10 +2,10 @@
 
 #[allow(dead_code)]
 #[path = "../examples/words.rs"]
-mod words;
+mod example;
 
 #[test]
 fn the_page_is_what_the_command_writes() {
     let page = include_str!("../docs/words.md");
-    assert_eq!(words::page(), page, "run `cargo run --example words` again");
+    assert_eq!(example::page(), page, "run `cargo run --example words` again");
 }

@@ -69,7 +69,7 @@ export function field(prefix, parameter, changed) {
     element,
     show(value, message) {
       fault.textContent = message
-      control.toggleAttribute('aria-invalid', message !== '')
+      control.ariaInvalid = message ? 'true' : null
       element.classList.toggle('set', !same(value, neutral))
       if (same(typed(kind, control), value)) return
       if (kind === 'flag') /** @type {HTMLInputElement} */ (control).checked = value === true

@@ -2,17 +2,13 @@
 // files, which of them is in sight, how they are read, and what took long to find. Settings are kept apart (settings.js).
 //
 // sessionStorage outlives a reload and not the tab, so it holds the name of the tab, and IndexedDB the files under it. No other
-// tab sees them. What a closed tab left behind is thrown away when the page is next opened after a day: nothing tells a tab that
+// tab sees them: a duplicated tab has the session of its original, finds the name locked and goes on with a copy. What a closed tab left behind is deleted when a program is next computed after a day: nothing tells a tab that
 // is closed from one that the browser will bring back.
 
 /** @import { Before, Calibration, DiagnosedColumns, Diagnosis, State } from "./types.js" */
 
 const KEY = 'truefeed.tab'
-const STORE = 'tabs'
-const KEPT_MS = 24 * 3600 * 1000
-
-/** The page does not wait longer for what it had open. */
-const PATIENCE_MS = 3000
+export const STORE = 'tabs'
 
 /** More is not kept, bytes: the browser's room is the user's. */
 const MOST = 1_000_000_000
@@ -24,7 +20,7 @@ const MOST = 1_000_000_000
 /** @typedef {{saved: number, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null} & Found} Kept */
 
 /** @returns {Promise<IDBDatabase>} */
-function open() {
+export function open() {
   return new Promise((resolve, reject) => {
     const asked = indexedDB.open('truefeed', 1)
     asked.onupgradeneeded = () => asked.result.createObjectStore(STORE)
@@ -34,54 +30,47 @@ function open() {
 }
 
 /** @template T @param {IDBRequest<T>} asked @returns {Promise<T>} */
-const answer = (asked) =>
+export const answer = (asked) =>
   new Promise((resolve, reject) => {
     asked.onsuccess = () => resolve(asked.result)
     asked.onerror = () => reject(asked.error)
   })
 
-/** The name of this tab. */
-function tab() {
-  const name = sessionStorage.getItem(KEY) ?? crypto.randomUUID()
-  sessionStorage.setItem(KEY, name)
-  return name
+/** A reload waits this long for the page before it to let go of the name. */
+const RELEASE_MS = 1000
+
+/** Whether a name was free: it is this tab's then. @param {string} name @returns {Promise<boolean>} */
+const hold = (name) =>
+  new Promise((done) => {
+    const untilLeft = () => (done(true), new Promise(() => {}))
+    navigator.locks.request(`${KEY}.${name}`, { signal: AbortSignal.timeout(RELEASE_MS) }, untilLeft).catch(() => done(false))
+  })
+
+/** The name of this tab, and that of what it begins with. @returns {Promise<{own: string, former: string | null}>} */
+async function nameTab() {
+  const former = sessionStorage.getItem(KEY)
+  if (former && (await hold(former))) return { own: former, former }
+  const own = crypto.randomUUID()
+  sessionStorage.setItem(KEY, own)
+  await hold(own)
+  return { own, former }
 }
+
+/** @type {ReturnType<typeof nameTab> | undefined} */
+let named
+export const tab = () => (named ??= nameTab())
 
 /** @returns {Kept} */
 const nothing = () => ({ saved: 0, programs: [], recordings: [], selected: null, recording: null, calibration: null, diagnosis: null, sample: null })
 
 /** What this tab had open; nothing where the browser keeps nothing, or takes too long. @returns {Promise<Kept>} */
-export function loadOpen() {
-  const patience = new Promise((resolve) => setTimeout(() => resolve(nothing()), PATIENCE_MS))
-  return Promise.race([load(), /** @type {Promise<Kept>} */ (patience)])
-}
-
-/** @returns {Promise<Kept>} */
-async function load() {
+export async function loadOpen() {
   try {
-    const database = await open()
-    const store = database.transaction(STORE, 'readwrite').objectStore(STORE)
-    const own = tab()
-    const found = /** @type {Kept | undefined} */ (await answer(store.get(own)))
-    const others = await answer(store.getAllKeys())
-    for (const key of others) {
-      const other = key === own ? undefined : await answer(store.get(key))
-      if (other && !(Date.now() - other.saved < KEPT_MS)) store.delete(key)
-    }
-    database.close()
-    return { ...nothing(), ...found }
+    const { former } = await tab()
+    return former === null ? nothing() : await (await import('./stored.js')).loadTab(former, nothing())
   } catch {
     return nothing()
   }
-}
-
-/** The diagnosis that was kept, with the programs as they are now; none where one of them is gone. @param {Kept} kept @param {State} state @returns {Diagnosis | null} */
-export function diagnosisOf({ diagnosis }, { programs }) {
-  const runs = (diagnosis?.runs ?? []).flatMap((run) => {
-    const program = programs.find(({ id }) => id === run.program)
-    return program ? [{ ...run, program }] : []
-  })
-  return diagnosis && runs.length === diagnosis.runs.length ? { ...diagnosis, runs } : null
 }
 
 /** What was saved last: files are written again only where something about them changed. */
@@ -114,8 +103,9 @@ export function saveOpen(state) {
 /** @param {Kept} kept */
 async function put(kept) {
   try {
+    const { own } = await tab()
     const database = await open()
-    await answer(database.transaction(STORE, 'readwrite').objectStore(STORE).put(kept, tab()))
+    await answer(database.transaction(STORE, 'readwrite').objectStore(STORE).put(kept, own))
     database.close()
   } catch {
     // A browser that keeps nothing still computes.

@@ -21,7 +21,7 @@ function kept() {
   try {
     const all = /** @type {unknown} */ (JSON.parse(localStorage.getItem(KEY) ?? '[]'))
     if (!Array.isArray(all)) return []
-    const isOne = (/** @type {any} */ values) => values !== null && typeof values === 'object' && typeof values.name === 'string'
+    const isOne = (/** @type {any} */ values) => typeof values?.name === 'string'
     return all.filter(isOne).map(keptMachine)
   } catch {
     return []

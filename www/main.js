@@ -1,6 +1,7 @@
 // Starts the page: owns the one state object, has work done and tells the panels what changed.
 
 import init, {
+  arcCenters,
   dialects,
   edited,
   faults,
@@ -36,8 +37,8 @@ import * as resultsPanel from './panels/results.js'
 import * as settingsPanel from './panels/settings.js'
 import * as tolerancesPanel from './panels/tolerances.js'
 import { pairs, recordingOf } from './recordings.js'
-import { diagnosisOf, loadOpen, saveOpen } from './kept.js'
-import { loadBefore, loadSettings, saveBefore, saveSettings } from './settings.js'
+import { loadOpen, saveOpen } from './kept.js'
+import { loadSettings, saveBefore, saveSettings } from './settings.js'
 import { say } from './texts.js'
 import { whole } from './whole.js'
 import { workOn } from './work.js'
@@ -66,10 +67,11 @@ const engine = new Engine(first, confinedWorker, wholeModule)
 
 /** @type {Form} */
 const form = JSON.parse(formOfModule())
+element('version').textContent = form.version
 form.presets.push(...loadMachines())
 /** @type {import("./types.js").Parameter[]} */
 const termFields = JSON.parse(termsForm())
-const settings = loadSettings()
+const { settings, before } = await loadSettings(form, termFields, mostCurves())
 const opened = await loadOpen()
 
 const knownPreset = startNamed(settings.preset)
@@ -82,7 +84,7 @@ const state = {
   tolerances: settings.tolerances ?? [...usualTolerances()],
   machine: filled(knownPreset, { ...(settings.values ?? form.presets[knownPreset].values) }),
   terms: filledTerms(settings.terms ?? {}),
-  beforeSettings: loadBefore(),
+  beforeSettings: before,
   recordings: opened.recordings.map((kept) => ({ ...kept, match: null, failure: null })),
   recording: opened.recording,
   calibration: opened.calibration,
@@ -97,7 +99,7 @@ const state = {
   paused: false,
 }
 
-state.diagnosis = diagnosisOf(opened, state)
+if (opened.diagnosis) state.diagnosis = (await import('./stored.js')).diagnosisOf(opened, state)
 const history = new History(snapshot())
 let nextId = Math.max(0, ...[...state.programs, ...state.recordings].map(({ id }) => id)) + 1
 let timer = 0
@@ -233,7 +235,7 @@ export const actions = {
       changed()
     }
   },
-  /** Reads a program as another control would. @param {number} id @param {string | null} dialect */
+  /** Reads a program as another control would, or its arcs otherwise. @param {number} id @param {string | null} dialect */
   setDialect(id, dialect) {
     const program = state.programs.find((program) => program.id === id)
     if (!program || program.dialect === dialect) return
@@ -544,7 +546,7 @@ const tolerances = tolerancesPanel.mount(element('tolerances'), { most: mostCurv
 const panels = [
   progress,
   historyPanel.mount(element('history'), history, actions),
-  programPanel.mount(element('program'), JSON.parse(dialects()), actions),
+  programPanel.mount(element('program'), JSON.parse(dialects()), JSON.parse(arcCenters()), actions),
   machine,
   tolerances,
   resultsPanel.mount(element('results'), form, actions),
@@ -592,6 +594,7 @@ async function mountOthers() {
     cutting.mount(element('cutting'), newEngine(), actions),
   )
   update()
+  import('./stored.js').then((stored) => stored.deleteClosed())
   document.documentElement.dataset.whole = 'true'
   return own
 }

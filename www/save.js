@@ -38,9 +38,12 @@ async function pngOf(svg) {
 /** A picture as an address that the policy of the page allows. @param {string} svg */
 export const addressOf = (svg) => `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`
 
+/** How long a browser may take to read what it saves: Firefox and Safari only begin to when the click has returned. */
+const READING_MS = 60_000
+
 /** @param {Blob} blob @param {string} name */
 function saveBlob(blob, name) {
   const link = make('a', { href: URL.createObjectURL(blob), download: name })
   link.click()
-  URL.revokeObjectURL(link.href)
+  setTimeout(() => URL.revokeObjectURL(link.href), READING_MS)
 }

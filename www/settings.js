@@ -1,23 +1,22 @@
 // What the page remembers between visits: the machine, the tolerances and the terms of the quote, never a program.
 
-/** @import { Values } from "./types.js" */
+/** @import { Before, Form, Parameter, Values } from "./types.js" */
 
-const KEY = 'truefeed.settings.1'
+export const KEY = 'truefeed.settings.1'
 
 /** @typedef {{programmed?: boolean, tolerances?: number[], preset?: string, values?: Values, terms?: Values, beside?: string, quoted?: string}} Settings */
 
 /** Where the settings are that a link or file took the place of, until the user wants them back or not. */
-const BEFORE = 'truefeed.settings.before.1'
+export const BEFORE = 'truefeed.settings.before.1'
 
-/** @returns {Settings} */
-export function loadSettings() {
+/** The settings of the last visit, and those before they came from a link or file. @param {Form} form @param {Parameter[]} termFields @param {number} most  tolerances @returns {Promise<{settings: Settings, before: Before | null}>} */
+export async function loadSettings(form, termFields, most) {
   try {
-    const settings = JSON.parse(localStorage.getItem(KEY) ?? '{}')
-    const numbers = Array.isArray(settings.tolerances) && settings.tolerances.every(Number.isFinite)
-    return { ...settings, tolerances: numbers && settings.tolerances.length > 0 ? settings.tolerances : undefined }
+    if (localStorage.length > 0) return (await import('./stored.js')).remembered(form, termFields, most)
   } catch {
-    return {}
+    // A browser that keeps nothing still computes.
   }
+  return { settings: {}, before: null }
 }
 
 /** @param {Settings} settings */
@@ -29,16 +28,7 @@ export function saveSettings(settings) {
   }
 }
 
-/** What the user had before settings came from a link or file. @returns {import("./types.js").Before | null} */
-export function loadBefore() {
-  try {
-    return JSON.parse(localStorage.getItem(BEFORE) ?? 'null')
-  } catch {
-    return null
-  }
-}
-
-/** @param {import("./types.js").Before | null} before */
+/** @param {Before | null} before */
 export function saveBefore(before) {
   try {
     if (before) localStorage.setItem(BEFORE, JSON.stringify(before))

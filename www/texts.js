@@ -74,6 +74,7 @@ export const say = {
     chooseFiles: 'choose files',
     addSample: 'add the sample',
     readAs: 'Read as the program of',
+    arcCenters: 'I, J and K of arcs count',
     removeThis: 'Remove this program',
     removeByDelete: 'Remove by Delete',
     automaticAs: (name) => `Automatic: ${name}`,

@@ -12,6 +12,7 @@
  * @property {string} dialect  the word of the control it was read for
  * @property {number} programmed_time_s
  * @property {Diagnostic[]} diagnostics
+ * @property {string} version  of the build that computed it
  */
 
 /**
@@ -25,6 +26,7 @@
  * @property {number} max_contour_error_mm
  * @property {Place[]} beyond_tolerance
  * @property {number} price  0 where there is no hourly rate
+ * @property {string} [in_doubt]  what of the cycle time is in doubt and why; absent where nothing is
  */
 
 /** @typedef {{value: number, line: number, distance_mm: number}} CutPeak */
@@ -139,7 +141,7 @@
  */
 
 /** A machine to begin with; `kept` in this browser, `removed` from it. @typedef {{name: string, source: string, caveat: string, values: Values, kept?: boolean, removed?: boolean}} Preset */
-/** @typedef {{fields: Parameter[], presets: Preset[]}} Form */
+/** @typedef {{fields: Parameter[], presets: Preset[], version: string}} Form */
 
 /**
  * The form as it is filled now.

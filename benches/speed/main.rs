@@ -26,10 +26,10 @@ use truefeed::machine::Machine;
 use truefeed::plot::Programmed;
 use truefeed::plot::path::{Pace, Trail};
 use truefeed::quote::quote;
-use truefeed::simulation::contour::plan_within;
-use truefeed::simulation::feed::{Rule, Tolerances, plan};
+use truefeed::simulation::feed::{Rule, Tolerances};
 use truefeed::simulation::gcode::{Options, Parts};
 use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Toolpath, trace_text};
 
 /// Contour tolerances, mm.
@@ -102,7 +102,7 @@ impl Work {
         let toolpath = |text: Vec<u8>| trace_text(text, &Options::default(), &machine);
         let quoted = |toolpath: &Toolpath, tolerance: f64| {
             let tolerances = Tolerances::One(tolerance);
-            let (plan, errors) = plan_within(toolpath, &machine, tolerances, &mut |_| {});
+            let (plan, errors) = simulate::within(toolpath, &machine, tolerances, &mut |_| {});
             let time = quote(toolpath, &machine, &plan, tolerances, &errors).cycle_time;
             (time, plan, errors)
         };
@@ -120,7 +120,9 @@ impl Work {
             Work::Trace => toolpath(text).segments.len() as f64,
             Work::Plan | Work::PlanFour | Work::PlanFourAtOnce => {
                 let toolpath = toolpath(text);
-                let one = |tolerance: f64| plan(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time();
+                let one = |tolerance: f64| {
+                    simulate::by_rule(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time()
+                };
                 match self {
                     Work::Plan => one(TOLERANCES[1]),
                     Work::PlanFour => TOLERANCES.map(one).iter().sum(),

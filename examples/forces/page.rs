@@ -2,14 +2,14 @@
 
 use truefeed::cutting::{Mill, Setup, StockBox, engagement, loads, material, programmed_feedrates};
 use truefeed::machine::Machine;
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Motion, trace};
 use truefeed::units::mm_per_min;
 
-use crate::chart::{Curve, Panel, svg};
-use crate::path::{CHOICE, Choice, DIAMETER, FEEDRATE, LENGTH, WIDTH, part};
+use super::chart::{Curve, Panel, svg};
+use super::path::{CHOICE, Choice, DIAMETER, FEEDRATE, LENGTH, WIDTH, part};
 
 /// Contour tolerance, mm.
 const TOLERANCE: f64 = 0.010;
@@ -70,7 +70,7 @@ pub fn case(choice: &Choice) -> Case {
     let part = part(choice);
     let machine = Machine::default();
     let toolpath = trace(&read(part.program.as_bytes()), &machine);
-    let (plan, _) = plan_within(&toolpath, &machine, TOLERANCE, &mut |_| {});
+    let (plan, _) = simulate::within(&toolpath, &machine, TOLERANCE, &mut |_| {});
     let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::FINE);
     let tool =
         Mill { diameter: Some(DIAMETER), teeth: Some(2), helix: HELIX.to_radians(), ..Mill::default() };
@@ -82,7 +82,7 @@ pub fn case(choice: &Choice) -> Case {
         ..Setup::default()
     };
     let cut = engagement(&toolpath, &setup).expect("all is given");
-    let predicted = curve.feedrates_at(&cut);
+    let predicted = curve.feedrates_at(cut.distances());
     let feedrates = [programmed_feedrates(&cut, &toolpath), predicted];
     let both = loads(&cut, &toolpath, &setup, &[&feedrates[0], &feedrates[1]]).expect("all is given");
     let section = |(first, last): (u32, u32)| {

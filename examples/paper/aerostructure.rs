@@ -3,7 +3,7 @@
 //! Known are the lengths, CAD time × feed. Each section is taken to be curves written as chords,
 //! straights between them, and sharp corners, in proportions chosen by trying a grid on some rows.
 
-use crate::path::{Pen, plan_of};
+use super::path::{Pen, plan_of};
 
 /// mm/min.
 pub const FEEDRATE: f64 = 8000.0;

@@ -4,14 +4,15 @@ use std::f64::consts::TAU;
 
 use truefeed::identification::step::{Filters, Identification, Outcome, Quantity, Recording, identify};
 use truefeed::simulation::feed::corner::CornerLaw;
-use truefeed::simulation::feed::{FeedPlan, Rule, plan};
+use truefeed::simulation::feed::{FeedPlan, Rule};
 use truefeed::simulation::filter::FilterChain;
 use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::Toolpath;
 use truefeed::units::mm_per_s;
 
-use crate::chart::{Curve, Panel, curve, svg};
-use crate::path::{Pen, TIME_CONSTANT, machine};
+use super::chart::{Curve, Panel, curve, svg};
+use super::path::{Pen, TIME_CONSTANT, machine};
 
 const TIME: &str = "time (ms)";
 /// Acceleration and deceleration time of the move in Sect. 2.2, s.
@@ -206,7 +207,7 @@ fn right_angle_plan(filters: usize) -> (Toolpath, FeedPlan) {
     pen.turn(90.0);
     pen.straight(10.0);
     let toolpath = pen.toolpath(20.0, 3000.0);
-    let plan = plan(&toolpath, &machine(filters, RAMP / filters as f64), Rule::Isolated(0.05));
+    let plan = simulate::by_rule(&toolpath, &machine(filters, RAMP / filters as f64), Rule::Isolated(0.05));
     (toolpath, plan)
 }
 
@@ -270,7 +271,7 @@ fn pulse_train() -> String {
         pen.turn(turn);
     }
     let toolpath = pen.toolpath(pen.length, 3000.0);
-    let plan = plan(&toolpath, &machine(3, TIME_CONSTANT), Rule::Isolated(0.05));
+    let plan = simulate::by_rule(&toolpath, &machine(3, TIME_CONSTANT), Rule::Isolated(0.05));
     let profile = Profile::new(&toolpath, &plan);
     svg(
         &[

@@ -1,8 +1,8 @@
 //! The page: figures with captions, misprints, tables. Every number in it is computed here.
 
-use crate::aerostructure::{self, SECTIONS, TOLERANCES};
-use crate::figures::{cornering, identified};
-use crate::pockets::{
+use super::aerostructure::{self, SECTIONS, TOLERANCES};
+use super::figures::{cornering, identified};
+use super::pockets::{
     CONTOUR, ContourShape, Pocket, Row, SHARP, TROCHOID, TrochoidShape, WEIGHT_OF_CURVES, chosen_contour,
     chosen_trochoid, contour, rated_trochoids, trochoid,
 };

@@ -1,9 +1,10 @@
 //! Toolpaths as a CAM system writes them: straight blocks only, curves as chords.
 
 use truefeed::machine::{Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Rule, plan};
+use truefeed::simulation::feed::{FeedPlan, Rule};
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Segments, Toolpath, Vector};
 use truefeed::units::mm_per_s;
 
@@ -91,7 +92,7 @@ pub fn machine(filters: usize, time_constant: f64) -> Machine {
 
 /// The plan as published: every corner as if it were alone; tolerance in µm.
 pub fn plan_of(toolpath: &Toolpath, tolerance: f64) -> FeedPlan {
-    plan(toolpath, &machine(3, TIME_CONSTANT), Rule::Isolated(1e-3 * tolerance))
+    simulate::by_rule(toolpath, &machine(3, TIME_CONSTANT), Rule::Isolated(1e-3 * tolerance))
 }
 
 /// Feedrate of the tool when it has run `distance` (mm), mm/min.

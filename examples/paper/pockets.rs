@@ -5,7 +5,7 @@
 
 use truefeed::simulation::profile::Profile;
 
-use crate::path::{Pen, feedrate_at, plan_of};
+use super::path::{Pen, feedrate_at, plan_of};
 
 /// A row of Table 1 with its features of Tables 2 and 3: mm/min, µm, and s.
 pub struct Row {

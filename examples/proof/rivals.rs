@@ -14,8 +14,9 @@ use std::ops::Range;
 
 use serde_json::{Value, json};
 use truefeed::identification::comparison::{Comparison, Lost, compare};
-use truefeed::identification::fit::{Freed, Recorded, Run, Scale, Whitening, fit, simulate};
-use truefeed::machine::Machine;
+use truefeed::identification::fit::{Freed, Recorded, Run, Scale, Whitening, fit};
+use truefeed::machine::{Handle, Machine};
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Curve, Motion, Toolpath};
 
 /// Blocks that the model without physics takes the mean of.
@@ -76,8 +77,9 @@ fn compared(machine: &Machine, run: &Run) -> Comparison {
 fn refit(machine: &Machine, run: &Run) -> Machine {
     let runs = [run.clone()];
     let ratio = |key| {
-        let start = Freed::number(key, 0.0, (0.0, f64::MAX), Scale::Difference)?.of(machine)?;
-        Freed::number(key, start, (0.1 * start, 10.0 * start), Scale::Ratio)
+        let handle = Handle::number(key);
+        let start = handle.get(machine)?;
+        Some(Freed::new(handle, start, (0.1 * start, 10.0 * start), Scale::Ratio))
     };
     let freed: Vec<Freed> = ["interpolator.time_constant_s", "interpolator.contour_tolerance_mm"]
         .into_iter()

@@ -2,6 +2,10 @@
 
 use std::path::Path;
 
+#[path = "../../tests/shared/corpus.rs"]
+#[allow(dead_code)]
+mod corpus;
+
 use crate::cases::{Counts, cases, write};
 use crate::effects::{LIBRARY, conceal};
 use crate::path::{Shape, add, between, norm};
@@ -136,7 +140,7 @@ fn the_same_seed_gives_the_same_bytes() {
 /// The gate of validity: with nothing concealed the predictor's cycle time is the plant's.
 #[test]
 fn without_an_effect_the_predictor_agrees() {
-    use truefeed::simulation::contour::plan_within;
+    use truefeed::simulation::simulate;
     for seed in 0..12 {
         let mut random = Random::new(seed, 11);
         let (text, families) = program::draw(&mut random);
@@ -146,23 +150,19 @@ fn without_an_effect_the_predictor_agrees() {
         let machine = truefeed::project::machine_from_toml(&machine).expect("the file is in the tool's form");
         let program = truefeed::simulation::gcode::read(text.as_bytes());
         let toolpath = truefeed::simulation::toolpath::trace(&program, &machine);
-        let (plan, _) = plan_within(&toolpath, &machine, physics.tolerance, &mut |_| {});
+        let (plan, _) = simulate::within(&toolpath, &machine, physics.tolerance, &mut |_| {});
         let predicted = plan.cycle_time();
         let share = (predicted / plant - 1.0).abs();
         assert!(share < 0.0005, "seed {seed} {families:?}: plant {plant}, predicted {predicted}");
     }
 }
 
-/// The FIR kernel against a machine that others wrote, where its recordings are at hand. That machine counts
+/// The FIR kernel against a machine that others wrote. That machine counts
 /// up to half a second of standing in its cycle times, so what the effect costs is compared.
 #[test]
 fn another_plant_pays_as_much() {
-    let root = std::env::var("TRUEFEED_RECORDINGS").unwrap_or_else(|_| "../shared/recordings".into());
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(root).join("plant");
-    let Ok(answers) = std::fs::read(folder.join("answers.json")) else {
-        println!("skipped: no recordings at {}", folder.display());
-        return;
-    };
+    let folder = corpus::recordings().join("plant");
+    let answers = std::fs::read(folder.join("answers.json")).expect("the corpus has the answers");
     let answers: serde_json::Value = serde_json::from_slice(&answers).expect("the answers are JSON");
     for (name, answer) in answers.as_object().expect("an object") {
         let read_text =

@@ -1,14 +1,12 @@
 //! `truefeed predict --ndjson`: many programs, a line of JSON each, on all processors.
 //!
-//! Lines stand in the order in which programs are done; what is in a line depends on its program and the request
-//! alone. With `--out` a run goes on where an earlier one stopped, however it did: a line is written whole by a
-//! single call, half a line at the end of the file is taken out, and a program is left out while its line is
-//! current ([`Keys`]). Lines of programs that were not asked for stay.
+//! Lines come in the order in which programs are done; what is in a line depends on its program and the request
+//! alone. With `--out` a run continues where an earlier one stopped, however it stopped ([`ArchiveFile`]): a program is
+//! skipped while its line is current ([`Keys`]).
 
 use std::any::Any;
 use std::collections::{HashMap, HashSet};
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{ErrorKind, IsTerminal, Read, Write, stderr, stdout};
+use std::io::{IsTerminal, Write, stderr};
 use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -21,13 +19,15 @@ use std::time::{Duration, Instant};
 use truefeed::machine::Machine;
 use truefeed::project::{ArchiveLine, Keys, LineOwner, Prediction};
 use truefeed::quote::{programmed_time, quote};
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
-use truefeed::simulation::gcode::{Dialect, Options};
+use truefeed::simulation::gcode::Options;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::trace_text;
 
+use crate::command::archive_file::{Earlier, Sink, open};
+use crate::command::input::bytes_of;
 use crate::command::programs::{Found, programs};
-use crate::command::{Refusal, bytes_of, print};
+use crate::command::{Refusal, declined, print};
 
 /// Exit status where every program was gone through and some line says an error.
 const HAS_ERRORS: u8 = 1;
@@ -38,10 +38,12 @@ pub struct Archive {
     pub paths: Vec<PathBuf>,
     /// The machine.
     pub machine: Machine,
+    /// Its file.
+    pub machine_path: PathBuf,
     /// Contour tolerances, mm; none: those of the program.
     pub tolerances: Vec<f64>,
     /// The control the programs are for; none: what each shows.
-    pub dialect: Option<Dialect>,
+    pub options: Options,
     /// The file that lines are added to; none: standard output.
     pub out: Option<PathBuf>,
     /// Only say which programs there are to do.
@@ -57,14 +59,25 @@ impl Archive {
             return Err("--ndjson takes files and folders; - has no name to go on by".to_string());
         }
         let found = programs(&self.paths);
-        let keys = Keys::new(&self.machine, &self.tolerances, self.dialect);
-        let (mut sink, to_do) = match &self.out {
-            None => (Sink::Standard, found),
+        let keys = Keys::new(&self.machine, &self.tolerances, &self.options);
+        let asked: HashMap<String, &PathBuf> =
+            found.iter().flatten().map(|program| (name(program), program)).collect();
+        let key_of = |program: &Path| bytes_of(program).ok().map(|bytes| keys.of(&bytes));
+        let state = |owner: &LineOwner| match asked.get(&owner.path) {
+            None => Earlier::Other,
+            Some(program) if owner.key.is_some() && key_of(program) == owner.key => Earlier::Current,
+            Some(_) => Earlier::Outdated,
+        };
+        let (mut sink, current) = match &self.out {
+            None => (Sink::Standard, HashSet::new()),
             Some(out) => {
-                let (sink, current) = Sink::file(out, &found, &keys)?;
-                (sink, found.into_iter().filter(|found| !current.contains(&name(place(found)))).collect())
+                let programs = found.iter().flatten().map(PathBuf::as_path);
+                let inputs: Vec<&Path> = programs.chain([&*self.machine_path]).collect();
+                open(out, &inputs, &state)?
             }
         };
+        let to_do: Vec<Found> =
+            found.into_iter().filter(|found| !current.contains(&name(place(found)))).collect();
         if self.is_list {
             return list(&to_do).map(|()| ExitCode::SUCCESS);
         }
@@ -112,7 +125,8 @@ impl Archive {
         };
         let key = keys.of(&bytes);
         match catch_unwind(AssertUnwindSafe(|| self.prediction(file, bytes))) {
-            Ok(prediction) => {
+            Ok(Err(refusal)) => failed(Some(&key), &refusal),
+            Ok(Ok(prediction)) => {
                 let line =
                     ArchiveLine { path: &path, key: Some(&key), prediction: Some(&prediction), error: None };
                 (line.to_line(), false)
@@ -124,21 +138,23 @@ impl Archive {
     }
 
     /// What `predict --json` says of a program, its tolerances one after another.
-    fn prediction(&self, file: &Path, bytes: Vec<u8>) -> Prediction {
-        let options = Options { dialect: self.dialect, ..Options::default() };
-        let toolpath = trace_text(bytes, &options, &self.machine);
+    fn prediction(&self, file: &Path, bytes: Vec<u8>) -> Result<Prediction, Refusal> {
+        let toolpath = trace_text(bytes, &self.options, &self.machine);
+        if let Some(reason) = declined(&toolpath) {
+            return Err(reason);
+        }
         let own = [Tolerances::Programmed];
         let given: Vec<Tolerances> = self.tolerances.iter().copied().map(Tolerances::One).collect();
         let tolerances = if given.is_empty() { &own[..] } else { &given };
         let quotes: Vec<_> = tolerances
             .iter()
             .map(|&tolerance| {
-                let (plan, errors) = plan_within(&toolpath, &self.machine, tolerance, &mut |_| {});
+                let (plan, errors) = simulate::within(&toolpath, &self.machine, tolerance, &mut |_| {});
                 quote(&toolpath, &self.machine, &plan, tolerance, &errors)
             })
             .collect();
         let called = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
-        Prediction::new(&called, &toolpath, programmed_time(&toolpath, &self.machine), &quotes)
+        Ok(Prediction::new(&called, &toolpath, programmed_time(&toolpath, &self.machine), &quotes))
     }
 }
 
@@ -200,91 +216,6 @@ impl Progress {
             (true, true) => writeln!(stderr(), "\r\x1b[K{text}"),
             (false, _) => writeln!(stderr(), "{text}"),
         };
-    }
-}
-
-/// Where lines go.
-enum Sink {
-    Standard,
-    /// The file, and what was there before where that was replaced: both are locked while it is written.
-    File {
-        file: File,
-        path: PathBuf,
-        _before: Option<File>,
-    },
-}
-
-impl Sink {
-    /// The file at `out`, ready to be added to, and the programs of `found` whose lines in it are current.
-    fn file(out: &Path, found: &[Found], keys: &Keys) -> Result<(Sink, HashSet<String>), Refusal> {
-        let refused = |error: std::io::Error| format!("{}: {error}", out.display());
-        let open = |path: &Path| OpenOptions::new().read(true).append(true).create(true).open(path);
-        let mut file = open(out).map_err(refused)?;
-        lock(&file, out)?;
-        let mut before = Vec::new();
-        file.read_to_end(&mut before).map_err(refused)?;
-        let asked: HashMap<String, &PathBuf> =
-            found.iter().filter_map(|found| found.as_ref().ok()).map(|path| (name(path), path)).collect();
-        let (mut kept, mut current) = (Vec::new(), HashSet::new());
-        for line in before.split_inclusive(|byte| *byte == b'\n') {
-            let Some(owner) = LineOwner::of(line).filter(|_| line.ends_with(b"\n")) else {
-                // Half a line can only be the last one.
-                if line.ends_with(b"\n") {
-                    return Err(format!("{}: not a file of predictions; give another --out", out.display()));
-                }
-                continue;
-            };
-            let is_kept = match asked.get(&owner.path) {
-                None => true,
-                Some(path) => {
-                    let is_current =
-                        owner.key.is_some() && bytes_of(path).ok().map(|own| keys.of(&own)) == owner.key;
-                    is_current && current.insert(owner.path)
-                }
-            };
-            if is_kept {
-                kept.extend_from_slice(line);
-            }
-        }
-        let path = out.to_path_buf();
-        if kept.len() == before.len() {
-            return Ok((Sink::File { file, path, _before: None }, current));
-        }
-        // The old file stays until the new one is whole.
-        let mut beside = out.as_os_str().to_owned();
-        beside.push(".part");
-        let beside = PathBuf::from(beside);
-        std::fs::write(&beside, &kept).map_err(refused)?;
-        let anew = open(&beside).map_err(refused)?;
-        lock(&anew, out)?;
-        std::fs::rename(&beside, out).map_err(refused)?;
-        Ok((Sink::File { file: anew, path, _before: Some(file) }, current))
-    }
-
-    fn put(&mut self, line: &str) -> Result<(), Refusal> {
-        match self {
-            Sink::File { file, path, .. } => {
-                file.write_all(line.as_bytes()).map_err(|error| format!("{}: {error}", path.display()))
-            }
-            Sink::Standard => {
-                stdout().write_all(line.as_bytes()).and_then(|()| stdout().flush()).map_err(|error| {
-                    match error.kind() {
-                        ErrorKind::BrokenPipe => "nobody reads the lines any more".to_string(),
-                        _ => error.to_string(),
-                    }
-                })
-            }
-        }
-    }
-}
-
-/// Keeps a second run from adding to the same file.
-fn lock(file: &File, out: &Path) -> Result<(), Refusal> {
-    match file.try_lock() {
-        Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(format!("{}: another run writes to it", out.display())),
-        // File systems without locks exist; then it is up to the user.
-        Err(TryLockError::Error(_)) => Ok(()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What `predict` adds with `--cutting`: the job, the cut, and the loads of each tolerance.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use truefeed::cutting::{CuttingError, Engagement, Loads, Setup, engagement, programmed_and_predicted};
 use truefeed::machine::Machine;
@@ -10,25 +10,27 @@ use truefeed::project::{
 use truefeed::simulation::profile::FeedCurve;
 use truefeed::simulation::toolpath::Toolpath;
 
-use crate::command::{Refusal, text_of, write_whole};
+use crate::command::Refusal;
+use crate::command::input::settings_of;
+use crate::command::output::Output;
 
 /// A cut along a toolpath, and its loads so far, one for each tolerance.
 pub struct Cut {
     setup: Setup,
     engagement: Result<Engagement, CuttingError>,
     loads: Vec<Result<[Loads; 2], CuttingError>>,
-    forces: Option<PathBuf>,
+    forces: Option<Output>,
 }
 
 impl Cut {
     /// The cut of a job; `forces` is where the loads of the first tolerance are written to.
     pub fn new(
         job: &Path,
-        forces: Option<PathBuf>,
+        forces: Option<Output>,
         machine: &Machine,
         toolpath: &Toolpath,
     ) -> Result<Cut, Refusal> {
-        let setup = cutting_from_toml(&text_of(job)?, machine);
+        let setup = cutting_from_toml(&settings_of(job)?, machine);
         let setup = setup.map_err(|fault| format!("{}: {fault}", job.display()))?;
         let engagement = engagement(toolpath, &setup);
         Ok(Cut { setup, engagement, loads: Vec::new(), forces })
@@ -38,8 +40,8 @@ impl Cut {
     pub fn load(&mut self, toolpath: &Toolpath, curve: &FeedCurve) -> Result<(), Refusal> {
         let Ok(engagement) = &self.engagement else { return Ok(()) };
         let both = programmed_and_predicted(engagement, toolpath, &self.setup, curve, &mut |_| {});
-        if let (true, Some(path), Ok(both)) = (self.loads.is_empty(), &self.forces, &both) {
-            write_whole(path, &loads_csv(engagement, both))?;
+        if let (true, Some(forces), Ok(both)) = (self.loads.is_empty(), &self.forces, &both) {
+            forces.write(&loads_csv(engagement, both))?;
         }
         self.loads.push(both);
         Ok(())

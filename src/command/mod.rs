@@ -1,9 +1,13 @@
-//! The commands, one module each, and what all of them do: read files, write them whole, refuse in one line.
+//! The commands, one module each, and what all of them do: read files ([`input`]), write files ([`output`]), refuse in
+//! one line.
 
 mod archive;
+mod archive_file;
 mod calibrate;
 mod cutting;
 mod diagnose;
+mod input;
+mod output;
 mod predict;
 mod probe;
 mod programs;
@@ -15,13 +19,11 @@ pub use predict::predict;
 pub use probe::probe;
 
 use std::ffi::OsString;
-use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::PathBuf;
 
-use truefeed::machine::Machine;
-use truefeed::project::machine_from_toml;
-use truefeed::simulation::gcode::{Dialect, Options};
-use truefeed::simulation::toolpath::{Toolpath, trace_text};
+use truefeed::simulation::gcode::{ArcCenters, Diagnostic, Dialect};
+use truefeed::simulation::toolpath::Toolpath;
 
 /// What is wrong with a request, in one line.
 pub type Refusal = String;
@@ -46,43 +48,17 @@ pub fn dialect(parser: &mut lexopt::Parser) -> Result<Dialect, Refusal> {
     Dialect::from_word(&word).ok_or_else(|| format!("--dialect {word}: expected one of {known}"))
 }
 
-/// The machine of a machine file.
-pub fn machine_of(path: &Path) -> Result<Machine, Refusal> {
-    machine_from_toml(&text_of(path)?).map_err(|fault| format!("{}: {fault}", path.display()))
+/// The value of `--arc-centres`.
+pub fn arc_centers(parser: &mut lexopt::Parser) -> Result<ArcCenters, Refusal> {
+    let word = value(parser)?.to_string_lossy().into_owned();
+    let known = ArcCenters::WORDS.map(|(word, ..)| word).join(" or ");
+    ArcCenters::from_word(&word).ok_or_else(|| format!("--arc-centres {word}: expected {known}"))
 }
 
-/// The toolpath of a program on a machine.
-pub fn toolpath_of(program: &Path, dialect: Option<Dialect>, machine: &Machine) -> Result<Toolpath, Refusal> {
-    let options = Options { dialect, ..Options::default() };
-    Ok(trace_text(bytes_of(program)?, &options, machine))
-}
-
-/// The bytes of a file, or of standard input for `-`.
-pub fn bytes_of(path: &Path) -> Result<Vec<u8>, Refusal> {
-    let mut bytes = Vec::new();
-    let outcome = if path == Path::new("-") {
-        std::io::stdin().read_to_end(&mut bytes).map(drop)
-    } else {
-        std::fs::read(path).map(|read| bytes = read)
-    };
-    outcome.map(|()| bytes).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-/// The text of a file.
-pub fn text_of(path: &Path) -> Result<String, Refusal> {
-    String::from_utf8(bytes_of(path)?).map_err(|error| {
-        format!("{}: not UTF-8 text at byte {}", path.display(), error.utf8_error().valid_up_to())
-    })
-}
-
-/// Writes beside the target first, so that there is never half a file.
-pub fn write_whole(path: &Path, text: &str) -> Result<(), Refusal> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".part");
-    std::fs::write(&beside, text)
-        .and_then(|()| std::fs::rename(&beside, path))
-        .inspect_err(|_| drop(std::fs::remove_file(&beside)))
-        .map_err(|error| format!("{}: {error}", path.display()))
+/// Returns why nothing of a program is quoted, with the line that shows it.
+pub fn declined(toolpath: &Toolpath) -> Option<Refusal> {
+    let Diagnostic { line, message, .. } = toolpath.declined.as_ref()?;
+    Some(format!("line {}: {message}", line.0))
 }
 
 /// Prints a text; a reader that went away is not our error.

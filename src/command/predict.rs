@@ -2,23 +2,25 @@
 
 use std::num::NonZero;
 use std::panic::resume_unwind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::{available_parallelism, scope};
 
 use lexopt::prelude::*;
-use truefeed::project::{Prediction, profile_csv, severity_word, spacing_note};
+use truefeed::project::{Prediction, doubt_sentence, profile_csv, severity_word, spacing_note};
 use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::feed::{Held, Tolerances};
-use truefeed::simulation::gcode::Dialect;
+use truefeed::simulation::gcode::{ArcCenters, Dialect, Options};
 use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Blending, Toolpath};
 
 use crate::command::archive::Archive;
 use crate::command::cutting::Cut;
-use crate::command::{Refusal, dialect, machine_of, once, print, toolpath_of, value, write_whole};
+use crate::command::input::{machine_of, toolpath_of};
+use crate::command::output::Output;
+use crate::command::{Refusal, arc_centers, dialect, once, print, value};
 
 /// The request of `predict`.
 #[derive(Default)]
@@ -27,6 +29,7 @@ struct Request {
     machine: Option<PathBuf>,
     tolerances: Vec<f64>,
     dialect: Option<Dialect>,
+    arc_centers: Option<ArcCenters>,
     json: bool,
     profile: Option<PathBuf>,
     cutting: Option<PathBuf>,
@@ -48,7 +51,7 @@ pub fn predict(parser: &mut lexopt::Parser) -> Result<ExitCode, Refusal> {
 
 /// The archive that is asked for.
 fn archive(request: Request) -> Result<Archive, Refusal> {
-    let Request { programs, machine, tolerances, dialect, out, is_list, jobs, .. } = request;
+    let Request { programs, machine, tolerances, dialect, arc_centers, out, is_list, jobs, .. } = request;
     let others = [
         ("--json", request.json),
         ("--profile", request.profile.is_some()),
@@ -61,8 +64,10 @@ fn archive(request: Request) -> Result<Archive, Refusal> {
     if programs.is_empty() {
         return Err("which programs? Give G-code files or folders".to_string());
     }
-    let machine = machine_of(&machine.ok_or("which machine? Give --machine M.toml")?)?;
-    Ok(Archive { paths: programs, machine, tolerances, dialect, out, is_list, jobs })
+    let machine_path = machine.ok_or("which machine? Give --machine M.toml")?;
+    let machine = machine_of(&machine_path)?;
+    let options = Options { dialect, arc_centers, ..Options::default() };
+    Ok(Archive { paths: programs, machine, machine_path, tolerances, options, out, is_list, jobs })
 }
 
 /// Carries out `predict` for one program.
@@ -76,12 +81,19 @@ fn predict_one(request: Request) -> Result<(), Refusal> {
         return Err("PROGRAM is given twice; several programs and folders need --ndjson".to_string());
     }
     let machine_path = request.machine.ok_or("which machine? Give --machine M.toml")?;
+    if request.forces.is_some() && request.cutting.is_none() {
+        return Err("--forces needs --cutting JOB.toml".to_string());
+    }
+    let inputs: Vec<&Path> =
+        [&program, &machine_path].into_iter().chain(&request.cutting).map(PathBuf::as_path).collect();
+    let [profile, forces] = Output::all([request.profile, request.forces], &inputs)?;
     let machine = machine_of(&machine_path)?;
-    let toolpath = toolpath_of(&program, request.dialect, &machine)?;
+    let Request { dialect, arc_centers, .. } = request;
+    let options = Options { dialect, arc_centers, ..Options::default() };
+    let toolpath = toolpath_of(&program, &options, &machine)?;
 
     let mut cut = match &request.cutting {
-        Some(job) => Some(Cut::new(job, request.forces, &machine, &toolpath)?),
-        None if request.forces.is_some() => return Err("--forces needs --cutting JOB.toml".to_string()),
+        Some(job) => Some(Cut::new(job, forces, &machine, &toolpath)?),
         None => None,
     };
     let tolerances = match request.tolerances {
@@ -89,22 +101,22 @@ fn predict_one(request: Request) -> Result<(), Refusal> {
         given => given.into_iter().map(Tolerances::One).collect(),
     };
     // A plan is large: it is kept only for what is made of it below.
-    let is_kept = |index: usize| cut.is_some() || (index == 0 && request.profile.is_some());
+    let is_kept = |index: usize| cut.is_some() || (index == 0 && profile.is_some());
     let results = side_by_side(tolerances.len(), |index| {
         let tolerance = tolerances[index];
-        let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut |_| {});
+        let (plan, errors) = simulate::within(&toolpath, &machine, tolerance, &mut |_| {});
         let quote = quote(&toolpath, &machine, &plan, tolerance, &errors);
         (quote, is_kept(index).then_some(plan))
     });
     let mut quotes = Vec::with_capacity(tolerances.len());
     for (index, (quote, plan)) in results.into_iter().enumerate() {
         quotes.push(quote);
-        if let (0, Some(path), Some(plan)) = (index, &request.profile, &plan) {
+        if let (0, Some(profile), Some(plan)) = (index, &profile, &plan) {
             let commanded = Profile::new(&toolpath, plan).written();
             if let Some(note) = spacing_note(commanded.spacing) {
-                eprintln!("truefeed: {}: {note}", path.display());
+                eprintln!("truefeed: {}: {note}", profile.path.display());
             }
-            write_whole(path, &profile_csv(&actual_motion(&commanded, &machine)))?;
+            profile.write(&profile_csv(&actual_motion(&commanded, &machine)))?;
         }
         if let (Some(cut), Some(plan)) = (&mut cut, &plan) {
             cut.load(&toolpath, &Profile::new(&toolpath, plan).drawn())?;
@@ -165,6 +177,7 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
             Long("dialect") => {
                 request.dialect = Some(dialect(parser)?);
             }
+            Long("arc-centres") => request.arc_centers = Some(arc_centers(parser)?),
             Long("tolerance") => {
                 let text = value(parser)?.to_string_lossy().into_owned();
                 let tolerance: f64 = text.parse().unwrap_or(f64::NAN);
@@ -206,6 +219,9 @@ fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> 
             b.other,
             quote.max_contour_error
         );
+    }
+    if let Some(sentence) = quotes.first().and_then(|quote| doubt_sentence(&quote.trust)) {
+        text += &format!("\n{sentence}");
     }
     for held in quotes.iter().flat_map(|quote| &quote.held) {
         text += &format!("\n{}", held_text(held));

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use lexopt::prelude::*;
 use truefeed::identification::probe::{probe_all, probe_between};
 
-use crate::command::{Refusal, machine_of, once, print, value, write_whole};
+use crate::command::input::machine_of;
+use crate::command::output::Output;
+use crate::command::{Refusal, once, print, value};
 
 /// Carries out `probe`.
 pub fn probe(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
@@ -35,6 +37,7 @@ pub fn probe(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
         }
     }
     let machine: PathBuf = machine.ok_or("which machine? Give --machine M.toml")?;
+    let out = out.map(|out| Output::new(out, &[&*machine])).transpose()?;
     let machine = machine_of(&machine)?;
     let probe = match &between {
         Some([one, other]) => probe_between(&machine, [one, other]).map_err(|error| error.to_string())?,
@@ -42,7 +45,7 @@ pub fn probe(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     };
     match out {
         Some(out) => {
-            write_whole(&out, &probe.program)?;
+            out.write(&probe.program)?;
             print(&probe.summary.join("\n"))
         }
         None => print(probe.program.trim_end()),

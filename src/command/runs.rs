@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use truefeed::identification::fit::{Recorded, RecordedError};
+use truefeed::identification::recording::Options;
 use truefeed::machine::Machine;
 use truefeed::project::Refusal as Reason;
+use truefeed::simulation::gcode::Options as Reading;
 
-use crate::command::{Refusal, bytes_of, toolpath_of, value};
+use crate::command::input::{bytes_of, toolpath_of};
+use crate::command::{Refusal, value};
 
 /// A program and a recording, as named.
 pub struct Pair {
@@ -24,6 +27,11 @@ impl Pair {
         Ok(Pair { program: next()?, recording: next()? })
     }
 
+    /// Returns both paths.
+    pub fn paths(&self) -> [&Path; 2] {
+        [&self.program, &self.recording]
+    }
+
     /// The name of the recording for people.
     pub fn name(&self) -> String {
         let name = self.recording.file_name().unwrap_or(self.recording.as_os_str());
@@ -31,9 +39,28 @@ impl Pair {
     }
 
     /// The recording on the program; the inner error where the files can be read but not be compared.
-    pub fn read(&self, machine: &Machine) -> Result<Result<Recorded, RecordedError>, Refusal> {
-        let toolpath = toolpath_of(&self.program, None, machine)?;
-        Ok(Recorded::new(toolpath, &bytes_of(&self.recording)?, machine))
+    pub fn read(
+        &self,
+        machine: &Machine,
+        options: &Options,
+    ) -> Result<Result<Recorded, RecordedError>, Refusal> {
+        let toolpath = toolpath_of(&self.program, &Reading::default(), machine)?;
+        Ok(Recorded::with(toolpath, &bytes_of(&self.recording)?, options, machine))
+    }
+}
+
+/// The option that states the time between rows of a recording without a column of time.
+pub const INTERVAL: &str = "--interval-s";
+
+/// What the options say of a recording.
+pub fn options(interval: Option<PathBuf>) -> Result<Options, Refusal> {
+    let Some(text) = interval else { return Ok(Options::default()) };
+    let seconds = text.to_str().and_then(|text| text.parse::<f64>().ok());
+    match seconds.filter(|seconds| seconds.is_finite() && 0.0 < *seconds) {
+        Some(seconds) => Ok(Options { interval: Some(seconds), ..Options::default() }),
+        None => {
+            Err(format!("{INTERVAL} {}: expected a number of seconds above 0, such as 0.002", text.display()))
+        }
     }
 }
 

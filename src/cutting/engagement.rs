@@ -87,6 +87,11 @@ pub struct Engagement {
 }
 
 impl Engagement {
+    /// The distance along the path of each place, mm.
+    pub fn distances(&self) -> impl Iterator<Item = f64> {
+        self.places.iter().map(|place| place.distance)
+    }
+
     /// The sectors of a place, by ascending angle.
     pub fn sectors(&self, place: &Place) -> &[Sector] {
         &self.sectors[place.sectors.clone()]

@@ -10,13 +10,7 @@
 //! predicted feedrate beside it shows, a higher one saves less or nothing.
 
 use crate::cutting::engagement::{Engagement, Place};
-use crate::cutting::load::{CLOSE, Limit};
-
-/// The factors tried.
-pub(crate) const FACTORS: [f64; 8] = [1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0];
-
-/// Below this share of level motion the bottom cuts, of which no load is known.
-pub(crate) const STEEP: f64 = 0.5;
+use crate::cutting::limits::{CLOSE, FACTORS, Limit};
 
 /// Way through material below which a stretch is not told of, mm.
 const SHORT: f64 = 20.0;

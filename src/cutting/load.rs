@@ -13,7 +13,8 @@ use std::f64::consts::TAU;
 
 use crate::cutting::engagement::{Engagement, TOLD};
 use crate::cutting::force::{Force, Rotor};
-use crate::cutting::headroom::{FACTORS, Headroom, Room, STEEP, headroom};
+use crate::cutting::headroom::{Headroom, Room, headroom};
+use crate::cutting::limits::{CLOSE, FACTORS, Limit, STEEP};
 use crate::cutting::setup::{CuttingError, Limits, Setup};
 use crate::simulation::profile::FeedCurve;
 use crate::simulation::toolpath::{Motion, Operation, Toolpath};
@@ -58,27 +59,6 @@ pub struct OperationLoad {
     pub force: Peak,
     /// Largest power, N·mm/s.
     pub power: Peak,
-}
-
-/// What can be exceeded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Limit {
-    /// Force on the tool, N.
-    ToolForce,
-    /// Torque on the tool, N·mm.
-    ToolTorque,
-    /// Power through the tool, N·mm/s.
-    ToolPower,
-    /// Thickness of a chip, mm.
-    ToolChip,
-    /// Bend of the tool at its tip, mm.
-    ToolDeflection,
-    /// Force on the spindle, N.
-    SpindleForce,
-    /// Torque of the spindle, N·mm.
-    SpindleTorque,
-    /// Power of the spindle, N·mm/s.
-    SpindlePower,
 }
 
 /// A stretch of the path on which a limit is exceeded.
@@ -134,25 +114,6 @@ pub fn programmed_feedrates(engagement: &Engagement, toolpath: &Toolpath) -> Vec
     engagement.places.iter().map(|place| of(place.segment)).collect()
 }
 
-impl FeedCurve {
-    /// Feedrate at each place, mm/s, between the rows in a straight line over distance.
-    pub fn feedrates_at(&self, engagement: &Engagement) -> Vec<f64> {
-        let mut row = 0;
-        let feedrate = |distance: f64| {
-            while row + 1 < self.distance.len() && self.distance[row + 1] < distance {
-                row += 1;
-            }
-            let (Some(&before), Some(&after)) = (self.distance.get(row), self.distance.get(row + 1)) else {
-                return 0.0;
-            };
-            let share =
-                if before < after { ((distance - before) / (after - before)).clamp(0.0, 1.0) } else { 1.0 };
-            self.feedrate[row] + share * (self.feedrate[row + 1] - self.feedrate[row])
-        };
-        engagement.places.iter().map(|place| place.distance).map(feedrate).collect()
-    }
-}
-
 /// The loads by the programmed feedrate, with its headroom, and by that of a profile; `progress` is
 /// called with the part done, from 0 to 1.
 pub fn programmed_and_predicted(
@@ -163,7 +124,7 @@ pub fn programmed_and_predicted(
     progress: &mut dyn FnMut(f64),
 ) -> Result<[Loads; 2], CuttingError> {
     let (programmed, predicted) =
-        (programmed_feedrates(engagement, toolpath), curve.feedrates_at(engagement));
+        (programmed_feedrates(engagement, toolpath), curve.feedrates_at(engagement.distances()));
     let mut rooms = Vec::with_capacity(engagement.places.len());
     let both =
         loads_with(engagement, toolpath, setup, &[&programmed, &predicted], Some(&mut rooms), progress)?;
@@ -334,6 +295,3 @@ impl Watch {
         }
     }
 }
-
-/// Way between two exceedings that count as one, mm.
-pub(crate) const CLOSE: f64 = 10.0;

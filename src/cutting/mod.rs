@@ -11,6 +11,7 @@
 mod engagement;
 mod force;
 mod headroom;
+mod limits;
 mod load;
 mod materials;
 mod setup;
@@ -19,8 +20,9 @@ mod stock;
 pub use engagement::{Collision, Engagement, Place, Sector, engagement, engagement_told};
 pub use force::{Force, Revolution, Rotor};
 pub use headroom::Headroom;
+pub use limits::Limit;
 pub use load::{
-    Exceeded, Limit, Load, Loads, OperationLoad, Peak, loads, programmed_and_predicted, programmed_feedrates,
+    Exceeded, Load, Loads, OperationLoad, Peak, loads, programmed_and_predicted, programmed_feedrates,
 };
 pub use materials::{Coefficients, MATERIALS, Material, material};
 pub use setup::{CuttingError, Limits, Mill, Setup, StockBox, compliance};

@@ -32,14 +32,14 @@
 //!
 //! Source: Ward et al. 2021, Sect. 2.2, which reads T1 = Tacc/n off a chart.
 
-mod least_squares;
+mod misfit;
 mod response;
 #[cfg(test)]
 mod tests;
 
 pub use response::Quantity;
 
-use crate::identification::step::least_squares::{Minimum, minimise};
+use crate::identification::step::misfit::{Minimum, minimise};
 use crate::identification::step::response::{Response, Shape};
 
 /// Difference of BIC from which one model is preferred beyond doubt: odds above 100 to 1.

@@ -1,6 +1,6 @@
 //! The law by which a control limits the feedrate at corners, and its rows in the table of parameters.
 
-use crate::machine::parameters::{Access, Parameter, finite, number};
+use crate::machine::parameter::{Access, Parameter, finite, number};
 use crate::units::Unit;
 
 /// What limits the feedrate at a corner beside the contour tolerance.

@@ -8,8 +8,11 @@
 //! Source of the interpolator's fields: Ward, Sencer, Jones and Ozturk 2021, Sect. 2 and 3.
 
 mod halts;
+mod handle;
 mod junction;
+mod parameter;
 mod parameters;
+mod planner;
 mod presets;
 mod supply;
 mod times;
@@ -20,8 +23,11 @@ use crate::machine::words::word_of;
 use std::collections::BTreeMap;
 
 pub use halts::{Halts, InPosition};
+pub use handle::Handle;
 pub use junction::Junction;
-pub use parameters::{Access, PARAMETERS, Parameter, parameter};
+pub use parameter::{Access, Parameter};
+pub use parameters::{PARAMETERS, parameter};
+pub use planner::PLANNER_FILTER_S;
 pub use presets::{Preset, presets};
 pub use supply::PlannedBy;
 pub use times::{Direction, Function, Spin, SpindleTimes, Times};
@@ -98,6 +104,10 @@ pub struct Interpolator {
     /// An arc is run as chords that turn by so much, rad, and what the command holds for a corner on
     /// an arc ends with the first of them; neutral at 20π or more: an arc is one block. 1° where nothing is said.
     pub arc_step: f64,
+    /// Into which chords an arc is cut before it is planned; neutral into none.
+    pub arc_chords: ArcChords,
+    /// The least part of a move that speeds up and slows down at which it cruises, 0 to 1; neutral 0.
+    pub minimum_cruise_ratio: f64,
     /// Shortest time the control needs for a block, s; neutral 0.
     pub block_time: f64,
     /// Blocks the control sees ahead; neutral infinite.
@@ -120,6 +130,17 @@ pub enum TimeConstants {
     FromJerk(f64),
     /// One for each filter, s.
     Unequal(Vec<f64>),
+}
+
+/// Into which chords a control cuts an arc before it plans it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ArcChords {
+    /// Into none: an arc is one block.
+    Whole,
+    /// Into as long ones as lie within this distance of the arc, mm.
+    Within(f64),
+    /// Into ones of at least this length along the arc, mm.
+    Long(f64),
 }
 
 /// Where the contour tolerance is held.
@@ -152,7 +173,7 @@ impl CornerMode {
 /// Rapid moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rapid {
-    /// Feedrate along the path, mm/s.
+    /// Feedrate along the path, mm/s; neutral infinite where each axis has a rapid of its own.
     pub feedrate: f64,
     /// Rate at which a rotary axis turns in rapid, rad/s.
     pub rotary_rate: f64,
@@ -202,6 +223,8 @@ pub struct PathLimits {
 pub struct Axis {
     /// Fastest the axis moves, mm/s; neutral infinite.
     pub velocity: f64,
+    /// Fastest the axis moves in rapid, mm/s; neutral infinite.
+    pub rapid: f64,
     /// Largest acceleration, mm/s²; neutral infinite.
     pub acceleration: f64,
     /// Largest jerk at a corner, mm/s³; neutral infinite.
@@ -294,6 +317,9 @@ pub struct Cycles {
     pub peck_retract: Option<f64>,
     /// How far above the last depth pecking (G83) feeds again, mm; none: as above.
     pub peck_clearance: Option<f64>,
+    /// Whether tapping in pecks (Q of G84) comes out to the reference height between them; neutral false: it is turned
+    /// back by the retract of chip breaking.
+    pub taps_out: bool,
 }
 
 /// How the control reads a program.
@@ -319,6 +345,25 @@ pub struct Rates {
 }
 
 impl Machine {
+    /// Returns the rapid feedrate r of a move of which axis k takes the part u_k, mm/s: that along the path, and no axis above
+    /// its own, r = min(r_path, min_k r_k / |u_k|).
+    pub fn rapid_feedrate(&self, shares: [f64; 3]) -> f64 {
+        let axes = self.axes.iter().zip(shares).map(|(axis, share)| axis.rapid / share.abs());
+        axes.fold(self.rapid.feedrate, f64::min)
+    }
+
+    /// Returns the fastest rapid feedrate in any direction, mm/s: with rapids of axes, that of the move on which all of them
+    /// run at their own.
+    pub fn fastest_rapid(&self) -> f64 {
+        let squares = self.axes.iter().map(|axis| axis.rapid * axis.rapid);
+        self.rapid.feedrate.min(squares.sum::<f64>().sqrt())
+    }
+
+    /// Whether each axis has a rapid of its own.
+    pub fn has_rapids_of_axes(&self) -> bool {
+        self.axes.iter().all(|axis| axis.rapid.is_finite())
+    }
+
     /// The contour tolerances at which it is known how far off the cycle time is, where that is known, mm.
     pub fn tolerances_of_error(&self) -> &[f64] {
         match self.calibrated_at.as_slice() {
@@ -353,6 +398,8 @@ impl Default for Machine {
                 exact_stop_angle: std::f64::consts::PI,
                 slowing_angle: f64::INFINITY,
                 arc_step: ARC_STEP,
+                arc_chords: ArcChords::Whole,
+                minimum_cruise_ratio: 0.0,
                 block_time: 0.0,
                 look_ahead: f64::INFINITY,
                 planned_by: PlannedBy::Supply,
@@ -384,7 +431,7 @@ impl Default for Machine {
                 rapid_by_line: BTreeMap::new(),
             },
             recorder: Recorder { clock_ratio: 1.0 },
-            cycles: Cycles { peck_retract: None, peck_clearance: None },
+            cycles: Cycles { peck_retract: None, peck_clearance: None, taps_out: false },
             program: Reading::default(),
             times: Times::default(),
             halts: Halts::default(),
@@ -406,6 +453,7 @@ impl Default for Axis {
     fn default() -> Axis {
         Axis {
             velocity: f64::INFINITY,
+            rapid: f64::INFINITY,
             acceleration: f64::INFINITY,
             jerk: f64::INFINITY,
             home: None,

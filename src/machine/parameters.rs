@@ -11,6 +11,7 @@ mod reading;
 mod times;
 
 use crate::machine::junction::JUNCTION;
+use crate::machine::parameter::{Access, JERK_MM_S3, Parameter, TOLERANCE_MM, finite, number, whole};
 use crate::machine::parameters::axes::axes;
 use crate::machine::parameters::curves::CURVES;
 use crate::machine::parameters::halts::HALTS;
@@ -18,128 +19,15 @@ use crate::machine::parameters::reading::READING;
 use crate::machine::parameters::times::TIMES;
 use crate::machine::supply::SUPPLY;
 use crate::machine::words::choice_of;
-use crate::machine::{ARC_STEP, CornerMode, Machine, RAPID_ROTARY_RATE, TimeConstants};
+use crate::machine::{ARC_STEP, CornerMode, RAPID_ROTARY_RATE, TimeConstants};
 use crate::units::Unit;
-use std::collections::BTreeMap;
-
-/// One machine parameter as people write it.
-pub struct Parameter {
-    /// Key in the machine file, for example `rapid.feed_mm_min`.
-    pub key: &'static str,
-    /// Short name for forms.
-    pub label: &'static str,
-    /// What it does, one sentence.
-    pub doc: &'static str,
-    /// Its kind, and how to reach it in a machine.
-    pub access: Access,
-}
-
-/// How a parameter is read from a machine and written to it. Numbers are in core units.
-pub enum Access {
-    /// A number within bounds.
-    Number {
-        /// Unit at the borders.
-        unit: Unit,
-        /// Least value allowed, in that unit.
-        min: f64,
-        /// Largest value allowed, in that unit.
-        max: f64,
-        /// Only whole numbers.
-        whole: bool,
-        /// Its value; none where the machine does not have it.
-        get: fn(&Machine) -> Option<f64>,
-        /// Gives it a value; none takes it back to neutral.
-        set: fn(&mut Machine, Option<f64>),
-    },
-    /// A list of numbers within bounds, as [`Access::Number`].
-    List {
-        /// Unit at the borders.
-        unit: Unit,
-        /// Least value allowed, in that unit.
-        min: f64,
-        /// Largest value allowed, in that unit.
-        max: f64,
-        /// Only whole numbers.
-        whole: bool,
-        /// How many values there can be.
-        most: usize,
-        /// Its values; none where the machine does not have them.
-        get: fn(&Machine) -> Option<Vec<f64>>,
-        /// Gives it values.
-        set: fn(&mut Machine, Vec<f64>),
-    },
-    /// One word of several.
-    Choice {
-        /// The words.
-        words: &'static [&'static str],
-        /// The word it has.
-        get: fn(&Machine) -> &'static str,
-        /// Gives it one of the words.
-        set: fn(&mut Machine, &str),
-    },
-    /// Yes or no.
-    Flag {
-        /// Whether it is set.
-        get: fn(&Machine) -> bool,
-        /// Sets it.
-        set: fn(&mut Machine, bool),
-    },
-    /// Any text.
-    Text {
-        /// The text.
-        get: fn(&Machine) -> &str,
-        /// Gives it a text.
-        set: fn(&mut Machine, &str),
-    },
-    /// A table of numbers by word, for example `M8 = 3.0`.
-    Codes {
-        /// The letter of the words.
-        letter: char,
-        /// Unit at the borders and inside.
-        unit: Unit,
-        /// Least value allowed.
-        min: f64,
-        /// Largest value allowed.
-        max: f64,
-        /// The values by number.
-        get: fn(&Machine) -> &BTreeMap<u32, f64>,
-        /// The same, to be changed.
-        get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
-    },
-    /// The tool table: diameters in mm by tool number.
-    Tools,
-}
 
 /// The row with this key.
 pub fn parameter(key: &str) -> Option<&'static Parameter> {
     PARAMETERS.iter().find(|parameter| parameter.key == key)
 }
 
-/// An infinite limit is written by leaving the key out.
-pub(super) fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}
-
-pub(super) const fn number(
-    unit: Unit,
-    (min, max): (f64, f64),
-    get: fn(&Machine) -> Option<f64>,
-    set: fn(&mut Machine, Option<f64>),
-) -> Access {
-    Access::Number { unit, min, max, whole: false, get, set }
-}
-
-pub(super) const fn whole(
-    (min, max): (f64, f64),
-    get: fn(&Machine) -> Option<f64>,
-    set: fn(&mut Machine, Option<f64>),
-) -> Access {
-    Access::Number { unit: Unit::Number, min, max, whole: true, get, set }
-}
-
 const TIME_CONSTANT_S: (f64, f64) = (1e-4, 2.0);
-const JERK_MM_S3: (f64, f64) = (1.0, 1e9);
-const TOLERANCE_MM: (f64, f64) = (1e-6, 10.0);
 
 /// Time constants are one choice of three, so that setting one form replaces the others, and
 /// taking back a form that is not in force changes nothing.
@@ -169,7 +57,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 28] = [
+const GENERAL: [Parameter; 29] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -301,12 +189,12 @@ const GENERAL: [Parameter; 28] = [
     Parameter {
         key: "rapid.feed_mm_min",
         label: "Rapid feedrate",
-        doc: "Feedrate of rapid moves along the path.",
+        doc: "Feedrate of rapid moves along the path; empty: only the rapids of the axes, where each has one.",
         access: number(
             Unit::MillimetrePerMinute,
             (1.0, 1e6),
-            |m| Some(m.rapid.feedrate),
-            |m, v| m.rapid.feedrate = v.unwrap_or(200.0),
+            |m| finite(m.rapid.feedrate),
+            |m, v| m.rapid.feedrate = v.unwrap_or(f64::INFINITY),
         ),
     },
     Parameter {
@@ -452,6 +340,12 @@ const GENERAL: [Parameter; 28] = [
             |m| m.cycles.peck_clearance,
             |m, v| m.cycles.peck_clearance = v,
         ),
+    },
+    Parameter {
+        key: "cycles.tap_pecks_out",
+        label: "Tapping comes out between pecks",
+        doc: "Tapping with Q (G84) goes out to R between pecks, as Fanuc with 5200#5 = 1; else back by the retract of chip breaking.",
+        access: Access::Flag { get: |m| m.cycles.taps_out, set: |m, v| m.cycles.taps_out = v },
     },
     Parameter {
         key: "tools",

@@ -4,9 +4,8 @@
 //! plans corners by that feedrate. One that runs dry has planned them by the feedrate requested, and runs what it has
 //! planned more slowly: none of its corners is faster for that.
 
-use crate::machine::parameters::{finite, number, whole};
+use crate::machine::parameter::{Access, Parameter, finite, number, whole};
 use crate::machine::words::{choice_of, word_of};
-use crate::machine::{Access, Parameter};
 use crate::units::Unit;
 
 /// The feedrate by which corners between starved blocks are planned.

@@ -36,6 +36,8 @@ pub struct Times {
     pub spindle: SpindleTimes,
     /// The M-words that wait for the spindle's ramp; neutral none: its own words do.
     pub spindle_awaited_by: Vec<u32>,
+    /// How long feed moves wait at an S word among them until the spindle has its speed, s; neutral 0: they go on.
+    pub spindle_change: f64,
     /// M7 and M8, s; neutral none: as other M-words. So are all times here that can be none.
     pub coolant_on: Option<f64>,
     /// M9, s.
@@ -145,6 +147,7 @@ impl Default for Times {
             tools: BTreeMap::new(),
             spindle: SpindleTimes::default(),
             spindle_awaited_by: Vec::new(),
+            spindle_change: 0.0,
             coolant_on: None,
             coolant_off: None,
             program_stop: None,

@@ -6,12 +6,9 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::plot::feed_panel::{self, programmed_width};
-use crate::plot::panel::{Borders, FONT, FONT_SIZE, Look, axis_number};
+use crate::plot::panel::{Borders, FONT, FONT_SIZE, Failure, Look, axis_number};
 use crate::plot::{FeedChart, Frame, Theme, View, error_panel, lost_panel};
 use crate::units::mm_per_min;
-
-/// What drawing on a backend can fail with.
-pub(crate) type Failure<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
 /// Part of the height below the legend that the feedrates take.
 const FEED_PART: f64 = 0.6;

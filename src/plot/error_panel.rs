@@ -10,9 +10,8 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 use crate::plot::decimate::count_before;
-use crate::plot::draw::Failure;
 use crate::plot::feed_panel::rapid_stretches;
-use crate::plot::panel::{Axes, Borders, Look, borders};
+use crate::plot::panel::{Axes, Borders, Failure, Look, borders};
 use crate::plot::{Curve, FeedChart, Programmed, Stretch, View};
 use crate::units::micrometres;
 

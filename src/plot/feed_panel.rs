@@ -6,8 +6,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use crate::plot::decimate::{FEW, by_column, clipped, decimated};
-use crate::plot::draw::Failure;
-use crate::plot::panel::{Axes, Borders, Look, borders};
+use crate::plot::panel::{Axes, Borders, Failure, Look, borders};
 use crate::plot::{Abscissa, Extremes, FeedChart, View};
 use crate::units::mm_per_min;
 

@@ -8,8 +8,7 @@ use plotters::prelude::*;
 
 use crate::cutting::{Engagement, Load, Loads};
 use crate::plot::decimate::{clipped, decimated};
-use crate::plot::draw::Failure;
-use crate::plot::panel::{Axes, Look, axis_number, borders};
+use crate::plot::panel::{Axes, Failure, Look, axis_number, borders};
 use crate::plot::{Column, Theme, View};
 use crate::units::{mm_per_min, watts_of_n_mm_per_s};
 

@@ -9,10 +9,10 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use crate::plot::decimate::{clipped, decimated};
-use crate::plot::draw::Failure;
 use crate::plot::feed_panel::rapid_stretches;
-use crate::plot::panel::{Axes, Borders, Look, borders};
-use crate::plot::{FeedChart, LostTime, View, rows_around};
+use crate::plot::panel::{Axes, Borders, Failure, Look, borders};
+use crate::plot::{FeedChart, LostTime, View};
+use crate::simulation::sampled::rows_around;
 
 /// Room above and below what is in sight, as a part of it.
 const HEADROOM: f64 = 0.08;
@@ -68,10 +68,7 @@ pub(crate) fn draw<B: DrawingBackend>(
 fn in_sight(lost: &LostTime, (low, high): (f64, f64)) -> (f64, f64) {
     let (at, seconds) = (&lost.distance, &lost.seconds);
     let inside = seconds.extremes(at.partition_point(|at| *at < low)..at.partition_point(|at| *at <= high));
-    let ends = [low, high].map(|end| {
-        let (before, after, part) = rows_around(at, end)?;
-        Some(seconds[before] + part * (seconds[after] - seconds[before]))
-    });
+    let ends = [low, high].map(|end| Some(rows_around(at, end, &mut 0)?.between(&seconds[..])));
     let inside = inside.map(|inside| [inside.lowest, inside.highest]).into_iter().flatten();
     let all = inside.chain(ends.into_iter().flatten());
     let (least, largest) = all.fold((0.0f64, 0.0f64), |(a, b), value| (a.min(value), b.max(value)));

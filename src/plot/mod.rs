@@ -49,6 +49,8 @@ use std::ops::Range;
 
 use crate::machine::Machine;
 use crate::simulation::contour::ContourErrors;
+use crate::simulation::feed::limits::rapid_feedrate;
+use crate::simulation::sampled::rows_around;
 use crate::simulation::toolpath::{Motion, Toolpath};
 
 /// Everything one chart shows.
@@ -233,20 +235,8 @@ impl From<ContourErrors> for Errors {
 impl LostTime {
     /// Time lost (s) at a distance (mm); before a wait there.
     fn at(&self, distance: f64) -> Option<f64> {
-        let (before, after, part) = rows_around(&self.distance, distance)?;
-        Some(self.seconds[before] + part * (self.seconds[after] - self.seconds[before]))
+        Some(rows_around(&self.distance, distance, &mut 0)?.between(&self.seconds[..]))
     }
-}
-
-/// The rows of an ascending column before and after a value, and the part of the way between them; at
-/// equal rows the first.
-fn rows_around(column: &[f64], value: f64) -> Option<(usize, usize, f64)> {
-    let last = column.len().checked_sub(1)?;
-    let after = column.partition_point(|&row| row < value).min(last);
-    let before = after.saturating_sub(1);
-    let span = column[after] - column[before];
-    let part = if span > 0.0 { ((value - column[before]) / span).clamp(0.0, 1.0) } else { 1.0 };
-    Some((before, after, part))
 }
 
 impl Programmed {
@@ -263,7 +253,7 @@ impl Programmed {
         for segment in &toolpath.segments {
             end += segment.length;
             let (feedrate, rapid) = match segment.motion {
-                Motion::Rapid => (machine.rapid.feedrate, true),
+                Motion::Rapid => (rapid_feedrate(&segment, machine), true),
                 Motion::Feed { feedrate } => (feedrate, false),
             };
             ends.push(end);
@@ -339,9 +329,8 @@ impl Curve {
 
     /// Feedrate (mm/s) and time (s) at a distance (mm); the earliest where the tool waits there.
     fn at(&self, distance: f64) -> Option<(f64, f64)> {
-        let (before, after, part) = rows_around(&self.distance, distance)?;
-        let between = |column: &[f64]| column[before] + part * (column[after] - column[before]);
-        Some((between(&self.feedrate), between(&self.time)))
+        let rows = rows_around(&self.distance, distance, &mut 0)?;
+        Some((rows.between(&self.feedrate[..]), rows.between(&self.time[..])))
     }
 }
 

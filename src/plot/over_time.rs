@@ -4,7 +4,8 @@
 //! the programmed steps have those of length over feedrate, without any acceleration. In the chart that comes
 //! out every column of distances holds times, s, and the column of times the distances, mm.
 
-use crate::plot::{Abscissa, Curve, FeedChart, Programmed, Stretch, rows_around};
+use crate::plot::{Abscissa, Curve, FeedChart, Programmed, Stretch};
+use crate::simulation::sampled::rows_around;
 
 impl FeedChart {
     /// The same curves over the time since the start.
@@ -65,8 +66,7 @@ impl Programmed {
 
 /// What one column says where another, ascending, has a value.
 fn between(column: &[f64], of: &[f64], value: f64) -> Option<f64> {
-    let (before, after, part) = rows_around(column, value)?;
-    Some(of[before] + part * (of[after] - of[before]))
+    Some(rows_around(column, value, &mut 0)?.between(of))
 }
 
 #[cfg(test)]

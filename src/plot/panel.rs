@@ -9,7 +9,9 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::plot::Theme;
-use crate::plot::draw::Failure;
+
+/// What drawing on a backend can fail with.
+pub(crate) type Failure<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
 pub(crate) const FONT: &str = "system-ui, sans-serif";
 pub(crate) const FONT_SIZE: f64 = 12.0;

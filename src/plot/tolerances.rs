@@ -8,9 +8,9 @@
 use plotters::prelude::*;
 
 use crate::machine::{checked_tolerance, tolerance_label};
-use crate::plot::draw::Failure;
-use crate::plot::panel::{Axes, Context, FONT, FONT_SIZE, Look, axis_number, borders};
-use crate::plot::{Theme, rows_around};
+use crate::plot::Theme;
+use crate::plot::panel::{Axes, Context, FONT, FONT_SIZE, Failure, Look, axis_number, borders};
+use crate::simulation::sampled::{RowsAround, rows_around};
 
 /// The tolerances the lines are computed for, from the least to the largest, mm.
 const SPAN: (f64, f64) = (0.001, 1.0);
@@ -87,7 +87,7 @@ impl TimeCurve {
         if tolerance < *first || *last < tolerance {
             return None;
         }
-        let (before, after, _) = rows_around(&self.tolerance, tolerance)?;
+        let RowsAround { before, after, .. } = rows_around(&self.tolerance, tolerance, &mut 0)?;
         let (low, high) = (self.tolerance[before].log10(), self.tolerance[after].log10());
         let part = if low < high { (tolerance.log10() - low) / (high - low) } else { 1.0 };
         Some(self.time[before] + part * (self.time[after] - self.time[before]))

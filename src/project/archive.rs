@@ -6,14 +6,16 @@
 //! ```
 //!
 //! The key is that of everything the line follows from: the bytes of the program, the machine, the tolerances, the
-//! dialect and the version. A line is current while its key is; a program that could not be read has no key, and
+//! dialect, the arc centres and the version of the build. A line is current while its key is; a program that could not be
+//! read has no key, and
 //! its line is never current.
 
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::machine::Machine;
-use crate::project::{Prediction, toml_from_machine};
-use crate::simulation::gcode::Dialect;
+use crate::project::{Prediction, VERSION, toml_from_machine};
+use crate::simulation::gcode::{ArcCenters, Dialect, Options};
 
 /// One line.
 #[derive(Clone, Debug, Serialize)]
@@ -41,19 +43,50 @@ impl ArchiveLine<'_> {
 }
 
 /// Whose line it is.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineOwner {
     /// The program.
     pub path: String,
     /// What the line follows from.
-    #[serde(default)]
     pub key: Option<String>,
 }
 
 impl LineOwner {
-    /// The owner of a line; none where it is not a whole line of an archive.
+    /// Returns the owner of a line, or `None` if it is not a whole line of an archive.
     pub fn of(line: &[u8]) -> Option<LineOwner> {
-        serde_json::from_slice(line).ok()
+        #[derive(Deserialize)]
+        struct Fields {
+            path: String,
+            key: Option<String>,
+            error: Option<IgnoredAny>,
+        }
+        let Fields { path, key, error } = serde_json::from_slice(line).ok()?;
+        let is_key =
+            |key: &String| key.len() == KEY_DIGITS && key.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let is_ours = line.starts_with(HEAD) && key.as_ref().map_or(error.is_some(), is_key);
+        is_ours.then_some(LineOwner { path, key })
+    }
+}
+
+/// How a line begins.
+const HEAD: &[u8] = b"{\"path\":\"";
+
+/// What follows its path.
+const AFTER_PATH: [&[u8]; 2] = [b",\"key\":\"", b",\"error\":\""];
+
+/// Whether bytes without an end of line are the beginning of a line of an archive, and not all of something else.
+pub fn begins_a_line(bytes: &[u8]) -> bool {
+    let Some(mut path) = bytes.strip_prefix(HEAD) else { return HEAD.starts_with(bytes) };
+    loop {
+        path = match path {
+            [] | [b'\\'] => return true,
+            [b'\\', _, rest @ ..] => rest,
+            [b'"', after @ ..] => {
+                let begins = |word: &&[u8]| after.starts_with(word) || word.starts_with(after);
+                return AFTER_PATH.iter().any(begins) && serde_json::from_slice::<IgnoredAny>(bytes).is_err();
+            }
+            [_, rest @ ..] => rest,
+        };
     }
 }
 
@@ -63,22 +96,28 @@ pub struct Keys {
 }
 
 impl Keys {
-    /// Those of a machine, tolerances (mm) and a dialect.
-    pub fn new(machine: &Machine, tolerances: &[f64], dialect: Option<Dialect>) -> Keys {
-        let request = format!(
-            "{}\n{}\n{tolerances:?}\n{}",
-            env!("CARGO_PKG_VERSION"),
-            toml_from_machine(machine),
-            dialect.map_or("", Dialect::word)
-        );
+    /// Those of a machine, tolerances (mm) and the options of reading.
+    pub fn new(machine: &Machine, tolerances: &[f64], options: &Options) -> Keys {
+        Keys::by_version(VERSION, machine, tolerances, options)
+    }
+
+    /// Those of a version, which is a model: another one may predict another time.
+    fn by_version(version: &str, machine: &Machine, tolerances: &[f64], options: &Options) -> Keys {
+        let machine = toml_from_machine(machine);
+        let dialect = options.dialect.map_or("", Dialect::word);
+        let arc_centers = options.arc_centers.map_or("", ArcCenters::word);
+        let request = format!("{version}\n{machine}\n{tolerances:?}\n{dialect}{arc_centers}");
         Keys { request: digest(OFFSET, request.as_bytes()) }
     }
 
     /// That of a program.
     pub fn of(&self, program: &[u8]) -> String {
-        format!("{:016x}", digest(self.request, program))
+        format!("{:0KEY_DIGITS$x}", digest(self.request, program))
     }
 }
+
+/// Hexadecimal digits of a key.
+const KEY_DIGITS: usize = 16;
 
 /// Where FNV-1a begins.
 const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
@@ -97,30 +136,54 @@ mod tests {
         let machine = Machine::default();
         let mut other = machine.clone();
         other.rapid.feedrate *= 2.0;
+        let options = Options::default();
+        let iso = Options { dialect: Some(Dialect::Iso), ..Options::default() };
+        let absolute = Options { arc_centers: Some(ArcCenters::Absolute), ..Options::default() };
         let keys = [
-            Keys::new(&machine, &[], None).of(b"G1"),
-            Keys::new(&machine, &[], None).of(b"G2"),
-            Keys::new(&machine, &[0.01], None).of(b"G1"),
-            Keys::new(&machine, &[], Some(Dialect::Iso)).of(b"G1"),
-            Keys::new(&other, &[], None).of(b"G1"),
+            Keys::new(&machine, &[], &options).of(b"G1"),
+            Keys::new(&machine, &[], &options).of(b"G2"),
+            Keys::new(&machine, &[0.01], &options).of(b"G1"),
+            Keys::new(&machine, &[], &iso).of(b"G1"),
+            Keys::new(&machine, &[], &absolute).of(b"G1"),
+            Keys::new(&other, &[], &options).of(b"G1"),
+            Keys::by_version("0.1.0+1.g0000000", &machine, &[], &options).of(b"G1"),
+            Keys::by_version("0.1.0+2.g0000000", &machine, &[], &options).of(b"G1"),
         ];
         let mut distinct = keys.to_vec();
         distinct.sort();
         distinct.dedup();
         assert_eq!(distinct.len(), keys.len());
-        assert_eq!(Keys::new(&machine, &[], None).of(b"G1"), keys[0]);
+        assert_eq!(Keys::new(&machine, &[], &options).of(b"G1"), keys[0]);
     }
 
     #[test]
-    fn half_a_line_has_no_owner() {
-        let line =
-            ArchiveLine { path: "a \"b\".nc", key: Some("1"), prediction: None, error: Some("no\nway") }
-                .to_line();
-        assert_eq!(line.matches('\n').count(), 1);
-        let owner = LineOwner { path: "a \"b\".nc".to_string(), key: Some("1".to_string()) };
-        assert_eq!(LineOwner::of(line.as_bytes()), Some(owner));
-        for end in 0..line.trim_end().len() {
-            assert_eq!(LineOwner::of(&line.as_bytes()[..end]), None);
+    fn half_a_line_has_no_owner_and_begins_one() {
+        let key = Keys::new(&Machine::default(), &[], &Options::default()).of(b"G1");
+        for (key, error) in [(Some(&*key), None), (Some(&*key), Some("no\nway")), (None, Some("no"))] {
+            let line = ArchiveLine { path: "a \"b\\.nc", key, prediction: None, error }.to_line();
+            assert_eq!(line.matches('\n').count(), 1);
+            let owner = LineOwner { path: "a \"b\\.nc".to_string(), key: key.map(str::to_string) };
+            assert_eq!(LineOwner::of(line.as_bytes()), Some(owner));
+            for end in 0..line.trim_end().len() {
+                assert_eq!(LineOwner::of(&line.as_bytes()[..end]), None);
+                assert!(begins_a_line(&line.as_bytes()[..end]), "{}", &line[..end]);
+            }
+        }
+    }
+
+    #[test]
+    fn what_somebody_else_wrote_is_no_line_and_begins_none() {
+        for text in [
+            "{\"precious\":1}",
+            "{\"path\":\"a.nc\"}",
+            "{\"path\":\"a.nc\",\"customer\":\"Smith\"}",
+            "{\"path\":\"a.nc\",\"key\":\"C major\"}",
+            "{\"path\":\"a.nc\",\"customer\":",
+            "[{\"path\":\"a.nc\",\"key\":\"0123456789abcdef\"}]",
+            "G1X1F100 G1X2",
+        ] {
+            assert_eq!(LineOwner::of(text.as_bytes()), None, "{text}");
+            assert!(!begins_a_line(text.as_bytes()), "{text}");
         }
     }
 }

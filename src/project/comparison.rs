@@ -131,7 +131,7 @@ impl From<&RecordingError> for Refusal {
     fn from(error: &RecordingError) -> Refusal {
         let advice = match error {
             RecordingError::Empty => "Record a run of the program and drop the file again.",
-            RecordingError::Binary(_) | RecordingError::UnknownFormat(_) => {
+            RecordingError::Binary(_) | RecordingError::Archive { .. } | RecordingError::UnknownFormat(_) => {
                 "Save the log as text: CSV with a row of names, SHDR or MTConnect, a SINUMERIK trace, TwinCAT Scope \
                  CSV, scope2csv or halsampler."
             }
@@ -139,7 +139,10 @@ impl From<&RecordingError> for Refusal {
                 "Record positions (x_mm, y_mm, z_mm), the feed (feed_mm_min) or the program line (line), and name the \
                  columns so."
             }
-            RecordingError::NoTime { .. } | RecordingError::TimeUnit { .. } => {
+            RecordingError::NoTime { .. } => {
+                "Name the time column with its unit, as in t_s or t_ms, or state the sampling interval (--interval-s S)."
+            }
+            RecordingError::TimeUnit { .. } => {
                 "Name the time column with its unit, as in t_s or t_ms, in the file's first row."
             }
             RecordingError::TimeDisorder { .. } => {
@@ -164,6 +167,9 @@ impl From<&AlignmentError> for Refusal {
             AlignmentError::Units(_) => {
                 "State the right unit in the column's name, as in feed_mm_min or x_inch."
             }
+            AlignmentError::TimeUnit { .. } => {
+                "State the unit of the time column in its name: t_s if it holds seconds, t_ms if milliseconds."
+            }
             AlignmentError::OffPath { hint: Some(_), .. } => {
                 "Export the recording so that it fits, and drop it again."
             }
@@ -171,7 +177,9 @@ impl From<&AlignmentError> for Refusal {
             | AlignmentError::OffPath { .. }
             | AlignmentError::OtherWay { .. }
             | AlignmentError::LinesDoNotFit { .. }
-            | AlignmentError::StopsDoNotFit { .. } => {
+            | AlignmentError::StopsDoNotFit { .. }
+            | AlignmentError::TooFast { .. }
+            | AlignmentError::WaysDoNotFit { .. } => {
                 "Choose the program that was run, or drop that program and this recording together."
             }
         };
@@ -409,12 +417,12 @@ mod tests {
     use super::*;
     use crate::identification::alignment::align_log;
     use crate::identification::comparison::compare;
-    use crate::identification::fit::simulate;
     use crate::identification::recording::read;
     use crate::machine::{Machine, TimeConstants};
     use crate::project::profile_csv;
     use crate::simulation::gcode;
     use crate::simulation::profile::{Profile, Resolution};
+    use crate::simulation::simulate;
     use crate::simulation::toolpath::trace;
 
     const PROGRAM: &[u8] = b"G21 G90\nG0 X0 Y0\nG1 X40 F3000\nG1 Y30\nM8\nG1 X0\nG1 Y0\nG0 X50\nM30\n";

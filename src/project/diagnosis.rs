@@ -11,13 +11,12 @@ pub use chart::{RunChart, diagnosis_chart};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::identification::alignment::AlignmentError;
+use crate::identification::alignment::{Alignment, AlignmentError};
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::{Cause, Diagnosis, Pulsation, Region, Verdict};
-use crate::identification::hypotheses::Reported;
+use crate::identification::effects::{Effect, Finding, Reported, ReportedValue, WRONG_PROGRAM, is_whole};
 use crate::machine::Machine;
 use crate::project::calibrated_view::rounded;
-use crate::project::causes::{Known, known};
 use crate::project::comparison::{Refusal, sentence_of};
 use crate::project::diagnosis::sentence::sentence;
 use crate::project::diagnosis::told::{Change, Told, changes, told};
@@ -42,6 +41,8 @@ pub struct DiagnosisReport {
     not_excited: Vec<String>,
     /// A pace that rises and falls with time; null where it does not.
     pulsation: Option<PulsationRow>,
+    /// Where the first recording lies; null where nothing is compared.
+    alignment: Option<AlignmentRow>,
     messages: Vec<String>,
     /// The extended machine as a filled form; null where nothing is compared.
     values: Option<Map<String, Value>>,
@@ -58,10 +59,21 @@ struct PulsationRow {
     depth: f64,
 }
 
+/// How a recording lies on its program.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct AlignmentRow {
+    /// Recorded less programmed coordinates.
+    shift_mm: [f64; 3],
+    /// How often the program was run in it.
+    passes: usize,
+}
+
 /// A named cause.
 #[derive(Clone, Debug, Serialize)]
 struct CauseRow {
-    id: String,
+    #[serde(skip)]
+    effect: Effect,
+    id: &'static str,
     parameters: Map<String, Value>,
     uncertainty: Map<String, Value>,
     lines: Vec<[u32; 2]>,
@@ -152,6 +164,7 @@ impl DiagnosisReport {
             pulsation: diagnosis
                 .pulsation
                 .map(|Pulsation { frequency, depth }| PulsationRow { frequency_hz: frequency, depth }),
+            alignment: None,
             messages,
             values: Some(values(&machine)),
             changes: Vec::new(),
@@ -163,7 +176,8 @@ impl DiagnosisReport {
     pub fn not_comparable(error: &AlignmentError) -> DiagnosisReport {
         let reason = Refusal::from(error);
         let cause = CauseRow {
-            id: "wrong_program".to_string(),
+            effect: WRONG_PROGRAM,
+            id: WRONG_PROGRAM.id,
             parameters: Map::from_iter([("what".to_string(), Value::from(error.to_string()))]),
             uncertainty: Map::new(),
             lines: Vec::new(),
@@ -171,9 +185,9 @@ impl DiagnosisReport {
             position_mm: None,
             confidence: None,
             indistinguishable_from: Vec::new(),
-            name: "wrong program".to_string(),
+            name: WRONG_PROGRAM.name(),
             sentence: sentence_of(&error.to_string()),
-            vendors: "",
+            vendors: WRONG_PROGRAM.vendors,
             sections: None,
             told: Vec::new(),
         };
@@ -186,11 +200,18 @@ impl DiagnosisReport {
             fit: Fit::default(),
             not_excited: Vec::new(),
             pulsation: None,
+            alignment: None,
             messages: vec![reason.to_string()],
             values: None,
             changes: Vec::new(),
             runs: Vec::new(),
         }
+    }
+
+    /// The report with where the first recording lies on its program.
+    pub fn aligned(self, alignment: &Alignment) -> DiagnosisReport {
+        let row = AlignmentRow { shift_mm: alignment.shift.into(), passes: alignment.passes };
+        DiagnosisReport { alignment: Some(row), ..self }
     }
 
     /// The same beside the machine before, with what was changed in it.
@@ -279,50 +300,41 @@ fn is_of_another_program(error: &AlignmentError) -> bool {
             | AlignmentError::OtherWay { .. }
             | AlignmentError::LinesDoNotFit { .. }
             | AlignmentError::StopsDoNotFit { .. }
+            | AlignmentError::TooFast { .. }
+            | AlignmentError::WaysDoNotFit { .. }
     )
 }
 
 fn cause(cause: &Cause) -> CauseRow {
     let candidate = &cause.candidate;
     let hypothesis = &candidate.hypothesis;
-    let reported = (hypothesis.report)(&candidate.values);
-    let mut uncertainty: Map<String, Value> = Map::new();
-    for (at, deviation) in candidate.deviations.iter().enumerate().filter(|(_, own)| own.is_finite()) {
-        let mut moved = candidate.values.clone();
-        moved[at] += deviation;
-        for ((name, value), (_, other)) in reported.iter().zip((hypothesis.report)(&moved)) {
-            if let (Reported::Number(value), Reported::Number(other)) = (value, other)
-                && value != &other
-            {
-                let before = uncertainty.get(*name).and_then(Value::as_f64).unwrap_or(0.0);
-                uncertainty.insert((*name).to_string(), json!(before.hypot(other - value)));
-            }
-        }
-    }
-    let parameters: Map<String, Value> =
-        reported.iter().map(|(name, value)| ((*name).to_string(), written(value))).collect();
-    let Known { sentence, vendors } = known(hypothesis.id);
-    let is_of_form = 0.0 < cause.form;
+    let effect = hypothesis.effect;
+    let values = hypothesis.reported(&candidate.values, &candidate.deviations);
+    let finding = Finding { values: &values, lines: &cause.lines, seconds: cause.seconds };
+    let key = |value: &ReportedValue| value.quantity.key.to_string();
     CauseRow {
-        id: hypothesis.id.to_string(),
-        sentence: sentence(&parameters, &cause.lines, cause.seconds),
+        effect,
+        id: effect.id,
+        sentence: (effect.sentence)(&finding),
         name: hypothesis.name(),
-        told: told(&parameters, &uncertainty),
-        parameters,
-        uncertainty,
+        told: told(&values),
+        parameters: values.iter().map(|value| (key(value), written(&value.value))).collect(),
+        uncertainty: (values.iter())
+            .filter_map(|value| Some((key(value), json!(value.deviation?))))
+            .collect(),
         lines: cause.lines.iter().map(|(first, last)| [*first, *last]).collect(),
         seconds: Some(cause.seconds),
-        position_mm: is_of_form.then_some(cause.form),
+        position_mm: (0.0 < cause.form).then_some(cause.form),
         confidence: Some(cause.confidence.clamp(0.0, 1.0)),
         indistinguishable_from: cause.alike.clone(),
-        vendors,
+        vendors: effect.vendors,
         sections: cause.held_out.map(|held_out| [held_out.better, held_out.worse]),
     }
 }
 
 fn written(value: &Reported) -> Value {
     match value {
-        Reported::Number(number) if number.fract() == 0.0 && number.abs() < 1e9 => json!(*number as i64),
+        Reported::Number(number) if is_whole(*number) => json!(*number as i64),
         Reported::Number(number) => json!(number),
         Reported::List(numbers) => json!(numbers),
         Reported::Word(word) => json!(word),

@@ -8,15 +8,16 @@ use serde_json::{Map, Value};
 
 use crate::machine::{Access, Machine, PARAMETERS, parameter, presets};
 use crate::project::{
-    CALIBRATION, Fault, TIME_CONSTANTS, Written, contradiction, motion_of_machine, position, rivals, set,
-    written,
+    CALIBRATION, Fault, TIME_CONSTANTS, VERSION, Written, contradiction, motion_of_machine, position, rivals,
+    set, written,
 };
-use crate::simulation::gcode::Dialect;
+use crate::simulation::gcode::{ArcCenters, Dialect};
 
 #[derive(Serialize)]
 struct Form {
     fields: Vec<Field>,
     presets: Vec<Preset>,
+    version: &'static str,
 }
 
 /// One parameter as a form field.
@@ -102,6 +103,12 @@ pub fn dialects() -> String {
     serde_json::Value::from(named.to_vec()).to_string()
 }
 
+/// What I, J and K of arcs may count from, as JSON text: a list of word and name.
+pub fn arc_centers() -> String {
+    let named = ArcCenters::WORDS.map(|(word, _, name)| serde_json::json!({ "word": word, "name": name }));
+    serde_json::Value::from(named.to_vec()).to_string()
+}
+
 /// The parameter table and the presets as JSON text.
 pub fn form() -> String {
     let neutral = values(&Machine::default());
@@ -138,7 +145,7 @@ pub fn form() -> String {
         caveat: preset.caveat,
         values: values(&preset.machine),
     });
-    let form = Form { fields: fields.collect(), presets: presets.collect() };
+    let form = Form { fields: fields.collect(), presets: presets.collect(), version: VERSION };
     serde_json::to_string(&form).expect("text and finite numbers have a JSON form")
 }
 
@@ -247,7 +254,7 @@ fn value_as_written(value: &Value) -> Option<Written> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::project::REQUIRED;
+    use crate::project::{RAPID, REQUIRED};
 
     #[test]
     fn presets_come_back_from_their_own_form() {
@@ -311,6 +318,7 @@ mod tests {
                     assert!(!REQUIRED.contains(&row.key), "{}", row.key);
                     assert_eq!(written(&machine, row), written(&Machine::default(), row), "{}", row.key);
                 }
+                Err(faults) if row.key == RAPID => assert_eq!(faults[0].key.as_deref(), Some(RAPID)),
                 Err(faults) => {
                     assert!(REQUIRED.contains(&row.key), "{}", row.key);
                     assert_eq!(faults[0].key.as_deref(), Some(row.key));

@@ -7,7 +7,8 @@ use toml::de::{DeTable, DeValue};
 
 use crate::machine::{Machine, PARAMETERS, Parameter};
 use crate::project::{
-    Fault, REQUIRED, TIME_CONSTANTS, Written, contradiction, known_parameter, position, rivals, set, written,
+    Fault, RAPID, REQUIRED, TIME_CONSTANTS, Written, contradiction, known_parameter, position, rivals, set,
+    written,
 };
 
 /// A machine from the text of a machine file, or the first thing wrong with it.
@@ -26,6 +27,7 @@ pub fn machine_from_toml(text: &str) -> Result<Machine, Fault> {
     })?;
     entries.sort_by_key(|(key, ..)| position(key));
     let mut machine = Machine::default();
+    machine.rapid.feedrate = f64::INFINITY;
     for (key, span, value) in &entries {
         set(&mut machine, key, value.clone()).map_err(|fault| Fault { place: at(span.clone()), ..fault })?;
     }
@@ -54,7 +56,10 @@ pub fn toml_from_machine(machine: &Machine) -> String {
     let mut table = "";
     for row in by_table() {
         let Some(value) = written(machine, row) else { continue };
-        let needed = row.key == "name" || REQUIRED.contains(&row.key) || TIME_CONSTANTS.contains(&row.key);
+        let needed = row.key == "name"
+            || row.key == RAPID
+            || REQUIRED.contains(&row.key)
+            || TIME_CONSTANTS.contains(&row.key);
         if !needed && written(&neutral, row).as_ref() == Some(&value) {
             continue;
         }
@@ -263,6 +268,18 @@ tool_change_s = 4.0
     }
 
     #[test]
+    fn rapids_of_all_axes_take_the_place_of_the_rapid_along_the_path() {
+        let axes = |letters: &str| {
+            let tables = letters.chars().map(|axis| format!("\n[axis.{axis}]\nrapid_mm_min = 9000\n"));
+            SMALL.replace("feed_mm_min = 12000", "") + &tables.collect::<String>()
+        };
+        let machine = machine_from_toml(&axes("xyz")).expect("each axis has a rapid");
+        assert_eq!((machine.rapid.feedrate, machine.axes[2].rapid), (f64::INFINITY, 150.0));
+        assert_eq!(machine_from_toml(&toml_from_machine(&machine)), Ok(machine));
+        assert!(fault(&axes("xz")).starts_with("rapid.feed_mm_min: this key is missing; give it, or axis.x"));
+    }
+
+    #[test]
     fn a_table_is_written_once() {
         let mut machine = machine_from_toml(SMALL).expect("right");
         machine.interpolator.arc_tolerance = Some(0.03);
@@ -312,7 +329,7 @@ tool_change_s = 4.0
         );
         assert_eq!(
             fault(&SMALL.replace("feed_mm_min = 12000", "")),
-            "rapid.feed_mm_min: this key is missing"
+            "rapid.feed_mm_min: this key is missing; give it, or axis.x.rapid_mm_min, axis.y.rapid_mm_min and axis.z.rapid_mm_min"
         );
         assert_eq!(
             fault(&SMALL.replace("[rapid]", "max_jerk_mm_s3 = 50000\n[rapid]")),

@@ -6,7 +6,6 @@
 
 mod archive;
 mod calibrated_view;
-mod causes;
 mod comparison;
 mod cutting_file;
 mod cutting_results;
@@ -23,31 +22,39 @@ mod places;
 mod results;
 mod settings;
 mod terms;
+mod trust;
 
-pub use archive::{ArchiveLine, Keys, LineOwner};
+pub use archive::{ArchiveLine, Keys, LineOwner, begins_a_line};
 pub use calibrated_view::CalibrationReport;
 pub use comparison::{ComparisonReport, Refusal, lost_label};
 pub use cutting_file::{EXAMPLE_CUTTING, cutting_from_toml};
 pub use cutting_results::{cutting_refusal, cutting_remarks, cutting_table, loads_csv, materials_json};
 pub use diagnosis::{DiagnosisReport, RunChart, diagnosis_chart, extended};
 pub use dropped::{FileKind, file_kind};
-pub use form::{dialects, edited, faults_to_json, form, machine_from_form, machine_values};
+pub use form::{arc_centers, dialects, edited, faults_to_json, form, machine_from_form, machine_values};
 pub use machine_file::{machine_from_toml, motion_of_machine, toml_from_machine};
 pub use offer::OfferReport;
 pub use request::{QuoteRequest, RequestError};
 pub use results::{HeldTolerance, Prediction, profile_csv, severity_word, spacing_note};
 pub use settings::{SettingsError, settings_from_text, settings_text};
 pub use terms::{terms_form, terms_from_form};
+pub use trust::doubt_sentence;
 
 use crate::machine::{Access, Machine, PARAMETERS, Parameter, TimeConstants, Tool, parameter};
 use crate::units::Unit;
+
+/// The version of this build, which no two commits share (`build.rs`): `0.1.0`, or `0.1.0+12.gc32ad9a` 12 commits later.
+pub const VERSION: &str = env!("TRUEFEED_VERSION");
 
 /// How far off a machine was when it was calibrated, and at which tolerances.
 const CALIBRATION: [&str; 2] = ["calibration.cycle_time_error_percent", "calibration.tolerances_mm"];
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
-const REQUIRED: [&str; 4] =
-    ["interpolator.filters", "interpolator.contour_tolerance_mm", "rapid.feed_mm_min", "times.tool_change_s"];
+const REQUIRED: [&str; 3] =
+    ["interpolator.filters", "interpolator.contour_tolerance_mm", "times.tool_change_s"];
+
+/// Needed too, unless each axis has a rapid of its own.
+const RAPID: &str = "rapid.feed_mm_min";
 
 /// Something wrong with a machine as written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -226,12 +233,15 @@ fn tidy(value: f64) -> f64 {
 const TIME_CONSTANTS: [&str; 3] =
     ["interpolator.time_constant_s", "interpolator.max_jerk_mm_s3", "interpolator.time_constants_s"];
 
+/// Keys of how long the chords of arcs are, of which a machine gives one at most.
+const CHORDS_OF_ARCS: [&str; 2] = ["interpolator.arc_chord_error_mm", "interpolator.arc_chord_mm"];
+
 /// The same for rapids, which need none of their own.
 const TIME_CONSTANTS_OF_RAPIDS: [&str; 2] = ["rapid.time_constant_s", "rapid.max_jerk_mm_s3"];
 
 /// Pairs of keys that are given, of which a machine can only have one.
 fn rivals(is_given: &dyn Fn(&str) -> bool) -> Vec<(&'static str, &'static str)> {
-    let alternatives: [&[&'static str]; 2] = [&TIME_CONSTANTS, &TIME_CONSTANTS_OF_RAPIDS];
+    let alternatives: [&[&'static str]; 3] = [&TIME_CONSTANTS, &TIME_CONSTANTS_OF_RAPIDS, &CHORDS_OF_ARCS];
     let pair = |keys: &[&'static str]| {
         let mut given = keys.iter().copied().filter(|key| is_given(key));
         given.next().zip(given.next())
@@ -241,6 +251,10 @@ fn rivals(is_given: &dyn Fn(&str) -> bool) -> Vec<(&'static str, &'static str)> 
 
 /// What no single key shows: settings that contradict each other.
 fn contradiction(machine: &Machine) -> Option<Fault> {
+    if machine.rapid.feedrate == f64::INFINITY && !machine.has_rapids_of_axes() {
+        let message = "this key is missing; give it, or axis.x.rapid_mm_min, axis.y.rapid_mm_min and axis.z.rapid_mm_min";
+        return Some(Fault::at_key(RAPID, message.to_string()));
+    }
     let constants = &machine.interpolator.time_constants;
     match constants {
         TimeConstants::Unequal(list) if list.len() != machine.interpolator.filters => {

@@ -43,6 +43,8 @@ struct Run {
     breakdown: Kinds,
     operations: Vec<Part>,
     tools: Vec<Part>,
+    #[serde(default)]
+    in_doubt: Option<String>,
 }
 
 /// What the cycle time is made of.
@@ -108,6 +110,8 @@ pub struct OfferReport {
     pub(super) cycle_time_s: f64,
     pub(super) breakdown: Kinds,
     pub(super) uncertainty: UncertaintyRow,
+    /// What of the cycle time is in doubt and why; empty where nothing is.
+    pub(super) in_doubt: String,
     pub(super) addends: Vec<AddendRow>,
     pub(super) once: f64,
     pub(super) part: f64,
@@ -179,7 +183,7 @@ impl OfferReport {
             return Err(malformed(format!("there is no run {}", asked.chosen)));
         }
         let tolerances = tolerance_rows(&asked.runs, &machine, &terms);
-        let Run { tolerance, tolerance_mm, breakdown, operations, tools } =
+        let Run { tolerance, tolerance_mm, breakdown, operations, tools, in_doubt } =
             asked.runs.swap_remove(asked.chosen);
         let cycle = breakdown.cycle();
         let uncertainty = Uncertainty::of(&terms, &machine, tolerance_mm);
@@ -214,6 +218,7 @@ impl OfferReport {
             cycle_time_s: cycle.total(),
             breakdown,
             uncertainty: uncertainty_row(uncertainty, cycle.total(), tolerance_mm, &machine),
+            in_doubt: in_doubt.unwrap_or_default(),
             addends: middle.addends.iter().map(|addend| addend_row(addend, &middle, &terms)).collect(),
             once: middle.amount(middle.once),
             part: middle.amount(middle.part),
@@ -410,6 +415,18 @@ pub(super) mod tests {
             report(1, serde_json::json!({"uncertainty_percent": 5})).uncertainty.cycle_time_s,
             Some([114.0, 126.0])
         );
+    }
+
+    #[test]
+    fn what_is_in_doubt_is_a_fact_of_the_offer() {
+        let mut asked = asked(0, serde_json::json!({}), "part.nc");
+        let sure = OfferReport::from_json(&asked.to_string()).expect("right");
+        assert!(sure.facts.iter().all(|fact| fact.name != "In doubt"));
+        asked["runs"][0]["in_doubt"] =
+            Value::from("In doubt: 12.3 s (2 arcs do not close, first at line 14)");
+        let unsure = OfferReport::from_json(&asked.to_string()).expect("right");
+        let fact = unsure.facts.iter().find(|fact| fact.name == "In doubt").expect("it is told");
+        assert_eq!(fact.value, "12.3 s (2 arcs do not close, first at line 14)");
     }
 
     #[test]

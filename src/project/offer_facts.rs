@@ -106,6 +106,7 @@ pub(super) fn facts(offer: &OfferReport) -> Vec<Fact> {
         fact("Of that", kinds.join(", ")),
         fact("CAM would say", format!("{:.1} s", offer.programmed_time_s)),
         fact("How sure", offer.uncertainty.sentence.clone()),
+        fact("In doubt", offer.in_doubt.trim_start_matches("In doubt: ").to_string()),
         fact(
             "Remarks on the program",
             if remarks.is_empty() { "none".to_string() } else { remarks.join(", ") },

@@ -2,6 +2,7 @@
 //! inline as SVG, and a policy that lets it load nothing. It is well-formed XML but for its first line.
 
 use crate::plot::escaped;
+use crate::project::VERSION;
 use crate::project::offer::{Batch, OfferReport, ShareRow};
 
 const STYLE: &str = "body{font:14px/1.5 system-ui,sans-serif;color:#1d242c;background:#fff;max-width:860px;\
@@ -24,7 +25,7 @@ impl OfferReport {
         };
         let currency = &self.currency;
         let mut body = format!("<h1>{}</h1>\n", escaped(&title));
-        body += &paragraph(&format!("Computed by Truefeed {}.", env!("CARGO_PKG_VERSION")));
+        body += &paragraph(&format!("Computed by Truefeed {VERSION}."));
         let facts: Vec<Vec<String>> =
             self.facts.iter().map(|fact| vec![fact.name.to_string(), fact.value.clone()]).collect();
         body += &table("", &["", ""], &facts, None);

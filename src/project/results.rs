@@ -5,8 +5,10 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use crate::cutting::{CuttingError, Engagement, Loads, Setup};
+use crate::project::VERSION;
 use crate::project::cutting_results::{Cutting, OfOperation, cutting_refusal, cutting_remarks};
 use crate::project::places::Lost;
+use crate::project::trust::{Trust, doubt_sentence};
 use crate::quote::{self, OperationShare, Quote, Share, ToolShare};
 use crate::simulation::contour::Region;
 use crate::simulation::feed::Held;
@@ -24,6 +26,10 @@ pub struct Prediction {
     programmed_time_s: f64,
     runs: Vec<Run>,
     diagnostics: Vec<Remark>,
+    /// Of the first run.
+    trust: Trust,
+    /// Of the build that predicts.
+    version: &'static str,
 }
 
 /// One tolerance for all of the program, or the program's own.
@@ -47,6 +53,9 @@ struct Run {
     /// Where the contour error is above the tolerance.
     beyond_tolerance: Vec<Place>,
     price: f64,
+    /// What of the cycle time is in doubt and why, one sentence; left out where nothing is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    in_doubt: Option<String>,
     /// Forces, where a cutting job is given and they can be computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutting: Option<Cutting>,
@@ -255,6 +264,7 @@ impl Prediction {
             max_contour_error_mm: quote.max_contour_error,
             beyond_tolerance: quote.beyond_tolerance.iter().map(Place::from).collect(),
             price: quote.price,
+            in_doubt: doubt_sentence(&quote.trust),
             cutting: None,
         });
         let remarks = toolpath.diagnostics.iter().map(|diagnostic| Remark {
@@ -268,6 +278,8 @@ impl Prediction {
             programmed_time_s: programmed_time,
             runs: runs.collect(),
             diagnostics: remarks.collect(),
+            trust: Trust::from(quotes.first().map_or(&quote::Trust::default(), |quote| &quote.trust)),
+            version: VERSION,
         }
     }
 

@@ -9,7 +9,8 @@
 use std::ops::Range;
 
 use crate::machine::{Function, Machine};
-use crate::simulation::feed::{FeedPlan, Phase, RunningSum, Wait};
+use crate::simulation::feed::{FeedPlan, Phase, Wait};
+use crate::simulation::running_sum::RunningSum;
 use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
 
 /// Where the cycle time goes, s.
@@ -137,7 +138,8 @@ impl<'a> Ledger<'a> {
         for &(end, half) in &self.ends[before(segments.start)..before(segments.end)] {
             *(if is_rapid(end) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += half;
         }
-        let lost = self.plan.retiming.as_ref().map_or(&[][..], |retiming| retiming.lost_on(segments));
+        let lost =
+            self.plan.time_scaling.as_ref().map_or(&[][..], |time_scaling| time_scaling.lost_on(segments));
         for &(segment, lost) in lost {
             *(if is_rapid(segment) { &mut breakdown.rapid } else { &mut breakdown.cutting }) += lost;
         }

@@ -7,12 +7,15 @@ mod places;
 mod offer;
 mod shares;
 mod terms;
+mod trust;
 
 pub use breakdown::{Breakdown, Functions, breakdown};
 pub use offer::{Addend, Item, Offer, Uncertainty, offer};
 pub use places::{Lost, LostAt, MOST_PLACES, Reason, Standing, lost};
 pub use shares::{OperationShare, Share, ToolShare, programmed_time};
 pub use terms::{LARGEST_MARGIN_OF_PRICE, MarginOf, QUANTITY, Rounding, TERMS, Term, TermAccess, Terms};
+
+pub use trust::{ASSUMED_TRAVEL, InDoubt, MIN_FEEDRATE, Trust, trust};
 
 use crate::machine::Machine;
 use crate::simulation::contour::{ContourErrors, Region, regions_beyond};
@@ -43,6 +46,8 @@ pub struct Quote {
     pub beyond_tolerance: Vec<Region>,
     /// Price of one part without set-up, in the currency of the hourly rate.
     pub price: f64,
+    /// How far the cycle time can be trusted.
+    pub trust: Trust,
 }
 
 /// An isolated corner takes the whole tolerance; what is above it by rounding is not worth a word.
@@ -72,6 +77,7 @@ pub fn quote(
         max_contour_error: errors.largest(),
         beyond_tolerance: regions_beyond(toolpath, errors, bounds, ABOVE_TOLERANCE),
         price: price(cycle_time, machine),
+        trust: trust(toolpath, machine, plan),
     }
 }
 

@@ -25,8 +25,9 @@
 
 use crate::machine::Machine;
 use crate::quote::shares::{programmed, programmed_wait};
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch, Tolerances, running_sum};
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Stretch, Tolerances};
 use crate::simulation::gcode::LineNumber;
+use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Curve, Motion, Segment, StopCause, Toolpath};
 
 /// How many places are told.
@@ -272,7 +273,8 @@ impl Walk<'_> {
         let (delay, half) = (plan.filters[stretch.filter].delay(), plan.filters[stretch.filter].half_delay());
         // Those left, and those of one block.
         let (mut pulses, mut own) = (stretch.pulses.clone(), Vec::new());
-        let lost = plan.retiming.as_ref().map_or(&[][..], |found| found.lost_on(stretch.segments.clone()));
+        let lost =
+            plan.time_scaling.as_ref().map_or(&[][..], |found| found.lost_on(stretch.segments.clone()));
         let mut lost = lost.iter().peekable();
         let (first, last) = (stretch.segments.start, stretch.segments.end - 1);
         // What is allowed at the corner before.

@@ -9,8 +9,10 @@ use std::ops::Range;
 
 use crate::machine::Machine;
 use crate::quote::breakdown::{Breakdown, Ledger};
-use crate::simulation::feed::{FeedPlan, RunningSum, running_sum};
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::feed::limits::rapid_feedrate;
 use crate::simulation::gcode::LineNumber;
+use crate::simulation::running_sum::{RunningSum, running_sum};
 use crate::simulation::toolpath::{Motion, Operation, Segment, StopCause, Toolpath};
 
 /// What a part of a program takes.
@@ -87,7 +89,7 @@ pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
 /// Programmed feedrate of a segment, mm/s.
 pub(super) fn programmed(segment: &Segment, machine: &Machine) -> f64 {
     match segment.motion {
-        Motion::Rapid => machine.rapid.feedrate,
+        Motion::Rapid => rapid_feedrate(segment, machine),
         Motion::Feed { feedrate } => feedrate,
     }
 }

@@ -1,6 +1,8 @@
-//! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile.
+//! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile; [`simulate`](simulate()) is its front door.
 
 pub mod compact;
+pub mod running_sum;
+pub mod sampled;
 pub mod gcode;
 pub mod toolpath;
 pub mod filter;
@@ -8,3 +10,6 @@ pub mod feed;
 pub mod profile;
 pub mod drive;
 pub mod contour;
+pub mod simulate;
+
+pub use simulate::simulate;

@@ -8,9 +8,9 @@ use crate::cutting::{engagement_told, programmed_and_predicted};
 use crate::plot::{LoadChart, LoadCurves, draw_loads, svg_of_loads};
 use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
-use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
 use crate::simulation::profile::Profile;
+use crate::simulation::simulate;
 use crate::web::canvas::Canvas;
 use crate::web::job::object;
 use crate::web::theme::theme;
@@ -84,7 +84,8 @@ pub fn compute_cutting(
     let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
     // What a listener throws is its own affair.
     let tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
-    let (plan, errors) = plan_within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATION * part));
+    let (plan, errors) =
+        simulate::within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATION * part));
     let quote = quote(&toolpath, &machine, &plan, tolerances, &errors);
     let cut = engagement_told(&toolpath, &setup, &mut |part| tell(SIMULATION + (HALF - SIMULATION) * part));
     let curve = Profile::new(&toolpath, &plan).drawn();

@@ -9,8 +9,8 @@ use crate::identification::fit::{Recorded, Run};
 use crate::plot::FeedChart;
 use crate::project::{DiagnosisReport, RunChart, diagnosis_chart, machine_from_form};
 use crate::quote::quote;
-use crate::simulation::contour::plan_within;
 use crate::simulation::feed::Tolerances;
+use crate::simulation::simulate;
 use crate::web::job::object;
 use crate::web::recorded::Runs;
 use crate::web::traced::toolpath;
@@ -94,6 +94,7 @@ impl Runs {
         let charts: Vec<RunChart> =
             (0..runs.len()).filter_map(|at| diagnosis_chart(&diagnosis, &self.machine, &runs, at)).collect();
         let report = DiagnosisReport::new(&diagnosis, &self.names).beside(&self.machine).drawn_by(&charts);
+        let report = report.aligned(&self.aligned[0].alignment);
         Ok(Some(Diagnosed {
             report: object(&report)?,
             json: report.to_json(),
@@ -110,6 +111,6 @@ pub fn cycle_time(program: &[u8], machine: &str, dialect: Option<String>) -> Res
     let machine = machine_from_form(machine)
         .map_err(|faults| faults.iter().map(|fault| fault.to_string()).collect::<Vec<_>>().join("; "))?;
     let toolpath = toolpath(program, dialect, &machine);
-    let (plan, errors) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
+    let (plan, errors) = simulate::within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
     Ok(quote(&toolpath, &machine, &plan, Tolerances::Programmed, &errors).cycle_time)
 }

@@ -10,10 +10,10 @@ use crate::plot::Programmed;
 use crate::plot::path::{Pace, Trail};
 use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_form, spacing_note};
 use crate::quote::{programmed_time, quote};
-use crate::simulation::contour::{cycle_time_within, plan_within};
 use crate::simulation::feed::Tolerances;
-use crate::simulation::gcode::Dialect;
+use crate::simulation::gcode::Options;
 use crate::simulation::profile::Profile;
+use crate::simulation::simulate;
 use crate::simulation::toolpath::Toolpath;
 use crate::web::text::ProgramText;
 
@@ -31,8 +31,8 @@ impl Job {
     #[wasm_bindgen(constructor)]
     pub fn new(program: ProgramText, machine: &str, dialect: Option<String>) -> Result<Job, String> {
         let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
-        let dialect = dialect.as_deref().and_then(Dialect::from_word);
-        let toolpath = program.toolpath(dialect, &machine);
+        let options = Options::from_words(&dialect.unwrap_or_default());
+        let toolpath = program.toolpath(&options, &machine);
         Ok(Job { machine, toolpath })
     }
 
@@ -62,7 +62,7 @@ impl Job {
     #[wasm_bindgen(js_name = cycleTime)]
     pub fn cycle_time(&self, tolerance: Option<f64>) -> f64 {
         let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
-        cycle_time_within(&self.toolpath, &self.machine, tolerances, &mut |_| {})
+        simulate::cycle_time_within(&self.toolpath, &self.machine, tolerances, &mut |_| {})
     }
 
     /// Simulates the program for a contour tolerance (mm), or for its own where there is none given;
@@ -71,7 +71,7 @@ impl Job {
         let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
         // What a listener throws is its own affair.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
-        let (plan, errors) = plan_within(&self.toolpath, &self.machine, tolerances, &mut tell);
+        let (plan, errors) = simulate::within(&self.toolpath, &self.machine, tolerances, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
         let curve = Profile::new(&self.toolpath, &plan).drawn();
         let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&curve);

@@ -5,7 +5,8 @@ use wasm_bindgen::prelude::*;
 
 use crate::project::{Prediction, QuoteRequest, RequestError};
 use crate::quote::{programmed_time, quote};
-use crate::simulation::contour::plan_within;
+use crate::simulation::gcode::Options;
+use crate::simulation::simulate;
 use crate::web::job::object;
 use crate::web::text::ProgramText;
 
@@ -22,13 +23,13 @@ pub fn quote_text(program: ProgramText, request: &str, progress: &Function) -> R
     let refused = |error: RequestError| JsValue::from(error.to_json());
     let QuoteRequest { name, machine, tolerances, dialect } =
         QuoteRequest::from_json(request).map_err(refused)?;
-    let toolpath = program.toolpath(dialect, &machine);
+    let toolpath = program.toolpath(&Options { dialect, ..Options::default() }, &machine);
     let of = tolerances.len() as f64;
     let quotes = tolerances.iter().enumerate().map(|(index, &tolerance)| {
         // What a listener throws is its own affair.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &((index as f64 + part) / of).into()));
         tell(0.0);
-        let (plan, errors) = plan_within(&toolpath, &machine, tolerance, &mut tell);
+        let (plan, errors) = simulate::within(&toolpath, &machine, tolerance, &mut tell);
         quote(&toolpath, &machine, &plan, tolerance, &errors)
     });
     let quotes: Vec<_> = quotes.collect();

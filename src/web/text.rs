@@ -3,7 +3,7 @@
 use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Dialect, Options};
+use crate::simulation::gcode::Options;
 use crate::simulation::toolpath::{Toolpath, trace_text};
 
 /// The bytes of a program that have come so far.
@@ -36,7 +36,7 @@ impl From<Vec<u8>> for ProgramText {
 
 impl ProgramText {
     /// The path of the program on a machine.
-    pub(super) fn toolpath(self, dialect: Option<Dialect>, machine: &Machine) -> Toolpath {
-        trace_text(self.bytes, &Options { dialect, ..Options::default() }, machine)
+    pub(super) fn toolpath(self, options: &Options, machine: &Machine) -> Toolpath {
+        trace_text(self.bytes, options, machine)
     }
 }

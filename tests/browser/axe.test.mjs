@@ -21,73 +21,98 @@ async function faults(page) {
   )
 }
 
-/** Looks at one state after the other; `done` says what was found in any. */
-function looker(page) {
+/** Looks at one state after the other, in both themes; `done` says what was found in any. @param {import('playwright-core').Page} [top]  where `page` is a frame in it */
+function looker(page, top = page) {
   const all = []
   return {
-    look: async (state) => all.push(...(await faults(page)).map((fault) => `${state}: ${fault}`)),
+    look: async (state) => {
+      for (const colorScheme of ['light', 'dark']) {
+        await top.emulateMedia({ colorScheme, reducedMotion: 'reduce' })
+        all.push(...(await faults(page)).map((fault) => `${state}, ${colorScheme}: ${fault}`))
+      }
+    },
     done: () => assert.ok(all.length === 0, `\n${all.join('\n')}`),
   }
 }
 
-for (const scheme of ['light', 'dark']) {
-  pageTest(`the page has no fault, ${scheme}`, async ({ page }) => {
-    const { look, done } = looker(page)
-    await page.emulateMedia({ colorScheme: scheme, reducedMotion: 'reduce' })
-    await look('empty')
+pageTest('the page has no fault', async ({ page }) => {
+  const { look, done } = looker(page)
+  await look('empty')
 
-    await page.click('#machine details summary')
-    await look('editor of the machine')
-    await page.fill('#field-rapid-feed_mm_min', 'fast')
-    await look('a fault in the form')
-    await page.click('#history .undo-change')
-    await page.click('#machine details summary')
+  await page.click('#machine details summary')
+  await look('editor of the machine')
+  await page.fill('#field-rapid-feed_mm_min', 'fast')
+  await look('a fault in the form')
+  await page.click('#history .undo-change')
+  await page.click('#machine details summary')
 
-    await page.setInputFiles('#files', SAMPLE)
-    await page.waitForSelector('#results .empty, #results tbody')
-    await look('computing')
-    await computed(page)
-    await page.selectOption('#compare .beside', { index: 2 })
-    await page.waitForFunction(() => !document.querySelector('#compare .columns').textContent.includes('…'))
-    await page.click('#compare details summary')
-    await page.click('#chart .behind summary')
-    await page.waitForSelector('#chart .behind td')
-    await page.click('#cutting details summary')
-    await page.fill('#tolerances input', 'much')
-    await page.press('#tolerances input', 'Enter')
-    await look('results')
-    await page.hover('#chart .plot')
-    await look('reading in the chart')
+  await page.setInputFiles('#files', SAMPLE)
+  await page.waitForSelector('#results .empty, #results tbody')
+  await look('computing')
+  await computed(page)
+  await page.selectOption('#compare .beside', { index: 2 })
+  await page.waitForFunction(() => !document.querySelector('#compare .columns').textContent.includes('…'))
+  await page.click('#compare details summary')
+  await page.click('#chart .behind summary')
+  await page.waitForSelector('#chart .behind td')
+  await page.click('#cutting details summary')
+  await page.fill('#tolerances input', 'much')
+  await page.press('#tolerances input', 'Enter')
+  await look('results')
+  await page.hover('#chart .plot')
+  await look('reading in the chart')
 
-    await page.setInputFiles('#files', { name: 'bad.nc', mimeType: 'text/plain', buffer: Buffer.from('G0 X1 Q?\nG1 Y5\nM123\n') })
-    await page.waitForSelector('#diagnostics:not([hidden]) .list table')
-    await computed(page)
-    await look('remarks')
-    await page.click('.programs .remove >> nth=1')
-    await look('removed, with undo')
+  await page.setInputFiles('#files', { name: 'bad.nc', mimeType: 'text/plain', buffer: Buffer.from('G0 X1 Q?\nG1 Y5\nM123\n') })
+  await page.waitForSelector('#diagnostics:not([hidden]) .list table')
+  await computed(page)
+  await look('remarks')
+  await page.click('.programs .remove >> nth=1')
+  await look('removed, with undo')
 
-    await page.click('#settings .copy')
-    await page.waitForSelector('#settings .link:not([hidden])')
-    await look('a link')
-    await page.evaluate(() => (location.hash = '#settings=nonsense'))
-    await page.waitForSelector('#notice .refused:not([hidden])')
-    await look('settings refused')
-    done()
-  })
+  await page.click('#settings .copy')
+  await page.waitForSelector('#settings .link:not([hidden])')
+  await look('a link')
+  await page.evaluate(() => (location.hash = '#settings=nonsense'))
+  await page.waitForSelector('#notice .refused:not([hidden])')
+  await look('settings refused')
+  done()
+})
 
-  pageTest(`recording and diagnosis have no fault, ${scheme}`, async ({ page }) => {
-    const { look, done } = looker(page)
-    await page.emulateMedia({ colorScheme: scheme, reducedMotion: 'reduce' })
-    await page.click('#welcome .concealed')
-    await computed(page)
-    await page.waitForSelector('#recording .sentence')
-    await look('recording')
-    await page.click('#diagnosis .start')
-    await page.waitForSelector('#diagnosis .outcome button', { timeout: 150_000 })
-    await look('diagnosis')
-    done()
-  })
-}
+pageTest('recording and diagnosis have no fault', async ({ page }) => {
+  const { look, done } = looker(page)
+  await page.click('#welcome .concealed')
+  await computed(page)
+  await page.waitForSelector('#recording .sentence')
+  await look('recording')
+  await page.click('#diagnosis .start')
+  await page.waitForSelector('#diagnosis .outcome button', { timeout: 150_000 })
+  await look('diagnosis')
+  done()
+})
+
+pageTest('what is refused is announced as refused, and only that', async ({ page }) => {
+  const devtools = await page.context().newCDPSession(page)
+  await devtools.send('DOM.getDocument')
+  const announced = async (selector) => {
+    const { result } = await devtools.send('Runtime.evaluate', { expression: `document.querySelector(${JSON.stringify(selector)})` })
+    const { nodes } = await devtools.send('Accessibility.getPartialAXTree', { objectId: result.objectId, fetchRelatives: false })
+    return nodes[0].properties.find(({ name }) => name === 'invalid')?.value.value ?? 'false'
+  }
+  await page.setInputFiles('#files', SAMPLE)
+  await computed(page)
+  await page.click('#machine details summary')
+  for (const [selector, wrong, right] of [
+    ['#field-rapid-feed_mm_min', 'fast', '20000'],
+    ['#field-times-m_codes', 'M8', 'M8 = 1'],
+    ['#tolerances input', 'much', '0.03'],
+  ]) {
+    for (const [text, expected] of [[wrong, 'true'], [right, 'false']]) {
+      await page.fill(selector, text)
+      await page.press(selector, 'Enter')
+      assert.equal(await announced(selector), expected, `${selector}: ${text}`)
+    }
+  }
+})
 
 test('components on a page, and a frame in a portal of another origin, have no fault', { timeout: 120_000 }, async () => {
   const [opened, plain, portal] = await Promise.all([openPage({ path: '/embed.html' }), servePlainPage(), servePortal()])
@@ -96,20 +121,17 @@ test('components on a page, and a frame in a portal of another origin, have no f
   try {
     await page.waitForSelector('#refusal:not([hidden])')
     await look('the frame on its own')
-    for (const scheme of ['light', 'dark']) {
-      await page.emulateMedia({ colorScheme: scheme })
-      await page.goto(`${plain.origin}/page.html`)
-      await page.waitForFunction(() => document.querySelector('#first').quote)
-      await look(`two components, ${scheme}`)
-      await page.goto(`${portal.origin}/portal.html?truefeed=${plain.origin}`)
-      const frame = await page.waitForSelector('iframe').then((element) => element.contentFrame())
-      await page.waitForFunction(() => document.querySelector('#said').textContent.includes('Ready'))
-      await page.click('button')
-      await frame.waitForFunction(() => document.querySelector('truefeed-quote')?.quote)
-      const inFrame = looker(frame)
-      await inFrame.look(`the frame, ${scheme}`)
-      inFrame.done()
-    }
+    await page.goto(`${plain.origin}/page.html`)
+    await page.waitForFunction(() => document.querySelector('#first').quote)
+    await look('two components')
+    await page.goto(`${portal.origin}/portal.html?truefeed=${plain.origin}`)
+    const frame = await page.waitForSelector('iframe').then((element) => element.contentFrame())
+    await page.waitForFunction(() => document.querySelector('#said').textContent.includes('Ready'))
+    await page.click('button')
+    await frame.waitForFunction(() => document.querySelector('truefeed-quote')?.quote)
+    const inFrame = looker(frame, page)
+    await inFrame.look('the frame')
+    inFrame.done()
     done()
   } finally {
     await Promise.all([opened.close(), plain.close(), portal.close()])

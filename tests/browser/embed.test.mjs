@@ -11,7 +11,7 @@ import { build } from 'vite'
 import { servePlainPage, servePortal } from '../../examples/embedding/serve.mjs'
 import { serve } from '../../scripts/serve.mjs'
 import { leaving, openPage } from './harness.mjs'
-import { binary, ROOT, shot } from './steps.mjs'
+import { binary, leftForAll, ROOT, shot } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const PACKAGE = join(ROOT, 'target/npm')
@@ -56,15 +56,15 @@ function assertAlike(quote, expected) {
 }
 
 /** A page of an example, in a browser; its requests may go to the example's servers alone. */
-function exampleTest(name, address, body) {
-  test(name, { timeout: 120_000 }, async () => {
+function exampleTest(name, address, body, { isLong = false } = {}) {
+  test(name, { skip: isLong && leftForAll(name), timeout: 120_000 }, async (context) => {
     const [plain, portal] = await Promise.all([servePlainPage(), servePortal()])
     // Any page that is soon at rest: one that is left while it loads makes errors of its own.
     const opened = await openPage({ path: '/embed.html' })
     try {
       await opened.page.waitForLoadState('networkidle')
       await opened.page.goto(address({ plain, portal }))
-      await body({ ...opened, plain, portal })
+      await body({ ...opened, plain, portal }, context)
       assert.deepEqual(opened.errors, [])
       const allowed = [plain.origin, portal.origin, opened.origin]
       const elsewhere = allowed.reduce((urls, origin) => leaving(urls, origin), opened.requests)
@@ -218,6 +218,9 @@ exampleTest(
       circle.circle = circle
       let deep = 1
       for (let depth = 0; depth < 1000; depth += 1) deep = [deep]
+      // Written as JSON, it doubles forty times.
+      let doubled = [1]
+      for (let depth = 0; depth < 40; depth += 1) doubled = [doubled, doubled]
       const hostile = [
         ['version', { truefeed: 2, type: 'get-quote' }],
         ['version', { truefeed: '1', type: 'get-quote' }],
@@ -238,7 +241,13 @@ exampleTest(
         ['request', { truefeed: 1, type: 'set-machine', machine: null }],
         ['size', { truefeed: 1, type: 'set-machine', machine: { name: 'x'.repeat(100_000) } }],
         ['size', { truefeed: 1, type: 'set-machine', machine: circle }],
-        ['size', { truefeed: 1, type: 'set-machine', machine: { big: 1n } }],
+        ['request', { truefeed: 1, type: 'set-machine', machine: { big: 1n } }],
+        ['request', { truefeed: 1, type: 'set-machine', machine: /Older or heavy machine/ }],
+        ['request', { truefeed: 1, type: 'set-machine', machine: new Map([['preset', 'Older or heavy machine']]) }],
+        ['request', { truefeed: 1, type: 'set-machine', machine: { ...machine, 'times.m_codes': new Date() } }],
+        ['request', { truefeed: 1, type: 'set-machine', machine: { ...machine, 'rapid.feed_mm_min': NaN } }],
+        ['size', { truefeed: 1, type: 'set-machine', machine: { doubled } }],
+        ['size', { truefeed: 1, type: 'set-machine', machine: { holes: Array(1e8) } }],
         ['request', { truefeed: 1, type: 'set-tolerances', tolerances: 'all' }],
         ['request', { truefeed: 1, type: 'set-tolerances', tolerances: [NaN] }],
         ['request', { truefeed: 1, type: 'set-tolerances', tolerances: Array(33).fill(0.01) }],
@@ -258,6 +267,8 @@ exampleTest(
         ['request', { machine: { ...machine, 'interpolator.filters': deep } }],
         ['machine', { machine: { ...machine, 'interpolator.filters': 1e9 } }],
         ['machine', { machine: '\u0000' }],
+        ['machine', { machine: '\ud800' }],
+        ['machine', { machine: { ...machine, '\udfff': 1 } }],
       ]
       const answerTo = async (id) => {
         for (;;) {
@@ -337,6 +348,88 @@ exampleTest(
     assert.deepEqual(later, [])
   },
 )
+
+exampleTest(
+  'each message gets one answer that says what is wrong, and no text is refused for what stands in it',
+  ({ plain }) => `${plain.origin}/page.html`,
+  async ({ page, plain, portal }) => {
+    await held({ page, plain, portal })
+    await page.waitForFunction(() => window.said.some(({ type }) => type === 'ready'))
+    const ask = async (...messages) => {
+      // As JSON: the browser's debugger takes no half of a surrogate pair.
+      await page.evaluate((messages) => {
+        window.said.length = 0
+        for (const message of JSON.parse(messages)) frames[0].postMessage({ truefeed: 1, ...message }, '*')
+      }, JSON.stringify(messages))
+      await page.waitForFunction((most) => window.said.filter(({ type }) => type === 'ready' || type === 'error' || type === 'quote').length >= most, messages.length)
+      const said = await saidOf(page)
+      return messages.map(({ id }) => said.filter((one) => one.id === id && one.type !== 'progress'))
+    }
+    const machine = { preset: 'Older or heavy machine' }
+    const [half, other] = ['\\ud83d', '\\ude00'].map((escape) => JSON.parse(`"${escape}"`))
+    const [set, loaded, quoted] = await ask(
+      { id: 'm', type: 'set-machine', machine },
+      { id: 'p', type: 'load-program', program: `G1 X10 F100 (${half})`, name: `a${half}b${other}${half}${other}\\ud800.nc` },
+      { id: 'q', type: 'get-quote' },
+    )
+    assert.deepEqual([set, loaded, quoted].map((all) => all.map(({ type }) => type)), [['ready'], ['ready'], ['quote']], JSON.stringify([set, loaded, quoted]))
+    assert.equal(quoted[0].quote.program, `a\ufffdb\ufffd${half}${other}\\ud800.nc`)
+
+    const [[wrong]] = await ask({ id: 'd', type: 'set-machine', machine: ['list'] })
+    assert.match(wrong.error.message, /“machine” of “set-machine” must be a text, or a plain object/)
+  },
+)
+
+for (const [count, isLong] of [[1000, false], [10_000, false], [50_000, true]]) {
+  exampleTest(
+    `of ${count} requests in a row each is answered, and those that are superseded start no worker`,
+    ({ plain }) => `${plain.origin}/page.html`,
+    async ({ page, plain, portal }, context) => {
+      // Workers are counted where they are made, from before the frame loads.
+      await page.addInitScript(() => {
+        const Started = window.Worker
+        window.started = 0
+        window.Worker = class extends Started {
+          constructor(...given) {
+            super(...given)
+            window.started += 1
+          }
+        }
+      })
+      await held({ page, plain, portal })
+      await page.waitForFunction(() => window.said.some(({ type }) => type === 'ready'))
+      const { answers, ms } = await page.evaluate(
+        (count) =>
+          new Promise((done) => {
+            const left = new Set()
+            const answers = {}
+            addEventListener('message', ({ data: { id, type, error } }) => {
+              if (type === 'progress' || !left.delete(id)) return
+              const kind = error?.kind ?? type
+              answers[kind] = (answers[kind] ?? 0) + 1
+              if (left.size === 0) done({ answers, ms: performance.now() - start })
+            })
+            const start = performance.now()
+            const send = (id, message) => (left.add(id), frames[0].postMessage({ truefeed: 1, id, ...message }, '*'))
+            send('machine', { type: 'set-machine', machine: { preset: 'Older or heavy machine' } })
+            send('program', { type: 'load-program', program: 'G1 X10 F100\nG1 Y10\n'.repeat(1000) })
+            for (let id = 0; id < count; id += 1) send(id, id % 3 === 1 ? { type: 'set-tolerances', tolerances: [0.01 + 1e-7 * id] } : { type: 'get-quote' })
+            send('last', { type: 'get-quote' })
+          }),
+        count,
+      )
+      const set = Math.floor((count + 1) / 3)
+      assert.equal(answers.ready, 2 + set)
+      assert.equal(answers.quote + answers.cancelled, count - set + 1, JSON.stringify(answers))
+      assert.ok(answers.quote >= 1, 'the last of them is quoted')
+      const started = await page.frames()[1].evaluate(() => window.started)
+      context.diagnostic(`${count} messages are answered in ${Math.round(ms)} ms, ${started} workers are started`)
+      // A wait for calm may end between two messages when the machine is busy; one worker each it is not.
+      assert.ok(started <= 3 + count / 200, `${started} workers`)
+    },
+    { isLong },
+  )
+}
 
 test('the package quotes in Node as the command line does', async () => {
   const { quote, QuoteError } = await import(join(PACKAGE, 'npm/node.js'))
@@ -437,5 +530,8 @@ export const wrong: string = (await quote(3, 'x')).runs
   assert.match(bad.stdout, /TS2345/)
   const version = (text, pattern) => text.match(pattern)[1]
   const cargo = readFileSync(join(ROOT, 'Cargo.toml'), 'utf8')
-  assert.equal(JSON.parse(readFileSync(join(PACKAGE, 'package.json'), 'utf8')).version, version(cargo, /^version = "(.+)"/m))
+  const [release] = JSON.parse(readFileSync(join(PACKAGE, 'package.json'), 'utf8')).version.split('+')
+  assert.equal(release, version(cargo, /^version = "(.+)"/m), 'the last tag is of the version in Cargo.toml')
+  for (const name of ['LICENSE-APACHE', 'LICENSE-MIT', 'www/pkg/notices.txt'])
+    assert.match(readFileSync(join(PACKAGE, name), 'utf8'), /Permission is hereby granted|Apache License/, name)
 })

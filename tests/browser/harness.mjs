@@ -15,29 +15,50 @@ const FLAGS = [
   '--disable-sync',
 ]
 
-/**
- * Opens `path` of the page in a fresh profile. `requests` holds every URL asked for, by the page and its workers,
- * and `errors` every console error, uncaught exception and failed request, both in order and up to date.
- * Call `close` in the end, else the test does not finish.
- *
- * @param {{ path?: string, viewport?: { width: number, height: number }, locale?: string }} [options]
- */
-export async function openPage({ path = '/', viewport = { width: 1280, height: 900 }, locale } = {}) {
+/** A server of www/ and a browser. */
+async function start() {
   const executablePath = findChromium()
   if (!executablePath) throw new Error('no Chromium here; run scripts/setup test')
-
   const server = await serve(0)
   const browser = await chromium.launch({ executablePath, args: FLAGS }).catch(async (error) => {
     await server.close()
     throw error
   })
-  const close = async () => {
-    await browser.close()
-    await server.close()
-  }
+  return { server, browser }
+}
+
+/** @param {Awaited<ReturnType<typeof start>>} started */
+async function stop({ server, browser }) {
+  await browser.close()
+  await server.close()
+}
+
+/** What the pages of one test file share, once the first of them is opened. @type {ReturnType<typeof start> | undefined} */
+let shared
+
+/** Ends what pages have shared. */
+export async function stopShared() {
+  if (shared) await stop(await shared)
+}
+
+/**
+ * Opens `path` of the page in a fresh profile. `requests` holds every URL asked for, by the page and its workers,
+ * and `errors` every console error, uncaught exception and failed request, both in order and up to date.
+ * Call `close` in the end, else the test does not finish.
+ *
+ * `isShared`: server and browser are those of all such pages, until `stopShared` is called; no service worker is then
+ * registered, which would fetch and compile both modules beside each test.
+ *
+ * @param {{ path?: string, viewport?: { width: number, height: number }, locale?: string, isShared?: boolean }} [options]
+ */
+export async function openPage({ path = '/', viewport = { width: 1280, height: 900 }, locale, isShared = false } = {}) {
+  if (isShared) shared ??= start()
+  const started = await (isShared ? shared : start())
+  const { server, browser } = started
+  const context = await browser.newContext({ viewport, locale, serviceWorkers: isShared ? 'block' : 'allow' })
+  const close = () => (isShared ? context.close() : stop(started))
 
   try {
-    const context = await browser.newContext({ viewport, locale })
     // A busy machine is no fault of the page; what never comes is.
     context.setDefaultTimeout(90_000)
     /** @type {string[]} */

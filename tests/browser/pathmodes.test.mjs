@@ -5,7 +5,7 @@ import { writeFileSync, mkdtempSync, rmSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { computed, cycleTimes, frame, pageTest, pixelsOfCurves, predicted, shot, span } from './steps.mjs'
+import { atEverySize, computed, cycleTimes, frame, pageTest, pixelsOfCurves, predicted, shot, span } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-modes-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -37,53 +37,71 @@ const labels = (page) =>
   page.$$eval('.chip', (chips) => chips.map((chip) => chip.firstElementChild.nextSibling.textContent))
 const programmedTime = (page) => page.$eval('#results tr.programmed data', (data) => Number(data.value))
 
-for (const viewport of [
-  { width: 1280, height: 900 },
-  { width: 390, height: 844 },
-]) {
-  pageTest(
-    `a program's own tolerances are its first column, and the user's hold all over beside it, at ${viewport.width} px`,
-    async ({ page }) => {
-      const path = program('rough-and-fine.nc', ROUGH_AND_FINE)
-      await page.setInputFiles('#files', path)
-      await computed(page)
-      assert.deepEqual(await labels(page), ['as programmed', '10 µm', '20 µm', '50 µm'])
-      assert.equal(await page.textContent('#results tbody tr:first-child th'), 'as programmed')
+pageTest(
+  "a program's own tolerances are its first column, and the user's hold all over beside it",
+  async ({ page }) => {
+    const path = program('rough-and-fine.nc', ROUGH_AND_FINE)
+    await page.setInputFiles('#files', path)
+    await computed(page)
+    assert.deepEqual(await labels(page), ['as programmed', '10 µm', '20 µm', '50 µm'])
+    assert.equal(await page.textContent('#results tbody tr:first-child th'), 'as programmed')
 
-      const { runs: own } = await predicted(page, path, [])
-      assert.equal(own.length, 1)
-      assert.ok(Math.abs((await programmedTime(page)) / own[0].cycle_time_s - 1) <= 1e-9)
-      const { runs } = await predicted(page, path)
-      const times = await cycleTimes(page)
-      assert.deepEqual(
-        times.map((time) => time.toFixed(6)),
-        runs.map((run) => run.cycle_time_s.toFixed(6)),
-      )
-      assert.ok(!times.includes(await programmedTime(page)), 'the program asks for another time')
+    const { runs: own } = await predicted(page, path, [])
+    assert.equal(own.length, 1)
+    assert.ok(Math.abs((await programmedTime(page)) / own[0].cycle_time_s - 1) <= 1e-9)
+    const { runs } = await predicted(page, path)
+    const times = await cycleTimes(page)
+    assert.deepEqual(
+      times.map((time) => time.toFixed(6)),
+      runs.map((run) => run.cycle_time_s.toFixed(6)),
+    )
+    assert.ok(!times.includes(await programmedTime(page)), 'the program asks for another time')
 
-      // Where each holds, as the command line says it.
-      const parts = await page.$$eval('.held li', (items) => items.map((item) => item.textContent))
-      assert.equal(parts.length, own[0].tolerances.length)
-      assert.match(parts[0], /^line 2 10 µm, the machine’s/)
-      assert.match(parts[1], /^lines 5–24 100 µm G64 P0\.1$/)
-      assert.match(parts[2], /^lines 26–45 2 µm G64 P0\.002$/)
-      assert.match(parts[3], /^line 47 exact stops G61$/)
+    // Where each holds, as the command line says it.
+    const parts = await page.$$eval('.held li', (items) => items.map((item) => item.textContent))
+    assert.equal(parts.length, own[0].tolerances.length)
+    assert.match(parts[0], /^line 2 10 µm, the machine’s/)
+    assert.match(parts[1], /^lines 5–24 100 µm G64 P0\.1$/)
+    assert.match(parts[2], /^lines 26–45 2 µm G64 P0\.002$/)
+    assert.match(parts[3], /^line 47 exact stops G61$/)
 
-      await frame(page)
-      assert.ok((await pixelsOfCurves(page)).every((pixels) => pixels > 80))
-      const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
-      assert.ok(!wider, 'the page scrolls sideways')
-      await shot(page, `pathmodes-${viewport.width}`)
+    await frame(page)
+    assert.ok((await pixelsOfCurves(page)).every((pixels) => pixels > 80))
+    await atEverySize(page, 'pathmodes')
 
-      await page.click('.held li:nth-child(3) button')
-      const [from, to] = await span(page)
-      const [begin, end] = own[0].tolerances[2].distance_mm
-      assert.ok(from <= begin && end <= to && to - from < 3 * (end - begin), `${from} to ${to} mm in sight`)
-      await shot(page, `pathmodes-part-${viewport.width}`)
-    },
-    { viewport },
-  )
-}
+    await page.click('.held li:nth-child(3) button')
+    const [from, to] = await span(page)
+    const [begin, end] = own[0].tolerances[2].distance_mm
+    assert.ok(from <= begin && end <= to && to - from < 3 * (end - begin), `${from} to ${to} mm in sight`)
+    await shot(page, 'pathmodes-part')
+  },
+)
+
+pageTest('where the time goes has a column for the program’s own tolerances, and each the colour of its chip', async ({ page }) => {
+  const path = program('rough-and-fine.nc', ROUGH_AND_FINE)
+  await page.setInputFiles('#files', path)
+  await computed(page)
+  const titles = () => page.$$eval('#breakdown .kinds th[scope="col"]:not(:first-child)', (all) => all.map((title) => title.textContent))
+  const colours = (selector) => page.$$eval(selector, (all) => all.map((swatch) => getComputedStyle(swatch).backgroundColor))
+  assert.deepEqual(await titles(), await labels(page))
+  assert.deepEqual(await colours('#breakdown .kinds .swatch'), await colours('.chip .swatch'))
+  const cutting = () => page.$$eval('#breakdown .kinds tbody tr:first-child td', (all) => all.map((cell) => cell.textContent))
+  const [own, first] = await cutting()
+  const { runs } = await predicted(page, path, [])
+  assert.equal(own, `${runs[0].breakdown.cutting_s.toFixed(1)} s`)
+
+  // Each of them can be chosen for the operations.
+  const choice = '#breakdown select'
+  assert.deepEqual(await page.$$eval(`${choice} option`, (all) => all.map((option) => option.textContent)), await labels(page))
+  await page.selectOption(choice, { index: 0 })
+  assert.equal(await page.textContent('#breakdown .parts tbody tr:first-child td:nth-child(6)'), own)
+
+  // Without it, the colours move up with the chips.
+  await page.click('.chip:first-child button')
+  assert.deepEqual(await titles(), await labels(page))
+  assert.deepEqual(await colours('#breakdown .kinds .swatch'), await colours('.chip .swatch'))
+  assert.equal((await cutting())[0], first)
+})
 
 pageTest('the column is taken away, comes back, and is remembered', async ({ page }) => {
   await page.setInputFiles('#files', [program('own.nc', ROUGH_AND_FINE), program('without.nc', WITHOUT)])

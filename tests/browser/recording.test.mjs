@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
-import { binary, drop, frame, machineOf, pageTest, shot } from './steps.mjs'
+import { atEverySize, binary, drop, frame, machineOf, pageTest, shot } from './steps.mjs'
 
 const folder = mkdtempSync(join(tmpdir(), 'truefeed-recording-'))
 after(() => rmSync(folder, { recursive: true }))
@@ -92,42 +92,34 @@ async function spanOf(page, root) {
 }
 const cell = (page, row, column) => page.textContent(`#calibration tbody tr:has(th:text-is("${row}")) >> td >> nth=${column}`)
 
-for (const viewport of [
-  { width: 1280, height: 900 },
-  { width: 390, height: 844 },
-]) {
-  pageTest(
-    `program and recording dropped together are compared at ${viewport.width} px`,
-    async ({ page }) => {
-      const { path, seconds } = await recorded(page, 'bracket-07.csv')
-      await drop(page, 'body', [path, PROGRAM])
-      await compared(page)
-      assert.equal(await page.locator('.programs li').count(), 1, 'the recording is no program')
-      const sentence = await page.textContent('#recording .sentence')
-      const [, took, simulated] = sentence.match(/^The machine took ([\d.]+) s, the simulation ([\d.]+) s \(−\d/)
-      // Where the tool starts and ends a recorder of positions sees only to its resolution.
-      assert.ok(Math.abs(Number(took) - seconds) < 0.25, `${took} s of ${seconds} s`)
-      assert.ok(Number(simulated) < Number(took) - 0.5, sentence)
-      assert.match(await page.textContent('#recording .facts'), /aligned by axis positions: (99|100) %/)
-      assert.equal(await page.locator('#recording [role=toolbar] .picture').count(), 2, 'the chart leaves as SVG and PNG')
-      // The tables come a moment later, and move what is in sight.
-      await page.waitForSelector('#recording .tables > :last-child tbody tr')
-      await page.locator('#recording canvas').scrollIntoViewIfNeeded()
-      await frame(page)
-      const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
-      assert.ok(feeds.every((count) => 300 < count), `curves: ${feeds}`)
-      assert.ok(300 < lost[0], `time lost: ${lost}`)
+pageTest(
+  'program and recording dropped together are compared',
+  async ({ page }) => {
+    const { path, seconds } = await recorded(page, 'bracket-07.csv')
+    await drop(page, 'body', [path, PROGRAM])
+    await compared(page)
+    assert.equal(await page.locator('.programs li').count(), 1, 'the recording is no program')
+    const sentence = await page.textContent('#recording .sentence')
+    const [, took, simulated] = sentence.match(/^The machine took ([\d.]+) s, the simulation ([\d.]+) s \(−\d/)
+    // Where the tool starts and ends a recorder of positions sees only to its resolution.
+    assert.ok(Math.abs(Number(took) - seconds) < 0.25, `${took} s of ${seconds} s`)
+    assert.ok(Number(simulated) < Number(took) - 0.5, sentence)
+    assert.match(await page.textContent('#recording .facts'), /aligned by axis positions: (99|100) %/)
+    assert.equal(await page.locator('#recording [role=toolbar] .picture').count(), 2, 'the chart leaves as SVG and PNG')
+    // The tables come a moment later, and move what is in sight.
+    await page.waitForSelector('#recording .tables > :last-child tbody tr')
+    await page.locator('#recording canvas').scrollIntoViewIfNeeded()
+    await frame(page)
+    const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
+    assert.ok(feeds.every((count) => 300 < count), `curves: ${feeds}`)
+    assert.ok(300 < lost[0], `time lost: ${lost}`)
 
-      const rows = await page.$$eval('#recording .tables > :last-child tbody tr', (all) => all.map((row) => row.cells.length))
-      assert.ok(5 < rows.length && rows.every((count) => count === 5))
-      const wider = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)
-      assert.ok(!wider, 'the page scrolls sideways')
-      await page.locator('#recording').scrollIntoViewIfNeeded()
-      await shot(page, `recording-${viewport.width}`)
-    },
-    { viewport },
-  )
-}
+    const rows = await page.$$eval('#recording .tables > :last-child tbody tr', (all) => all.map((row) => row.cells.length))
+    assert.ok(5 < rows.length && rows.every((count) => count === 5))
+    await page.locator('#recording').scrollIntoViewIfNeeded()
+    await atEverySize(page, 'recording')
+  },
+)
 
 pageTest('all charts have one cursor and one stretch in sight', async ({ page }) => {
   const { path } = await recorded(page, 'run.csv')

@@ -1,7 +1,7 @@
 // A long program is simulated by several workers side by side: what the page shows is what one worker would say.
 
 import assert from 'node:assert/strict'
-import { computed, cycleTimes, pageTest, shot } from './steps.mjs'
+import { computed, cycleTimes, pageTest, shot, workersEnded } from './steps.mjs'
 
 /** Lines enough for several workers. */
 const LONG = 90_000
@@ -137,8 +137,7 @@ pageTest('cancelling ends all workers, and the next run has all results', async 
   await page.click('#progress button')
   await page.waitForFunction(() => document.querySelector('#progress p').textContent.startsWith('Cancelled'))
   assert.deepEqual(await page.evaluate(() => window.further), { started: 1, ended: 1 })
-  for (let tries = 0; tries < 50 && page.workers().length > 0; tries += 1) await page.waitForTimeout(100)
-  assert.equal(page.workers().length, 0, 'a worker goes on')
+  await workersEnded(page)
   await page.click('#progress button')
   await computed(page)
   assert.ok((await cycleTimes(page)).every((time) => time > 0))

@@ -2,12 +2,12 @@
 
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs'
+import { mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { basename, join } from 'node:path'
 import { after, test } from 'node:test'
 import { fileURLToPath } from 'node:url'
-import { leaving, openPage } from './harness.mjs'
+import { leaving, openPage, stopShared } from './harness.mjs'
 
 export const ROOT = fileURLToPath(new URL('../../', import.meta.url))
 const OUTPUT = join(ROOT, 'tests/browser/output')
@@ -15,6 +15,7 @@ export const TOLERANCES_MM = [0.01, 0.02, 0.05]
 
 const scratch = mkdtempSync(join(tmpdir(), 'truefeed-page-'))
 after(() => rmSync(scratch, { recursive: true }))
+after(stopShared)
 mkdirSync(OUTPUT, { recursive: true })
 
 /**
@@ -22,11 +23,12 @@ mkdirSync(OUTPUT, { recursive: true })
  *
  * @param {string} name
  * @param {(opened: Awaited<ReturnType<typeof openPage>>) => Promise<void>} body
- * @param {{ viewport?: { width: number, height: number }, skip?: string | false }} [options]
+ * @param {{ viewport?: { width: number, height: number }, skip?: string | false, isLong?: boolean }} [options]
+ *   `skip`: what is missing and what would provide it; `isLong`: it runs in the full suite only
  */
-export function pageTest(name, body, { viewport, skip = false } = {}) {
-  test(name, { skip, timeout: 300_000 }, async () => {
-    const opened = await openPage({ viewport })
+export function pageTest(name, body, { viewport, skip = false, isLong = false } = {}) {
+  test(name, { skip: (isLong && leftForAll(name)) || (skip && skipped(skip)), timeout: 300_000 }, async () => {
+    const opened = await openPage({ viewport, isShared: true })
     try {
       await opened.page.waitForSelector('html[data-ready]')
       await body(opened)
@@ -36,6 +38,19 @@ export function pageTest(name, body, { viewport, skip = false } = {}) {
       await opened.close()
     }
   })
+}
+
+/** Notes on a line, which `scripts/test` collects, that a check cannot run here. @param {string} reason  what is missing, and what would provide it */
+export function skipped(reason) {
+  console.log(`skipped: ${reason}`)
+  return reason
+}
+
+/** Whether the full suite alone runs what takes long, by the variable that `scripts/test --all` sets; notes it where that is not so. @param {string} name */
+export function leftForAll(name) {
+  if (process.env.TRUEFEED_ALL) return false
+  console.log(`left for --all: ${name}`)
+  return 'full suite only'
 }
 
 /** Waits until every row of the table is of the machine and program in sight, and the panels that come later are there. */
@@ -56,13 +71,25 @@ export async function computed(page, { later = true } = {}) {
 /** Those of the tolerances that the user chose. */
 export const cycleTimes = (page) => page.$$eval('#results tbody tr:not(.programmed) data', (all) => all.map((data) => Number(data.value)))
 
-/** The command line, the newest that was built, or built now. */
+/** @type {string | undefined} */
+let built
+
+/** The command line, of the sources as they are: built as the native tests build it, which takes no time after them. */
 export function binary() {
-  const binaries = ['release', 'debug'].map((profile) => join(ROOT, 'target', profile, 'truefeed')).filter(existsSync)
-  binaries.sort((a, b) => statSync(b).mtimeMs - statSync(a).mtimeMs)
-  if (binaries.length > 0) return binaries[0]
-  execFileSync('cargo', ['build', '--quiet', '--locked'], { cwd: ROOT, stdio: 'inherit' })
-  return join(ROOT, 'target/debug/truefeed')
+  if (built) return built
+  assertModulesAreCurrent()
+  execFileSync('cargo', ['build', '--quiet', '--locked', '--bin', 'truefeed', '--profile', 'test'], { cwd: ROOT, stdio: 'inherit' })
+  built = join(ROOT, 'target/debug/truefeed')
+  return built
+}
+
+/** The page is compared with a command of the same sources, or not at all. */
+function assertModulesAreCurrent() {
+  const sources = readdirSync(join(ROOT, 'src'), { recursive: true }).filter((path) => path.endsWith('.rs')).map((path) => join('src', path))
+  const time = (path) => statSync(join(ROOT, path)).mtimeMs
+  const module = 'www/pkg/truefeed_whole_bg.wasm'
+  const later = [...sources, 'Cargo.toml', 'Cargo.lock'].filter((path) => time(module) < time(path))
+  assert.deepEqual(later, [], `the page was built before these were changed; run scripts/build`)
 }
 
 /** Path of the machine file that the page saves. */
@@ -128,6 +155,9 @@ export function pixelsOfCurves(page, below = 0) {
   }, below)
 }
 
+/** Waits until no worker is left. */
+export const workersEnded = (page) => Promise.all(page.workers().map((worker) => new Promise((done) => worker.once('close', done))))
+
 /** Waits until all that was to be drawn is drawn, and seen. */
 export const frame = (page) =>
   page.evaluate(async () => {
@@ -164,4 +194,29 @@ export const span = async (page) => {
   await frame(page)
   return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)
 }
+/** Widths of a phone, a laptop and a large screen, with heights. */
+const SIZES = [[360, 760], [1280, 900], [2560, 1440]]
+
+/**
+ * Looks at what is open at each size in both themes: nothing may scroll sideways. The page is left as it was found.
+ * @param {string} name  of the pictures
+ * @param {(name: string) => Promise<void>} [look]  what else is to be looked at
+ */
+export async function atEverySize(page, name, look = (name) => shot(page, name)) {
+  const before = page.viewportSize()
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({ width, height })
+    for (const colorScheme of ['light', 'dark']) {
+      await page.emulateMedia({ colorScheme })
+      await frame(page)
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name} scrolls sideways at ${width} px`)
+      await look(`${name}-${width}-${colorScheme}`)
+    }
+  }
+  await page.emulateMedia({ colorScheme: null })
+  await page.setViewportSize(before)
+  await frame(page)
+}
+
+/** Keeps a picture in tests/browser/output, for whoever changes how the page looks: no test compares it. */
 export const shot = (page, name) => page.screenshot({ path: join(OUTPUT, `${name}.png`) })

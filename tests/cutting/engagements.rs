@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use truefeed::cutting::{Engagement, Place, Sector, engagement};
 
-use crate::{from, mill, setup, toolpath};
+use crate::cutting::{from, mill, setup, toolpath};
 
 const RADIUS: f64 = 6.0;
 const CELL: f64 = 0.1;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use truefeed::cutting::{Coefficients, Force, Mill, Rotor, Sector, material};
 
-use crate::mill;
+use crate::cutting::mill;
 
 const RADIUS: f64 = 6.0;
 const DEPTH: f64 = 4.0;

@@ -4,11 +4,11 @@ use truefeed::cutting::{
     Headroom, Limit, Limits, Loads, Mill, Setup, compliance, engagement, programmed_and_predicted,
 };
 use truefeed::machine::Machine;
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::simulate;
 
-use crate::{mill, setup, toolpath};
+use crate::cutting::{mill, setup, toolpath};
 
 /// A slot 2 mm deep, and after it, without stop, one 6 mm deep over the same stock.
 const PROGRAM: &str = "G21 G90 T1 M6\nM3 S8000\n(SHALLOW)\nG0 X-10 Y10 Z5\nZ-2\nG1 X50 F600\nG0 Z5\n(DEEP)\nX-10 Y30\nZ-6\nG1 X50 F600\nG0 Z5";
@@ -21,7 +21,7 @@ fn with(limits: Limits) -> Setup {
 /// The loads by the programmed feedrate.
 fn programmed(program: &str, setup: &Setup) -> Loads {
     let (machine, toolpath) = (Machine::default(), toolpath(program));
-    let (plan, _) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
+    let (plan, _) = simulate::within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
     let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
     let cut = engagement(&toolpath, setup).expect("all is given");
     let mut told = Vec::new();

@@ -3,12 +3,12 @@
 use truefeed::cutting::{Engagement, Loads, engagement, programmed_and_predicted};
 use truefeed::machine::Machine;
 use truefeed::project::{EXAMPLE_CUTTING, Prediction, cutting_from_toml};
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::simulate;
 
-use crate::mutate::{Random, mutated};
-use crate::toolpath;
+use crate::cutting::toolpath;
+use crate::fuzz::mutate::{Random, mutated};
 
 const PROGRAM: &str = "G21 G90 T3 M6\nG0 X-10 Y5 Z5\nZ-3\nG1 X30 F1200\nG2 X30 Y5 I-5 J0\nZ-9\nG0 X0\nG0 Z5";
 
@@ -27,7 +27,7 @@ fn run(text: &str) -> bool {
         return true;
     }
     let toolpath = toolpath(PROGRAM);
-    let (plan, _) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
+    let (plan, _) = simulate::within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
     let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
     let cut = engagement(&toolpath, &setup);
     let load = |cut: &Engagement| programmed_and_predicted(cut, &toolpath, &setup, &curve, &mut |_| {});

@@ -5,11 +5,11 @@ use truefeed::cutting::{Mill, Setup, engagement, material, programmed_and_predic
 use truefeed::machine::Machine;
 use truefeed::project::Prediction;
 use truefeed::quote::{programmed_time, quote};
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::simulate;
 
-use crate::{mill, setup, toolpath};
+use crate::cutting::{mill, setup, toolpath};
 
 const PROGRAM: &str = "G21 G90 T1 M6\nM3 S8000\n(SLOT)\nG0 X-10 Y5 Z5\nZ-3\nG1 X30 F1200\nG0 Z5\n(BACK)\nX20 Y3\nZ-4\nG1 X0 F600\nG0 Z5\nM30";
 
@@ -21,7 +21,7 @@ fn predicted(setup: Option<&Setup>) -> Value {
 /// The same of a program.
 fn predicted_of(program: &str, setup: Option<&Setup>) -> Value {
     let (machine, toolpath) = (Machine::default(), toolpath(program));
-    let (plan, errors) = plan_within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
+    let (plan, errors) = simulate::within(&toolpath, &machine, Tolerances::Programmed, &mut |_| {});
     let quotes = [quote(&toolpath, &machine, &plan, Tolerances::Programmed, &errors)];
     let prediction = Prediction::new("part.nc", &toolpath, programmed_time(&toolpath, &machine), &quotes);
     let prediction = match setup {

@@ -2,7 +2,7 @@
 
 use truefeed::cutting::{CuttingError, Limit, Limits, Mill, Setup, engagement, loads, programmed_feedrates};
 
-use crate::{mill, setup, toolpath};
+use crate::cutting::{mill, setup, toolpath};
 
 const PROGRAM: &str = "G21 G90 G0 X-10 Y5 Z-3\nG1 X30 F1200";
 

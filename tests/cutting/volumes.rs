@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use truefeed::cutting::{HeightMap, Mill, Setup, StockBox, engagement};
 
-use crate::{from, mill, setup, toolpath};
+use crate::cutting::{from, mill, setup, toolpath};
 
 /// Removed volume of a program, mm³; what the places hold must be what the map lost.
 fn removed(program: &str, setup: &Setup) -> f64 {

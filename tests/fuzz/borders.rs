@@ -11,10 +11,10 @@ use truefeed::project::{
     settings_from_text, settings_text, terms_from_form, toml_from_machine,
 };
 use truefeed::quote::{programmed_time, quote};
-use truefeed::simulation::contour::plan_within;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read as read_program;
 use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Toolpath, trace, trace_within};
 
 /// Plans are checked of programs of no more moves than this, so that an execution stays short.
@@ -177,7 +177,7 @@ pub fn planned(bytes: &[u8]) {
 
 /// What holds of every plan.
 pub fn check_plan(toolpath: &Toolpath, machine: &Machine) {
-    let (plan, errors) = plan_within(toolpath, machine, Tolerances::Programmed, &mut |_| {});
+    let (plan, errors) = simulate::within(toolpath, machine, Tolerances::Programmed, &mut |_| {});
     let quote = quote(toolpath, machine, &plan, Tolerances::Programmed, &errors);
     assert!(quote.cycle_time.is_finite() && 0.0 <= quote.cycle_time, "cycle time {}", quote.cycle_time);
     assert!(quote.max_contour_error.is_finite(), "contour error {}", quote.max_contour_error);

@@ -8,8 +8,8 @@ use truefeed::identification::fit::{Recorded, Run};
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 
-use crate::shared::recordings;
-use crate::{HURCO, recorded};
+use crate::hurco::{HURCO, recorded};
+use crate::shared::recordings_of_others;
 
 /// Three filters and a rapid rate.
 const MACHINE: &str = r#"
@@ -37,7 +37,7 @@ fn error(comparison: &Comparison) -> (f64, f64, f64) {
 
 #[test]
 fn runs_of_two_mills_predict_other_programs_of_theirs() {
-    let Some(folder) = recordings(HURCO) else { return };
+    let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine_from_toml(MACHINE).expect("a machine file");
     let fitted = [
         ("box-op1", "box-op1-06"),
@@ -81,7 +81,7 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
 
 #[test]
 fn a_short_program_predicts_another_one_of_its_machine() {
-    let Some(folder) = recordings(HURCO) else { return };
+    let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine_from_toml(MACHINE).expect("a machine file");
     let fitted = recorded(&folder, "box-op3", "box-op3-06", &machine, true);
     let found = calibrate(&machine, &[fitted.run()], &mut |_| {}).machine;

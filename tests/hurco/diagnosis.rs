@@ -7,8 +7,8 @@ use truefeed::identification::diagnosis::{Diagnosis, Plateau, diagnose, feed_hol
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 
-use crate::shared::recordings;
-use crate::{HURCO, recorded};
+use crate::hurco::{HURCO, recorded};
+use crate::shared::recordings_of_others;
 
 /// What a calibration on other runs of the mill finds.
 const MACHINE: &str = r#"
@@ -34,12 +34,12 @@ fn machine() -> Machine {
 }
 
 fn ids(diagnosis: &Diagnosis) -> Vec<&str> {
-    diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.id).collect()
+    diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect()
 }
 
 #[test]
 fn plateaus_tell_the_feed_override_without_a_model_of_the_motion() {
-    let Some(folder) = recordings(HURCO) else { return };
+    let Some(folder) = recordings_of_others(HURCO) else { return };
     let rough = Machine::default();
     for (program, run, ratio) in [
         ("box-op1", "box-op1-03", 1.01),
@@ -58,12 +58,14 @@ fn plateaus_tell_the_feed_override_without_a_model_of_the_motion() {
 }
 
 #[test]
+#[ignore = "full suite: diagnoses half an hour of a real mill"]
 fn an_override_of_one_part_in_a_hundred_is_found_in_half_an_hour() {
-    let Some(folder) = recordings(HURCO) else { return };
+    let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "box-op1", "box-op1-07", &machine, false);
     let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
-    let overrides = diagnosis.causes.iter().filter(|cause| cause.candidate.hypothesis.id == "feed_override");
+    let overrides =
+        diagnosis.causes.iter().filter(|cause| cause.candidate.hypothesis.effect.id == "feed_override");
     let ratios: Vec<f64> = overrides.map(|cause| cause.candidate.values[0]).collect();
     eprintln!("{:?} {ratios:?}", ids(&diagnosis));
     assert!(ratios.len() == 1 && (0.985..=0.995).contains(&ratios[0]), "{ratios:?}");
@@ -71,8 +73,9 @@ fn an_override_of_one_part_in_a_hundred_is_found_in_half_an_hour() {
 }
 
 #[test]
+#[ignore = "full suite: diagnoses half an hour of a real mill"]
 fn nothing_is_laid_to_an_operator_who_did_nothing() {
-    let Some(folder) = recordings(HURCO) else { return };
+    let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "box-op3", "box-op3-07", &machine, false);
     let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
@@ -87,7 +90,7 @@ const PRICE: f64 = 14.0;
 
 #[test]
 fn feed_holds_are_located_where_the_status_has_them() {
-    let Some(folder) = recordings(HURCO) else { return };
+    let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "plate-1", "plate-01", &machine, false);
     let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
@@ -113,7 +116,7 @@ fn feed_holds_are_located_where_the_status_has_them() {
 
 #[test]
 fn standing_for_a_poll_or_two_is_no_hold() {
-    let Some(folder) = recordings(HURCO) else { return };
+    let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine();
     for (program, run) in [
         ("box-op1", "box-op1-03"),

@@ -1,14 +1,16 @@
 //! What goes in comes out: length, time, and no feedrate that was not commanded.
 
-use crate::paths::{cases, stretches};
+use crate::laws::paths::{cases, stretches};
 use truefeed::simulation::feed::Phase;
 use truefeed::simulation::profile::Profile;
 
-const CASES: usize = 10_000;
+fn case_count() -> usize {
+    crate::shared::case_count(10_000)
+}
 
 #[test]
 fn pulses_add_up_to_the_length_and_keep_to_the_feedrate() {
-    for (case, _) in cases(1, CASES) {
+    for (case, _) in cases(1, case_count()) {
         let plan = case.plan();
         let mut areas = vec![0.0; case.toolpath.segments.len()];
         for pulse in &plan.pulses {
@@ -30,7 +32,7 @@ fn pulses_add_up_to_the_length_and_keep_to_the_feedrate() {
 
 #[test]
 fn the_profile_ends_where_the_program_ends() {
-    for (case, mut random) in cases(2, CASES) {
+    for (case, mut random) in cases(2, case_count()) {
         let plan = case.plan();
         let profile = Profile::new(&case.toolpath, &plan);
         let segments = &case.toolpath.segments;
@@ -57,7 +59,7 @@ fn the_profile_ends_where_the_program_ends() {
 
 #[test]
 fn feedrate_stays_below_the_highest_command_within_the_filters() {
-    for (case, mut random) in cases(3, CASES) {
+    for (case, mut random) in cases(3, case_count()) {
         let plan = case.plan();
         let profile = Profile::new(&case.toolpath, &plan);
         let stretches = stretches(&plan);
@@ -106,7 +108,7 @@ fn whole(value: f64) -> i128 {
 
 #[test]
 fn cycle_time_is_the_sum_of_its_parts() {
-    for (case, _) in cases(4, CASES) {
+    for (case, _) in cases(4, case_count()) {
         let plan = case.plan();
         let phases = plan.phases.iter().map(|phase| match phase {
             Phase::Wait(wait) => whole(wait.duration),

@@ -1,14 +1,16 @@
 //! Halts that the program does not ask for: none changes nothing, each costs exactly its seconds, and
 //! nothing of the path is lost.
 
-use crate::paths::{Case, Random, cases};
+use crate::laws::paths::{Case, Random, cases};
 use truefeed::machine::{Halts, InPosition, Machine};
 use truefeed::project::{machine_from_toml, toml_from_machine};
 use truefeed::quote::breakdown;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::Toolpath;
 
-const CASES: usize = 2_000;
+fn case_count() -> usize {
+    crate::shared::case_count(2_000)
+}
 
 /// The case on a machine with other halts.
 fn with(case: &Case, change: impl FnOnce(&mut Machine)) -> Case {
@@ -33,7 +35,7 @@ fn assert_close(found: f64, expected: f64, case: &Case) {
 
 #[test]
 fn halts_of_no_time_change_no_bit() {
-    for (case, mut random) in cases(71, CASES) {
+    for (case, mut random) in cases(71, case_count()) {
         let (line, _, place) = halt(&case.toolpath, &mut random);
         let none = with(&case, |machine| {
             machine.halts.feed_holds.insert(line, 0.0);
@@ -49,7 +51,7 @@ fn halts_of_no_time_change_no_bit() {
 
 #[test]
 fn a_feed_hold_costs_its_seconds_and_loses_no_way() {
-    for (case, mut random) in cases(72, CASES) {
+    for (case, mut random) in cases(72, case_count()) {
         let (line, seconds, place) = halt(&case.toolpath, &mut random);
         let held = with(&case, |machine| {
             machine.halts.feed_holds.insert(line, seconds);
@@ -80,7 +82,7 @@ fn a_feed_hold_costs_its_seconds_and_loses_no_way() {
 
 #[test]
 fn the_machine_stands_where_it_is_held() {
-    for (case, mut random) in cases(73, CASES) {
+    for (case, mut random) in cases(73, case_count()) {
         let (line, _, place) = halt(&case.toolpath, &mut random);
         let held = with(&case, |machine| {
             machine.halts.feed_holds.insert(line, 10.0);
@@ -101,7 +103,7 @@ fn the_machine_stands_where_it_is_held() {
 
 #[test]
 fn a_wait_before_a_line_is_a_full_stop_that_lasts() {
-    for (case, mut random) in cases(74, CASES) {
+    for (case, mut random) in cases(74, case_count()) {
         let (line, seconds, _) = halt(&case.toolpath, &mut random);
         let waiting = |seconds: f64| {
             with(&case, |machine| {
@@ -118,7 +120,7 @@ fn a_wait_before_a_line_is_a_full_stop_that_lasts() {
 
 #[test]
 fn a_wait_for_position_comes_at_each_full_stop_of_motion() {
-    for (case, mut random) in cases(75, CASES) {
+    for (case, mut random) in cases(75, case_count()) {
         let seconds = random.log_between(1e-3, 1.0);
         let exact = with(&case, |machine| {
             machine.halts.in_position = seconds;
@@ -133,7 +135,7 @@ fn a_wait_for_position_comes_at_each_full_stop_of_motion() {
 
 #[test]
 fn parts_of_a_held_program_add_up() {
-    for (case, mut random) in cases(76, CASES) {
+    for (case, mut random) in cases(76, case_count()) {
         let (line, seconds, place) = halt(&case.toolpath, &mut random);
         let held = with(&case, |machine| {
             machine.halts.feed_holds.insert(line, seconds);

@@ -1,13 +1,15 @@
 //! Limits of the machine: without effect at their neutral values, respected when finite.
 
-use crate::paths::{Case, Random, cases, line, stretches};
+use crate::laws::paths::{Case, Random, cases, line, stretches};
 use truefeed::machine::{Axis, Junction, Machine, PlannedBy};
 use truefeed::simulation::feed::limits::requested_feedrate;
 use truefeed::simulation::feed::{Pulse, Stretch};
 use truefeed::simulation::profile::Profile;
-use truefeed::simulation::toolpath::{Motion, Point, Segment, Toolpath, Vector};
+use truefeed::simulation::toolpath::{Curve, Motion, Point, Segment, Toolpath, Vector};
 
-const CASES: usize = 10_000;
+fn case_count() -> usize {
+    crate::shared::case_count(10_000)
+}
 
 /// Cases whose machine `limit` has changed.
 fn limited(
@@ -45,7 +47,7 @@ fn turn(before: &Segment, after: &Segment) -> f64 {
 /// code to the same bits.
 #[test]
 fn limits_out_of_reach_change_no_bit() {
-    for (case, _) in limited(21, CASES, |machine, _| machine.path.acceleration = f64::INFINITY) {
+    for (case, _) in limited(21, case_count(), |machine, _| machine.path.acceleration = f64::INFINITY) {
         let mut machine = case.machine.clone();
         machine.interpolator.exact_stop_angle = std::f64::consts::PI;
         machine.interpolator.block_time = 0.0;
@@ -78,7 +80,7 @@ fn limits_out_of_reach_change_no_bit() {
 
 #[test]
 fn a_huge_acceleration_is_as_good_as_none() {
-    for (case, _) in limited(22, CASES, |machine, _| machine.path.acceleration = f64::INFINITY) {
+    for (case, _) in limited(22, case_count(), |machine, _| machine.path.acceleration = f64::INFINITY) {
         let mut machine = case.machine.clone();
         machine.path.acceleration = 1e15;
         machine.interpolator.junction = Junction::AxisStep(1e9);
@@ -93,7 +95,7 @@ fn overrides_are_other_programmed_feedrates() {
     let twice = |machine: &mut Machine, _: &mut Random| {
         (machine.overrides.feed, machine.overrides.rapid) = (2.0, 0.5);
     };
-    for (case, _) in limited(23, CASES, twice) {
+    for (case, _) in limited(23, case_count(), twice) {
         let mut toolpath = case.toolpath.clone();
         let twice = |mut segment: Segment| {
             if let Motion::Feed { feedrate } = &mut segment.motion {
@@ -110,11 +112,41 @@ fn overrides_are_other_programmed_feedrates() {
 }
 
 #[test]
+fn rapids_take_as_long_as_the_slowest_axis() {
+    let limit = |machine: &mut Machine, random: &mut Random| {
+        machine.axes.iter_mut().for_each(|axis| axis.rapid = random.log_between(20.0, 900.0));
+    };
+    for (case, _) in limited(30, case_count(), limit) {
+        let Case { toolpath, machine, .. } = &case;
+        for segment in
+            toolpath.segments.iter().filter(|s| s.motion == Motion::Rapid && s.curve == Curve::Line)
+        {
+            let alone = |k: usize| (segment.end - segment.start)[k].abs() / machine.axes[k].rapid;
+            let slowest = (0..3).map(alone).fold(segment.length / machine.rapid.feedrate, f64::max);
+            let time = segment.length / requested_feedrate(&segment, machine);
+            assert!((time / slowest - 1.0).abs() < 1e-12, "case {}: {time}, {slowest}", case.number);
+        }
+    }
+}
+
+#[test]
+fn rapids_of_axes_above_that_along_the_path_change_nothing() {
+    let limit = |machine: &mut Machine, _: &mut Random| {
+        machine.axes.iter_mut().for_each(|axis| axis.rapid = 1.001 * machine.rapid.feedrate);
+    };
+    for (case, _) in limited(31, case_count(), limit) {
+        let mut machine = case.machine.clone();
+        machine.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
+        assert_eq!(Case { toolpath: case.toolpath.clone(), machine, ..case }.plan(), case.plan());
+    }
+}
+
+#[test]
 fn no_axis_is_faster_than_its_limit() {
     let limit = |machine: &mut Machine, random: &mut Random| {
         machine.axes.iter_mut().for_each(|axis| axis.velocity = random.log_between(2.0, 300.0));
     };
-    for (case, mut random) in limited(24, CASES, limit) {
+    for (case, mut random) in limited(24, case_count(), limit) {
         let plan = case.plan();
         let profile = Profile::new(&case.toolpath, &plan);
         for time in times(&profile, &mut random, 50) {
@@ -132,7 +164,7 @@ fn no_axis_is_faster_than_its_limit() {
 /// along the path is that of the command, averaged, and so never above its limit.
 #[test]
 fn acceleration_along_straight_paths_keeps_its_limit() {
-    for (mut case, mut random) in cases(25, CASES) {
+    for (mut case, mut random) in cases(25, case_count()) {
         let direction = random.direction();
         let mut start = Point::origin();
         let lines = case.toolpath.segments.iter().map(|segment| {
@@ -177,7 +209,7 @@ fn arcs_are_commanded_at_their_centripetal_acceleration() {
         machine.interpolator.contour_tolerance = 1e6;
     };
     let mut held = 0;
-    for (case, _) in limited(26, CASES, limit) {
+    for (case, _) in limited(26, case_count(), limit) {
         let plan = case.plan();
         for (segment, feedrate) in case.toolpath.segments.iter().zip(&plan.segment_feedrates) {
             let curvature = segment.derivatives(0.5 * segment.length)[1].norm();
@@ -187,7 +219,7 @@ fn arcs_are_commanded_at_their_centripetal_acceleration() {
             held += usize::from(*feedrate < case.requested(&segment));
         }
     }
-    assert!(CASES / 10 < held, "the limit decides on many arcs: {held}");
+    assert!(case_count() / 10 < held, "the limit decides on many arcs: {held}");
 }
 
 #[test]
@@ -196,7 +228,7 @@ fn no_block_is_run_in_less_than_the_block_time() {
         machine.interpolator.block_time = random.log_between(0.0001, 0.05);
     };
     let mut held = 0;
-    for (case, _) in limited(27, CASES, limit) {
+    for (case, _) in limited(27, case_count(), limit) {
         let mut durations = vec![0.0; case.toolpath.segments.len()];
         let plan = case.plan();
         plan.pulses.iter().for_each(|pulse| durations[pulse.segment as usize] += pulse.duration);
@@ -206,7 +238,7 @@ fn no_block_is_run_in_less_than_the_block_time() {
             held += usize::from(duration < least * (1.0 + 1e-9));
         }
     }
-    assert!(CASES / 10 < held, "the limit decides on many blocks: {held}");
+    assert!(case_count() / 10 < held, "the limit decides on many blocks: {held}");
 }
 
 /// With a look-ahead of N blocks the motion can stop within them from any command: what is on
@@ -217,7 +249,7 @@ fn motion_can_stop_within_the_look_ahead() {
         machine.interpolator.look_ahead = random.between(1.0, 20.0).floor();
     };
     let mut held = 0;
-    for (case, _) in limited(28, CASES, limit) {
+    for (case, _) in limited(28, case_count(), limit) {
         let plan = case.plan();
         let blocks = case.machine.interpolator.look_ahead as usize;
         for (_, stretch) in stretches(&plan) {
@@ -236,7 +268,7 @@ fn motion_can_stop_within_the_look_ahead() {
             }
         }
     }
-    assert!(CASES / 10 < held, "the limit decides on many blocks: {held}");
+    assert!(case_count() / 10 < held, "the limit decides on many blocks: {held}");
 }
 
 /// A control that plans corners by what is requested makes none of them faster when it waits for its blocks.
@@ -248,7 +280,7 @@ fn a_starved_control_is_never_faster() {
         machine.interpolator.look_ahead = random.between(1.0, 20.0).floor();
     };
     let mut slower = 0;
-    for (mut case, _) in limited(33, CASES, limit) {
+    for (mut case, _) in limited(33, case_count(), limit) {
         let starved = case.plan().cycle_time();
         case.machine.interpolator.block_time = 0.0;
         case.machine.interpolator.look_ahead = f64::INFINITY;
@@ -256,7 +288,7 @@ fn a_starved_control_is_never_faster() {
         assert!(supplied <= starved * (1.0 + 1e-9), "case {}: {supplied} s, {starved} s", case.number);
         slower += usize::from(supplied * 1.001 < starved);
     }
-    assert!(CASES / 10 < slower, "the limits decide on many programs: {slower}");
+    assert!(case_count() / 10 < slower, "the limits decide on many programs: {slower}");
 }
 
 #[test]
@@ -264,7 +296,7 @@ fn the_machine_stands_where_it_has_to() {
     let limit = |machine: &mut Machine, random: &mut Random| {
         machine.interpolator.exact_stop_angle = random.between(0.1, std::f64::consts::PI);
     };
-    for (case, _) in limited(29, CASES, limit) {
+    for (case, _) in limited(29, case_count(), limit) {
         let plan = case.plan();
         let profile = Profile::new(&case.toolpath, &plan);
         let segments = &case.toolpath.segments;
@@ -297,7 +329,7 @@ fn corners_are_slowed_by_their_turn_down_to_a_stop() {
         machine.interpolator.slowing_angle = random.log_between(0.1, 10.0);
     };
     let mut slowed = 0;
-    for (case, _) in limited(42, CASES, limit) {
+    for (case, _) in limited(42, case_count(), limit) {
         let (plan, angle) = (case.plan(), case.machine.interpolator.slowing_angle);
         for (_, stretch) in stretches(&plan) {
             for index in stretch.segments.start..stretch.segments.end - 1 {
@@ -313,7 +345,7 @@ fn corners_are_slowed_by_their_turn_down_to_a_stop() {
             }
         }
     }
-    assert!(CASES / 10 < slowed, "the law decides on many corners: {slowed}");
+    assert!(case_count() / 10 < slowed, "the law decides on many corners: {slowed}");
 }
 
 #[test]
@@ -322,7 +354,7 @@ fn corners_keep_the_jerk_of_each_axis() {
         machine.axes.iter_mut().for_each(|axis| axis.jerk = random.log_between(1e3, 1e6));
         machine.interpolator.junction = Junction::Tolerance;
     };
-    for (case, _) in limited(30, CASES, limit) {
+    for (case, _) in limited(30, case_count(), limit) {
         let plan = case.plan();
         for (_, stretch) in stretches(&plan) {
             let filter = &plan.filters[stretch.filter];

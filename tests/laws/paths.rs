@@ -1,12 +1,14 @@
-//! Random paths and machines, the same on every run.
+//! Random paths and machines, drawn from fixed seeds or, in the full suite, from one that `scripts/test --all` prints.
 //!
 //! Paths of 2 to 40 blocks of 0.01 to 100 mm, lines and arcs (full turns, helices) in all
 //! directions of space, smooth and sharp transitions, feedrates of 100 to 20 000 mm/min, some
 //! rapids, exact stops and dwells. Machines of one to four filters of 2 to 80 ms, equal or not.
 
+use crate::shared::seed_offset;
 use truefeed::machine::{Junction, Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Phase, Rule, Stretch, plan};
+use truefeed::simulation::feed::{FeedPlan, Phase, Rule, Stretch};
 use truefeed::simulation::gcode::LineNumber;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{
     Arc, Curve, Motion, Point, Rotation, Segment, Stop, StopCause, Toolpath, Vector,
 };
@@ -76,7 +78,7 @@ impl Case {
     }
 
     pub fn plan(&self) -> FeedPlan {
-        plan(&self.toolpath, &self.machine, Rule::Isolated(self.tolerance()))
+        simulate::by_rule(&self.toolpath, &self.machine, Rule::Isolated(self.tolerance()))
     }
 
     pub fn time(&self) -> f64 {
@@ -86,6 +88,7 @@ impl Case {
 
 /// `count` cases from a seed, each with what is left of the random numbers.
 pub fn cases(seed: u64, count: usize) -> impl Iterator<Item = (Case, Random)> {
+    let seed = seed + 1000 * seed_offset();
     // Steps of the golden ratio make good seeds of consecutive numbers.
     let seeds =
         (0..count).map(move |number| (number, (number as u64 + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15)));

@@ -1,13 +1,16 @@
 //! Path smoothing: nothing where it is off, straight lines or corners that slow nothing where it acts, and the program's
 //! distances.
 
-use crate::paths::{Case, Random, cases};
+use crate::laws::paths::{Case, Random, cases};
 use truefeed::machine::{Junction, Machine};
-use truefeed::simulation::feed::{FeedPlan, Rule, plan};
+use truefeed::simulation::feed::{FeedPlan, Rule};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Toolpath, trace};
 
-const CASES: usize = 1000;
+fn case_count() -> usize {
+    crate::shared::case_count(1000)
+}
 
 /// With the junctions of LinuxCNC, or as it is.
 fn with_junctions(machine: &mut Machine, random: &mut Random) {
@@ -21,7 +24,7 @@ fn with_junctions(machine: &mut Machine, random: &mut Random) {
 }
 
 fn programmed(case: &Case) -> FeedPlan {
-    plan(&case.toolpath, &case.machine, Rule::Programmed)
+    simulate::by_rule(&case.toolpath, &case.machine, Rule::Programmed)
 }
 
 /// A polyline along X whose points lie up to `height` (mm) beside it, and the line itself.
@@ -39,7 +42,7 @@ fn lines(random: &mut Random, height: f64, count: usize) -> [Toolpath; 2] {
 
 #[test]
 fn switched_off_it_changes_no_bit() {
-    for (mut case, mut random) in cases(70, CASES) {
+    for (mut case, mut random) in cases(70, case_count()) {
         with_junctions(&mut case.machine, &mut random);
         let plan = programmed(&case);
         case.machine.interpolator.path_smoothing = Some(0.0);
@@ -55,7 +58,7 @@ fn switched_off_it_changes_no_bit() {
 #[test]
 fn a_corner_is_slowed_where_no_curve_passes_it_closely() {
     let mut random = Random(73);
-    for number in 0..CASES {
+    for number in 0..case_count() {
         let (short, long) = (random.between(0.2, 1.0), random.between(1.0, 2.0));
         let angle: f64 = random.between(0.05, 2.0);
         let [first, second] = if random.chance(0.5) { [short, long] } else { [long, short] };
@@ -66,7 +69,7 @@ fn a_corner_is_slowed_where_no_curve_passes_it_closely() {
         let passed = 0.5 * short * (0.5 * angle).sin();
         let at_corner = |within: f64, machine: &mut Machine| {
             machine.interpolator.corner_smoothing = within;
-            plan(&toolpath, machine, Rule::Programmed).corner_feedrates[0]
+            simulate::by_rule(&toolpath, machine, Rule::Programmed).corner_feedrates[0]
         };
         let slowed = at_corner(0.0, &mut machine);
         assert!(slowed < 99.0, "case {number}: {slowed} mm/s");
@@ -77,14 +80,14 @@ fn a_corner_is_slowed_where_no_curve_passes_it_closely() {
 
 #[test]
 fn a_chain_takes_the_time_of_its_line() {
-    for (mut case, mut random) in cases(71, CASES) {
+    for (mut case, mut random) in cases(71, case_count()) {
         with_junctions(&mut case.machine, &mut random);
         let height = random.log_between(1e-4, 0.05);
         let count = 2 + (90.0 * random.unit()) as usize;
         let [chain, straight] = lines(&mut random, height, count);
         // Chords on the way may end on either side.
         case.machine.interpolator.path_smoothing = Some(2.0 * height);
-        let time = |toolpath| plan(toolpath, &case.machine, Rule::Programmed).cycle_time();
+        let time = |toolpath| simulate::by_rule(toolpath, &case.machine, Rule::Programmed).cycle_time();
         let (found, expected) = (time(&chain), time(&straight));
         assert!((found / expected - 1.0).abs() < 1e-9, "case {}: {found} s, {expected} s", case.number);
     }
@@ -93,7 +96,7 @@ fn a_chain_takes_the_time_of_its_line() {
 #[test]
 fn each_segment_keeps_its_length() {
     let mut merged = 0;
-    for (mut case, mut random) in cases(72, CASES) {
+    for (mut case, mut random) in cases(72, case_count()) {
         with_junctions(&mut case.machine, &mut random);
         let as_written = programmed(&case);
         case.machine.interpolator.path_smoothing = Some(random.log_between(1e-3, 10.0));
@@ -116,7 +119,7 @@ fn each_segment_keeps_its_length() {
         let covered: Vec<_> = plan.stretches().flat_map(|stretch| stretch.segments.clone()).collect();
         assert!(covered.into_iter().eq(0..segments.len()), "case {}", case.number);
     }
-    assert!(CASES / 10 < merged, "{merged} of the cases have something to merge");
+    assert!(case_count() / 10 < merged, "{merged} of the cases have something to merge");
 }
 
 /// A chain of any length is tested against no more than a hundred points.
@@ -126,6 +129,6 @@ fn a_long_chain_is_cut() {
     let mut machine = Machine::default();
     machine.interpolator.path_smoothing = Some(0.01);
     let [chain, straight] = lines(&mut random, 0.0, 20_000);
-    let plans = [&chain, &straight].map(|toolpath| plan(toolpath, &machine, Rule::Programmed));
+    let plans = [&chain, &straight].map(|toolpath| simulate::by_rule(toolpath, &machine, Rule::Programmed));
     assert!((plans[0].cycle_time() / plans[1].cycle_time() - 1.0).abs() < 1e-6);
 }

@@ -1,11 +1,13 @@
 //! What does not change the time, and what changes it in one direction only.
 
-use crate::paths::{Case, Random, cases};
+use crate::laws::paths::{Case, Random, cases};
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::feed::Rule;
 use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Stop, StopCause, Toolpath};
 
-const CASES: usize = 10_000;
+fn case_count() -> usize {
+    crate::shared::case_count(10_000)
+}
 
 /// The case with its path and its machine changed.
 fn changed(case: &Case, toolpath: Toolpath, machine: Machine) -> Case {
@@ -104,7 +106,7 @@ fn assert_same_time(case: &Case, other: &Case, factor: f64) {
 
 #[test]
 fn a_reversed_path_keeps_its_time() {
-    for (case, _) in cases(11, CASES) {
+    for (case, _) in cases(11, case_count()) {
         let back = changed(&case, reversed(&case.toolpath), case.machine.clone());
         assert_same_time(&case, &back, 1.0);
     }
@@ -112,7 +114,7 @@ fn a_reversed_path_keeps_its_time() {
 
 #[test]
 fn a_turned_or_mirrored_path_keeps_its_time() {
-    for (case, mut random) in cases(12, CASES) {
+    for (case, mut random) in cases(12, case_count()) {
         let toolpath = transformed(&case.toolpath, &orthogonal(&mut random), 1.0);
         assert_same_time(&case, &changed(&case, toolpath, case.machine.clone()), 1.0);
     }
@@ -120,7 +122,7 @@ fn a_turned_or_mirrored_path_keeps_its_time() {
 
 #[test]
 fn a_path_scaled_with_its_feedrates_keeps_its_time() {
-    for (case, mut random) in cases(13, CASES) {
+    for (case, mut random) in cases(13, case_count()) {
         let factor = random.log_between(0.01, 100.0);
         let toolpath = transformed(&case.toolpath, &nalgebra::Matrix3::identity(), factor);
         let mut machine = case.machine.clone();
@@ -135,7 +137,7 @@ fn a_path_scaled_with_its_feedrates_keeps_its_time() {
 
 #[test]
 fn a_slower_clock_stretches_every_time() {
-    for (case, mut random) in cases(14, CASES) {
+    for (case, mut random) in cases(14, case_count()) {
         let factor = random.log_between(0.1, 10.0);
         let mut machine = case.machine.clone();
         let jerk_factor = factor.powi(-3);
@@ -154,7 +156,7 @@ fn a_slower_clock_stretches_every_time() {
 /// no feedrate that the tolerance changes.
 #[test]
 fn time_falls_with_the_tolerance() {
-    for (case, mut random) in cases(15, CASES) {
+    for (case, mut random) in cases(15, case_count()) {
         let mut machine = case.machine.clone();
         machine.interpolator.contour_tolerance *= random.log_between(1.001, 20.0);
         let wide = changed(&case, case.toolpath.clone(), machine);
@@ -167,13 +169,13 @@ fn time_falls_with_the_tolerance() {
 /// one corner never costs time.
 #[test]
 fn a_faster_corner_never_costs_time() {
-    for (case, mut random) in cases(16, CASES) {
+    for (case, mut random) in cases(16, case_count()) {
         let plan = case.plan();
         let segments = &plan.segment_feedrates;
         let mut corners = plan.corner_feedrates.clone();
         let given = |corners: &[f64]| {
             let rule = Rule::Given { corners, segments };
-            truefeed::simulation::feed::plan(&case.toolpath, &case.machine, rule).cycle_time()
+            truefeed::simulation::simulate::by_rule(&case.toolpath, &case.machine, rule).cycle_time()
         };
         let time = given(&corners);
         let raised = random.between(0.0, corners.len() as f64) as usize;

@@ -1,6 +1,6 @@
 //! The profile as a table: straight lines between its rows are as close as was asked for.
 
-use crate::paths::{Case, cases};
+use crate::laws::paths::{Case, cases};
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::toolpath::{Motion, Point};
 

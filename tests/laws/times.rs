@@ -1,15 +1,17 @@
 //! Times that are not motion: neutral ones change nothing, each adds exactly what it says, and the
 //! parts of a program add up to the whole.
 
-use crate::paths::{Case, cases};
+use crate::laws::paths::{Case, cases};
 use truefeed::machine::{Direction, Machine, PARAMETERS, Spin, Times};
 use truefeed::quote::{Breakdown, Quote, Share, breakdown, programmed_time, quote};
-use truefeed::simulation::contour::plan_within;
-use truefeed::simulation::feed::{Rule, plan};
+use truefeed::simulation::feed::Rule;
 use truefeed::simulation::gcode::{LineNumber, read};
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Operation, Stop, StopCause, Toolpath, trace};
 
-const CASES: usize = 2_000;
+fn case_count() -> usize {
+    crate::shared::case_count(2_000)
+}
 
 /// Every word that makes the machine wait, the spindle at several speeds.
 const PROGRAM: &str = "\
@@ -41,7 +43,7 @@ M30
 
 fn breakdown_on(machine: &Machine) -> Breakdown {
     let toolpath = trace(&read(PROGRAM.as_bytes()), machine);
-    let plan = plan(&toolpath, machine, Rule::Isolated(machine.interpolator.contour_tolerance));
+    let plan = simulate::by_rule(&toolpath, machine, Rule::Isolated(machine.interpolator.contour_tolerance));
     let breakdown = breakdown(&toolpath, machine, &plan);
     assert!((breakdown.total() - plan.cycle_time()).abs() < 1e-9);
     breakdown
@@ -148,7 +150,7 @@ fn neutral_times_leave_the_result_as_it_is() {
     let s_word_less = PROGRAM.replace("S9000\n", "");
     let toolpath = trace(&read(s_word_less.as_bytes()), &machine);
     let rule = Rule::Isolated(machine.interpolator.contour_tolerance);
-    assert_eq!(breakdown(&toolpath, &machine, &plan(&toolpath, &machine, rule)), expected);
+    assert_eq!(breakdown(&toolpath, &machine, &simulate::by_rule(&toolpath, &machine, rule)), expected);
     for m_code in [0.0, 1.7] {
         let mut plain = Machine::default();
         plain.times.m_code = m_code;
@@ -162,14 +164,15 @@ fn neutral_times_leave_the_result_as_it_is() {
         given.times.first_tool_change = Some(given.times.tool_change);
         given.times.spindle.exponent = Some(3.0);
         given.times.spindle_awaited_by = vec![8, 30];
+        given.times.spindle_change = 0.0;
         assert_eq!(breakdown_on(&given), breakdown_on(&plain));
     }
     let rows = PARAMETERS.iter().filter(|row| row.key.starts_with("times."));
-    assert_eq!(rows.count(), 20, "a new time belongs into these laws");
+    assert_eq!(rows.count(), 21, "a new time belongs into these laws");
 }
 
 /// A random path with random stops and operations.
-fn with_parts(case: &mut Case, random: &mut crate::paths::Random) {
+fn with_parts(case: &mut Case, random: &mut crate::laws::paths::Random) {
     let count = case.toolpath.segments.len();
     let line = |after: usize| LineNumber(after as u32 + 1);
     for after in 0..=count {
@@ -236,13 +239,13 @@ fn assert_adds_up(shares: impl Iterator<Item = Share>, quote: &Quote, toolpath: 
 #[test]
 fn operations_and_tools_add_up_to_the_whole() {
     let mut several = 0;
-    for (mut case, mut random) in cases(5, CASES) {
+    for (mut case, mut random) in cases(5, case_count()) {
         if case.number % 4 != 0 {
             with_parts(&mut case, &mut random);
         }
         let Case { toolpath, machine, .. } = &case;
         let tolerance = case.tolerance();
-        let (plan, errors) = plan_within(toolpath, machine, tolerance, &mut |_| {});
+        let (plan, errors) = simulate::within(toolpath, machine, tolerance, &mut |_| {});
         let quote = quote(toolpath, machine, &plan, tolerance, &errors);
         let programmed = programmed_time(toolpath, machine);
         assert_eq!(quote.operations.len(), toolpath.operations.len().max(1));
@@ -255,5 +258,5 @@ fn operations_and_tools_add_up_to_the_whole() {
         assert_eq!(tools.len(), quote.tools.len(), "each tool once");
         several += usize::from(5 < quote.operations.len());
     }
-    assert!(CASES / 10 < several);
+    assert!(case_count() / 10 < several);
 }

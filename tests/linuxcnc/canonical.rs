@@ -22,7 +22,7 @@
 //! Of what it does by itself at M2 and M30 (offsets back to G54, spindle off), and at M6 (spindle
 //! off), nothing counts but the word.
 
-use crate::event::{Circle, Deed, Event, Move};
+use crate::linuxcnc::event::{Circle, Deed, Event, Move};
 use std::f64::consts::TAU;
 use std::process::{Command, Stdio};
 use truefeed::simulation::toolpath::{Point, Vector};

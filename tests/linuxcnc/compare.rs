@@ -5,8 +5,8 @@
 //! dwells of no time are left out on both sides; a move that may be rounding (a few last digits) is
 //! left out where only one side has it.
 
-use crate::canonical::Run;
-use crate::event::{Circle, Deed, Event, Move};
+use crate::linuxcnc::canonical::Run;
+use crate::linuxcnc::event::{Circle, Deed, Event, Move};
 use std::fmt::Write;
 
 /// How far positions may be apart, mm.

@@ -1,11 +1,11 @@
 //! A diagnosis says what there is, follows what is done to the recording, and is silent where nothing is.
 
 use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
-use truefeed::identification::hypotheses::Reported;
+use truefeed::identification::effects::Reported;
 use truefeed::machine::Machine;
 use truefeed::simulation::toolpath::{Motion, Segment};
 
-use crate::{Rows, csv, diagnosed, laid, machine, program, recorded, toolpath};
+use crate::sceptic::{Rows, csv, diagnosed, laid, machine, program, recorded, toolpath};
 
 /// A limit of the X axis, mm/s².
 const LIMIT: f64 = 600.0;
@@ -24,7 +24,7 @@ fn named(rows: &[&Rows]) -> (String, String, f64, f64) {
     let cause = &diagnosis.causes[0];
     let hypothesis = &cause.candidate.hypothesis;
     let value = cause.candidate.values[0];
-    (hypothesis.id.to_string(), hypothesis.variant.clone(), value, cause.confidence)
+    (hypothesis.effect.id.to_string(), hypothesis.variant.clone(), value, cause.confidence)
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn the_same_samples_again_make_nothing_more_certain() {
     let (one, other) = (diagnosed(&[&once], &machine()), diagnosed(&[&again], &machine()));
     let first = |diagnosis: &truefeed::identification::diagnosis::Diagnosis| {
         let cause = &diagnosis.causes[0];
-        (cause.candidate.hypothesis.id, cause.candidate.values[0], cause.candidate.deviations[0])
+        (cause.candidate.hypothesis.effect.id, cause.candidate.values[0], cause.candidate.deviations[0])
     };
     let ((id, value, deviation), (same, close, closer)) = (first(&one), first(&other));
     assert_eq!(id, same);
@@ -108,11 +108,14 @@ fn values_are_reported_in_the_units_of_their_names() {
     let diagnosis = diagnosed(&[&limited(0)], &machine());
     let candidate = &diagnosis.causes[0].candidate;
     let reported = (candidate.hypothesis.report)(&candidate.values);
-    assert!(reported.contains(&("axis", Reported::Word("X".to_string()))), "{reported:?}");
+    assert!(
+        reported.iter().any(|(own, value)| own.key == "axis" && *value == Reported::word("X")),
+        "{reported:?}"
+    );
     assert!(
         reported
             .iter()
-            .any(|(name, value)| *name == "a_mm_s2" && *value == Reported::Number(candidate.values[0]))
+            .any(|(own, value)| own.key == "a_mm_s2" && *value == Reported::Number(candidate.values[0]))
     );
 }
 
@@ -180,7 +183,7 @@ fn a_wait_at_words_between_which_nothing_moves_is_said_to_be_of_either() {
     assert_eq!(diagnosis.causes.len(), 1);
     let candidate = &diagnosis.causes[0].candidate;
     let told = (candidate.hypothesis.report)(&candidate.values);
-    let word = |key: &str| told.iter().find(|(own, _)| *own == key).map(|(_, value)| value.clone());
+    let word = |key: &str| told.iter().find(|(own, _)| own.key == key).map(|(_, value)| value.clone());
     // Of M50 the machine file says nothing.
     assert_eq!(word("code"), Some(Reported::Word("M50".to_string())));
     assert_eq!(word("or_code"), Some(Reported::Word("M8".to_string())));
@@ -193,7 +196,7 @@ fn an_override_acts_on_every_line_on_which_it_is_in_force() {
     truth.overrides.feed = 0.8;
     truth.overrides.lines = (8, u32::MAX);
     let diagnosis = diagnosed(&[&recorded(&program(), &truth, 200.0)], &machine());
-    let ids: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.id).collect();
+    let ids: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect();
     assert_eq!(ids, ["feed_override"]);
     let lines = &diagnosis.causes[0].lines;
     let feeds = |segment: &Segment| segment.motion != Motion::Rapid && 8 < segment.line.0;
@@ -229,7 +232,7 @@ fn changed(text: &str, change: impl Fn(&mut Machine)) -> Diagnosis {
 fn first(diagnosis: &Diagnosis) -> (Verdict, Vec<&str>) {
     let first = diagnosis.causes.first().expect("it is seen");
     let alike = first.alike.iter().map(String::as_str);
-    (diagnosis.verdict, [first.candidate.hypothesis.id].into_iter().chain(alike).collect())
+    (diagnosis.verdict, [first.candidate.hypothesis.effect.id].into_iter().chain(alike).collect())
 }
 
 /// Within half the delay of the filters, 30 ms, two blocks are seen or two are processed. On lines of one length that is

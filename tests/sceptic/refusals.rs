@@ -2,7 +2,7 @@
 
 use truefeed::identification::comparison::compare;
 
-use crate::{Rows, csv, laid, machine, program, recorded};
+use crate::sceptic::{Rows, csv, laid, machine, program, recorded};
 
 /// What is said of a recording: the refusal, or what was repaired and by how much the times differ, s.
 fn said(recording: &str) -> Result<(String, f64), String> {
@@ -55,6 +55,19 @@ fn other_units_are_named() {
 }
 
 #[test]
+fn another_unit_of_time_is_named() {
+    for factor in [1e-3, 1e-6, 1e-9, 1e3] {
+        let rows: Rows = clean().into_iter().map(|[t, x, y, z]| [factor * t, x, y, z]).collect();
+        let row = |row: &[f64; 4]| format!("{:.14},{:.4},{:.4},{:.4}\n", row[0], row[1], row[2], row[3]);
+        let text = String::from("t_s,x_mm,y_mm,z_mm\n") + &rows.iter().map(row).collect::<String>();
+        refused(&text, &["time", "unit"]);
+    }
+    // A tenth of the feed is an override.
+    let (_, lost) = said(&changed(|row| row[0] *= 10.0)).expect("it is of this program");
+    assert!(100.0 < lost, "{lost} s");
+}
+
+#[test]
 fn swapped_axes_are_named() {
     refused(&changed(|row| row.swap(1, 2)), &["exchanged"]);
 }
@@ -96,7 +109,7 @@ fn files_without_a_motion_are_refused() {
     refused(&format!("t_s,x_mm,y_mm,z_mm\n{still}"), &["mov"]);
     assert!(laid(&program(), "\u{0}\u{1}\u{2}\u{3}PK\u{0}\u{0}", &machine()).is_err());
     let bytes: Vec<u8> = (0..4000u32).map(|value| (value.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
-    let toolpath = crate::toolpath(&program(), &machine());
+    let toolpath = crate::sceptic::toolpath(&program(), &machine());
     let error = truefeed::identification::fit::Recorded::new(toolpath, &bytes, &machine());
     assert!(error.is_err(), "bytes of any kind are no recording");
 }

@@ -57,6 +57,12 @@ function hear({ data, origin, source }) {
   answer(message).catch((error) => reply('error', message.id, { error: refusalOf(error) }))
 }
 
+/** A message that the browser cannot read here, such as one of too many objects in each other: its id is not known. @param {MessageEvent} event */
+function hearUnreadable({ origin, source }) {
+  if (origin !== portal || source !== window.parent) return
+  reply('error', null, { error: { kind: 'request', message: 'The browser could not read this message.', faults: [] } })
+}
+
 /** @param {string} type @param {(detail: any) => void} listener */
 function hearElement(type, listener) {
   element.addEventListener(type, (event) => listener(/** @type {CustomEvent} */ (event).detail))
@@ -64,6 +70,7 @@ function hearElement(type, listener) {
 
 if (portal && window.parent !== window) {
   window.addEventListener('message', hear)
+  window.addEventListener('messageerror', hearUnreadable)
   hearElement('progress', (detail) => reply('progress', current, detail))
   // What get-quote asked for goes with its id; these come by themselves, of what was set or of a program the user chose.
   hearElement('quote', (quote) => current === null && reply('quote', null, { quote }))

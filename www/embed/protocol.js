@@ -29,27 +29,43 @@ const isText = (/** @type {unknown} */ value, /** @type {number} */ most) => typ
 const isOptional = (/** @type {(value: unknown) => boolean} */ test) => (/** @type {unknown} */ value) =>
   value === undefined || value === null || test(value)
 
-/** @typedef {Record<string, (value: any) => boolean>} Tests */
+/** What a key must be, in words, and the test of it. @typedef {Record<string, [string, (value: any) => boolean]>} Tests */
 
-/** What each kind of message says, and the test of it. @type {Map<string, Tests>} */
+const SHORT_TEXT = `a text of up to ${LIMITS.nameCharacters} characters`
+
+/** What each kind of message says. @type {Map<string, Tests>} */
 const KINDS = new Map(
   Object.entries(/** @type {Record<string, Tests>} */ ({
     'load-program': {
-      program: (value) => typeof value === 'string' || value instanceof Uint8Array || value instanceof ArrayBuffer,
-      name: isOptional((value) => isText(value, LIMITS.nameCharacters)),
-      dialect: isOptional((value) => isText(value, LIMITS.nameCharacters)),
+      program: [
+        'a text, a Uint8Array or an ArrayBuffer',
+        (value) => typeof value === 'string' || value instanceof Uint8Array || value instanceof ArrayBuffer,
+      ],
+      name: [SHORT_TEXT, isOptional((value) => isText(value, LIMITS.nameCharacters))],
+      dialect: [SHORT_TEXT, isOptional((value) => isText(value, LIMITS.nameCharacters))],
     },
-    'set-machine': { machine: (value) => typeof value === 'string' || isRecord(value) },
+    'set-machine': {
+      machine: [
+        'a text, or a plain object of plain objects, lists, texts, finite numbers, true, false and null',
+        (value) => typeof value === 'string' || (isRecord(value) && partsOf(value).every(isJson)),
+      ],
+    },
     'set-tolerances': {
-      tolerances: (value) =>
-        Array.isArray(value) &&
-        value.length <= LIMITS.tolerances &&
-        value.every((one) => one === null || (typeof one === 'number' && Number.isFinite(one))),
+      tolerances: [
+        `a list of up to ${LIMITS.tolerances} numbers in mm, or null for the program’s own`,
+        (value) =>
+          Array.isArray(value) &&
+          value.length <= LIMITS.tolerances &&
+          value.every((one) => one === null || (typeof one === 'number' && Number.isFinite(one))),
+      ],
     },
     'set-theme': {
-      theme: (value) =>
-        isRecord(value) &&
-        Object.entries(value).every(([key, text]) => THEMED.includes(key) && isText(text, LIMITS.themeCharacters)),
+      theme: [
+        `an object with texts of up to ${LIMITS.themeCharacters} characters for any of ${THEMED.join(', ')}`,
+        (value) =>
+          isRecord(value) &&
+          Object.entries(value).every(([key, text]) => THEMED.includes(key) && isText(text, LIMITS.themeCharacters)),
+      ],
     },
     'get-quote': {},
     cancel: {},
@@ -74,12 +90,12 @@ export function readMessage(data) {
   if (!kind) return refuse('type', `There is no such type of message; there are ${[...KINDS.keys()].join(', ')}.`)
   const unknown = Object.keys(data).find((key) => !['truefeed', 'id', 'type'].includes(key) && !Object.hasOwn(kind, key))
   if (unknown !== undefined) return refuse('request', `“${data.type}” has no “${unknown.slice(0, 40)}”.`)
+  for (const [key, [wanted, test]] of Object.entries(kind)) {
+    const value = Object.hasOwn(data, key) ? data[key] : undefined
+    if (!test(value)) return refuse('request', `“${key}” of “${data.type}” must be ${wanted}.`)
+  }
   const tooLarge = sizeFault(data)
   if (tooLarge) return refuse('size', tooLarge)
-  for (const [key, test] of Object.entries(kind)) {
-    const value = Object.hasOwn(data, key) ? data[key] : undefined
-    if (!test(value)) return refuse('request', `“${key}” of “${data.type}” is not what it should be.`)
-  }
   return { message: /** @type {Message} */ (data) }
 }
 
@@ -89,18 +105,36 @@ function sizeFault({ program, machine }) {
   const bytes = typeof program === 'string' ? program.length : (program?.byteLength ?? 0)
   if (bytes > LIMITS.programBytes) return `A program of more than ${LIMITS.programBytes} bytes is too large.`
   if (machine === undefined) return undefined
-  let text
-  try {
-    text = JSON.stringify(machine) ?? ''
-  } catch {
-    return 'This machine cannot be written as JSON.'
-  }
-  return text.length > LIMITS.machineCharacters ? 'This machine is too large.' : undefined
+  const isSmall = partsOf(machine).length <= LIMITS.machineCharacters && JSON.stringify(machine).length <= LIMITS.machineCharacters
+  return isSmall ? undefined : `A machine of more than ${LIMITS.machineCharacters} characters is too large.`
 }
 
-/** @param {unknown} value @returns {value is Record<string, any>} */
+/** What a message brings has the prototypes of the frame: dates, maps, regular expressions and the like are no records. @param {unknown} value @returns {value is Record<string, any>} */
 function isRecord(value) {
-  return typeof value === 'object' && value !== null && !Array.isArray(value) && !ArrayBuffer.isView(value)
+  return typeof value === 'object' && value !== null && Object.getPrototypeOf(value) === Object.prototype
+}
+
+/**
+ * A value with all that is in it. Parts that hold each other have no end, so those beyond the limit of a machine, each of which
+ * takes a character at least, are left out but for the first.
+ * @param {unknown} whole
+ */
+function partsOf(whole) {
+  const parts = [whole]
+  for (let at = 0; at < parts.length && parts.length <= LIMITS.machineCharacters; at += 1) {
+    const value = parts[at]
+    if (!Array.isArray(value) && !isRecord(value)) continue
+    for (const part of Array.isArray(value) ? value : Object.values(value)) {
+      parts.push(part)
+      if (parts.length > LIMITS.machineCharacters) break
+    }
+  }
+  return parts
+}
+
+/** Whether JSON has a word for a value, parts aside. @param {unknown} value */
+function isJson(value) {
+  return value === null || ['string', 'boolean', 'undefined'].includes(typeof value) || Number.isFinite(value) || Array.isArray(value) || isRecord(value)
 }
 
 /** @param {unknown} value */

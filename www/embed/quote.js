@@ -13,6 +13,9 @@ import { sheetOfQuote } from './sheet.js'
 const MOST_BYTES = 64 * 1024 * 1024
 const MOST_REMARKS = 20
 
+/** Who takes back what is computed, for something newer, has this long to do so again before a worker is started for it. */
+const CALM_MS = 50
+
 /** The word for the program's own tolerances. */
 const PROGRAMMED = 'programmed'
 
@@ -42,6 +45,10 @@ export class QuoteElement extends HTMLElement {
   /** Counts what has been asked; an older answer counts for nothing. */
   #asked = 0
   #isScheduled = false
+  /** Whether an answer is awaited. */
+  #isBusy = false
+  /** Ends a wait for calm. */
+  #goOn = () => {}
   #parts
 
   constructor() {
@@ -124,11 +131,14 @@ export class QuoteElement extends HTMLElement {
 
   /** Computes now what is set. @returns {Promise<Quote>} */
   async compute() {
+    const isHurried = this.#isBusy
     this.cancel()
     const own = this.#asked
     this.#quote = null
+    this.#isBusy = true
     this.#parts.busy()
     try {
+      if (isHurried) await this.#calm()
       const { quote, labels } = await this.#ask(own)
       this.#quote = quote
       this.#parts.show(quote, labels)
@@ -142,13 +152,28 @@ export class QuoteElement extends HTMLElement {
         this.dispatchEvent(new CustomEvent('error', { detail: refusal }))
       }
       throw error
+    } finally {
+      if (own === this.#asked) this.#isBusy = false
     }
+  }
+
+  /** Waits until nothing newer has been asked for a moment, or something has. @returns {Promise<void>} */
+  #calm() {
+    return new Promise((done) => {
+      const timer = setTimeout(done, CALM_MS)
+      this.#goOn = () => {
+        clearTimeout(timer)
+        done()
+      }
+    })
   }
 
   /** Ends a computation. */
   cancel() {
     this.#asked += 1
+    this.#isBusy = false
     this.#isScheduled = false
+    this.#goOn()
     this.#engine?.cancel()
     this.#parts.rest()
   }
@@ -159,6 +184,7 @@ export class QuoteElement extends HTMLElement {
       if (own !== this.#asked) throw refused('cancelled', 'The quote was cancelled, or a newer one was asked for.')
     }
     try {
+      heed()
       const name = this.#name || nameOf(this.getAttribute('program-src'))
       const request = requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect })
       const program = this.#program ?? (await this.#fetched())

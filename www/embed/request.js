@@ -32,11 +32,14 @@ export function refusalOf(error) {
 export function requestOf(machine, tolerances, { name = '', dialect = null }) {
   if (machine === null || machine === undefined) throw refused('machine', 'Say which machine is meant.')
   try {
-    return JSON.stringify({ machine, tolerances, name, dialect: dialect ?? undefined })
+    return wellFormed(JSON.stringify({ machine, tolerances, name, dialect: dialect ?? undefined }))
   } catch (error) {
     throw refused('request', `The request cannot be written as JSON: ${error instanceof Error ? error.message : error}.`)
   }
 }
+
+/** JSON with U+FFFD for each half of a surrogate pair, as `TextEncoder` writes it: no text can hold one. @param {string} json */
+const wellFormed = (json) => json.replace(/\\(?:ud[89a-f][\da-f]{2}|.)/g, (escape) => (escape.length > 2 ? '\ufffd' : escape))
 
 /** The bytes of a program. @param {Program} program */
 export function bytesOf(program) {

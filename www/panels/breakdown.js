@@ -1,11 +1,11 @@
 // Where the time goes: by kind for every tolerance, by operation and by tool for one of them.
 
+import { columnLabel, columnsOf } from '../columns.js'
 import { find, make } from '../dom.js'
 import { count, difference, millimetres, number, seconds } from '../format.js'
-import { toleranceLabel } from '../labels.js'
 import { say } from '../texts_later.js'
 
-/** @import { Breakdown, Cut, CutOfOperation, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
+/** @import { Breakdown, Column, Cut, CutOfOperation, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
 
 /** @type {[keyof import("../types.js").Functions, string][]} */
 const FUNCTIONS = [
@@ -46,6 +46,8 @@ const COLUMNS = [
   [say.breakdown.blocks, ({ blocks }) => count(blocks)],
 ]
 
+/** A computed column of the results, and its place among them, which gives its colour. @typedef {{column: Column, index: number, run: RunSummary}} ColumnRun */
+
 /** What a cut adds for an operation. @type {[string, (part: CutOfOperation) => string][]} */
 const CUT_COLUMNS = [
   [say.common.removedMm, ({ removed_mm3: removed }) => number(removed)],
@@ -61,8 +63,8 @@ export function mount(root, actions) {
   const kinds = find(root, '.kinds')
   const parts = find(root, '.parts')
   const chosen = /** @type {HTMLSelectElement} */ (find(root, 'select'))
-  /** The runs in sight, which are told apart by being other objects. @type {RunSummary[]} */
-  let runs = []
+  /** What is in sight; runs are told apart by being other objects. @type {ColumnRun[]} */
+  let shown = []
   /** The cut of the program in sight, if there is one. @type {Cut | null} */
   let cut = null
 
@@ -70,9 +72,10 @@ export function mount(root, actions) {
 
   /** Operations and tools at the chosen tolerance. */
   function fill() {
-    const run = runs[chosen.selectedIndex]
-    if (!run) return parts.replaceChildren()
-    const cuts = cut?.column === run.tolerance_mm ? cut.operations : null
+    const one = shown[chosen.selectedIndex]
+    if (!one) return parts.replaceChildren()
+    const { column, run } = one
+    const cuts = cut?.column === column ? cut.operations : null
     const operations = run.operations.map((operation, index) => {
       const cells = row(begin(operation), name(operation), operation)
       const own = cuts?.[index]
@@ -100,17 +103,20 @@ export function mount(root, actions) {
     /** @param {State} state */
     update(state) {
       const outcome = state.programs.find(({ id }) => id === state.selected)?.outcome
-      const now = state.tolerances.flatMap((tolerance) => outcome?.runs.get(tolerance)?.summary ?? [])
+      const now = columnsOf(state, outcome).flatMap((column, index) => {
+        const run = outcome?.runs.get(column)?.summary
+        return run ? [{ column, index, run }] : []
+      })
       root.hidden = now.length === 0
       root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
       const cutNow = cutOf(state)
-      if (now.length === runs.length && now.every((run, index) => run === runs[index]) && cut === cutNow) return
+      if (now.length === shown.length && now.every((one, at) => one.run === shown[at].run && one.index === shown[at].index) && cut === cutNow) return
       cut = cutNow
       const before = chosen.value
-      runs = now
-      kinds.replaceChildren(kindsTable(runs, state.tolerances))
-      chosen.replaceChildren(...runs.map(({ tolerance_mm }) => make('option', {}, toleranceLabel(tolerance_mm))))
-      if (runs.some(({ tolerance_mm }) => toleranceLabel(tolerance_mm) === before)) chosen.value = before
+      shown = now
+      kinds.replaceChildren(kindsTable(shown))
+      chosen.replaceChildren(...shown.map(({ column }) => make('option', {}, columnLabel(column))))
+      if (shown.some(({ column }) => columnLabel(column) === before)) chosen.value = before
       fill()
     },
   }
@@ -123,13 +129,12 @@ function cutOf({ cut, selected, programs, machine }) {
   return isOf ? cut : null
 }
 
-/** Seconds by kind, a column a tolerance; kinds that take no time at any are left out. @param {RunSummary[]} runs @param {number[]} tolerances */
-function kindsTable(runs, tolerances) {
-  const swatch = (/** @type {RunSummary} */ { tolerance_mm }) =>
-    make('span', { className: `swatch curve-${tolerances.indexOf(tolerance_mm)}` })
-  const titles = runs.map((run) =>
-    make('th', { scope: 'col' }, swatch(run), toleranceLabel(run.tolerance_mm)),
+/** Seconds by kind, a column a tolerance; kinds that take no time at any are left out. @param {ColumnRun[]} shown */
+function kindsTable(shown) {
+  const titles = shown.map(({ column, index }) =>
+    make('th', { scope: 'col' }, make('span', { className: `swatch curve-${index}` }), columnLabel(column)),
   )
+  const runs = shown.map(({ run }) => run)
   const head = make('tr', {}, make('th', { scope: 'col' }, say.breakdown.timeByKind), ...titles)
   const rows = KINDS.filter(([, time]) => runs.some(({ breakdown }) => time(breakdown) !== 0)).map(([title, time]) =>
     make(

@@ -23,18 +23,25 @@ const SAMPLE = 'samples/pocket.nc'
  * @property {(id: number) => () => void} removeProgram
  */
 
-/** @param {HTMLElement} root @param {{word: string, name: string}[]} dialects @param {Actions} actions */
-export function mount(root, dialects, actions) {
-  const dialect = /** @type {HTMLSelectElement} */ (find(root, '.dialect select'))
+/** @typedef {{word: string, name: string}[]} Words */
+
+/** @param {HTMLElement} root @param {Words} dialects @param {Words} arcCenters @param {Actions} actions */
+export function mount(root, dialects, arcCenters, actions) {
+  const dialect = /** @type {HTMLSelectElement} */ (find(root, '#dialect'))
+  const centers = /** @type {HTMLSelectElement} */ (find(root, '#arc-centers'))
+  centers.append(make('option', { value: '' }, say.program.automatic), ...arcCenters.map(({ word, name }) => make('option', { value: word }, name)))
   const automatic = make('option', { value: '' })
   dialect.append(automatic, ...dialects.map(({ word, name }) => make('option', { value: word }, name)))
   /** @type {number | null} */
   let selected = null
   /** @type {Program[]} */
   let programs = []
-  dialect.addEventListener('change', () => {
-    if (selected !== null) actions.setDialect(selected, dialect.value || null)
-  })
+  // How a program is read is both words together.
+  for (const select of [dialect, centers]) {
+    select.addEventListener('change', () => {
+      if (selected !== null) actions.setDialect(selected, `${dialect.value} ${centers.value}`.trim() || null)
+    })
+  }
   const list = find(root, '.programs')
   const input = /** @type {HTMLInputElement} */ (find(document.body, '#files'))
   const undo = mountUndo(find(root, '.undo'))
@@ -108,8 +115,11 @@ export function mount(root, dialects, actions) {
       const current = programs.find(({ id }) => id === state.selected)
       selected = current?.id ?? null
       const found = dialects.find(({ word }) => word === current?.outcome?.summary.dialect)
-      if (!current?.dialect) automatic.textContent = found ? say.program.automaticAs(found.name) : say.program.automatic
-      dialect.value = current?.dialect ?? ''
+      const words = current?.dialect?.split(' ') ?? []
+      const chosen = (/** @type {Words} */ all) => all.find(({ word }) => words.includes(word))?.word ?? ''
+      if (!chosen(dialects)) automatic.textContent = found ? say.program.automaticAs(found.name) : say.program.automatic
+      dialect.value = chosen(dialects)
+      centers.value = chosen(arcCenters)
       for (const [id, { item }] of entries) {
         if (state.programs.some((program) => program.id === id)) continue
         item.remove()

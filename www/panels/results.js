@@ -88,6 +88,7 @@ export function mount(root, form, actions) {
       } else if (program && outcome) {
         place.replaceChildren(
           table(outcome, columnsOf(state, outcome), JSON.stringify(state.machine.values)),
+          ...inDoubt(columnsOf(state, outcome), outcome),
           ...programmed(outcome),
           ...beyond(outcome, state),
           about(outcome, stale ? outOfDate(state) : '', Number(state.machine.values['rates.hourly']) > 0),
@@ -97,6 +98,12 @@ export function mount(root, form, actions) {
       }
     },
   }
+}
+
+/** What of a cycle time is in doubt and why, each sentence once. @param {Column[]} columns @param {Outcome} outcome */
+function inDoubt(columns, outcome) {
+  const sentences = new Set(columns.flatMap((column) => outcome.runs.get(column)?.summary.in_doubt ?? []))
+  return [...sentences].map((sentence) => make('p', { className: 'doubt' }, sentence))
 }
 
 /** The lines of a place in words. @param {{lines: [number, number]}} place */

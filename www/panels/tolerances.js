@@ -46,7 +46,7 @@ export function mount(root, { most, usual }, actions) {
   /** @param {string} message */
   function tell(message) {
     fault.textContent = message
-    input.toggleAttribute('aria-invalid', message !== '')
+    input.ariaInvalid = message ? 'true' : null
   }
 
   /** Adds what was typed; returns why not. @param {string} text */

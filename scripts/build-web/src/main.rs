@@ -4,13 +4,15 @@
 //! work: Cargo compiles, `wasm-bindgen-cli-support` writes the bindings, and `wasm-opt` of npm's
 //! `binaryen` optimises. (Debian's `wasm-opt` 108 reports success and writes a module that
 //! browsers refuse.) The package has two modules, each with a script of its own: what a first visit needs, made small, and
-//! the whole, made quick. In the end each file is compressed once, as well as it can be (`scripts/compress.mjs`).
+//! the whole, made quick. Beside them are the licences of what they carry ([`notices`]). In the end each file is compressed
+//! once, as well as it can be (`scripts/compress.mjs`).
 //!
 //! The package is made beside its place and then moved there, so that a failed build leaves the
 //! previous one, and no file of the previous one stays. In the end the list of the page's files is
 //! written, from which it works without a network ([`files`]).
 
 mod files;
+mod notices;
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -97,6 +99,7 @@ fn build() -> Result<()> {
         }
         leave_out_comments(&package.join(format!("{}.js", module.out_name)))?;
     }
+    notices::write(&package)?;
     println!("compressing");
     run_node(COMPRESS, [&package])?;
 
@@ -110,8 +113,7 @@ fn build() -> Result<()> {
 
 /// Compiles the library and returns the path of its WebAssembly module, as Cargo reports it.
 fn compile(settings: &Settings, module: &Module) -> Result<PathBuf> {
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
-    let output = Command::new(cargo)
+    let output = cargo()
         .args(["rustc", "--lib", "--crate-type", "cdylib", "--target", WASM_TARGET])
         .args(["--profile", &module.profile])
         .arg("--message-format=json-render-diagnostics")
@@ -135,6 +137,11 @@ fn compile(settings: &Settings, module: &Module) -> Result<PathBuf> {
         }
     }
     bail!("cargo built no WebAssembly module; is `cdylib` among the crate types?")
+}
+
+/// The Cargo that runs this command.
+fn cargo() -> Command {
+    Command::new(env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")))
 }
 
 /// Writes the module and its JavaScript and TypeScript sides into the folder `package`.

@@ -41,18 +41,10 @@ pub fn times_at_marks(
     let count = (profile.cycle_time() / interval).ceil() as usize + 1;
     for at in 0..count {
         let time = at as f64 * interval;
-        while row + 2 < actual.time.len() && actual.time[row + 1] <= time {
-            row += 1;
-        }
-        let span = actual.time[row + 1] - actual.time[row];
-        let share = if 0.0 < span { ((time - actual.time[row]) / span).clamp(0.0, 1.0) } else { 0.0 };
-        let mix = |axis: usize| {
-            let column = &actual.position[axis];
-            let on = column[row] + share * (column[row + 1] - column[row]);
-            if track.recorded[axis] { on } else { 0.0 }
-        };
+        let (position, _) = actual.motion_at(time, &mut row);
         simulated.time.push(time);
-        simulated.position.push(Point::new(mix(0), mix(1), mix(2)));
+        let recorded = |axis: usize| if track.recorded[axis] { position[axis] } else { 0.0 };
+        simulated.position.push(Point::new(recorded(0), recorded(1), recorded(2)));
     }
     let path = Path::new(toolpath, track.recorded);
     let Ok(matched) = follow(&simulated, &path, machine.interpolator.contour_tolerance) else { return ideal };

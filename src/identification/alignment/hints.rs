@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use crate::identification::alignment::path::Path;
 use crate::identification::alignment::positions::{Track, follow};
-use crate::identification::alignment::travelled::MOST_OFF_PATH;
 use crate::machine::AXES;
 use crate::simulation::toolpath::{Toolpath, Vector};
 
@@ -45,7 +44,7 @@ pub fn what_would_fit(
         follow(changed, &path, tolerance).is_ok_and(|found| {
             let ends = found.fixes.first().zip(found.fixes.last());
             let covered = ends.map_or(0.0, |(first, last)| last.distance - first.distance);
-            found.off_path <= MOST_OFF_PATH && 0.3 * path.length() < covered
+            found.is_on_path() && 0.3 * path.length() < covered
         })
     };
     let with = |change: &dyn Fn(usize) -> (usize, f64)| Track {

@@ -13,19 +13,24 @@
 //! program is refused, with what would fit instead where that is known: other units, exchanged axes, a
 //! path run backwards, another zero point.
 //!
-//! Limits: rotary axes are not compared; one run is aligned at a time, the first that fits.
+//! A recording may hold several passes of the program, and ways before, between and behind them: the first whole pass
+//! is aligned, the others are counted. Limits: rotary axes are not compared.
 
 mod driven;
 mod feed;
 mod hints;
 mod lines;
 mod log;
+mod pace;
+mod pairing;
 mod path;
 mod place;
 mod positions;
+mod registration;
 mod stops;
-mod visited;
 mod travelled;
+mod visited;
+mod ways;
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -34,11 +39,14 @@ use thiserror::Error;
 
 pub use crate::identification::alignment::driven::times_at_marks;
 pub use crate::identification::alignment::log::align_log;
+pub use crate::identification::alignment::pace::TooFast;
+pub use crate::identification::alignment::pairing::{Pairing, pair};
 pub use crate::identification::alignment::place::{Place, Visit, times, visits};
+use crate::identification::alignment::positions::WHOLE_PASS;
 pub use crate::identification::alignment::positions::{Track, median};
 use crate::identification::recording::{Channel, ClosureError, Recording, RunMark};
 use crate::machine::Machine;
-use crate::simulation::toolpath::Toolpath;
+use crate::simulation::toolpath::{Toolpath, Vector};
 
 /// The least of a program that is worth a comparison, as a part of its length and in marks.
 const LEAST: (f64, usize) = (0.01, 4);
@@ -115,6 +123,10 @@ pub struct Alignment {
     pub feed: Option<Channel<f64>>,
     /// What was assumed or repaired, for people.
     pub remarks: Vec<String>,
+    /// Recorded less programmed coordinates, mm.
+    pub shift: Vector,
+    /// How often the program was run in the recording.
+    pub passes: usize,
 }
 
 impl Alignment {
@@ -195,9 +207,47 @@ pub enum AlignmentError {
         /// The part, mm.
         covered: f64,
     },
+    /// Times are in another unit than seconds.
+    #[error(
+        "the recording runs in {} what the simulation runs in {}: its time is in another unit than its column says",
+        seconds(*recorded), seconds(*simulated)
+    )]
+    TimeUnit {
+        /// How long the recording takes, s.
+        recorded: f64,
+        /// How long the simulation takes for it, s.
+        simulated: f64,
+    },
+    /// The program cannot be cut as fast.
+    #[error(
+        "{:.0} % of the cutting is faster than twice the programmed feed, as up to line {}: {} recorded where length \
+         over feed makes {}; it is a recording of another program",
+        100.0 * part, worst.line, seconds(worst.recorded), seconds(worst.programmed)
+    )]
+    TooFast {
+        /// The part of the programmed cutting time.
+        part: f64,
+        /// The longest stretch.
+        worst: TooFast,
+    },
+    /// Lines are of another length.
+    #[error(
+        "the machine went ways of another length than {:.0} % of the lines that cut, by its feed and line numbers: it \
+         is a recording of another program", 100.0 * part
+    )]
+    WaysDoNotFit {
+        /// The part of the way that was compared.
+        part: f64,
+    },
     /// Units do not close.
     #[error("{0}")]
     Units(#[from] ClosureError),
+}
+
+/// A duration with two digits that count.
+fn seconds(value: f64) -> String {
+    let decimals = (1.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$} s")
 }
 
 /// The end of the sentence that says how much is off the path.
@@ -205,42 +255,65 @@ fn what_then(hint: Option<&str>) -> String {
     hint.map_or(": is it a recording of another program?".to_string(), |hint| format!(", but {hint}"))
 }
 
-/// Lays a recording on a program: the first of its runs that fits, or why none does.
+/// Lays a recording on a program: the first of its runs that are as long as any, or why none fits.
 pub fn align(
     recording: &Recording,
     toolpath: &Toolpath,
     machine: &Machine,
 ) -> Result<Alignment, AlignmentError> {
-    let mut refusal = None;
-    let runs = recording.runs.iter();
+    let runs = recording.runs.iter().filter(|run| run.time.start < run.time.end);
     let mut ranges: Vec<(Range<f64>, (bool, bool))> = runs
         .map(|run| {
             let by_status = run.found_by == RunMark::Status;
             (run.time.clone(), (by_status && run.has_start, by_status && run.has_end))
         })
-        .filter(|(range, _)| range.start < range.end)
         .collect();
     if ranges.is_empty() {
         ranges.push((0.0..recording.duration + 1.0, (false, false)));
     }
-    let several = 1 < ranges.len();
-    for (range, ends) in ranges {
-        match align_run(recording, range.clone(), ends, toolpath, machine) {
-            Ok(mut alignment) => {
-                if several {
-                    alignment.remarks.push(format!(
-                        "the recording has {} runs; the one from {:.1} s to {:.1} s is compared",
-                        recording.runs.len(),
-                        range.start,
-                        range.end
-                    ));
+    let several = ranges.len();
+    let aligned =
+        ranges.into_iter().map(|(range, ends)| align_run(recording, range, ends, toolpath, machine));
+    let (mut alignment, passes) = longest(aligned)?;
+    alignment.passes = passes;
+    if 1 < several {
+        let Range { start, end } = alignment.run;
+        let one =
+            format!("the recording has {several} runs; the one from {start:.1} s to {end:.1} s is compared");
+        alignment.remarks.push(one);
+    }
+    Ok(alignment)
+}
+
+/// Whole alignments that are looked for; a log of a year has thousands.
+const MAX_WHOLE: usize = 32;
+
+/// The first alignment that covers about as much as any, and how many passes such alignments hold; the first refusal
+/// where there is none.
+fn longest(
+    alignments: impl Iterator<Item = Result<Alignment, AlignmentError>>,
+) -> Result<(Alignment, usize), AlignmentError> {
+    let covered = |alignment: &Alignment| alignment.covered.end - alignment.covered.start;
+    let mut best: Option<(Alignment, usize)> = None;
+    let mut refusal = None;
+    for outcome in alignments {
+        match (outcome, &mut best) {
+            (Err(error), _) => refusal = refusal.or(Some(error)),
+            (Ok(other), Some((first, passes))) if WHOLE_PASS * covered(&other) <= covered(first) => {
+                if WHOLE_PASS * covered(first) <= covered(&other) {
+                    *passes += other.passes;
                 }
-                return Ok(alignment);
+                if MAX_WHOLE <= *passes {
+                    break;
+                }
             }
-            Err(error) => refusal = refusal.or(Some(error)),
+            (Ok(other), _) => {
+                let passes = other.passes;
+                best = Some((other, passes));
+            }
         }
     }
-    Err(refusal.unwrap_or(AlignmentError::NothingToFollow))
+    best.ok_or(refusal.unwrap_or(AlignmentError::NothingToFollow))
 }
 
 fn align_run(
@@ -254,7 +327,7 @@ fn align_run(
         return Err(AlignmentError::NoPath);
     }
     let own = recording.during(&(run.start..run.end + 1e-9));
-    if own.positions().iter().any(Option::is_some) {
+    let alignment = if own.positions().iter().any(Option::is_some) {
         travelled::by_positions(&own, run, toolpath, machine)
     } else if own.line.as_ref().is_some_and(|line| 2 < line.values.len()) {
         visited::by_lines(&own, run, ends, toolpath, machine)
@@ -262,7 +335,8 @@ fn align_run(
         stops::by_feed(&own, run, toolpath, machine)
     } else {
         Err(AlignmentError::NothingToFollow)
-    }
+    };
+    pace::checked_pace(alignment?, toolpath, machine)
 }
 
 fn is_of_units(error: &ClosureError) -> bool {

@@ -11,6 +11,9 @@ use crate::simulation::toolpath::{Curve, Point, Segment, Segments, Toolpath, Vec
 /// Points laid on an arc to search from are no farther apart than this, rad.
 const ARC_STEP: f64 = 0.2;
 
+/// A pass begins within this part of the path, or within so many moves.
+const ENTRY: (f64, usize) = (0.02, 3);
+
 /// A path with its distances.
 pub struct Path<'a> {
     segments: &'a Segments,
@@ -32,14 +35,8 @@ pub struct Foot {
 impl<'a> Path<'a> {
     /// The path of a program; `recorded` says which axes count.
     pub fn new(toolpath: &'a Toolpath, recorded: [bool; 3]) -> Path<'a> {
-        let mut distances = vec![0.0];
-        let mut distance = 0.0;
-        for segment in &toolpath.segments {
-            distance += segment.length;
-            distances.push(distance);
-        }
         let counts = Vector::from_fn(|axis, _| f64::from(u8::from(recorded[axis])));
-        Path { segments: &toolpath.segments, distances, counts }
+        Path { segments: &toolpath.segments, distances: toolpath.distances(), counts }
     }
 
     /// Length, mm.
@@ -64,6 +61,37 @@ impl<'a> Path<'a> {
             }
         };
         self.segments.iter().map(part).sum()
+    }
+
+    /// Corners of a polyline along the path, mm; 0 in axes that do not count.
+    pub fn polyline(&self) -> Vec<Point> {
+        let counted = |point: Point| Point::from(point.coords.component_mul(&self.counts));
+        let first = self.segments.first().map(|segment| counted(segment.start));
+        let mut points: Vec<Point> = first.into_iter().collect();
+        for segment in self.segments {
+            let parts = match &segment.curve {
+                Curve::Line => 1,
+                Curve::Arc(arc) => (arc.sweep / ARC_STEP).ceil().clamp(1.0, 1e4) as usize,
+            };
+            let offset = |part: usize| segment.length * part as f64 / parts as f64;
+            points.extend((1..=parts).map(|part| counted(segment.point(offset(part)))));
+        }
+        points
+    }
+
+    /// The point at a distance along the path (mm) and the direction there; none of a path without segments.
+    pub fn at(&self, along: f64) -> Option<(Point, Vector)> {
+        let index = self.segment_at(along)?;
+        let segment = self.segments.get(index)?;
+        let offset = (along - self.distances[index]).clamp(0.0, segment.length);
+        Some((segment.point(offset), segment.tangent(offset)))
+    }
+
+    /// The beginning of the path, where a pass of the program enters it: a part of its length, and the first moves, of
+    /// which the very first comes from wherever the tool was.
+    pub fn entry(&self) -> f64 {
+        let moves = self.distances.get(ENTRY.1).or(self.distances.last()).copied().unwrap_or(0.0);
+        moves.max(ENTRY.0 * self.length())
     }
 
     /// Smallest and largest coordinates, mm; none where nothing moves.

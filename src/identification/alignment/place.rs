@@ -34,6 +34,19 @@ pub enum Place {
     After(usize),
 }
 
+impl Place {
+    /// How far along the path it is, mm, by the `distances` of the toolpath.
+    pub fn distance(self, toolpath: &Toolpath, distances: &[f64]) -> f64 {
+        match self {
+            Place::Start => 0.0,
+            Place::Along(distance) => distance,
+            Place::Stop(stop) | Place::After(stop) => {
+                distances[toolpath.stops[stop].after.min(toolpath.segments.len())]
+            }
+        }
+    }
+}
+
 /// A run of segments and stops of one line of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visit {
@@ -51,7 +64,7 @@ pub struct Visit {
 pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
     let mut visits: Vec<Visit> = Vec::new();
     let (mut segment, mut stop) = (0, 0);
-    let mut distance = 0.0;
+    let distances = toolpath.distances();
     let mut last_was_stop = false;
     while segment < toolpath.segments.len() || stop < toolpath.stops.len() {
         let is_stop = toolpath
@@ -63,7 +76,7 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
             let begin = match (is_stop, last_was_stop) {
                 (true, _) => Place::Stop(stop),
                 (false, true) => Place::After(stop - 1),
-                (false, false) => Place::Along(distance),
+                (false, false) => Place::Along(distances[segment]),
             };
             visits.push(Visit { line, segments: segment..segment, stops: stop..stop, begin });
         }
@@ -72,7 +85,6 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
             stop += 1;
             visit.stops.end = stop;
         } else {
-            distance += toolpath.segments.length(segment);
             segment += 1;
             visit.segments.end = segment;
         }
@@ -85,7 +97,12 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
 pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[Place]) -> Vec<f64> {
     let profile = Profile::new(toolpath, plan);
     let waits = wait_times(plan, &profile);
-    let along: Vec<f64> = places.iter().filter_map(|place| distance(*place)).collect();
+    let along: Vec<f64> = (places.iter())
+        .filter_map(|place| match place {
+            Place::Along(distance) => Some(*distance),
+            Place::Start | Place::Stop(_) | Place::After(_) => None,
+        })
+        .collect();
     let mut crossings = profile.crossing_times(&along).into_iter();
     let at = |stop: usize| waits.get(stop).cloned().unwrap_or(profile.cycle_time()..profile.cycle_time());
     let time = |place: &Place| match *place {
@@ -95,13 +112,6 @@ pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[Place]) -> Vec<f64>
         Place::After(stop) => at(stop).end,
     };
     places.iter().map(time).collect()
-}
-
-fn distance(place: Place) -> Option<f64> {
-    match place {
-        Place::Along(distance) => Some(distance),
-        Place::Start | Place::Stop(_) | Place::After(_) => None,
-    }
 }
 
 /// When each stop begins and ends, s.
@@ -119,8 +129,8 @@ fn wait_times(plan: &FeedPlan, profile: &Profile) -> Vec<Range<f64>> {
 mod tests {
     use super::*;
     use crate::machine::Machine;
-    use crate::simulation::feed::{Rule, plan};
     use crate::simulation::gcode::read;
+    use crate::simulation::simulate;
     use crate::simulation::toolpath::trace;
 
     #[test]
@@ -131,7 +141,7 @@ mod tests {
         let visits = visits(&toolpath);
         assert_eq!(visits.iter().map(|visit| visit.segments.len()).sum::<usize>(), toolpath.segments.len());
         assert_eq!(visits.iter().map(|visit| visit.stops.len()).sum::<usize>(), toolpath.stops.len());
-        let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+        let plan = simulate(&toolpath, &machine);
         let places: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
         let times = times(&toolpath, &plan, &places);
         assert!(times.windows(2).all(|pair| pair[0] <= pair[1]), "{visits:?}: {times:?}");

@@ -13,12 +13,16 @@
 //! ahead, so that its cost is linear and a path that crosses or retraces itself is followed in order:
 //! the nearest point alone would jump. Time is never stretched; it is read off.
 //!
+//! At the end of the path, and off it, the tool may also begin again: a recording of several passes is taken apart
+//! there, and so is what comes before and after a run.
+//!
 //! A sample counts once the tool has moved by several standard deviations of the noise since the last
 //! one that did. Source: map matching by hidden Markov models, Newson and Krumm 2009.
 
 use crate::identification::alignment::path::{Foot, Path};
 use crate::identification::alignment::{AlignmentError, Fix};
 use crate::identification::recording::{Axes, Channel};
+use crate::simulation::sampled::rows_around;
 use crate::simulation::toolpath::{Point, Vector};
 
 /// Ways kept from sample to sample.
@@ -27,6 +31,10 @@ const WAYS: usize = 6;
 const FIRST_WAYS: usize = 64;
 /// What a sample off the path costs; a sample farther away than this allows is off it.
 const OFF_PATH: f64 = 60.0;
+/// What it costs to begin again; less than two samples off the path would be no reason to.
+const BEGIN_AGAIN: f64 = 2.0 * OFF_PATH;
+/// A pass as long as this part of the longest is one too.
+pub const WHOLE_PASS: f64 = 0.9;
 /// Samples are thinned to at most about so many that count.
 const MOST_SAMPLES: usize = 150_000;
 /// A position that is told again for longer than this is one at which the tool stays, s.
@@ -36,7 +44,9 @@ const MOVED: f64 = 6.0;
 /// With less of the way off the path it is not looked at from afar.
 const WELL: f64 = 0.05;
 /// How much farther from the path the tool may be, looked at from afar.
-const FROM_AFAR: f64 = 8.0;
+pub const FROM_AFAR: f64 = 8.0;
+/// Largest part of the recorded way that may be off the path.
+const MAX_OFF_PATH: f64 = 0.3;
 /// No recorder of positions is finer than this, mm.
 const FINEST: f64 = 2e-4;
 
@@ -55,14 +65,32 @@ pub struct Track {
     pub interval: f64,
 }
 
-/// The place of each sample that counts.
+/// The place of each sample of a pass that counts.
 pub struct Matched {
     /// Where the tool was when, ascending in time and distance; samples off the path are left out.
     pub fixes: Vec<Fix>,
-    /// Length of recorded way that is off the path, as a part of all.
+    /// Recorded way off the path between the first and the last fix, as a part of all there.
     pub off_path: f64,
+    /// Recorded way on the path, mm.
+    pub on_path: f64,
+    /// All recorded way, that of other passes and outside of any included, mm.
+    pub recorded: f64,
     /// Root mean square of the distance from the path, mm.
     pub spread: f64,
+    /// Passes of the program in the recording; this is the first of the whole ones.
+    pub passes: usize,
+}
+
+impl Matched {
+    /// The part of the recording, or if that is more of the path (mm), that this pass makes up.
+    pub fn part(&self, path: f64) -> f64 {
+        self.on_path / self.recorded.min(path).max(1e-9)
+    }
+
+    /// Returns `true` if enough of the recorded way lies on the path for the recording to be of it.
+    pub fn is_on_path(&self) -> bool {
+        self.off_path <= MAX_OFF_PATH
+    }
 }
 
 impl Track {
@@ -106,6 +134,11 @@ impl Track {
         Some(Track { time, position, recorded: axes.each_ref().map(Option::is_some), noise, interval })
     }
 
+    /// The recorded positions without those at which the tool has hardly moved, mm.
+    pub fn polyline(&self) -> Vec<Point> {
+        self.moved().into_iter().map(|sample| self.position[sample]).collect()
+    }
+
     /// The samples at which the tool has moved, by index; the first always.
     fn moved(&self) -> Vec<usize> {
         let mut step = MOVED * self.noise;
@@ -125,8 +158,9 @@ impl Track {
         }
     }
 
-    /// The same positions with `shift` (mm) taken off.
+    /// The same positions with `shift` (mm) taken off, in the axes that were recorded.
     pub fn shifted(&self, shift: Vector) -> Track {
+        let shift = Vector::from_fn(|axis, _| if self.recorded[axis] { shift[axis] } else { 0.0 });
         let position = self.position.iter().map(|position| position - shift).collect();
         Track { time: self.time.clone(), position, ..*self }
     }
@@ -150,16 +184,21 @@ pub fn follow(track: &Track, path: &Path, tolerance: f64) -> Result<Matched, Ali
     if samples.len() < 3 {
         return Err(AlignmentError::StandsStill);
     }
-    let scale = (2.0 * tolerance).max(3.0 * track.noise).max(0.02);
+    let scale = scale(track, tolerance);
     let closely = follow_within(track, &samples, path, scale);
-    match &closely {
-        Ok(matched) if matched.off_path < WELL => closely,
-        _ => {
-            let afar = follow_within(track, &samples, path, FROM_AFAR * scale);
-            let off = |matched: &Result<Matched, _>| matched.as_ref().map_or(1.0, |matched| matched.off_path);
-            if off(&afar) < off(&closely) { afar } else { closely }
-        }
+    let missing = |matched: &Result<Matched, _>| {
+        matched.as_ref().map_or(1.0, |matched| matched.off_path.max(1.0 - matched.part(path.length())))
+    };
+    if missing(&closely) < WELL {
+        return closely;
     }
+    let afar = follow_within(track, &samples, path, FROM_AFAR * scale);
+    if missing(&afar) < missing(&closely) { afar } else { closely }
+}
+
+/// How far the tool may be from the path (mm) where it is on it, cutting corners by a `tolerance` (mm).
+pub fn scale(track: &Track, tolerance: f64) -> f64 {
+    (2.0 * tolerance).max(3.0 * track.noise).max(0.02)
 }
 
 fn follow_within(
@@ -199,6 +238,7 @@ fn follow_within(
             }
             next.push(Way { cost: way.cost + OFF_PATH, from: from as u32, away: f64::INFINITY, ..*way });
         }
+        next.extend(begun_again(point, ways[0], path, scale, &mut feet));
         next.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let keep = if order < begin + 50 { FIRST_WAYS } else { WAYS };
         ways.clear();
@@ -214,6 +254,18 @@ fn follow_within(
         columns.push(ways.clone());
     }
     Ok(traced_back(track, &samples[begin..], &columns))
+}
+
+/// Ways that begin again near `point`, where the cheapest so far is at the end of the path or off it.
+fn begun_again(point: Point, best: Way, path: &Path, scale: f64, feet: &mut Vec<Foot>) -> Vec<Way> {
+    feet.clear();
+    if best.away.is_infinite() || path.length() - path.entry() < best.along {
+        path.nearest(point, 0.0..path.entry(), feet);
+    }
+    let begins = feet.iter().filter(|foot| foot.away < 5.0 * scale && foot.along < best.along);
+    begins
+        .map(|foot| Way { cost: best.cost + BEGIN_AGAIN + robust(foot.away / scale), ..entered(foot, scale) })
+        .collect()
 }
 
 fn entered(foot: &Foot, scale: f64) -> Way {
@@ -241,29 +293,73 @@ fn first_ways(track: &Track, samples: &[usize], path: &Path, scale: f64) -> Opti
     None
 }
 
+/// The cheapest way of all, sample by sample.
 fn traced_back(track: &Track, samples: &[usize], columns: &[Vec<Way>]) -> Matched {
     let mut way = 0;
-    let mut fixes = Vec::with_capacity(samples.len());
-    let (mut off, mut all) = (0.0, 0.0);
-    let (mut squares, mut count) = (0.0, 0.0f64);
+    let mut steps = Vec::with_capacity(samples.len());
     for order in (0..columns.len()).rev() {
         let Way { along, away, from, .. } = columns[order][way];
         let sample = samples[order];
         let before = order.checked_sub(1).map_or(sample, |order| samples[order]);
         let moved = (track.position[sample] - track.position[before]).norm();
-        all += moved;
-        if away.is_finite() {
-            fixes.push(Fix { time: track.time[sample], distance: along, sample: Some(sample) });
-            squares += away * away;
-            count += 1.0;
-        } else {
-            off += moved;
-        }
+        steps.push(Step { sample, along, away, moved });
         way = from as usize;
     }
-    fixes.reverse();
-    let off_path = if 0.0 < all { off / all } else { 1.0 };
-    Matched { fixes, off_path, spread: (squares / count.max(1.0)).sqrt() }
+    steps.reverse();
+    let begins = (1..steps.len()).filter(|at| steps[*at].along < steps[at - 1].along);
+    let bounds: Vec<usize> = [0].into_iter().chain(begins).chain([steps.len()]).collect();
+    let passes = bounds.windows(2).map(|pair| trimmed(&steps[pair[0]..pair[1]]));
+    let passes: Vec<&[Step]> = passes.filter(|pass| !pass.is_empty()).collect();
+    let longest = passes.iter().map(|pass| progress(pass)).fold(0.0, f64::max);
+    let whole: Vec<&[Step]> =
+        passes.into_iter().filter(|pass| WHOLE_PASS * longest <= progress(pass)).collect();
+    let recorded = steps.iter().map(|step| step.moved).sum();
+    matched(track, whole.first().copied().unwrap_or_default(), recorded, whole.len())
+}
+
+/// A sample on the cheapest way.
+struct Step {
+    sample: usize,
+    along: f64,
+    /// How far it lies from the path, mm; infinite where it is off it.
+    away: f64,
+    /// How far the tool has moved since the sample before, mm.
+    moved: f64,
+}
+
+/// A pass from its first sample on the path to its last.
+fn trimmed(pass: &[Step]) -> &[Step] {
+    let is_on = |step: &Step| step.away.is_finite();
+    let first = pass.iter().position(is_on).unwrap_or(pass.len());
+    let last = pass.iter().rposition(is_on).map_or(first, |last| last + 1);
+    &pass[first..last]
+}
+
+fn progress(pass: &[Step]) -> f64 {
+    pass.first().zip(pass.last()).map_or(0.0, |(first, last)| last.along - first.along)
+}
+
+fn matched(track: &Track, pass: &[Step], recorded: f64, passes: usize) -> Matched {
+    let on = || pass.iter().filter(|step| step.away.is_finite());
+    // The way to its first sample is not of the pass.
+    let way = |steps: &mut dyn Iterator<Item = &Step>| steps.map(|step| step.moved).sum::<f64>();
+    let entry = pass.first().map_or(0.0, |step| step.moved);
+    let (all, on_path) = (way(&mut pass.iter()) - entry, way(&mut on()) - entry);
+    let squares: f64 = on().map(|step| step.away * step.away).sum();
+    Matched {
+        fixes: on()
+            .map(|step| Fix {
+                time: track.time[step.sample],
+                distance: step.along,
+                sample: Some(step.sample),
+            })
+            .collect(),
+        off_path: if 0.0 < all { 1.0 - on_path / all } else { 1.0 },
+        on_path,
+        recorded,
+        spread: (squares / (on().count() as f64).max(1.0)).sqrt(),
+        passes,
+    }
 }
 
 fn robust(x: f64) -> f64 {
@@ -276,22 +372,11 @@ fn on_stamps(channel: &Channel<f64>, time: &[f64]) -> Vec<f64> {
     if channel.time[..] == *time {
         return channel.values.clone();
     }
-    let mut after = 0;
-    time.iter()
-        .map(|&stamp| {
-            while after < channel.time.len() && channel.time[after] <= stamp {
-                after += 1;
-            }
-            match (after.checked_sub(1), channel.values.get(after)) {
-                (None, first) => first.copied().unwrap_or(0.0),
-                (Some(last), None) => channel.values[last],
-                (Some(last), Some(next)) => {
-                    let share = (stamp - channel.time[last]) / (channel.time[after] - channel.time[last]);
-                    channel.values[last] + share * (next - channel.values[last])
-                }
-            }
-        })
-        .collect()
+    let mut row = 0;
+    let mut value = |stamp: &f64| {
+        rows_around(&channel.time, *stamp, &mut row).map_or(0.0, |rows| rows.between(&channel.values))
+    };
+    time.iter().map(&mut value).collect()
 }
 
 /// Standard deviation of the noise of a column, from its second differences: where nothing accelerates

@@ -7,8 +7,9 @@ use crate::identification::alignment::place::Place;
 use crate::identification::alignment::{Alignment, AlignmentError, Method, checked, end_of};
 use crate::identification::recording::{Measure, Recording, closure_of};
 use crate::machine::Machine;
-use crate::simulation::feed::{Phase, Rule, plan};
-use crate::simulation::toolpath::Toolpath;
+use crate::simulation::feed::Phase;
+use crate::simulation::simulate;
+use crate::simulation::toolpath::{Toolpath, Vector};
 
 pub fn by_feed(
     recording: &Recording,
@@ -41,6 +42,8 @@ pub fn by_feed(
             "only the feed was recorded: compared from stop to stop; its integral is {:.3} of the path",
             closed.ratio
         )],
+        shift: Vector::zeros(),
+        passes: 1,
     };
     checked(alignment)
 }
@@ -48,16 +51,13 @@ pub fn by_feed(
 /// The motion between full stops that wait, as the machine is believed to stop.
 fn stretches(toolpath: &Toolpath, machine: &Machine) -> Vec<Stretch> {
     let plain = Machine { times: machine.times.clone(), ..Machine::default() };
-    let plan = plan(toolpath, &plain, Rule::Programmed);
+    let plan = simulate(toolpath, &plain);
     let waits = plan.phases.iter().filter_map(|phase| match phase {
         Phase::Wait(wait) => Some(wait.duration),
         Phase::Motion(_) => None,
     });
     let waits: Vec<f64> = waits.collect();
-    let mut distances = vec![0.0];
-    for segment in &toolpath.segments {
-        distances.push(distances[distances.len() - 1] + segment.length);
-    }
+    let distances = toolpath.distances();
     let mut stretches: Vec<Stretch> = Vec::new();
     let mut from = 0.0;
     let mut begin = Place::Along(0.0);

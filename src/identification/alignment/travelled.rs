@@ -9,17 +9,23 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use nalgebra::Matrix3;
+
 use crate::identification::alignment::hints::{extents_differ_by, what_would_fit};
 use crate::identification::alignment::path::Path;
 use crate::identification::alignment::place::Place;
-use crate::identification::alignment::positions::{Matched, Track, follow};
+use crate::identification::alignment::positions::{FROM_AFAR, Matched, Track, follow, scale};
+use crate::identification::alignment::registration::shifts;
 use crate::identification::alignment::{Alignment, AlignmentError, Fix, Mark, Method, checked, is_of_units};
 use crate::identification::recording::{Measure, Recording, Scale, closure_of};
 use crate::machine::Machine;
-use crate::simulation::toolpath::Toolpath;
+use crate::simulation::toolpath::{Toolpath, Vector};
 
-/// Of the recorded way, so much at most may be off the path.
-pub const MOST_OFF_PATH: f64 = 0.3;
+/// Of the recording, or of the path, a pass must be so much.
+const LEAST_PART: f64 = 0.5;
+/// Shifts that are tried, and how often each is improved.
+const MAX_SHIFTS: usize = 3;
+const REFINEMENTS: usize = 3;
 /// The recorded way and the way along the path must agree within this ratio.
 const SAME_WAY: f64 = 1.25;
 /// Marks of positions a run at most.
@@ -41,43 +47,32 @@ pub fn by_positions(
         Err(error) if is_of_units(&error) => return Err(error.into()),
         Err(_) => {}
     }
-    let mut track = Track::new(settled.positions()).ok_or(AlignmentError::StandsStill)?;
+    let track = Track::new(settled.positions()).ok_or(AlignmentError::StandsStill)?;
     let tolerance = machine.interpolator.contour_tolerance;
-    let accepted = |matched: &Matched| matched.off_path <= MOST_OFF_PATH;
-    let mut matched = follow(&track, &path, tolerance);
-    let stands = matches!(matched, Err(AlignmentError::StandsStill));
-    if !matched.as_ref().is_ok_and(accepted) && !stands {
-        // Machine coordinates differ from the program's by the zero point, seen in where both lie.
-        let shift = extents_differ_by(&track, &path);
-        let moved = shift.map(|shift| (shift, track.shifted(shift)));
-        let again = moved.and_then(|(shift, moved)| {
-            let found = follow(&moved, &path, tolerance).ok().filter(accepted)?;
-            Some((shift, moved, found))
-        });
-        match again {
-            Some((shift, moved, found)) => {
-                remarks.push(format!(
-                    "positions are shifted by X {:.3}, Y {:.3}, Z {:.3} mm against the program, as by a zero point",
-                    shift.x, shift.y, shift.z
-                ));
-                (track, matched) = (moved, Ok(found));
-            }
-            None => {
-                let off = matched.as_ref().map_or(1.0, |matched| matched.off_path);
-                let hint = what_would_fit(&track, toolpath, recorded, tolerance);
-                return match (matched, hint) {
-                    (Err(error), None) => Err(error),
-                    (_, hint) => Err(AlignmentError::OffPath { part: 100.0 * off, hint }),
-                };
-            }
-        }
+    let Laid { track, shift, matched } = laid(track, &path, toolpath, tolerance)?;
+    if shift != Vector::zeros() {
+        remarks.push(format!(
+            "positions are shifted by X {:.3}, Y {:.3}, Z {:.3} mm against the program, as by a zero point",
+            shift.x, shift.y, shift.z
+        ));
     }
-    let matched = matched?;
+    let passes = matched.passes;
     let fixes = matched.fixes;
     let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else {
         return Err(AlignmentError::NowhereNear);
     };
     let covered = first.distance..last.distance;
+    let run = match passes {
+        1 => run,
+        _ => {
+            let (from, to) = (first.time, last.time);
+            let one = format!(
+                "the program was run {passes} times; the run from {from:.1} s to {to:.1} s is compared"
+            );
+            remarks.push(one);
+            from..to
+        }
+    };
     let way: f64 = fixes
         .windows(2)
         .map(|pair| match (pair[0].sample, pair[1].sample) {
@@ -103,8 +98,97 @@ pub fn by_positions(
         track: Some(Arc::new(track)),
         feed: settled.feed.filter(|feed| matches!(feed.scale, Scale::Stated(_))),
         remarks,
+        shift,
+        passes,
     };
     checked(alignment)
+}
+
+/// A track in the program's coordinates, on the path.
+struct Laid {
+    track: Track,
+    /// What was taken off its positions, mm.
+    shift: Vector,
+    matched: Matched,
+}
+
+impl Laid {
+    fn new(track: &Track, shift: Vector, path: &Path, tolerance: f64) -> Result<Laid, AlignmentError> {
+        let track = if shift == Vector::zeros() { track.clone() } else { track.shifted(shift) };
+        let matched = follow(&track, path, tolerance)?;
+        Ok(Laid { track, shift, matched })
+    }
+
+    /// Whether most of the recording, or of the path, is this, and most of what lies between is on the path.
+    fn is_accepted(&self, path: &Path) -> bool {
+        self.matched.is_on_path() && LEAST_PART <= self.matched.part(path.recorded_length())
+    }
+
+    /// By how much the track still lies beside the path, mm: of least squares across the path, where the tool is near.
+    fn beside(&self, path: &Path, scale: f64) -> Vector {
+        let (mut normal, mut sum) = (Matrix3::zeros(), Vector::zeros());
+        for fix in &self.matched.fixes {
+            let Some(((foot, tangent), sample)) = path.at(fix.distance).zip(fix.sample) else { continue };
+            let away = self.track.position[sample] - foot;
+            let away = Vector::from_fn(|axis, _| if self.track.recorded[axis] { away[axis] } else { 0.0 });
+            if away.norm() < 3.0 * scale {
+                let across = Matrix3::identity() - tangent * tangent.transpose();
+                normal += across;
+                sum += across * away;
+            }
+        }
+        // An axis along which all of the path lies is not known, and stays.
+        let stiffness = 1e-3 * self.matched.fixes.len().max(1) as f64;
+        (normal + Matrix3::identity() * stiffness)
+            .try_inverse()
+            .map_or(Vector::zeros(), |inverse| inverse * sum)
+    }
+}
+
+/// The track on the path as it is, or else shifted as by a zero point to where most of it fits.
+fn laid(track: Track, path: &Path, toolpath: &Toolpath, tolerance: f64) -> Result<Laid, AlignmentError> {
+    let as_is = match Laid::new(&track, Vector::zeros(), path, tolerance) {
+        Ok(laid) if laid.is_accepted(path) => return Ok(laid),
+        Err(AlignmentError::StandsStill) => return Err(AlignmentError::StandsStill),
+        refused => refused,
+    };
+    let scale = scale(&track, tolerance);
+    let mut candidates = shifts(&track, path, scale);
+    candidates.truncate(MAX_SHIFTS);
+    candidates.extend(extents_differ_by(&track, path));
+    let mut best: Option<Laid> = None;
+    for candidate in candidates {
+        let Some(laid) = refined(&track, candidate, path, tolerance, scale) else { continue };
+        let is_better = |best: &Laid| best.matched.on_path < 0.99 * laid.matched.on_path;
+        if laid.is_accepted(path) && best.as_ref().is_none_or(is_better) {
+            best = Some(laid);
+        }
+    }
+    if let Some(best) = best {
+        return Ok(best);
+    }
+    let hint = what_would_fit(&track, toolpath, track.recorded, tolerance);
+    match (as_is, hint) {
+        (Err(error), None) => Err(error),
+        (Err(_), hint) => Err(AlignmentError::OffPath { part: 100.0, hint }),
+        (Ok(laid), hint) => {
+            let part = laid.matched.off_path.max(1.0 - laid.matched.part(path.recorded_length()));
+            Err(AlignmentError::OffPath { part: 100.0 * part, hint })
+        }
+    }
+}
+
+/// The track shifted by about `shift` (mm), which is improved until it changes little.
+fn refined(track: &Track, shift: Vector, path: &Path, tolerance: f64, scale: f64) -> Option<Laid> {
+    let mut laid = Laid::new(track, shift, path, tolerance).ok()?;
+    for _ in 0..REFINEMENTS {
+        let change = laid.beside(path, FROM_AFAR * scale);
+        if change.norm() < 0.1 * scale {
+            break;
+        }
+        laid = Laid::new(track, laid.shift + change, path, tolerance).ok()?;
+    }
+    Some(laid)
 }
 
 /// Marks from fixes: evenly in time while the tool moves, none where it stands.

@@ -4,14 +4,15 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 use crate::identification::alignment::lines;
-use crate::identification::alignment::place::{Place, times, visits};
+use crate::identification::alignment::place::{Place, Visit, times, visits};
+use crate::identification::alignment::ways::check_ways;
 use crate::identification::alignment::{
     Alignment, AlignmentError, Mark, Method, checked, end_of, is_of_units,
 };
 use crate::identification::recording::{Recording, closure_on};
 use crate::machine::Machine;
-use crate::simulation::feed::{Rule, plan};
-use crate::simulation::toolpath::{Motion, Toolpath};
+use crate::simulation::simulate;
+use crate::simulation::toolpath::{Motion, Toolpath, Vector};
 
 pub fn by_lines(
     recording: &Recording,
@@ -21,11 +22,7 @@ pub fn by_lines(
     machine: &Machine,
 ) -> Result<Alignment, AlignmentError> {
     let visits = visits(toolpath);
-    let begins: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
-    let plan = plan(toolpath, machine, Rule::Programmed);
-    let mut begins = times(toolpath, &plan, &begins);
-    begins.push(plan.cycle_time());
-    let durations: Vec<f64> = begins.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let durations = durations(toolpath, machine, &visits);
     let mut remarks = Vec::new();
     let followed = lines::follow(recording, &run, &visits, &durations)?;
     if followed.count != 0 {
@@ -36,16 +33,12 @@ pub fn by_lines(
         ));
     }
     let settled = settle_feed(recording, toolpath)?;
-    let mut distances = vec![0.0];
-    for segment in &toolpath.segments {
-        distances.push(distances[distances.len() - 1] + segment.length);
+    let distances = toolpath.distances();
+    let distance_of = |place: Place| place.distance(toolpath, &distances);
+    if let Some(feed) = &settled.feed {
+        let (marks, visited) = (&followed.marks, &followed.visits);
+        check_ways(feed, followed.poll, marks, visited, &visits, toolpath, distance_of)?;
     }
-    let at_stop = |stop: usize| distances[toolpath.stops[stop].after.min(toolpath.segments.len())];
-    let distance_of = |place: Place| match place {
-        Place::Start => 0.0,
-        Place::Along(distance) => distance,
-        Place::Stop(stop) | Place::After(stop) => at_stop(stop),
-    };
     let mut marks = followed.marks;
     // The line named first is taken for where it stands, wherever the file begins.
     if has_start && followed.first == 0 {
@@ -72,8 +65,19 @@ pub fn by_lines(
         track: None,
         feed: settled.feed,
         remarks,
+        shift: Vector::zeros(),
+        passes: 1,
     };
     checked(alignment)
+}
+
+/// How long each visit takes on the machine believed in, s.
+fn durations(toolpath: &Toolpath, machine: &Machine, visits: &[Visit]) -> Vec<f64> {
+    let begins: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
+    let plan = simulate(toolpath, machine);
+    let mut begins = times(toolpath, &plan, &begins);
+    begins.push(plan.cycle_time());
+    begins.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
 /// The recording with a unit for its feed. What the machine also does between lines is not in the
@@ -100,5 +104,25 @@ fn settle_feed(recording: &Recording, toolpath: &Toolpath) -> Result<Recording, 
         Ok(closure) => Ok(recording.clone().settled(&closure)),
         Err(error) if is_of_units(&error) => Err(error.into()),
         Err(_) => Ok(recording.clone()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::gcode::read;
+    use crate::simulation::toolpath::trace;
+
+    /// A mark lies half a visit's duration before the stamp that names it, so that a duration without the
+    /// acceleration limit of an axis would put it too late.
+    #[test]
+    fn visits_last_as_long_as_the_axes_need() {
+        let mut machine = Machine::default();
+        let toolpath = trace(&read(b"G1 X40 F6000\nY1\nX0\nY0\nM30\n"), &machine);
+        let visits = visits(&toolpath);
+        let free = durations(&toolpath, &machine, &visits);
+        machine.axes[0].acceleration = 200.0;
+        let limited = durations(&toolpath, &machine, &visits);
+        assert!(1.3 * free[0] < limited[0], "{free:?} {limited:?}");
     }
 }

@@ -4,8 +4,8 @@
 //! | law | parameter | first guesses |
 //! |---|---|---|
 //! | rapids have filters of their own | `rapid.time_constant_s` | twice that of feed moves |
-//! | rapids run from stand to stand | `rapid.positioning_jerk_mm_s3` | `POSITIONING` |
-//! | ramps grow with the speed step | `path.jerk_mm_s3` | `JERKS`, with filters as they are and shorter |
+//! | rapids run from stand to stand | `rapid.positioning_jerk_mm_s3` | as in `effects` |
+//! | ramps grow with the speed step | `path.jerk_mm_s3` | as in `effects`, with filters as they are and shorter |
 //! | arcs are followed by a tolerance of their own | `interpolator.arc_tolerance_mm` | `ARCS` of the contour tolerance |
 //! | arcs are run at a centripetal acceleration | `path.centripetal_acceleration_mm_s2` | `CENTRIPETAL`, the tolerance giving way |
 //! | a word waits for the spindle | `times.spindle_awaited_by`, ramp and exponent | as in `spindle` |
@@ -14,31 +14,22 @@
 //! filters become shorter, and that a guess does not know. The first two exclude each other, and so do
 //! the two of arcs.
 
-use crate::identification::calibration::planner::CONSTANT;
 use crate::identification::calibration::spindle;
+use crate::identification::effects::{self, POSITIONING_JERKS_MM_S3};
 use crate::identification::fit::Run;
-use crate::machine::{Junction, Machine, TimeConstants};
+use crate::machine::{Machine, TimeConstants};
 use crate::simulation::toolpath::Curve;
 
 /// By how much, and by what part, the cost must fall for another law.
 pub const BETTER: (f64, f64) = (15.0, 0.01);
 /// How much slower filters of rapid moves are tried first.
 const RAPID_SLOWER: f64 = 2.0;
-/// Jerks of positioning tried first, mm/s³.
-const POSITIONING: [f64; 4] = [2e4, 5e4, 1e5, 3e5];
-/// Jerks along the path tried first, mm/s³.
-const JERKS: [f64; 5] = [5e3, 1e4, 2e4, 4e4, 1e5];
-/// Time constants tried with them, as parts of what it is; the corners stay as fast.
-const SHORTER: [f64; 2] = [1.0, 0.6];
 /// Tolerances of arcs tried first, as ratios of that of corners.
 const ARCS: [f64; 3] = [0.3, 3.0, 30.0];
 
 /// Centripetal accelerations tried first, mm/s², and a tolerance of arcs that leaves it to them, mm.
 const CENTRIPETAL: [f64; 6] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0];
 const NO_TOLERANCE: f64 = 1.0;
-
-/// A machine file has a constant with few digits.
-const LESS: f64 = 0.999;
 
 /// Machines to begin the fit of one law from.
 pub type Law = Vec<Machine>;
@@ -59,12 +50,12 @@ fn spindles(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
 fn rapids(before: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
     let TimeConstants::Equal(constant) = found.interpolator.time_constants else { return Vec::new() };
     let is_named = found.rapid.time_constants.is_some() || found.rapid.positioning_jerk.is_finite();
-    if is_named || !has_filters(found) || !runs.iter().any(Run::has_rapid) {
+    if is_named || !found.has_filters() || !runs.iter().any(Run::has_rapid) {
         return Vec::new();
     }
     let mut own = found.clone();
     own.rapid.time_constants = Some(TimeConstants::Equal(RAPID_SLOWER * constant));
-    let positioned = POSITIONING.map(|jerk| {
+    let positioned = POSITIONING_JERKS_MM_S3.map(|jerk| {
         let mut machine = found.clone();
         machine.rapid.positioning_jerk = jerk;
         // What filters needed for the time of rapids says nothing of the rate here.
@@ -76,24 +67,17 @@ fn rapids(before: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
 
 /// How the feedrate changes.
 fn ramps(_: &Machine, found: &Machine, _: &[Run]) -> Vec<Law> {
-    let TimeConstants::Equal(constant) = found.interpolator.time_constants else { return Vec::new() };
-    if found.path.jerk.is_finite() || !has_filters(found) {
+    if found.path.jerk.is_finite() || !found.has_filters() {
         return Vec::new();
     }
-    let with = |part: f64, jerk: f64| {
-        let mut machine = found.clone();
-        machine.path.jerk = jerk;
-        machine.interpolator.time_constants = TimeConstants::Equal(part * constant);
-        machine.interpolator.contour_tolerance *= part;
-        machine
-    };
-    vec![SHORTER.iter().flat_map(|part| JERKS.map(|jerk| with(*part, jerk))).collect()]
+    let law = effects::ramps(found);
+    vec![law.iter().flat_map(|law| law.trials.iter().map(|values| law.machine(found, values))).collect()]
 }
 
 /// How arcs are followed.
 fn arcs(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
     let is_arc = |run: &Run| run.toolpath.segments.iter().any(|segment| segment.curve != Curve::Line);
-    if found.interpolator.arc_tolerance.is_some() || !has_filters(found) || !runs.iter().any(is_arc) {
+    if found.interpolator.arc_tolerance.is_some() || !found.has_filters() || !runs.iter().any(is_arc) {
         return Vec::new();
     }
     let with = |ratio: f64| {
@@ -112,16 +96,4 @@ fn arcs(_: &Machine, found: &Machine, runs: &[Run]) -> Vec<Law> {
         laws.push(CENTRIPETAL.map(limited).to_vec());
     }
     laws
-}
-
-/// Whether its ramps are those of filters. Planners have some that are shorter than their period.
-pub fn has_filters(machine: &Machine) -> bool {
-    let interpolator = &machine.interpolator;
-    match (interpolator.junction, &interpolator.time_constants) {
-        (Junction::AccelerationBlend, _) => false,
-        (Junction::AxisStep(_), TimeConstants::Equal(constant)) => {
-            CONSTANT < interpolator.filters as f64 * constant * LESS
-        }
-        _ => true,
-    }
 }

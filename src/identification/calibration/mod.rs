@@ -26,15 +26,13 @@ mod waits;
 
 use nalgebra::DMatrix;
 
-pub use planner::become_planner;
-pub use waits::{Kind, guesses};
+pub use waits::guesses;
 
 use crate::identification::alignment::Method;
-use crate::identification::calibration::laws::has_filters;
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::comparison::{Comparison, compare};
-use crate::identification::fit::{Fit, Freed, HARDLY, Run, Scale, Whitening, cost_of, fit};
-use crate::machine::{Machine, TimeConstants};
+use crate::identification::fit::{Exactness, Fit, Freed, HARDLY, Run, Scale, Whitening, cost_of, fit};
+use crate::machine::{Handle, Machine, TimeConstants};
 use crate::simulation::feed::Tolerances;
 
 /// A relative standard deviation above which a positive parameter counts as unknown.
@@ -128,22 +126,18 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
     if runs.iter().any(|run| run.starts()) {
         let seconds = (machine.times.start + waits::start_guess(&pairs)).max(0.0);
-        let freed =
-            Freed::new("times.start_s", seconds, (0.0, 600.0), Scale::Difference, |machine, seconds| {
-                machine.times.start = seconds;
-            });
+        let freed = Freed::wait(Handle::number("times.start_s"), seconds, (0.0, 600.0));
         freed.apply(&mut guess, seconds);
         waits.push((freed, machine.times.start));
     }
-    let parameters =
-        |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
-            let mut all = motion(machine, guess, order, runs);
-            all.extend(spindle_ramp(machine, guess));
-            all.extend(waits.iter().map(|(freed, value)| {
-                (freed.from(current(&freed.key, guess).unwrap_or(freed.start)), *value)
-            }));
-            all
-        };
+    let parameters = |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
+        let mut all = motion(machine, guess, order, runs);
+        all.extend(spindle_ramp(machine, guess));
+        all.extend(waits.iter().map(|(freed, value)| {
+            (freed.starting_at(freed.handle.get(guess).unwrap_or(freed.start)), *value)
+        }));
+        all
+    };
     let nominal = machine.interpolator.filters;
     let mut share = Share { done: 0.0, part: 0.2, progress };
     let first =
@@ -154,7 +148,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let mut orders = vec![(nominal, second.cost)];
     let mut best = second;
     let mut order = nominal;
-    let shows_ramps = has_filters(machine) && runs.iter().any(|run| polled(run).is_none());
+    let shows_ramps = machine.has_filters() && runs.iter().any(|run| polled(run).is_none());
     let is_equal = matches!(machine.interpolator.time_constants, TimeConstants::Equal(_));
     for other in ORDERS.filter(|other| *other != nominal && is_equal && shows_ramps) {
         share.part = 0.06;
@@ -201,13 +195,13 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         .enumerate()
         .map(|(at, (freed, before))| {
             let deviation = best.deviations[at];
-            let is_unknown = match are_polled && freed.key.starts_with("times.") {
+            let is_unknown = match are_polled && freed.exactness == Exactness::Wait {
                 // Of a log of lines waits are read off, and the fit only says whether anything separates them.
                 true => !deviation.is_finite() || SEPARATED < deviation,
                 false => is_unknown(freed, best.values[at], deviation),
             };
             // What was not there before cannot be put back; but a limit that no run comes near is taken away again.
-            let is_idle = freed.key.starts_with("path.") && !deviation.is_finite();
+            let is_idle = freed.handle.table() == "path" && !deviation.is_finite();
             if is_unknown && (before.is_finite() || is_idle) { Verdict::Unknown } else { Verdict::Fitted }
         })
         .collect();
@@ -245,8 +239,8 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             None => (*before, best.deviations[at]),
         };
         Estimate {
-            key: freed.key.clone(),
-            before: current(&freed.key, machine).unwrap_or(*before),
+            key: freed.handle.key(),
+            before: wait_of(freed, machine).unwrap_or(*before),
             value,
             deviation: (deviation.is_finite() && *verdict != Verdict::Unknown).then_some(deviation),
             verdict: *verdict,
@@ -262,7 +256,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     Calibration {
         runs: results.collect(),
         estimates,
-        correlations: (kept.iter().map(|(freed, _)| freed.key.clone()).collect(), last.correlations),
+        correlations: (kept.iter().map(|(freed, _)| freed.handle.key()).collect(), last.correlations),
         orders,
         converged: last.converged,
         machine: last.machine,
@@ -373,7 +367,7 @@ fn put_back(
     let mut kept = Vec::new();
     for (at, ((freed, before), verdict)) in all.iter().zip(verdicts).enumerate() {
         if *verdict == Verdict::Fitted {
-            kept.push((freed.from(best.values[at]), *before));
+            kept.push((freed.starting_at(best.values[at]), *before));
         } else {
             freed.apply(&mut base, *before);
         }
@@ -386,14 +380,15 @@ fn settle_waits(last: &mut Fit, all: &[(Freed, f64)], verdicts: &[Verdict], runs
     let compared: Vec<Comparison> =
         runs.iter().map(|run| compare(run.toolpath, &run.plan(&last.machine), run.alignment)).collect();
     let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(&compared).collect();
-    let mut seconds: Vec<(String, f64)> = waits::guesses(&last.machine, &pairs)
+    let mut seconds: Vec<(Handle, f64)> = waits::guesses(&last.machine, &pairs)
         .iter()
-        .map(|(kind, seconds, _)| (kind.key(), *seconds))
+        .map(|(kind, seconds, _)| (kind.handle(), *seconds))
         .collect();
-    seconds.push(("times.start_s".to_string(), last.machine.times.start + waits::start_guess(&pairs)));
+    let start = last.machine.times.start + waits::start_guess(&pairs);
+    seconds.push((Handle::number("times.start_s"), start));
     let fitted = all.iter().zip(verdicts).filter(|(_, verdict)| **verdict == Verdict::Fitted);
     for (at, ((freed, _), _)) in fitted.enumerate() {
-        if let Some((_, seconds)) = seconds.iter().find(|(key, _)| *key == freed.key) {
+        if let Some((_, seconds)) = seconds.iter().find(|(handle, _)| *handle == freed.handle) {
             freed.apply(&mut last.machine, *seconds);
             last.values[at] = *seconds;
         }
@@ -417,18 +412,7 @@ fn set_order(machine: &mut Machine, order: usize) {
     interpolator.filters = order;
 }
 
-/// What a machine has under the key of a wait, s.
-fn current(key: &str, machine: &Machine) -> Option<f64> {
-    match key {
-        "times.start_s" => Some(machine.times.start),
-        "times.tool_change_s" => Some(machine.times.tool_change),
-        "times.first_tool_change_s" => machine.times.first_tool_change,
-        "times.spindle_start_s" => machine.times.spindle.start,
-        "times.spindle_stop_s" => machine.times.spindle.stop,
-        _ => key
-            .strip_prefix("times.m_codes.M")?
-            .parse()
-            .ok()
-            .and_then(|code| machine.times.m_codes.get(&code).copied()),
-    }
+/// What a machine has of a wait, s; `None` of other parameters.
+fn wait_of(freed: &Freed, machine: &Machine) -> Option<f64> {
+    freed.handle.get(machine).filter(|_| freed.exactness == Exactness::Wait)
 }

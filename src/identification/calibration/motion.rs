@@ -9,9 +9,8 @@
 //! Jerk along the path, centripetal acceleration and what rapids are run by are freed in all of them, where they are not
 //! neutral. What the machine had before is infinite where it had no such limit.
 
-use crate::identification::calibration::laws::has_filters;
 use crate::identification::fit::{Freed, Run, Scale};
-use crate::machine::{Junction, Machine, TimeConstants};
+use crate::machine::{Handle, Junction, Machine, TimeConstants};
 
 /// The key of the acceleration of each axis.
 const ACCELERATIONS: [&str; 3] =
@@ -35,15 +34,14 @@ const POSITION_BOUNDS: (f64, f64) = (1e-4, 0.5);
 pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<(Freed, f64)> {
     let mut all = Vec::new();
     let from = |key: &'static str, own: f64, start: f64, bounds: (f64, f64)| {
-        Freed::number(key, start, bounds, Scale::Ratio).map(|freed| (freed, own))
+        (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
     };
     // From what the guess has under this key; a limit that is none, and a time of 0, is not there.
     let limit = |key: &'static str, bounds: (f64, f64)| {
-        let (freed, _) = from(key, f64::INFINITY, bounds.0, bounds)?;
-        let of = |machine: &Machine| freed.of(machine).filter(|value| 0.0 < *value);
-        Some((freed.from(of(guess)?), of(before).unwrap_or(f64::INFINITY)))
+        let of = |machine: &Machine| Handle::number(key).get(machine).filter(|value| 0.0 < *value);
+        Some(from(key, of(before).unwrap_or(f64::INFINITY), of(guess)?, bounds))
     };
-    let has_filters = has_filters(guess);
+    let has_filters = guess.has_filters();
     let constant = |of: &TimeConstants| match of {
         TimeConstants::Equal(constant) => Some(*constant),
         _ => None,
@@ -58,7 +56,7 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
             all.extend(limit(key, (AXIS_BOUNDS.0 * usual, AXIS_BOUNDS.1 * usual)));
         }
     } else if let Some((own, start)) = constant(constants).zip(constant(&guess.interpolator.time_constants)) {
-        all.extend(from("interpolator.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
+        all.push(from("interpolator.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
     }
     all.extend(limit("interpolator.axis_velocity_step_mm_min", STEP_BOUNDS));
     if has_filters || guess.interpolator.junction == Junction::AccelerationBlend {
@@ -66,7 +64,8 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
     }
     all.extend(limit("interpolator.slowing_angle_deg", ANGLE_BOUNDS));
     if !has_filters {
-        all.extend(limit("halts.in_position_s", POSITION_BOUNDS));
+        let wait = limit("halts.in_position_s", POSITION_BOUNDS);
+        all.extend(wait.map(|(freed, own)| (freed.counted_in_cycles(), own)));
     }
     let of_arcs = limit("path.centripetal_acceleration_mm_s2", ACCELERATION_BOUNDS);
     all.extend(of_arcs.or_else(|| limit("interpolator.arc_tolerance_mm", TOLERANCE_BOUNDS)));
@@ -77,12 +76,12 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
     }
     all.extend(limit("path.jerk_mm_s3", JERK_BOUNDS));
     if has_rapid {
-        let (own, start) = (before.rapid.feedrate, guess.rapid.feedrate);
-        all.extend(from("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own)));
+        let (own, start) = (before.fastest_rapid(), guess.fastest_rapid());
+        all.push(from("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own)));
         let own = before.rapid.time_constants.as_ref().unwrap_or(constants);
         let start = guess.rapid.time_constants.as_ref().and_then(constant);
         if let Some((own, start)) = constant(own).zip(start).filter(|_| has_filters) {
-            all.extend(from("rapid.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
+            all.push(from("rapid.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
         }
         all.extend(limit("rapid.positioning_jerk_mm_s3", POSITIONING_BOUNDS));
     }
@@ -93,7 +92,6 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
 pub fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(Freed, f64)> {
     let (own, start) = (before.times.spindle.ramp, guess.times.spindle.ramp);
     let awaited = before.times.spindle_awaited_by.is_empty() && !guess.times.spindle_awaited_by.is_empty();
-    let ramp = awaited
-        .then(|| Freed::number("times.spindle_s_per_1000_rpm", start, (0.0, 0.1), Scale::Difference))?;
-    ramp.map(|freed| (freed.linear(), own))
+    let ramp = Handle::number("times.spindle_s_per_1000_rpm");
+    awaited.then(|| (Freed::wait(ramp, start, (0.0, 0.1)).linear(), own))
 }

@@ -16,8 +16,8 @@
 use std::collections::BTreeMap;
 
 use crate::identification::alignment::median;
-use crate::identification::calibration::waits::Kind;
 use crate::identification::comparison::compare;
+use crate::identification::effects::Kind;
 use crate::identification::fit::Run;
 use crate::machine::{Machine, Spin, SpindleTimes};
 use crate::simulation::toolpath::StopCause;

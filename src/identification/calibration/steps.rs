@@ -8,11 +8,9 @@
 //!
 //! Source: two recorded mills, whose runs of programs that were not fitted to it predicts (`docs/diagnosis.md`).
 
-use crate::identification::calibration::laws::has_filters;
 use crate::identification::calibration::nearest;
-use crate::identification::calibration::planner::CONSTANT;
 use crate::identification::fit::{Run, Whitening};
-use crate::machine::{InPosition, Junction, Machine, TimeConstants};
+use crate::machine::{InPosition, Junction, Machine, PLANNER_FILTER_S, TimeConstants};
 
 /// Steps of velocity tried first, mm/s.
 const STEPS: [f64; 4] = [1.0, 3.0, 8.0, 25.0];
@@ -30,12 +28,12 @@ const IN_POSITION: f64 = 0.03;
 /// The planners of each acceleration that are nearest to the runs, before any fit; none where the machine is no machine
 /// of filters. `machine` is as it was, `fitted` has what filters needed.
 pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
-    if !has_filters(fitted) || !matches!(fitted.interpolator.time_constants, TimeConstants::Equal(_)) {
+    if !fitted.has_filters() || !matches!(fitted.interpolator.time_constants, TimeConstants::Equal(_)) {
         return Vec::new();
     }
     let mut plain = fitted.clone();
     let interpolator = &mut plain.interpolator;
-    interpolator.time_constants = TimeConstants::Equal(CONSTANT / interpolator.filters as f64);
+    interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S / interpolator.filters as f64);
     interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     interpolator.arc_tolerance = None;
     interpolator.slowing_angle = interpolator.slowing_angle.min(ANGLE);

@@ -12,7 +12,7 @@ use crate::machine::Machine;
 use crate::simulation::drive::actual_motion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::profile::{Profile, Resolution, Samples};
-use crate::simulation::toolpath::{Toolpath, Vector};
+use crate::simulation::toolpath::Toolpath;
 
 /// Half the time over which the residual is a median, s.
 const AROUND: f64 = 1.0;
@@ -109,7 +109,7 @@ impl Form {
         position: &[f64; 3],
         row: &mut usize,
     ) -> (f64, f64, f64) {
-        let (there, velocity) = at(actual, time, row);
+        let (there, velocity) = actual.motion_at(time, row);
         let (mut all, mut forward, mut own) = (0.0, 0.0, 0.0);
         for axis in (0..3).filter(|axis| self.recorded[*axis]) {
             let difference = position[axis] - there[axis];
@@ -123,33 +123,6 @@ impl Form {
         let square = (all - ahead).max(0.0) + ahead * certain / (certain + own * STAMPS * STAMPS);
         (forward, own, square)
     }
-}
-
-/// Position and velocity of a table at a time, cubic between its rows; `row` is where the last was.
-fn at(samples: &Samples, time: f64, row: &mut usize) -> (Vector, Vector) {
-    let last = samples.time.len().saturating_sub(1);
-    while 0 < *row && time < samples.time[*row] {
-        *row -= 1;
-    }
-    while *row + 1 < last && samples.time[*row + 1] <= time {
-        *row += 1;
-    }
-    let next = (*row + 1).min(last);
-    let span = samples.time[next] - samples.time[*row];
-    let share = if 0.0 < span { ((time - samples.time[*row]) / span).clamp(0.0, 1.0) } else { 0.0 };
-    let (mut position, mut velocity) = (Vector::zeros(), Vector::zeros());
-    for axis in 0..3 {
-        let (p0, p1) = (samples.position[axis][*row], samples.position[axis][next]);
-        let (m0, m1) = (span * samples.velocity[axis][*row], span * samples.velocity[axis][next]);
-        let (s, s2, s3) = (share, share * share, share * share * share);
-        position[axis] = p0 * (2.0 * s3 - 3.0 * s2 + 1.0)
-            + m0 * (s3 - 2.0 * s2 + s)
-            + p1 * (3.0 * s2 - 2.0 * s3)
-            + m1 * (s3 - s2);
-        velocity[axis] = samples.velocity[axis][*row]
-            + share * (samples.velocity[axis][next] - samples.velocity[axis][*row]);
-    }
-    (position, velocity)
 }
 
 /// The median of the residuals around each mark, at so many places that the cost is linear.

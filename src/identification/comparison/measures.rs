@@ -79,10 +79,7 @@ pub fn feed_error_during(
         return FeedError::during(&pointwise(toolpath, plan, alignment), is_meant);
     }
     let poll = alignment.poll?;
-    let mut distances = vec![0.0];
-    for segment in &toolpath.segments {
-        distances.push(distances[distances.len() - 1] + segment.length);
-    }
+    let distances = toolpath.distances();
     // No number where a rapid move is on the way.
     let programmed = |range: &Range<f64>| -> f64 {
         let at =

@@ -119,12 +119,12 @@ pub fn residuals(alignment: &Alignment, simulated: &[f64]) -> Vec<f64> {
 
 /// The order of places in a program: distance, stop, and whether it is over.
 fn order(place: Place, toolpath: &Toolpath, distances: &[f64]) -> (f64, usize, bool) {
-    let at = |stop: usize| distances[toolpath.stops[stop].after.min(toolpath.segments.len())];
+    let distance = place.distance(toolpath, distances);
     match place {
         Place::Start => (-1.0, 0, false),
-        Place::Along(distance) => (distance, usize::MAX, true),
-        Place::Stop(stop) => (at(stop), stop, false),
-        Place::After(stop) => (at(stop), stop, true),
+        Place::Along(_) => (distance, usize::MAX, true),
+        Place::Stop(stop) => (distance, stop, false),
+        Place::After(stop) => (distance, stop, true),
     }
 }
 
@@ -135,10 +135,7 @@ fn lost_by_visit(
     simulated: &[f64],
     residuals: &[f64],
 ) -> Vec<Lost> {
-    let mut distances = vec![0.0];
-    for segment in &toolpath.segments {
-        distances.push(distances[distances.len() - 1] + segment.length);
-    }
+    let distances = toolpath.distances();
     let visits = visits(toolpath);
     let begins: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
     let begin_times = times(toolpath, plan, &begins);

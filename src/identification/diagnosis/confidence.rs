@@ -7,24 +7,16 @@
 //! with the dispersion of the residuals that are left, since related ones say less than independent ones, and
 //! `most` what the stretches that were held out and the causes that are alike allow.
 
+use crate::identification::diagnosis::cause::{AcceptedCause, UNSURE, candidates, odds};
 use crate::identification::diagnosis::evidence::with_all;
-use crate::identification::diagnosis::search::{Found, candidates};
 use crate::identification::diagnosis::{Evidence, gates};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
-/// How sure a gain of likelihood makes, beside its price.
-pub fn odds(gain: f64, price: f64) -> f64 {
-    gain / (gain + price)
-}
-
-/// A cause that is less sure than this is not named.
-pub const UNSURE: f64 = 0.1;
-
 /// What was found, with a confidence that also tells what the likelihood says of each beside the others: the
 /// odds are its gain to its price, the gain being worth less as residuals that are left are related. What others leave
 /// too little to be sure of is taken back.
-pub fn weighed(base: &Machine, runs: &[Run], mut named: Vec<Found>) -> Vec<Found> {
+pub fn weighed(base: &Machine, runs: &[Run], mut named: Vec<AcceptedCause>) -> Vec<AcceptedCause> {
     if named.is_empty() {
         return named;
     }

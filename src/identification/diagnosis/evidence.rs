@@ -1,7 +1,9 @@
 //! What the runs say of a machine, in one number: the cost of the whitened residuals.
 
-use crate::identification::fit::{Fit, Freed, HARDLY, Run, Whitening, cost_of, dispersion, fit, whitened};
-use crate::identification::hypotheses::Hypothesis;
+use crate::identification::effects::Hypothesis;
+use crate::identification::fit::{
+    Fit, Freed, HARDLY, Run, Whitening, cost_of, dispersion, fit, golden_section, whitened,
+};
 use crate::machine::Machine;
 
 /// Golden sections between two trials.
@@ -122,21 +124,8 @@ impl<'a> Evidence<'a> {
                     break;
                 }
             }
-            let (mut low, mut high) = (between(closest.0 - 1), between(closest.0 + 1));
-            const GOLDEN: f64 = 0.381_966_011_250_105_1;
-            let (mut a, mut b) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
-            let (mut fa, mut fb) = (at(a, &mut values, &mut cost), at(b, &mut values, &mut cost));
-            for _ in 0..SECTIONS {
-                if fa < fb {
-                    (high, b, fb) = (b, a, fa);
-                    a = low + GOLDEN * (high - low);
-                    fa = at(a, &mut values, &mut cost);
-                } else {
-                    (low, a, fa) = (a, b, fb);
-                    b = high - GOLDEN * (high - low);
-                    fb = at(b, &mut values, &mut cost);
-                }
-            }
+            let bracket = (between(closest.0 - 1), between(closest.0 + 1));
+            golden_section(bracket, SECTIONS, |varied| at(varied, &mut values, &mut cost));
         }
         let mut deviations = vec![f64::NAN; values.len()];
         if !hypothesis.is_continuous {
@@ -179,7 +168,7 @@ pub fn freed(machine: &Machine, all: &[Candidate]) -> (Machine, Vec<Freed>) {
     let taken: Vec<Candidate> = all.iter().filter(|each| !is_fitted(each)).cloned().collect();
     let own = |each: &Candidate| {
         let own = each.hypothesis.freed.iter().zip(&each.values);
-        own.map(|(freed, value)| freed.from(*value)).collect::<Vec<Freed>>()
+        own.map(|(freed, value)| freed.starting_at(*value)).collect::<Vec<Freed>>()
     };
     (with_all(machine, &taken), all.iter().filter(is_fitted).flat_map(own).collect())
 }

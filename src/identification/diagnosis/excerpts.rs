@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::identification::alignment::{Alignment, Fix, Mark, Place};
-use crate::identification::calibration::Kind;
+use crate::identification::effects::Kind;
 use crate::identification::fit::Run;
 use crate::simulation::toolpath::{Motion, PathMode, Segment, Stop, Toolpath};
 
@@ -110,10 +110,7 @@ fn enough(segments: impl Iterator<Item = Segment>) -> usize {
 fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let Run { toolpath, alignment, overrides } = run;
     let marks = &alignment.marks[window];
-    let mut distances = vec![0.0];
-    for segment in &toolpath.segments {
-        distances.push(distances[distances.len() - 1] + segment.length);
-    }
+    let distances = toolpath.distances();
     let segment_of = |place: Place| match place {
         Place::Start => 0,
         Place::Stop(stop) | Place::After(stop) => toolpath.stops[stop].after,
@@ -151,13 +148,18 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let modes = toolpath.path_modes.partition_point(|mode| mode.from <= from).saturating_sub(1);
     let modes = toolpath.path_modes[modes..].iter().filter(|mode| mode.from < to);
     let modes = modes.map(|mode| PathMode { from: mode.from.saturating_sub(from), ..mode.clone() });
+    let spins = toolpath.spins.partition_point(|(first, _)| *first <= from).saturating_sub(1);
+    let spins = toolpath.spins[spins..].iter().filter(|(first, _)| *first < to);
+    let spins = spins.map(|(first, spin)| (first.saturating_sub(from), *spin));
     let part = Toolpath {
         segments: toolpath.segments.range(from..to).collect(),
         dialect: toolpath.dialect,
         path_modes: modes.collect(),
         operations: Vec::new(),
-        spins: Vec::new(),
+        spins: spins.collect(),
         diagnostics: Vec::new(),
+        declined: None,
+        doubts: Vec::new(),
         stops,
     };
     let alignment = Alignment {
@@ -172,6 +174,8 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
         track: alignment.track.clone(),
         feed: alignment.feed.as_ref().map(|feed| feed.during(&time)),
         remarks: Vec::new(),
+        shift: alignment.shift,
+        passes: alignment.passes,
         marks,
     };
     Some(Excerpt { toolpath: part, alignment, overrides: *overrides })

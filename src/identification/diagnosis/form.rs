@@ -6,8 +6,8 @@
 
 use crate::identification::comparison::Form;
 use crate::identification::diagnosis::evidence::Candidate;
-use crate::identification::fit::Run;
-use crate::identification::hypotheses::{Hypothesis, Trace};
+use crate::identification::effects::{Hypothesis, Trace};
+use crate::identification::fit::{Run, golden_section};
 use crate::machine::Machine;
 
 /// What is explained whole leaves so many standard deviations of the noise, or so many mm.
@@ -84,10 +84,8 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     let mut error = before;
     for _ in 0..3 {
         let open = library.iter().filter(|hypothesis| {
-            let is_named = |named: &Candidate| {
-                named.hypothesis.id == hypothesis.id && named.hypothesis.variant == hypothesis.variant
-            };
-            hypothesis.trace == Trace::Form && !named.iter().any(is_named)
+            let is_named = |named: &Candidate| named.hypothesis.is_same_as(hypothesis);
+            hypothesis.trace() == Trace::Form && !named.iter().any(is_named)
         });
         let mut tried: Vec<Candidate> =
             open.filter_map(|hypothesis| screened(&forms, &current, hypothesis)).collect();
@@ -151,26 +149,15 @@ fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate
     for _ in 0..ROUNDS.0 {
         for (place, freed) in hypothesis.freed.iter().enumerate() {
             let centre = freed.inward(values[place]);
-            let (mut low, mut high) = (centre - widths[place], centre + widths[place]);
-            for _ in 0..ROUNDS.1 {
-                let (a, b) = (low + 0.382 * (high - low), high - 0.382 * (high - low));
-                let at = |varied: f64| {
-                    let mut there = values.clone();
-                    there[place] = freed.outward(varied);
-                    (error(&there), there)
-                };
-                let (fa, fb) = (at(a), at(b));
-                if fa.0 < fb.0 {
-                    high = b
-                } else {
-                    low = a
+            golden_section((centre - widths[place], centre + widths[place]), ROUNDS.1, |varied| {
+                let mut there = values.clone();
+                there[place] = freed.outward(varied);
+                let found = error(&there);
+                if found < least {
+                    (least, values) = (found, there);
                 }
-                for (found, there) in [fa, fb] {
-                    if found < least {
-                        (least, values) = (found, there);
-                    }
-                }
-            }
+                found
+            });
             widths[place] *= 0.3;
         }
     }

@@ -10,6 +10,7 @@
 //!
 //! What is left is judged by itself (`verdict`): much lost time that has no cause is unknown, and located.
 
+mod cause;
 mod confidence;
 mod crossed;
 mod dips;
@@ -36,20 +37,19 @@ pub use regions::{Region, regions};
 pub use rests::feed_holds;
 
 use crate::identification::comparison::{Comparison, compare};
+use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::confidence::weighed;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
-use crate::identification::diagnosis::search::{Found, Looked, candidates};
+use crate::identification::diagnosis::search::Looked;
 use crate::identification::diagnosis::verdict::Left;
+use crate::identification::effects::{self, Effect, Hypothesis, library};
 use crate::identification::fit::Run;
-use crate::identification::hypotheses::{Hypothesis, library};
 use crate::machine::Machine;
 
 /// What a cause must explain, s, and what may be left without a word.
 const LEAST: f64 = 0.015;
-/// What an operator does.
-pub const OPERATOR: [&str; 3] = ["feed_override", "rapid_override", "feed_hold"];
 /// Causes named at most.
 const MOST: usize = 4;
 /// How often one of them may give way to another.
@@ -187,9 +187,9 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
 #[derive(Default)]
 struct InTime {
     /// Those that stay as they were read off.
-    read_off: Vec<Found>,
+    read_off: Vec<AcceptedCause>,
     /// Those that were fitted.
-    named: Vec<Found>,
+    named: Vec<AcceptedCause>,
     /// Where they were looked for in long runs.
     excerpts: Option<Vec<Vec<Excerpt>>>,
     /// How the pace that they leave rises and falls.
@@ -244,13 +244,13 @@ impl InTime {
 
     /// Each with what it explains beside the others, the one that explains most first.
     fn causes(&self, start: &Machine, drives: &[Candidate], fitted: &Machine, runs: &[Run]) -> Vec<Cause> {
-        let all: Vec<&Found> = self.read_off.iter().chain(&self.named).collect();
+        let all: Vec<&AcceptedCause> = self.read_off.iter().chain(&self.named).collect();
         let cause = |at: usize| {
             let others =
                 (0..all.len()).filter(|other| *other != at).map(|other| all[other].candidate.clone());
             let without = with_all(&with_all(start, &others.collect::<Vec<_>>()), drives);
             let (seconds, lines) = regions::acts_on(&without, fitted, runs);
-            let Found { candidate, alike, held_out, confidence } = all[at].clone();
+            let AcceptedCause { candidate, alike, held_out, confidence } = all[at].clone();
             Cause { candidate, seconds, form: 0.0, lines, confidence, alike, held_out }
         };
         let mut causes: Vec<Cause> = (0..all.len()).map(cause).collect();
@@ -269,31 +269,10 @@ fn located(comparisons: &[Comparison], runs: &[Run], machine: &Machine) -> Vec<R
     each.flat_map(|(at, (comparison, run))| regions(comparison, &run.by_clock(machine), at)).collect()
 }
 
-/// Ids of the contract that these runs do not excite.
+/// Ids of the effects that a program can bring out and these runs do not.
 fn not_excited(library: &[Hypothesis]) -> Vec<String> {
-    const ALL: [&str; 21] = [
-        "axis_acceleration_limit",
-        "path_acceleration_limit",
-        "axis_velocity_limit",
-        "jerk_limit",
-        "centripetal_acceleration_limit",
-        "filter_time_constant",
-        "filter_order",
-        "unequal_filters",
-        "corner_tolerance",
-        "junction_rule",
-        "exact_stop",
-        "in_position_wait",
-        "block_processing_time",
-        "look_ahead",
-        "path_smoothing",
-        "feed_override",
-        "rapid_override",
-        "unmodelled_wait",
-        "servo_lag",
-        "backlash",
-        "structural_vibration",
-    ];
-    let offered = |id: &&&str| library.iter().any(|hypothesis| hypothesis.id == **id);
-    ALL.iter().filter(|id| !offered(id)).map(|id| id.to_string()).collect()
+    let is_missing = |effect: &&Effect| {
+        effect.unprovoked.is_none() && !library.iter().any(|hypothesis| hypothesis.effect == **effect)
+    };
+    effects::ALL.iter().filter(is_missing).map(|effect| effect.id.to_string()).collect()
 }

@@ -8,21 +8,21 @@
 //! Waits before lines: where the recorded machine rests between two long blocks, the longest ones. A feed hold: where it
 //! dips.
 
-use std::sync::Arc;
-
 use crate::identification::alignment::Place;
 use crate::identification::diagnosis::dips::dip;
 use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::diagnosis::gates::GAIN;
 use crate::identification::diagnosis::rests::{Rest, rests};
-use crate::identification::fit::{Freed, Run, Scale};
-use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
-use crate::machine::Machine;
+use crate::identification::effects::{FEED_OVERRIDE, FROM_LINE, Hypothesis, RATIO, Reported, TO_LINE};
+use crate::identification::fit::{Freed, Run, Scale, golden_section};
+use crate::machine::{Handle, Machine};
 
 /// Parts of a run between which a range may begin and end.
 const BINS: usize = 300;
 /// The override that is tried to see what one does.
 const TRIED: f64 = 0.97;
+/// Golden sections in the search of the ratio of an override.
+const RATIO_SECTIONS: usize = 14;
 /// Waits before lines that are tried.
 const WAITS: usize = 3;
 /// A range that explains less than this part more than the whole program is the whole program.
@@ -93,39 +93,26 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     };
     let first = if from == 0 { 0 } else { line_of(from) };
     let last = if to == bins { u32::MAX } else { line_of(to) };
-    let freed = [Freed::new("override.feed", ratio, (0.01, 2.0), Scale::Ratio, |machine, value| {
-        machine.overrides.feed = value;
-    })];
     // Ratio and edges lean on each other: one after the other, a few times.
+    let guess = ratio;
     let (mut first, mut last, mut ratio) = (first, last, ratio);
     for _ in 0..3 {
         (first, last) = edges(machine, run, evidence, ratio, (first, last));
         ratio = best_ratio(machine, evidence, ratio, (first, last));
     }
-    let set_lines = move |machine: &mut Machine, value: f64| {
-        machine.overrides.feed = value;
-        machine.overrides.lines = (first, last);
-    };
-    let freed = freed
-        .into_iter()
-        .map(|freed| Freed::new(freed.key.clone(), freed.start, freed.bounds, freed.scale, set_lines));
-    let report: Report = Arc::new(move |values| {
+    let freed = Freed::new(Handle::number("override.feed"), guess, (0.01, 2.0), Scale::Ratio)
+        .exact()
+        .also(move |machine| machine.overrides.lines = (first, last));
+    let report = move |ratio| {
         let mut reported =
-            vec![("ratio", Reported::Number(values[0])), ("from_line", Reported::Number(f64::from(first)))];
+            vec![(RATIO, Reported::Number(ratio)), (FROM_LINE, Reported::Number(f64::from(first)))];
         if last < u32::MAX {
-            reported.push(("to_line", Reported::Number(f64::from(last))));
+            reported.push((TO_LINE, Reported::Number(f64::from(last))));
         }
         reported
-    });
-    Some(Hypothesis {
-        id: "feed_override",
-        variant: "on some lines".to_string(),
-        trace: Trace::Time,
-        freed: freed.collect(),
-        trials: [0.9, 0.97, 1.0, 1.03, 1.1].iter().map(|part| vec![part * ratio]).collect(),
-        is_continuous: true,
-        report,
-    })
+    };
+    let trials = [0.9, 0.97, 1.0, 1.03, 1.1].iter().map(|part| part * ratio).collect();
+    Some(Hypothesis::single(FEED_OVERRIDE, freed, trials, report).variant("on some lines"))
 }
 
 /// The override at which the cost is least, near where it was guessed.
@@ -136,11 +123,7 @@ fn best_ratio(machine: &Machine, evidence: &Evidence, guess: f64, lines: (u32, u
         there.overrides.lines = lines;
         evidence.cost(&there)
     };
-    let (mut low, mut high) = (0.85 * guess, 1.18 * guess);
-    for _ in 0..14 {
-        let (a, b) = (low + 0.382 * (high - low), high - 0.382 * (high - low));
-        if cost(a) < cost(b) { high = b } else { low = a }
-    }
+    let (low, high) = golden_section((0.85 * guess, 1.18 * guess), RATIO_SECTIONS, cost);
     0.5 * (low + high)
 }
 
@@ -191,14 +174,9 @@ fn line_at(run: &Run, place: Place) -> u32 {
         Place::Start => 0,
         Place::Stop(stop) | Place::After(stop) => run.toolpath.stops[stop].line.0,
         Place::Along(distance) => {
-            let mut travelled = 0.0;
-            for segment in segments {
-                travelled += segment.length;
-                if distance < travelled {
-                    return segment.line.0;
-                }
-            }
-            segments.last().map_or(0, |last| last.line.0)
+            let begun = run.toolpath.distances().partition_point(|begin| *begin <= distance);
+            let last = segments.len().checked_sub(1);
+            last.map_or(0, |last| segments.at(begun.saturating_sub(1).min(last)).line.0)
         }
     }
 }

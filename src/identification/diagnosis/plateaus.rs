@@ -16,8 +16,8 @@
 
 use crate::identification::alignment::{Place, visits};
 use crate::identification::diagnosis::evidence::Candidate;
+use crate::identification::effects::{FEED_OVERRIDE, Hypothesis};
 use crate::identification::fit::Run;
-use crate::identification::hypotheses::Hypothesis;
 use crate::machine::Machine;
 use crate::simulation::toolpath::Motion;
 
@@ -185,7 +185,7 @@ pub fn feed_override(machine: &Machine, runs: &[Run], library: &[Hypothesis]) ->
     if (ratio / machine.overrides.feed - 1.0).abs() < SAME.max(3.0 * deviation) {
         return Said::Believed;
     }
-    let found = library.iter().find(|own| own.id == "feed_override" && own.variant.is_empty());
+    let found = library.iter().find(|own| own.effect == FEED_OVERRIDE && own.variant.is_empty());
     let Some(hypothesis) = found.cloned() else { return Said::Nothing };
     // It is read off and not fitted: what a model is off by must not move it.
     let hypothesis = Hypothesis { is_continuous: false, ..hypothesis };

@@ -21,6 +21,7 @@ use std::f64::consts::TAU;
 use crate::identification::alignment::median;
 use crate::identification::comparison::Comparison;
 use crate::identification::fit::Run;
+use crate::simulation::sampled::rows_around;
 use crate::simulation::toolpath::Point;
 
 /// Time between the samples of the residual, s; marks must be this close.
@@ -131,19 +132,12 @@ impl Spectrum {
 /// Values between their times, at even ones.
 fn evenly(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = ((times[times.len() - 1] - times[0]) / STEP) as usize;
-    let mut after = 1;
-    (0..=count)
-        .map(|at| {
-            let time = times[0] + STEP * at as f64;
-            while after + 1 < times.len() && times[after] < time {
-                after += 1;
-            }
-            let (before, next) = (after - 1, after.min(times.len() - 1));
-            let span = times[next] - times[before];
-            let share = if 0.0 < span { ((time - times[before]) / span).clamp(0.0, 1.0) } else { 0.0 };
-            values[before] + share * (values[next] - values[before])
-        })
-        .collect()
+    let mut row = 0;
+    let value = |at: usize| {
+        let rows = rows_around(times, times[0] + STEP * at as f64, &mut row);
+        rows.map_or(0.0, |rows| rows.between(values))
+    };
+    (0..=count).map(value).collect()
 }
 
 /// A window without its straight line, by Hann's weights.

@@ -183,6 +183,7 @@ mod tests {
     use crate::identification::alignment::{Mark, Method};
     use crate::identification::comparison::{Durations, Lost};
     use crate::simulation::gcode::LineNumber;
+    use crate::simulation::toolpath::Vector;
 
     /// The lines of the regions of visits that follow each other, by when they begin and end in the recording and how
     /// long they take in the simulation, s.
@@ -201,6 +202,8 @@ mod tests {
             track: None,
             feed: None,
             remarks: Vec::new(),
+            shift: Vector::zeros(),
+            passes: 1,
         };
         let lost = visits.iter().zip(1..).map(|((begin, end, takes), line)| Lost {
             line: LineNumber(line),

@@ -30,13 +30,12 @@
 //! Those at dwells are counted by themselves.
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 use crate::identification::alignment::{Method, Visit, median, visits};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
+use crate::identification::effects::{FEED_HOLD, Hypothesis, LINE, Reported, SECONDS, UNMODELLED_WAIT};
 use crate::identification::fit::{Freed, Run, Scale};
-use crate::identification::hypotheses::{Hypothesis, Report, Reported, Trace};
-use crate::machine::Machine;
+use crate::machine::{Handle, Machine};
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Segments, Stop, Toolpath};
 
@@ -302,32 +301,25 @@ impl Rest {
     /// The halt that would leave it.
     pub fn hypothesis(self) -> Hypothesis {
         let Rest { line, place, seconds, .. } = self;
-        let report: Report = Arc::new(move |values| {
-            vec![("line", Reported::Number(f64::from(line))), ("seconds", Reported::Number(values[0]))]
-        });
-        let table = if place.is_some() { "feed_holds" } else { "waits" };
-        let key = format!("halts.{table}.L{line}");
+        let report = move |seconds| {
+            vec![(LINE, Reported::Number(f64::from(line))), (SECONDS, Reported::Number(seconds))]
+        };
         let start = seconds.clamp(0.0, LONGEST);
-        let freed =
-            Freed::new(key, start, (0.0, LONGEST), Scale::Difference, move |machine, value| match place {
-                Some(place) => {
-                    machine.halts.feed_holds.insert(line, value);
+        let freed = |table: &str| {
+            let handle = Handle::entry(table, line);
+            Freed::new(handle, start, (0.0, LONGEST), Scale::Difference).counted_in_cycles().linear()
+        };
+        let (effect, freed) = match place {
+            Some(place) => {
+                let hold = freed("halts.feed_holds").also(move |machine| {
                     machine.halts.feed_hold_places.insert(line, place);
-                }
-                None => {
-                    machine.halts.waits.insert(line, value);
-                }
-            })
-            .linear();
-        Hypothesis {
-            id: if place.is_some() { "feed_hold" } else { "unmodelled_wait" },
-            variant: format!("line {line}"),
-            trace: Trace::Time,
-            freed: vec![freed],
-            trials: [0.8, 1.0, 1.25].iter().map(|part| vec![part * start]).collect(),
-            is_continuous: true,
-            report,
-        }
+                });
+                (FEED_HOLD, hold)
+            }
+            None => (UNMODELLED_WAIT, freed("halts.waits")),
+        };
+        let trials = [0.8, 1.0, 1.25].iter().map(|part| part * start).collect();
+        Hypothesis::single(effect, freed, trials, report).variant(format!("line {line}"))
     }
 }
 

@@ -17,13 +17,13 @@
 
 use std::collections::BTreeSet;
 
-use crate::identification::diagnosis::confidence::{UNSURE, odds};
+use crate::identification::diagnosis::cause::{AcceptedCause, UNSURE, candidates, odds};
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::gates::{GAIN, HeldOut};
 use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions};
+use crate::identification::effects::{FEED_OVERRIDE, Hypothesis, Nature, Trace, UNEQUAL_FILTERS};
 use crate::identification::fit::{Run, Scale};
-use crate::identification::hypotheses::{Hypothesis, Trace};
 use crate::machine::Machine;
 
 /// What a cause must explain, as a part of the cycle time.
@@ -44,10 +44,8 @@ const IN_PLACE: f64 = 0.1;
 /// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
-const SWITCHES: [&str; 3] = ["feed_override", "rapid_override", "recorder_clock"];
 /// A cause gives way to another where that leaves less than this part of the cost: what is nearly as good may be either.
 const GIVES_WAY: f64 = 0.5;
-const HALTS: [&str; 2] = ["feed_hold", "unmodelled_wait"];
 /// Candidates that are refined by least squares.
 const REFINED: usize = 5;
 
@@ -70,39 +68,14 @@ impl<'a> Looked<'a> {
     }
 }
 
-/// A cause that stands, while others are looked for.
-#[derive(Clone)]
-pub struct Found {
-    /// It, with its values.
-    pub candidate: Candidate,
-    /// Ids of what it cannot be told from.
-    pub alike: Vec<String>,
-    /// How it did where it was not fitted.
-    pub held_out: Option<HeldOut>,
-    /// How sure, at most: what the likelihood says of it is known when all causes are.
-    pub confidence: f64,
-}
-
-impl Found {
-    /// A cause that is seen by itself, and so sure.
-    pub fn read_off(candidate: Candidate, confidence: f64) -> Found {
-        Found { candidate, alike: Vec::new(), held_out: None, confidence }
-    }
-}
-
-/// The causes alone.
-pub fn candidates(found: &[Found]) -> Vec<Candidate> {
-    found.iter().map(|found| found.candidate.clone()).collect()
-}
-
 /// What was named with the next cause after it, all fitted again; none where nothing passes the gates.
 pub fn with_next(
     base: &Machine,
     looked: &Looked,
     library: &[Hypothesis],
-    named: &[Found],
+    named: &[AcceptedCause],
     progress: &mut dyn FnMut(f64),
-) -> Option<Vec<Found>> {
+) -> Option<Vec<AcceptedCause>> {
     let before = candidates(named);
     let current = with_all(base, &before);
     let coarse = looked.evidence(&current);
@@ -121,8 +94,8 @@ pub fn with_next(
         passed(base, &before, looked, &fine, (candidate, others), &refined[at + 1..])
     })?;
     let refitted = named.iter().zip(others);
-    let mut all: Vec<Found> =
-        refitted.map(|(named, candidate)| Found { candidate, ..named.clone() }).collect();
+    let mut all: Vec<AcceptedCause> =
+        refitted.map(|(named, candidate)| AcceptedCause { candidate, ..named.clone() }).collect();
     all.push(found);
     Some(all)
 }
@@ -135,16 +108,14 @@ fn open(
     library: &[Hypothesis],
     named: &[Candidate],
 ) -> Vec<Hypothesis> {
-    let is_named = |other: &Hypothesis| {
-        named.iter().any(|own| own.hypothesis.id == other.id && own.hypothesis.variant == other.variant)
-    };
-    let in_time = library.iter().filter(|hypothesis| hypothesis.trace == Trace::Time);
+    let is_named = |other: &Hypothesis| named.iter().any(|own| own.hypothesis.is_same_as(other));
+    let in_time = library.iter().filter(|hypothesis| hypothesis.trace() == Trace::Time);
     let mut all: Vec<Hypothesis> = in_time
         .filter(|hypothesis| !is_named(hypothesis))
         .filter(|hypothesis| !named.iter().any(|named| hypothesis.is_fitted_beside(&named.hypothesis)))
         .cloned()
         .collect();
-    let has_override = library.iter().any(|hypothesis| hypothesis.id == "feed_override");
+    let has_override = library.iter().any(|hypothesis| hypothesis.effect == FEED_OVERRIDE);
     let whole = if looked.in_parts { &Evidence::of(looked.whole, current) } else { coarse };
     all.extend(places::hypotheses(current, looked.whole, whole, has_override));
     all
@@ -212,7 +183,7 @@ fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(C
     for (at, (first, _)) in refined.iter().enumerate() {
         for (second, _) in &refined[at + 1..] {
             let (own, other) = (&first.hypothesis, &second.hypothesis);
-            if own.id == other.id || own.is_fitted_beside(other) || other.is_fitted_beside(own) {
+            if own.effect == other.effect || own.is_fitted_beside(other) || other.is_fitted_beside(own) {
                 continue;
             }
             let (first, others) = fine.refined(base, first, std::slice::from_ref(second));
@@ -234,7 +205,7 @@ fn passed(
     fine: &Evidence,
     (candidate, others): (&Candidate, &[Candidate]),
     rest: &[(Candidate, Vec<Candidate>)],
-) -> Option<(Found, Vec<Candidate>)> {
+) -> Option<(AcceptedCause, Vec<Candidate>)> {
     let runs = looked.runs;
     let current = &with_all(base, before);
     let price = gates::price(runs, candidate.values.len());
@@ -279,12 +250,12 @@ fn passed(
     };
     let alike: BTreeSet<String> = rest
         .iter()
-        .filter(|(other, _)| other.hypothesis.id != candidate.hypothesis.id)
+        .filter(|(other, _)| other.hypothesis.effect != candidate.hypothesis.effect)
         .filter(is_alike)
-        .map(|(other, _)| other.hypothesis.id.to_string())
+        .map(|(other, _)| other.hypothesis.effect.id.to_string())
         .collect();
     let confidence = held_out.as_ref().map_or(1.0, HeldOut::share) / (1.0 + alike.len() as f64);
-    let found = Found { candidate, alike: alike.into_iter().collect(), held_out, confidence };
+    let found = AcceptedCause { candidate, alike: alike.into_iter().collect(), held_out, confidence };
     (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
 }
 
@@ -304,11 +275,11 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
     let [freed] = &hypothesis.freed[..] else { return false };
     // Filters of other lengths but the same delay are seen by the sum of their squares, which is that of a constant
     // longer by the square of the spread, as a part of it.
-    if hypothesis.id == "unequal_filters" && candidate.values[0].powi(2) < BELIEVED {
+    if hypothesis.effect == UNEQUAL_FILTERS && candidate.values[0].powi(2) < BELIEVED {
         return true;
     }
-    let believed = freed.of(machine).filter(|value| 0.0 < *value);
-    !SWITCHES.contains(&hypothesis.id)
+    let believed = freed.handle.get(machine).filter(|value| 0.0 < *value);
+    hypothesis.effect.nature != Nature::Switch
         && hypothesis.is_continuous
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
 }
@@ -329,22 +300,22 @@ pub fn reconsidered(
     base: &Machine,
     looked: &Looked,
     library: &[Hypothesis],
-    named: &[Found],
+    named: &[AcceptedCause],
     progress: &mut dyn FnMut(f64),
-) -> Option<Vec<Found>> {
+) -> Option<Vec<AcceptedCause>> {
     // All others were known when the last one was found, and nothing else leaves the trace of a halt.
     let before_last = 0..named.len().saturating_sub(1);
-    before_last.filter(|at| !HALTS.contains(&named[*at].candidate.hypothesis.id)).find_map(|at| {
+    before_last.filter(|at| named[*at].candidate.hypothesis.effect.nature != Nature::Halt).find_map(|at| {
         let mut rest = named.to_vec();
         let former = rest.remove(at).candidate.hypothesis;
         let mut progress = |part| progress((at as f64 + part) / named.len() as f64);
         let other = with_next(base, looked, library, &rest, &mut progress)?;
         let latter = &other.last()?.candidate.hypothesis;
-        if (latter.id, &latter.variant) == (former.id, &former.variant) {
+        if latter.is_same_as(&former) {
             return None;
         }
         let evidence = looked.evidence(&with_all(base, &candidates(&other)));
-        let worth = |found: &[Found]| {
+        let worth = |found: &[AcceptedCause]| {
             let causes = candidates(found);
             evidence.cost(&with_all(base, &causes)) + prices(looked.runs, causes.iter())
         };
@@ -353,9 +324,9 @@ pub fn reconsidered(
 }
 
 /// Those of the causes found in excerpts that also hold on the whole, each with those before it.
-pub fn held(base: &Machine, runs: &[Run], named: Vec<Found>) -> Vec<Found> {
+pub fn held(base: &Machine, runs: &[Run], named: Vec<AcceptedCause>) -> Vec<AcceptedCause> {
     let whole = Evidence::of(runs, &with_all(base, &candidates(&named)));
-    let mut kept: Vec<Found> = Vec::new();
+    let mut kept: Vec<AcceptedCause> = Vec::new();
     let mut before = base.clone();
     for found in named {
         let after = found.candidate.hypothesis.machine(&before, &found.candidate.values);
@@ -369,7 +340,11 @@ pub fn held(base: &Machine, runs: &[Run], named: Vec<Found>) -> Vec<Found> {
 }
 
 /// Takes back every cause that the others make unnecessary, or leave too little to.
-pub fn without_unnecessary(base: &Machine, looked: &Looked, mut named: Vec<Found>) -> Vec<Found> {
+pub fn without_unnecessary(
+    base: &Machine,
+    looked: &Looked,
+    mut named: Vec<AcceptedCause>,
+) -> Vec<AcceptedCause> {
     while 1 < named.len() {
         let all = candidates(&named);
         let with = with_all(base, &all);

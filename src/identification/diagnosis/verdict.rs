@@ -14,7 +14,8 @@
 //! lost there: it has one ratio, and what it leaves speaks against it, as for a place that is slow on parts of them.
 
 use crate::identification::comparison::Comparison;
-use crate::identification::diagnosis::{Cause, LEAST, OPERATOR, Pulsation, Verdict};
+use crate::identification::diagnosis::{Cause, LEAST, Pulsation, Verdict};
+use crate::identification::effects::FEED_OVERRIDE;
 use crate::machine::Machine;
 
 /// What is left unexplained without a word, as a part of the cycle time.
@@ -82,8 +83,8 @@ impl Left {
     pub fn verdict(&self, causes: &[Cause]) -> Verdict {
         let is_done = |cause: &&Cause| {
             let hypothesis = &cause.candidate.hypothesis;
-            let is_placed = hypothesis.id == "feed_override" && !hypothesis.variant.is_empty();
-            OPERATOR.contains(&hypothesis.id) && !is_placed
+            let is_placed = hypothesis.effect == FEED_OVERRIDE && !hypothesis.variant.is_empty();
+            hypothesis.effect.is_by_operator() && !is_placed
         };
         let sure = causes.iter().filter(is_done).filter(|cause| CERTAIN <= cause.confidence);
         let by_operator: f64 = sure.map(|cause| cause.seconds.abs()).sum();

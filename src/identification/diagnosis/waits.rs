@@ -8,11 +8,11 @@
 //! Limits: an operator who waits at the same word every time is not told from a machine that does.
 
 use crate::identification::alignment::Method;
-use crate::identification::calibration::{Kind, guesses};
+use crate::identification::calibration::guesses;
 use crate::identification::comparison::compare;
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
+use crate::identification::effects::{Hypothesis, Kind};
 use crate::identification::fit::Run;
-use crate::identification::hypotheses::Hypothesis;
 use crate::machine::Machine;
 
 /// A wait that is off by less, s, is within what a poll shows.
@@ -37,7 +37,8 @@ pub fn at_functions(
         .collect();
     let pairs: Vec<_> = compared.iter().map(|(toolpath, comparison)| (*toolpath, comparison)).collect();
     let candidate = |(kind, seconds, _): (Kind, f64, usize)| {
-        let of_kind = |own: &&Hypothesis| own.freed.first().is_some_and(|freed| freed.key == kind.key());
+        let of_kind =
+            |own: &&Hypothesis| own.freed.first().is_some_and(|freed| freed.handle == kind.handle());
         let hypothesis = library.iter().find(of_kind)?.clone();
         let is_off = LEAST < (seconds - kind.value(base)).abs();
         let (values, deviations) = (vec![seconds], vec![f64::NAN]);

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use crate::machine::{Access, Machine, parameter};
+use crate::machine::{Handle, Machine};
 
 /// A cycle of interpolation, s: controls have 1 to 4 ms.
 const CYCLE: f64 = 2e-3;
@@ -23,14 +23,27 @@ pub enum Scale {
     Difference,
 }
 
+/// How exactly a machine can have a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exactness {
+    /// As exactly as the law of the model is that of the control.
+    Law,
+    /// A time that the control counts in cycles.
+    Cycles,
+    /// A time that a function takes, counted in cycles.
+    Wait,
+    /// As a switch is set, or a clock runs.
+    Exact,
+}
+
 /// How a value is given to a machine.
 type Set = Arc<dyn Fn(&mut Machine, f64) + Send + Sync>;
 
-/// A parameter that may be changed.
+/// A parameter of a machine that a fit may change.
 #[derive(Clone)]
 pub struct Freed {
-    /// Its key in the machine file; of a table with the word, as in `times.m_code_s.M8`.
-    pub key: String,
+    /// The parameter.
+    pub handle: Handle,
     /// Value to begin with, core units.
     pub start: f64,
     /// Least and largest value, core units.
@@ -39,54 +52,72 @@ pub struct Freed {
     pub scale: Scale,
     /// Whether all times are linear in it, as in a wait: its derivative is the same everywhere.
     pub is_linear: bool,
+    /// How exactly a machine can have it.
+    pub exactness: Exactness,
     set: Set,
 }
 
 impl std::fmt::Debug for Freed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Freed").field("key", &self.key).field("start", &self.start).finish_non_exhaustive()
+        f.debug_struct("Freed")
+            .field("handle", &self.handle)
+            .field("start", &self.start)
+            .finish_non_exhaustive()
     }
 }
 
 impl Freed {
-    /// A parameter that is set by `set`.
-    pub fn new(
-        key: impl Into<String>,
-        start: f64,
-        bounds: (f64, f64),
-        scale: Scale,
-        set: impl Fn(&mut Machine, f64) + Send + Sync + 'static,
-    ) -> Freed {
+    /// A number in the table of parameters.
+    pub fn new(handle: Handle, start: f64, bounds: (f64, f64), scale: Scale) -> Freed {
+        let set = move |machine: &mut Machine, value: f64| handle.set(machine, value);
         Freed {
-            key: key.into(),
+            handle,
             start: start.clamp(bounds.0, bounds.1),
             bounds,
             scale,
             is_linear: false,
+            exactness: Exactness::Law,
             set: Arc::new(set),
         }
     }
 
-    /// The same, all times being linear in it.
+    /// A time that a function of the machine takes.
+    pub fn wait(handle: Handle, start: f64, bounds: (f64, f64)) -> Freed {
+        Freed { exactness: Exactness::Wait, ..Freed::new(handle, start, bounds, Scale::Difference) }
+    }
+
+    /// Replaces what giving a value does to a machine.
+    pub fn with(self, set: impl Fn(&mut Machine, f64) + Send + Sync + 'static) -> Freed {
+        Freed { set: Arc::new(set), ..self }
+    }
+
+    /// Also does this to a machine that is given a value.
+    pub fn also(self, set: impl Fn(&mut Machine) + Send + Sync + 'static) -> Freed {
+        let first = Arc::clone(&self.set);
+        self.with(move |machine, value| {
+            first(machine, value);
+            set(machine);
+        })
+    }
+
+    /// Marks all times as linear in the parameter.
     pub fn linear(self) -> Freed {
         Freed { is_linear: true, ..self }
     }
 
-    /// The same, beginning elsewhere (core units).
-    pub fn from(&self, start: f64) -> Freed {
+    /// Marks the parameter as counted in cycles of the control.
+    pub fn counted_in_cycles(self) -> Freed {
+        Freed { exactness: Exactness::Cycles, ..self }
+    }
+
+    /// Marks the parameter as the setting of a switch or a clock.
+    pub fn exact(self) -> Freed {
+        Freed { exactness: Exactness::Exact, ..self }
+    }
+
+    /// Moves the value to begin with, core units.
+    pub fn starting_at(&self, start: f64) -> Freed {
         Freed { start: start.clamp(self.bounds.0, self.bounds.1), ..self.clone() }
-    }
-
-    /// The number under a key of the machine file; none where the key is not one of a number.
-    pub fn number(key: &'static str, start: f64, bounds: (f64, f64), scale: Scale) -> Option<Freed> {
-        let Access::Number { set, .. } = parameter(key)?.access else { return None };
-        Some(Freed::new(key, start, bounds, scale, move |machine, value| set(machine, Some(value))))
-    }
-
-    /// The value that a machine has (core units); none where it has none, or it is not under a key alone.
-    pub fn of(&self, machine: &Machine) -> Option<f64> {
-        let Access::Number { get, .. } = parameter(&self.key)?.access else { return None };
-        get(machine)
     }
 
     /// Gives a machine the value (core units), within bounds; an infinite one is no limit, and is given as it is.
@@ -124,13 +155,10 @@ impl Freed {
     /// counts in cycles that nobody wrote into the machine file, and no law is that of the control to the last digit.
     /// Switches and clocks are no law.
     pub fn floor(&self, value: f64) -> f64 {
-        let is_one_of = |keys: &[&str]| keys.iter().any(|key| self.key.starts_with(key));
-        if is_one_of(&["halts.", "times.", "interpolator.block_time"]) {
-            CYCLE / 12f64.sqrt()
-        } else if is_one_of(&["override", "recorder."]) {
-            0.0
-        } else {
-            LAW * value.abs()
+        match self.exactness {
+            Exactness::Cycles | Exactness::Wait => CYCLE / 12f64.sqrt(),
+            Exactness::Exact => 0.0,
+            Exactness::Law => LAW * value.abs(),
         }
     }
 

@@ -1,209 +1,134 @@
-//! Least squares by Levenberg and Marquardt, with Huber's weights and bounds.
-//!
-//! ```text
-//! (JᵀWJ + λ diag JᵀWJ) Δ = −JᵀWν,     W = min(1, c / |ν|)
-//! ```
-//!
-//! Source: Madsen, Nielsen and Tingleff 2004, Sect. 3.2; Huber 1964.
+//! Freed parameters of a machine as a problem of least squares: the whole simulation is run again for every value.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identification::fit::{Freed, Run, Whitening, cost, whitened, with};
+use crate::identification::fit::levenberg_marquardt::{self, Minimum, Problem, Search};
+use crate::identification::fit::{Freed, Run, Scale, Whitening, whitened, with};
 use crate::machine::Machine;
 
 /// c: whitened residuals beyond it count less.
 const HUBER: f64 = 2.0;
-/// Steps at most.
-const MOST_STEPS: usize = 25;
-/// A step that gains less than this is the last.
-const LEAST: f64 = 0.02;
-
-/// Where the search ended.
-pub struct Minimum {
-    pub varied: DVector<f64>,
-    pub whitened: Vec<Vec<f64>>,
-    pub jacobians: Vec<DMatrix<f64>>,
-    pub cost: f64,
-    pub converged: bool,
-}
+/// A step that lowers the cost by less than this is the last.
+const ATOL: f64 = 0.02;
+/// Most steps.
+const MAX_STEPS: usize = 25;
+/// The longest step of what varies by ratios: no step is longer than the model is straight.
+const MAX_RATIO_STEP: f64 = 0.7;
 
 /// Huber's weight of a whitened residual.
 pub fn weight(value: f64) -> f64 {
-    if value.abs() <= HUBER { 1.0 } else { HUBER / value.abs() }
+    levenberg_marquardt::weight(value, HUBER)
 }
 
 /// Huber's ρ.
 pub fn rho(value: f64) -> f64 {
-    let size = value.abs();
-    if size <= HUBER { size * size } else { 2.0 * HUBER * size - HUBER * HUBER }
+    levenberg_marquardt::rho(value, HUBER)
 }
 
-/// The values, as they are varied, at which the cost is least, to the part `hardly`.
+/// The values, as they are varied, at which the cost is least, to a relative decrease of `ftol`.
 pub fn minimise(
     machine: &Machine,
     runs: &[Run],
     freed: &[Freed],
     whitenings: &[Whitening],
-    hardly: f64,
+    ftol: f64,
     progress: &mut dyn FnMut(f64),
 ) -> Minimum {
-    let whitened = whitened_at(machine, runs, freed, whitenings);
-    let mut varied = start(freed);
-    let mut found = whitened(&varied);
-    let mut least = cost(found.iter().flatten());
-    let mut jacobians = Vec::new();
-    let mut damping = 1e-2;
-    let mut converged = freed.is_empty();
-    let mut moved = true;
-    for step in 0..MOST_STEPS {
-        progress(step as f64 / MOST_STEPS as f64);
-        if moved {
-            jacobians = derivatives(freed, &varied, &found, &whitened, &jacobians);
-        }
-        if converged {
-            break;
-        }
-        let Some(next) = next(freed, &varied, &found, &jacobians, damping) else {
-            damping *= 10.0;
-            moved = false;
-            continue;
-        };
-        let there = whitened(&next);
-        let cost_there = cost(there.iter().flatten());
-        moved = cost_there < least;
-        if moved {
-            converged = least - cost_there < hardly * least + LEAST;
-            (varied, found, least) = (next, there, cost_there);
-            damping = (0.2 * damping).max(1e-9);
-        } else {
-            damping *= 8.0;
-            converged = 1e6 < damping;
-        }
-    }
-    if jacobians.is_empty() || moved {
-        jacobians = derivatives(freed, &varied, &found, &whitened, &jacobians);
-    }
-    progress(1.0);
-    Minimum { varied, whitened: found, jacobians, cost: least, converged }
+    let problem = Fitted { machine, runs, freed, whitenings };
+    let search =
+        Search { huber: HUBER, ftol, atol: ATOL, damping: 1e-2, max_damping: 1e6, max_steps: MAX_STEPS };
+    levenberg_marquardt::minimise(&problem, problem.start(), search, progress)
 }
 
-/// What is left where the values begin, and how it changes with them, run by run.
+/// The whitened residuals where the values begin, and their derivatives by what is varied, run by run.
 pub fn linearised(
     machine: &Machine,
     runs: &[Run],
     freed: &[Freed],
     whitenings: &[Whitening],
 ) -> (Vec<Vec<f64>>, Vec<DMatrix<f64>>) {
-    let whitened = whitened_at(machine, runs, freed, whitenings);
-    let varied = start(freed);
-    let found = whitened(&varied);
-    let jacobians = derivatives(freed, &varied, &found, &whitened, &[]);
-    (found, jacobians)
+    let problem = Fitted { machine, runs, freed, whitenings };
+    let start = problem.start();
+    let residuals = problem.whitened(&start);
+    let jacobians = problem.jacobians(&start, &residuals, &[]);
+    (residuals, jacobians)
 }
 
-/// The values to begin with, as they are varied.
-fn start(freed: &[Freed]) -> DVector<f64> {
-    DVector::from_iterator(freed.len(), freed.iter().map(|freed| freed.inward(freed.start)))
+/// Parameters of a machine that are fitted to runs.
+struct Fitted<'a> {
+    machine: &'a Machine,
+    runs: &'a [Run<'a>],
+    freed: &'a [Freed],
+    whitenings: &'a [Whitening],
 }
 
-/// The whitened residuals by what is varied.
-fn whitened_at(
-    machine: &Machine,
-    runs: &[Run],
-    freed: &[Freed],
-    whitenings: &[Whitening],
-) -> impl Fn(&DVector<f64>) -> Vec<Vec<f64>> {
-    move |varied| {
+impl Fitted<'_> {
+    /// The values to begin with, as they are varied.
+    fn start(&self) -> DVector<f64> {
+        let start = self.freed.iter().map(|freed| freed.inward(freed.start));
+        DVector::from_iterator(self.freed.len(), start)
+    }
+
+    fn whitened(&self, varied: &DVector<f64>) -> Vec<Vec<f64>> {
         let values: Vec<f64> =
-            freed.iter().zip(varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
-        whitened(&with(machine, freed, &values), runs, whitenings)
+            self.freed.iter().zip(varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
+        whitened(&with(self.machine, self.freed, &values), self.runs, self.whitenings)
     }
 }
 
-/// Central difference quotients, one column a parameter; at a bound from one side. Columns of linear
-/// parameters are kept once they are `known`.
-fn derivatives(
-    freed: &[Freed],
-    varied: &DVector<f64>,
-    found: &[Vec<f64>],
-    whitened: &impl Fn(&DVector<f64>) -> Vec<Vec<f64>>,
-    known: &[DMatrix<f64>],
-) -> Vec<DMatrix<f64>> {
-    let mut jacobians: Vec<DMatrix<f64>> =
-        found.iter().map(|run| DMatrix::zeros(run.len(), freed.len())).collect();
-    for (column, freed) in freed.iter().enumerate() {
-        if freed.is_linear && !known.is_empty() {
-            for (jacobian, known) in jacobians.iter_mut().zip(known) {
-                jacobian.set_column(column, &known.column(column));
-            }
-            continue;
-        }
-        let step = freed.step(freed.outward(varied[column]));
-        let beside = |sign: f64| {
-            let mut beside = varied.clone();
-            beside[column] = freed.inward(freed.outward(varied[column] + sign * step));
-            (beside[column], whitened(&beside))
-        };
-        // What is linear needs no second point.
-        let below = if freed.is_linear { (varied[column], found.to_vec()) } else { beside(-1.0) };
-        let ((low, below), (high, above)) = (below, beside(1.0));
-        if high - low <= 0.0 {
-            continue;
-        }
-        for (run, jacobian) in jacobians.iter_mut().enumerate() {
-            for row in 0..jacobian.nrows() {
-                jacobian[(row, column)] = (above[run][row] - below[run][row]) / (high - low);
-            }
-        }
+impl Problem for Fitted<'_> {
+    fn residuals(&self, varied: &DVector<f64>) -> Option<Vec<Vec<f64>>> {
+        Some(self.whitened(varied))
     }
-    jacobians
-}
 
-/// The damped step; none where the equations have no solution.
-fn next(
-    freed: &[Freed],
-    varied: &DVector<f64>,
-    found: &[Vec<f64>],
-    jacobians: &[DMatrix<f64>],
-    damping: f64,
-) -> Option<DVector<f64>> {
-    let count = varied.len();
-    let mut normal = DMatrix::zeros(count, count);
-    let mut downhill = DVector::zeros(count);
-    for (whitened, jacobian) in found.iter().zip(jacobians) {
-        let mut weighted = jacobian.clone();
-        for (row, value) in whitened.iter().enumerate() {
-            weighted.row_mut(row).scale_mut(weight(*value));
+    /// Central difference quotients; at a bound from one side. Columns of linear parameters are kept.
+    fn jacobians(
+        &self,
+        varied: &DVector<f64>,
+        found: &[Vec<f64>],
+        last: &[DMatrix<f64>],
+    ) -> Vec<DMatrix<f64>> {
+        let mut jacobians: Vec<DMatrix<f64>> =
+            found.iter().map(|run| DMatrix::zeros(run.len(), self.freed.len())).collect();
+        for (column, freed) in self.freed.iter().enumerate() {
+            if freed.is_linear && !last.is_empty() {
+                for (jacobian, last) in jacobians.iter_mut().zip(last) {
+                    jacobian.set_column(column, &last.column(column));
+                }
+                continue;
+            }
+            let step = freed.step(freed.outward(varied[column]));
+            let beside = |sign: f64| {
+                let mut beside = varied.clone();
+                beside[column] = freed.inward(freed.outward(varied[column] + sign * step));
+                (beside[column], self.whitened(&beside))
+            };
+            // What is linear needs no second point.
+            let below = if freed.is_linear { (varied[column], found.to_vec()) } else { beside(-1.0) };
+            let ((low, below), (high, above)) = (below, beside(1.0));
+            if high - low <= 0.0 {
+                continue;
+            }
+            for (run, jacobian) in jacobians.iter_mut().enumerate() {
+                for row in 0..jacobian.nrows() {
+                    jacobian[(row, column)] = (above[run][row] - below[run][row]) / (high - low);
+                }
+            }
         }
-        normal += weighted.tr_mul(jacobian);
-        downhill -= weighted.tr_mul(&DVector::from_column_slice(whitened));
+        jacobians
     }
-    let mut next = varied.clone();
-    let scale = normal.diagonal().map(|own: f64| if 1e-12 < own { 1.0 / own.sqrt() } else { 0.0 });
-    // A parameter that leans against its bound, or that nothing feels, stands still.
-    let stands: Vec<bool> = (0..count)
-        .map(|at| {
-            let value = freed[at].outward(varied[at]);
-            let (low, high) = freed[at].bounds;
-            scale[at] == 0.0 || (value <= low && downhill[at] < 0.0) || (high <= value && 0.0 < downhill[at])
+
+    fn behind(&self, varied: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+        DVector::from_fn(varied.len(), |at, _| {
+            let freed = &self.freed[at];
+            let limit = if freed.scale == Scale::Ratio { MAX_RATIO_STEP } else { f64::INFINITY };
+            freed.inward(freed.outward(varied[at] + step[at].clamp(-limit, limit)))
         })
-        .collect();
-    let scaled = DMatrix::from_fn(count, count, |i, j| match (i == j, stands[i] || stands[j]) {
-        (true, true) => 1.0,
-        (false, true) => 0.0,
-        (true, false) => 1.0 + damping,
-        (false, false) => normal[(i, j)] * scale[i] * scale[j],
-    });
-    let right = DVector::from_fn(count, |at, _| if stands[at] { 0.0 } else { downhill[at] * scale[at] });
-    let solution = scaled.cholesky()?.solve(&right);
-    for at in 0..count {
-        // No step is longer than the model is straight.
-        let limit = match freed[at].scale {
-            crate::identification::fit::Scale::Ratio => 0.7,
-            crate::identification::fit::Scale::Difference => f64::INFINITY,
-        };
-        let step = (solution[at] * scale[at]).clamp(-limit, limit);
-        next[at] = freed[at].inward(freed[at].outward(varied[at] + step));
     }
-    next.iter().all(|value| value.is_finite()).then_some(next)
+
+    fn is_at_bound(&self, varied: &DVector<f64>, parameter: usize, downhill: f64) -> bool {
+        let freed = &self.freed[parameter];
+        let (value, (low, high)) = (freed.outward(varied[parameter]), freed.bounds);
+        (value <= low && downhill < 0.0) || (high <= value && 0.0 < downhill)
+    }
 }

@@ -14,8 +14,10 @@
 //! nothing more certain.
 
 mod freed;
+mod golden_section;
 mod information;
 mod left_out;
+pub mod levenberg_marquardt;
 mod minimise;
 mod recorded;
 mod uncertainty;
@@ -25,7 +27,9 @@ use std::borrow::Cow;
 
 use nalgebra::DMatrix;
 
-pub use freed::{Freed, Scale};
+pub use freed::{Exactness, Freed, Scale};
+pub use golden_section::golden_section;
+pub use information::inverse;
 pub use left_out::{LeftOut, left_out};
 pub use recorded::{Recorded, RecordedError};
 pub use uncertainty::dispersion;
@@ -33,10 +37,9 @@ pub use whitened::Whitening;
 
 use crate::identification::alignment::{Alignment, Place, times_at_marks};
 use crate::identification::comparison::residuals;
-use crate::machine::{CornerMode, Machine};
-use crate::simulation::contour::plan_within;
-use crate::simulation::feed::{FeedPlan, Rule, Tolerances, plan};
-use crate::simulation::profile::retimed;
+use crate::machine::Machine;
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::simulate;
 use crate::simulation::toolpath::{Motion, Toolpath};
 
 /// The part of the cost that is hardly worth a step.
@@ -153,14 +156,6 @@ pub fn cost_of(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> f64
     cost(whitened(machine, runs, whitenings).iter().flatten())
 }
 
-/// The plan of a program on a machine, at the tolerances of the program or else the machine's.
-pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
-    match machine.interpolator.corner_mode {
-        CornerMode::Paper => retimed(toolpath, machine, plan(toolpath, machine, Rule::Programmed)),
-        CornerMode::Guaranteed => plan_within(toolpath, machine, Tolerances::Programmed, &mut |_| {}).0,
-    }
-}
-
 /// Fits parameters of a machine to runs, from the values they begin with, until a step gains less than the
 /// part `hardly` of the cost. `progress` is told the part that is done.
 pub fn fit(
@@ -173,7 +168,7 @@ pub fn fit(
 ) -> Fit {
     let found = minimise::minimise(machine, runs, freed, whitenings, hardly, progress);
     let values: Vec<f64> =
-        freed.iter().zip(found.varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
+        freed.iter().zip(found.point.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
     let covariance = uncertainty::covariance(&found, &clocks(runs, whitenings));
     let deviations = (0..freed.len())
         .map(|at| {
@@ -197,7 +192,7 @@ pub fn fit(
         deviations,
         correlations,
         cost: found.cost,
-        whitened: found.whitened,
+        whitened: found.residuals,
         converged: found.converged,
     }
 }

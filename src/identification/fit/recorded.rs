@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::identification::alignment::{Alignment, AlignmentError, align_log};
 use crate::identification::fit::Run;
-use crate::identification::recording::{Log, RecordingError, Switches, read};
+use crate::identification::recording::{Log, Options, RecordingError, Switches, read_with};
 use crate::machine::Machine;
 use crate::simulation::toolpath::Toolpath;
 
@@ -35,7 +35,17 @@ pub enum RecordedError {
 impl Recorded {
     /// Reads a recording and lays it on the program.
     pub fn new(toolpath: Toolpath, recording: &[u8], machine: &Machine) -> Result<Recorded, RecordedError> {
-        let log = read(recording)?;
+        Recorded::with(toolpath, recording, &Options::default(), machine)
+    }
+
+    /// Reads a recording with what its file leaves open, and lays it on the program.
+    pub fn with(
+        toolpath: Toolpath,
+        recording: &[u8],
+        options: &Options,
+        machine: &Machine,
+    ) -> Result<Recorded, RecordedError> {
+        let log = read_with(recording, options)?;
         let (index, alignment) = align_log(&log, &toolpath, machine)?;
         let switches = log.recordings[index].switches(&alignment.run);
         Ok(Recorded { toolpath, log, alignment, switches })

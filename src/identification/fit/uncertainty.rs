@@ -18,7 +18,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::identification::fit::information::{Information, inverse};
-use crate::identification::fit::minimise::{Minimum, weight};
+use crate::identification::fit::levenberg_marquardt::Minimum;
+use crate::identification::fit::minimise::weight;
 
 /// Standard deviation of a clock's rate: that of 10 to 200 ppm, each size as likely as its double.
 const CLOCK: f64 = 8.2e-5;
@@ -56,18 +57,18 @@ fn scales() -> impl Iterator<Item = usize> {
 /// The covariance of what is varied; infinite on the diagonal of what the runs say nothing of. `clocks` are the
 /// whitened traces of a clock that is off, run by run.
 pub fn covariance(found: &Minimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
-    let count = found.varied.len();
-    let all = Information::of_all(&found.whitened, &found.jacobians, count);
+    let count = found.point.len();
+    let all = Information::of_all(&found.residuals, &found.jacobians, count);
     let known: Vec<usize> = (0..count).filter(|at| KNOWN < all.normal[(*at, *at)]).collect();
     let mut covariance = DMatrix::from_diagonal_element(count, count, f64::INFINITY);
     covariance.fill_lower_triangle(0.0, 1);
     covariance.fill_upper_triangle(0.0, 1);
     let normal = all.among(&known).normal;
     let Some(inverse) = inverse(&normal) else { return covariance };
-    let plain = &inverse * dispersion(&found.whitened);
+    let plain = &inverse * dispersion(&found.residuals);
     let moved = jackknife(found, &known, &normal);
     let mut clock = DVector::zeros(count);
-    for ((whitened, jacobian), trace) in found.whitened.iter().zip(&found.jacobians).zip(clocks) {
+    for ((whitened, jacobian), trace) in found.residuals.iter().zip(&found.jacobians).zip(clocks) {
         for (row, (value, trace)) in whitened.iter().zip(trace).enumerate() {
             clock += weight(*value) * trace * jacobian.row(row).transpose();
         }
@@ -91,7 +92,7 @@ fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64
         let mut squares = vec![0.0; known.len()];
         let mut alone = vec![false; known.len()];
         let mut count = 0.0;
-        for (whitened, jacobian) in found.whitened.iter().zip(&found.jacobians) {
+        for (whitened, jacobian) in found.residuals.iter().zip(&found.jacobians) {
             let rows = whitened.len();
             let length = rows.div_ceil(blocks).max(1);
             for first in (0..rows).step_by(length) {
@@ -147,8 +148,8 @@ mod tests {
         let varied = -&plain * jacobian.tr_mul(&residuals);
         let whitened = vec![(residuals + &jacobian * &varied).iter().copied().collect()];
         let found = Minimum {
-            varied: varied.clone(),
-            whitened,
+            point: varied.clone(),
+            residuals: whitened,
             jacobians: vec![jacobian],
             cost: 0.0,
             converged: true,
@@ -180,8 +181,8 @@ mod tests {
         let count = 1000;
         let jacobian = DMatrix::from_element(count, 1, -0.1);
         let found = Minimum {
-            varied: DVector::zeros(1),
-            whitened: vec![vec![0.0; count]],
+            point: DVector::zeros(1),
+            residuals: vec![vec![0.0; count]],
             jacobians: vec![jacobian],
             cost: 0.0,
             converged: true,

@@ -139,6 +139,7 @@ impl Whitening {
 mod tests {
     use super::*;
     use crate::identification::alignment::{Mark, Method, Place};
+    use crate::simulation::toolpath::Vector;
 
     fn alignment(deviation: f64, count: usize) -> Alignment {
         let mark = |at: usize| Mark { place: Place::Along(at as f64), time: 0.1 * at as f64, deviation };
@@ -155,6 +156,8 @@ mod tests {
             track: None,
             feed: None,
             remarks: Vec::new(),
+            shift: Vector::zeros(),
+            passes: 1,
         }
     }
 

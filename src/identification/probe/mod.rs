@@ -25,7 +25,7 @@ pub use snippets::{SPACE, Snippet, bank, top};
 
 use thiserror::Error;
 
-use crate::identification::hypotheses::{Hypothesis, Trace, library};
+use crate::identification::effects::{self, Effect, Hypothesis, Trace, library};
 use crate::identification::probe::separation::{Bench, Rivalry, rivalries};
 use crate::machine::Machine;
 
@@ -39,35 +39,6 @@ pub const LONGEST: f64 = 90.0;
 const SHORTEST: f64 = 20.0;
 /// Standard deviation of the time of a mark, s: a recorder at 500 Hz.
 pub const STAMP: f64 = 1e-3;
-
-/// Every cause that is named, and whether a program can bring it out.
-const CAUSES: [(&str, Option<&str>); 25] = [
-    ("axis_acceleration_limit", None),
-    ("path_acceleration_limit", None),
-    ("axis_velocity_limit", None),
-    ("jerk_limit", None),
-    ("centripetal_acceleration_limit", None),
-    ("filter_time_constant", None),
-    ("filter_order", None),
-    ("unequal_filters", None),
-    ("corner_tolerance", None),
-    ("junction_rule", None),
-    ("exact_stop", None),
-    ("in_position_wait", None),
-    ("block_processing_time", None),
-    ("look_ahead", None),
-    ("path_smoothing", None),
-    ("feed_override", None),
-    ("rapid_override", None),
-    ("adaptive_feed", Some("it follows the load, and a probe runs in air: repeat the cut in air instead")),
-    ("feed_hold", Some("the operator makes it: record the same program again instead")),
-    ("unmodelled_wait", None),
-    ("servo_lag", None),
-    ("backlash", None),
-    ("structural_vibration", None),
-    ("recorder_clock", None),
-    ("wrong_program", Some("no program brings it out: check which program was recorded")),
-];
 
 /// A program with what it is for.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,24 +88,24 @@ pub enum ProbeError {
 
 /// A program that separates two causes on a machine.
 pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, ProbeError> {
-    let [one, other] = [known(causes[0])?, known(causes[1])?];
+    let [one, other] = [provoked(causes[0])?, provoked(causes[1])?];
     if one == other {
-        return Err(ProbeError::Same(one.to_string()));
+        return Err(ProbeError::Same(one.id.to_string()));
     }
     let bank = bank(machine);
     let programs: Vec<String> = bank.iter().map(|snippet| whole(&[], &snippet.lines)).collect();
     let benches: Vec<Bench> = programs.iter().map(|program| Bench::new(machine, program)).collect();
     let runs: Vec<_> = benches.iter().map(Bench::run).collect();
     let library = library(machine, &runs);
-    let of = |id: &'static str| {
-        let own: Vec<&Hypothesis> = library.iter().filter(|hypothesis| hypothesis.id == id).collect();
-        if own.is_empty() { Err(ProbeError::Hidden(id)) } else { Ok(own) }
+    let of = |effect: Effect| {
+        let own: Vec<&Hypothesis> = library.iter().filter(|hypothesis| hypothesis.effect == effect).collect();
+        if own.is_empty() { Err(ProbeError::Hidden(effect.id)) } else { Ok(own) }
     };
     let sides = [of(one)?, of(other)?];
-    let is_form = sides.iter().flatten().any(|hypothesis| hypothesis.trace == Trace::Form);
+    let is_form = sides.iter().flatten().any(|hypothesis| hypothesis.trace() == Trace::Form);
     let found = rivalries(machine, &benches, &sides, is_form);
     if let Some(side) = (0..2).find(|side| found.is_hidden[*side]) {
-        return Err(ProbeError::Hidden([one, other][side]));
+        return Err(ProbeError::Hidden([one, other][side].id));
     }
     let costs: Vec<f64> = benches.iter().map(Bench::seconds).collect();
     let chosen = chosen(&found.rivalries, &costs);
@@ -145,11 +116,11 @@ pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, Prob
     let reached = rivalries(machine, &[bench], &sides, is_form);
     let separation = least(&reached.rivalries, &[0]);
     if separation < LEAST {
-        return Err(ProbeError::Alike(one, other, separation));
+        return Err(ProbeError::Alike(one.id, other.id, separation));
     }
     let summary = vec![
         format!("Probe for {}", machine.name),
-        format!("separates {one} from {other}"),
+        format!("separates {} from {}", one.id, other.id),
         format!("{seconds:.1} s, expected separation at least {separation:.0} standard deviations"),
         format!("recorded at 500 Hz with {:.0} ms of noise", 1e3 * STAMP),
     ];
@@ -192,16 +163,16 @@ fn whole(heads: &[String], lines: &str) -> String {
     format!("{heads}G21 G90 G94 G17\n{lines}M30\n")
 }
 
-/// The cause of this id.
-fn known(id: &str) -> Result<&'static str, ProbeError> {
-    match CAUSES.iter().find(|(known, _)| *known == id) {
-        Some((id, Some(why))) => Err(ProbeError::Unprovoked { id, why }),
-        Some((known, None)) => Ok(known),
-        None => {
-            let distance = |(known, _): &&(&'static str, _)| strsim::damerau_levenshtein(known, id);
-            let nearest = CAUSES.iter().min_by_key(distance).map_or("corner_tolerance", |(known, _)| *known);
-            Err(ProbeError::Unknown { id: id.to_string(), nearest })
-        }
+/// The effect with this id, if a program can bring it out.
+fn provoked(id: &str) -> Result<Effect, ProbeError> {
+    let Some(effect) = effects::with_id(id) else {
+        let distance = |effect: &&Effect| strsim::damerau_levenshtein(effect.id, id);
+        let nearest = effects::ALL.iter().min_by_key(distance).expect("there are effects").id;
+        return Err(ProbeError::Unknown { id: id.to_string(), nearest });
+    };
+    match effect.unprovoked {
+        Some(why) => Err(ProbeError::Unprovoked { id: effect.id, why }),
+        None => Ok(effect),
     }
 }
 

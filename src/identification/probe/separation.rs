@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use crate::identification::alignment::{Alignment, Mark, Method, Place, Track};
-use crate::identification::fit::{Run, Whitening, simulate};
-use crate::identification::hypotheses::Hypothesis;
+use crate::identification::effects::Hypothesis;
+use crate::identification::fit::{Run, Whitening};
 use crate::identification::probe::STAMP;
 use crate::machine::{Axis, Machine};
 use crate::simulation::drive::actual_motion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::gcode::read;
 use crate::simulation::profile::{Profile, Resolution, Samples};
+use crate::simulation::simulate;
 use crate::simulation::toolpath::{Point, Toolpath, Vector, trace};
 
 /// Time between two marks, s.
@@ -53,10 +54,7 @@ impl Bench {
         let length = profile.length();
         let mut places = vec![Place::Start];
         let mut last = 0.0;
-        let mut distances = vec![0.0];
-        for segment in &toolpath.segments {
-            distances.push(distances[distances.len() - 1] + segment.length);
-        }
+        let distances = toolpath.distances();
         let mut stop = 0;
         let mut pass = |until: f64, places: &mut Vec<Place>| {
             while stop < toolpath.stops.len() && distances[toolpath.stops[stop].after] <= until {
@@ -97,6 +95,8 @@ impl Bench {
             track: Some(Arc::new(track)),
             feed: None,
             remarks: Vec::new(),
+            shift: Vector::zeros(),
+            passes: 1,
         };
         let whitening = Whitening::new(&alignment, WANDER);
         let (undriven, commanded) = (without_drives(machine), commanded(&toolpath, &plan));
@@ -130,7 +130,7 @@ impl Bench {
         let mut slopes = Vec::with_capacity(3 * self.instants.len());
         let mut row = 0;
         for (time, velocity) in &self.instants {
-            let there = position(&actual, time / ratio, &mut row);
+            let (there, _) = actual.motion_at(time / ratio, &mut row);
             let speed = velocity.norm();
             let along = if 0.0 < speed { velocity / speed } else { Vector::zeros() };
             // A stamp that is off moves the position along the motion.
@@ -165,20 +165,6 @@ fn without_drives(machine: &Machine) -> Machine {
 /// What a plan commands over time.
 fn commanded(toolpath: &Toolpath, plan: &FeedPlan) -> Samples {
     Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 })
-}
-
-/// The position at a time between two rows of a table.
-fn position(samples: &Samples, time: f64, row: &mut usize) -> Vector {
-    while *row + 2 < samples.time.len() && samples.time[*row + 1] <= time {
-        *row += 1;
-    }
-    let next = (*row + 1).min(samples.time.len() - 1);
-    let span = samples.time[next] - samples.time[*row];
-    let share = if 0.0 < span { ((time - samples.time[*row]) / span).clamp(0.0, 1.0) } else { 0.0 };
-    Vector::from_fn(|axis, _| {
-        let column = &samples.position[axis];
-        column[*row] + share * (column[next] - column[*row])
-    })
 }
 
 /// One cause at one value against all values of another: for each chord of the other's curve, and each

@@ -8,7 +8,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::identification::recording::clock::seconds;
+use crate::identification::recording::clock::{MIN_SAMPLES, seconds, usual};
 use crate::identification::recording::field::{Field, Label, Side};
 use crate::identification::recording::text::{Cell, number};
 use crate::identification::recording::unit::{FEEDS, LENGTHS, PERCENT, RATIO, RPM, Unit};
@@ -18,9 +18,6 @@ use crate::identification::recording::{
 
 /// Steps between samples beyond which there is a gap, in usual steps.
 const GAP: f64 = 5.0;
-
-/// Values, all fields together, below which there is nothing to say.
-const FEWEST: usize = 8;
 
 /// An override above this is in per cent.
 const LARGEST_RATIO: f64 = 5.0;
@@ -94,16 +91,14 @@ fn recording(capture: Capture, remarks: &mut Remarks) -> Result<Recording, Recor
     let found: Vec<String> = capture.signals.iter().map(|signal| signal.label.name.clone()).collect();
     let mut signals = points_as_axes(capture.signals);
     signals.retain(|signal| signal.label.field.is_some() && 0 < signal.known());
-    let tells_motion = |signal: &Signal| {
-        matches!(signal.label.field, Some(Field::Position(..) | Field::Feed(_) | Field::Line | Field::Block))
-    };
+    let tells_motion = |signal: &Signal| signal.label.field.is_some_and(Field::tells_motion);
     if !signals.iter().any(tells_motion) {
         return Err(RecordingError::NothingKnown { found });
     }
     let known: usize = signals.iter().map(Signal::known).sum();
     let longest = signals.iter().map(Signal::known).max().unwrap_or(0);
-    if known < FEWEST || longest < 2 {
-        return Err(RecordingError::TooFewSamples { found: longest, needed: FEWEST });
+    if known < MIN_SAMPLES || longest < 2 {
+        return Err(RecordingError::TooFewSamples { found: longest, needed: MIN_SAMPLES });
     }
     nothing_moves(&signals, remarks)?;
     let first =
@@ -418,13 +413,12 @@ fn unavailable<V>(time: &[f64], values: &[Option<V>]) -> Vec<Range<f64>> {
 
 /// Where samples are missing between ascending stamps.
 fn gaps_between(time: &[f64]) -> Vec<Range<f64>> {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if steps.len() < 3 {
         return Vec::new();
     }
-    let middle = steps.len() / 2;
-    let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let gaps = time.windows(2).filter(|pair| GAP * usual < pair[1] - pair[0]);
+    let longest = GAP * usual(steps);
+    let gaps = time.windows(2).filter(|pair| longest < pair[1] - pair[0]);
     gaps.map(|pair| pair[0]..pair[1]).collect()
 }
 

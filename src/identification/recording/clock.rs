@@ -7,6 +7,7 @@
 //! ```text
 //! one sample early or late, the rest in order    the sample is dropped
 //! time starts again and then ascends             a new recording begins
+//! time jumps ahead by more than a day            a new recording begins
 //! the same stamp, the same values                the copy is dropped
 //! the same stamp, other values                   spread evenly up to the next stamp: the stamp was rounded
 //! anything beyond one sample in a hundred        refused
@@ -16,6 +17,9 @@ use crate::identification::recording::diagnostic::few;
 use crate::identification::recording::{RecordingError, Remarks};
 
 const NANOSECONDS: f64 = 1e9;
+
+/// Values, all fields together, below which there is nothing to say.
+pub(super) const MIN_SAMPLES: usize = 8;
 
 /// Nanoseconds since 1970 of an ISO 8601 stamp, or since midnight of a time of day.
 pub(super) fn iso(text: &str) -> Option<i64> {
@@ -104,8 +108,19 @@ pub(super) struct Stretch {
     pub(super) time: Vec<f64>,
 }
 
+/// The median of time steps; 0 of none.
+pub(super) fn usual(mut steps: Vec<f64>) -> f64 {
+    let middle = steps.len() / 2;
+    if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
 /// Rows that must ascend for time to have started again.
 const RESTART: usize = 4;
+
+/// A table without a row for longer than this holds two recordings, s.
+const MAX_GAP_S: f64 = 86_400.0;
+/// The same in usual steps, so that a wrong unit of time does not make a recording of every row.
+const MAX_GAP_STEPS: f64 = 1e6;
 
 /// Puts a table's `stamps` (NaN: none) in order; `line(row)` is the line a row stands in and
 /// `same(a, b)` whether two rows hold the same values.
@@ -118,7 +133,13 @@ pub(super) fn stretches(
     let mut stretches = vec![Stretch { rows: Vec::with_capacity(stamps.len()), time: Vec::new() }];
     let mut dropped = Faults::default();
     let mut copies = Faults::default();
+    let mut restarts = Faults::default();
     let known: Vec<usize> = (0..stamps.len()).filter(|row| stamps[*row].is_finite()).collect();
+    if known.is_empty() {
+        return Err(RecordingError::TooFewSamples { found: 0, needed: MIN_SAMPLES });
+    }
+    let steps = known.windows(2).map(|pair| stamps[pair[1]] - stamps[pair[0]]);
+    let max_gap = MAX_GAP_S.max(MAX_GAP_STEPS * usual(steps.collect()));
     for (at, row) in known.iter().copied().enumerate() {
         let time = stamps[row];
         let current = stretches.last_mut().expect("there is always a stretch");
@@ -128,7 +149,12 @@ pub(super) fn stretches(
             continue;
         };
         let before_last = current.time.len().checked_sub(2).map(|at| current.time[at]);
-        if last < time {
+        if max_gap < time - last {
+            let message =
+                format!("nothing for {:.0} s before this row: another recording begins here", time - last);
+            remarks.warn(Some(line(row)), None, message);
+            stretches.push(Stretch { rows: vec![row], time: vec![time] });
+        } else if last < time {
             current.rows.push(row);
             current.time.push(time);
         } else if last == time {
@@ -154,15 +180,17 @@ pub(super) fn stretches(
                 None,
                 "time starts again: another recording begins here".to_owned(),
             );
+            restarts.add(line(row));
             stretches.push(Stretch { rows: vec![row], time: vec![time] });
         } else {
             dropped.add(line(row));
         }
     }
-    let restarts = stretches.len() - 1;
-    if !few(dropped.count + restarts, stamps.len()) {
-        let count = dropped.count + restarts;
-        return Err(RecordingError::TimeDisorder { line: dropped.first, count, of: stamps.len() });
+    let count = dropped.count + restarts.count;
+    if !few(count, stamps.len()) {
+        let firsts = [&dropped, &restarts].into_iter().filter(|faults| 0 < faults.count);
+        let line = firsts.map(|faults| faults.first).min().unwrap_or(0);
+        return Err(RecordingError::TimeDisorder { line, count, of: stamps.len() });
     }
     dropped.report(remarks, "out of order in time, dropped");
     copies.report(remarks, "copies of the sample before, dropped");
@@ -259,10 +287,13 @@ pub(super) fn event_stretches(
         }
         stretches.last_mut().expect("there is always a stretch").push(row);
     }
+    if stamps.is_empty() {
+        return Err(RecordingError::TooFewSamples { found: 0, needed: MIN_SAMPLES });
+    }
     let disorder = stray.count + stretches.len() - 1;
     if !few(disorder, stamps.len()) || stamps.len() < 5 * late.count.saturating_sub(3) {
         return Err(RecordingError::TimeDisorder {
-            line: late.first,
+            line: if 0 < late.count { late.first } else { stray.first },
             count: late.count.max(disorder),
             of: stamps.len(),
         });

@@ -67,6 +67,12 @@ pub enum RecordingError {
     /// Not text.
     #[error("the file is not text but {0}; export the recording as text (CSV, SHDR, XML or JSON)")]
     Binary(&'static str),
+    /// An archive of none or several files.
+    #[error("a ZIP archive of {} files: {}; unpack it and choose one, or save a workbook as CSV", .names.len(), listed(.names))]
+    Archive {
+        /// Names in the archive.
+        names: Vec<String>,
+    },
     /// Text of no known form.
     #[error("no known kind of log: {0}")]
     UnknownFormat(&'static str),
@@ -107,7 +113,7 @@ pub enum RecordingError {
         of: usize,
     },
     /// Too little to say anything.
-    #[error("only {found} samples; at least {needed} are needed")]
+    #[error("{}; at least {needed} are needed", samples(*.found))]
     TooFewSamples {
         /// Samples with a time.
         found: usize,
@@ -150,6 +156,16 @@ pub enum RecordingError {
         expected: usize,
         /// How many rows differ.
         count: usize,
+    },
+    /// A line that no row of a table is as long as.
+    #[error("line {line} has {bytes} bytes where a row has {most} at most: is it a table without line ends?")]
+    LongLine {
+        /// Line counted from 1.
+        line: usize,
+        /// Its length.
+        bytes: usize,
+        /// The longest that is read.
+        most: usize,
     },
     /// A stamp that is none, in more lines than are repaired.
     #[error("line {line}, column {column}: `{}` is not a time stamp, and {count} like it", shown(.text))]
@@ -194,8 +210,23 @@ fn shown(text: &str) -> String {
     shown
 }
 
+/// Names that are listed before the rest is counted.
+const LISTED: usize = 12;
+
 fn listed(names: &[String]) -> String {
-    shown(&names.join(", "))
+    match names.len().saturating_sub(LISTED) {
+        0 => shown(&names.join(", ")),
+        more => format!("{} and {more} more", shown(&names[..LISTED].join(", "))),
+    }
+}
+
+/// A number of samples, in words.
+fn samples(found: usize) -> String {
+    match found {
+        0 => "no sample has a time and values".to_owned(),
+        1 => "only 1 sample".to_owned(),
+        found => format!("only {found} samples"),
+    }
 }
 
 /// Whether `count` faults among `of` samples are few enough to repair: three, or one in a hundred.

@@ -143,6 +143,10 @@ pub(super) fn read(text: &str, remarks: &mut Remarks) -> Result<Vec<Capture>, Re
         captures
             .push(Capture { origin: Some(origin), signals: signals(events, &[], &mut not_read, remarks) });
     }
+    let is_read = |capture: &Capture| !capture.signals.is_empty();
+    if !not_read.is_empty() && !captures.iter().any(is_read) {
+        return Err(RecordingError::NothingKnown { found: not_read });
+    }
     name_not_read(not_read, remarks);
     Ok(captures)
 }

@@ -55,6 +55,11 @@ pub(super) enum Field {
 }
 
 impl Field {
+    /// Whether it tells where the machine is, how fast it moves or which block it runs.
+    pub(super) fn tells_motion(self) -> bool {
+        matches!(self, Field::Position(..) | Field::Point(_) | Field::Feed(_) | Field::Line | Field::Block)
+    }
+
     /// Whether values are words rather than numbers.
     pub(super) fn is_text(self) -> bool {
         matches!(self, Field::Block | Field::Status | Field::Program | Field::Tool | Field::Point(_))
@@ -290,7 +295,10 @@ fn field_of(name: &str) -> Option<Field> {
     {
         return Some(Field::Time);
     }
-    if only(&["sample", "samples", "index", "nr"]) || has(&["sample"]) && has(&["number", "no", "nr"]) {
+    if only(&["sample", "samples", "index", "nr", "cycle"])
+        || words == ["hf", "probe", "counter"]
+        || has(&["sample"]) && has(&["number", "no", "nr"])
+    {
         return Some(Field::SampleNumber);
     }
     let side = match (has(COMMANDED), has(ACTUAL)) {
@@ -423,6 +431,15 @@ fn vendor(name: &str) -> Option<Option<Field>> {
         "enc_pos" | "enc1_pos" | "enc2_pos" => Some(axis.map(|axis| Field::Position(Side::Actual, axis))),
         _ => Some(None),
     }
+}
+
+/// Whether `names` are those of a SINUMERIK recorder, whose table counts position-control cycles.
+pub(super) fn is_siemens_recorder(names: &[&str]) -> bool {
+    let counts = |name: &&str| matches!(*name, "CYCLE" | "HFProbeCounter");
+    let tells = |name: &&str| {
+        *name == "SeekOffset" || name.split('|').next().is_some_and(|name| name.ends_with("_POS"))
+    };
+    names.iter().any(counts) && names.iter().any(tells)
 }
 
 /// Whether names without a time are those of Heidenhain's scope: an axis and `s`, `v`, `a` or `j`

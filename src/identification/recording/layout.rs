@@ -23,6 +23,9 @@ use crate::identification::recording::{Options, RecordingError};
 /// Lines looked at to tell separator and head.
 const SNIFFED: usize = 200;
 
+/// Bytes of the longest line that may be a row: two thousand columns of thirty characters.
+pub(super) const MAX_LINE_BYTES: usize = 1 << 16;
+
 /// Separators, the more telling first: a tie goes to the earlier.
 const SEPARATORS: &[char] = &['\t', ';', ',', '|', ' '];
 
@@ -44,6 +47,9 @@ pub(super) struct Layout {
 pub(super) fn layout(text: &str, options: &Options) -> Result<Layout, RecordingError> {
     let lines: Vec<(usize, &str)> =
         text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).take(SNIFFED).collect();
+    if let Some((at, line)) = lines.iter().find(|(_, line)| MAX_LINE_BYTES < line.len()) {
+        return Err(RecordingError::LongLine { line: at + 1, bytes: line.len(), most: MAX_LINE_BYTES });
+    }
     // Values of events may hold any separator, so a head of time, item and value speaks for itself.
     for separator in SEPARATORS.iter().take(4) {
         let names: Vec<String> = lines

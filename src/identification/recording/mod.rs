@@ -25,8 +25,9 @@
 //! name their candidates; [`closure`] settles which, against the length of the path. Cost is linear
 //! in the size of the file.
 //!
-//! Not read: ZIP and zlib archives (Klipper's motan logs, Edge downloads before unpacking), binary
-//! files, rotary axes, loads; thousands separators in numbers; logs across midnight stamped with the
+//! A log may be packed by gzip, or as the only file of a ZIP archive.
+//!
+//! Not read: zlib streams (Klipper's motan logs), archives of several files, binary files, rotary axes, loads; thousands separators in numbers; logs across midnight stamped with the
 //! time of day alone.
 
 mod assemble;
@@ -34,12 +35,14 @@ mod beckhoff;
 mod channel;
 mod clock;
 mod closure;
+mod columns;
 mod diagnostic;
 mod events;
 mod field;
 mod layout;
 mod mtconnect;
 mod nameless;
+mod packed;
 mod runs;
 mod siemens_recorder;
 mod siemens_trace;
@@ -174,7 +177,7 @@ pub fn read(bytes: &[u8]) -> Result<Log, RecordingError> {
 
 /// Reads a log; the format is told by content, never by a file's name.
 pub fn read_with(bytes: &[u8], options: &Options) -> Result<Log, RecordingError> {
-    let text = text::decode(bytes)?;
+    let text = text::decode(&packed::unpacked(bytes)?)?;
     let mut remarks = Remarks::default();
     let start = text.trim_start();
     let (format, captures) = if start.starts_with('<') && start.contains("MTConnectStreams") {

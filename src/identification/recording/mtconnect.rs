@@ -180,9 +180,47 @@ fn field(name: &str, sub_type: &str, axis: &str) -> Option<(Field, Option<Unit>)
 
 /// Parses XML whose first line is `line` of the file.
 pub(super) fn parse(text: &str, line: usize) -> Result<roxmltree::Document<'_>, RecordingError> {
+    if let Some(at) = too_many_attributes(text) {
+        let line = line + text[..at].matches('\n').count();
+        let message = format!("an element has more than {MAX_ATTRIBUTES} attributes");
+        return Err(RecordingError::Syntax { line, column: 1, message });
+    }
     roxmltree::Document::parse(text).map_err(|error| {
         let at = error.pos();
         let message = format!("the XML is not well-formed: {error}");
         RecordingError::Syntax { line: line + at.row as usize - 1, column: at.col as usize, message }
     })
+}
+
+/// Attributes of an element at most: the parser compares each with all before it.
+const MAX_ATTRIBUTES: usize = 256;
+
+/// Where an element with more than [`MAX_ATTRIBUTES`] begins, if there is one.
+fn too_many_attributes(text: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let (mut tag, mut quote, mut attributes) = (None, None, 0);
+    for (at, byte) in bytes.iter().copied().enumerate() {
+        match (tag, quote) {
+            (None, _) => {
+                // Comments, declarations and instructions have no attributes, and quotes that may stand alone.
+                if byte == b'<' && !matches!(bytes.get(at + 1), Some(b'!' | b'?')) {
+                    (tag, attributes) = (Some(at), 0);
+                }
+            }
+            (Some(_), Some(open)) if byte == open => quote = None,
+            (Some(_), Some(_)) => {}
+            (Some(begin), None) => match byte {
+                b'"' | b'\'' => quote = Some(byte),
+                b'>' => tag = None,
+                b'=' => {
+                    attributes += 1;
+                    if MAX_ATTRIBUTES < attributes {
+                        return Some(begin);
+                    }
+                }
+                _ => {}
+            },
+        }
+    }
+    None
 }

@@ -15,8 +15,8 @@
 //!
 //! Source: halsampler(1), sampler(9). Left out: bit pins as words, several samplers in one file.
 
+use crate::identification::recording::columns::{Column, Rows};
 use crate::identification::recording::field::{Field, Label, Side};
-use crate::identification::recording::table::{Column, Rows};
 use crate::identification::recording::unit::SECOND;
 use crate::identification::recording::{Options, RecordingError, Remarks};
 

@@ -1,4 +1,4 @@
-//! SINUMERIK Edge / Data Recorder: JSON, unpacked from its ZIP archive.
+//! SINUMERIK Edge / Data Recorder: JSON, also in its ZIP archive. Its tables (`…_hfdata.csv`) are read by `table`.
 //!
 //! ```text
 //! { "Header":  { "CycleTimeMs": 2, "Initial": { "Time": "…", "HFProbeCounter": 3214 },

@@ -5,7 +5,7 @@
 //! be told, an empty file or a binary one, counts as a program, whose reader says what is wrong.
 
 use crate::identification::recording::text::{Cell, decode, number};
-use crate::identification::recording::{beckhoff, events};
+use crate::identification::recording::{beckhoff, events, packed};
 
 /// So many bytes are enough to tell.
 pub const SNIFFED_BYTES: usize = 1 << 16;
@@ -15,8 +15,7 @@ const SNIFFED_LINES: usize = 200;
 
 /// Whether `bytes`, a file or its beginning, are a machine log.
 pub fn is_recording(bytes: &[u8]) -> bool {
-    let head = &bytes[..bytes.len().min(SNIFFED_BYTES)];
-    let Ok(text) = decode(head) else { return false };
+    let Ok(text) = decode(&packed::beginning(bytes, SNIFFED_BYTES)) else { return false };
     let start = text.trim_start();
     if start.starts_with(['<', '{', '[']) || events::is_shdr(&text) || beckhoff::is_scope(&text) {
         return true;

@@ -24,40 +24,20 @@
 use std::sync::Arc;
 
 use crate::identification::recording::assemble::{Capture, Data, Signal, from_origin};
-use crate::identification::recording::clock::{Stretch, event_stretches, iso, stretches};
+use crate::identification::recording::clock::{Stretch, event_stretches, iso, stretches, usual};
+use crate::identification::recording::columns::{Column, Rows};
 use crate::identification::recording::diagnostic::few;
 use crate::identification::recording::events::{self, Event, name_not_read};
-use crate::identification::recording::field::{Field, Label, is_scope};
+use crate::identification::recording::field::{Field, Label, is_scope, is_siemens_recorder};
 use crate::identification::recording::layout::{Layout, body, each_row, event_columns, layout};
 use crate::identification::recording::nameless;
+use crate::identification::recording::siemens_recorder::CYCLE_TIME;
 use crate::identification::recording::text::{Cell, is_missing, number};
 use crate::identification::recording::unit::{MICROSECOND, MILLISECOND, NANOSECOND, SECOND, Unit};
 use crate::identification::recording::{Options, RecordingError, Remarks, Sampling};
 
 /// Interval of Heidenhain's scope where nothing else is said, s: twice the 3 ms of its position loop.
 pub const SCOPE_INTERVAL: f64 = 6e-3;
-
-/// One column while it is read.
-#[derive(Debug)]
-pub(super) enum Column {
-    /// NaN where missing.
-    Numbers(Vec<f64>),
-    /// Rows from which on another text holds.
-    Texts(Vec<(usize, Option<String>)>),
-    /// Stamps, ns.
-    Stamps(Vec<Option<i64>>),
-    /// Nothing is made of it.
-    Skipped,
-}
-
-/// Rows of a table, as columns.
-#[derive(Debug)]
-pub(super) struct Rows {
-    pub(super) labels: Vec<Label>,
-    pub(super) columns: Vec<Column>,
-    /// Line of the file each row stands in.
-    pub(super) lines: Vec<usize>,
-}
 
 /// Reads a table, and says which kind it is.
 pub(super) fn read(
@@ -94,6 +74,9 @@ fn captures(
     let names: Vec<&str> = rows.labels.iter().map(|label| label.name.as_str()).collect();
     let at = rows.labels.iter().position(|label| label.field == Some(Field::Time));
     let found = || rows.labels.iter().map(|label| label.name.clone()).collect();
+    if !rows.labels.iter().any(|label| label.field.is_some_and(Field::tells_motion)) {
+        return Err(RecordingError::NothingKnown { found: found() });
+    }
     let (origin, stamps) = match at.map(|at| (at, &rows.columns[at])) {
         Some((_, Column::Stamps(stamps))) => {
             let first = stamps.iter().flatten().next().copied().unwrap_or(0);
@@ -128,8 +111,13 @@ fn captures(
                     remarks.warn(None, None, message);
                     SCOPE_INTERVAL
                 }
-                None if rows.labels.iter().all(|label| label.field.is_none()) => {
-                    return Err(RecordingError::NothingKnown { found: found() });
+                None if is_siemens_recorder(&names) => {
+                    let message = format!(
+                        "no time column: a cycle is taken to be {} ms; give the interval if it is another",
+                        CYCLE_TIME * 1e3
+                    );
+                    remarks.warn(None, None, message);
+                    CYCLE_TIME
                 }
                 None => return Err(RecordingError::NoTime { found: found() }),
             };
@@ -185,11 +173,8 @@ fn time_unit(values: &[f64], name: &str) -> Result<Unit, RecordingError> {
             return Ok(unit);
         }
     }
-    let mut steps: Vec<f64> =
-        values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| 0.0 < *step).collect();
-    let middle = steps.len() / 2;
-    let step = if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 };
-    match step {
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| 0.0 < *step);
+    match usual(steps.collect()) {
         step if 0.0 < step && step <= 0.5 => Ok(SECOND),
         step if (50.0..=5e3).contains(&step) => Ok(MILLISECOND),
         step if 1e5 <= step => Ok(MICROSECOND),

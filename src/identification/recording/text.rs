@@ -9,8 +9,6 @@ use crate::simulation::gcode::characters;
 
 /// First bytes of files that people drop by mistake or still have to unpack.
 const MAGIC: &[(&[u8], &str)] = &[
-    (b"PK\x03\x04", "a ZIP archive (or Excel workbook); unpack it or save it as CSV"),
-    (b"\x1f\x8b", "gzip-compressed; unpack it"),
     (b"\x78\x9c", "zlib-compressed (Klipper's motan logs are); it is not read"),
     (b"\x78\xda", "zlib-compressed (Klipper's motan logs are); it is not read"),
     (b"\x78\x01", "zlib-compressed (Klipper's motan logs are); it is not read"),

@@ -196,13 +196,12 @@ impl Response<'_> {
         parameters
     }
 
-    /// The parameter that lies on a bound which `direction` points across.
-    pub fn held(&self, parameters: &DVector<f64>, direction: &DVector<f64>) -> Option<usize> {
-        let column = FILTER + 1;
-        let held = self.filters == Filters::UnequalPair
-            && ((parameters[column] <= 0.0 && direction[column] < 0.0)
-                || (MOST_UNEQUAL <= parameters[column] && 0.0 < direction[column]));
-        held.then_some(column)
+    /// Returns `true` if a parameter lies on a bound that `direction` points across.
+    pub fn is_at_bound(&self, parameters: &DVector<f64>, parameter: usize, direction: f64) -> bool {
+        let value = parameters[parameter];
+        self.filters == Filters::UnequalPair
+            && parameter == FILTER + 1
+            && ((value <= 0.0 && direction < 0.0) || (MOST_UNEQUAL <= value && 0.0 < direction))
     }
 
     /// The best of a grid of parameters for a move whose middle (s) and time from 10 % to 90 % of

@@ -1,7 +1,7 @@
 //! Rows of single axes, rotary axes and work offsets.
 
 use crate::machine::Mode;
-use crate::machine::parameters::{Parameter, finite, number};
+use crate::machine::parameter::{Parameter, finite, number};
 use crate::units::Unit;
 
 /// Rows of one axis; the compiler needs a literal index and literal keys.
@@ -14,6 +14,14 @@ macro_rules! axis {
                 doc: "Fastest the axis moves, in feed and rapid; empty: no limit.",
                 access: number(Unit::MillimetrePerMinute, (1.0, 1e6), |m| finite(m.axes[$index].velocity), |m, v| {
                     m.axes[$index].velocity = v.unwrap_or(f64::INFINITY)
+                }),
+            },
+            Parameter {
+                key: concat!("axis.", $name, ".rapid_mm_min"),
+                label: concat!("Rapid ", $name),
+                doc: "Fastest the axis moves in rapid: a rapid along several axes is as fast as none of them exceeds its own; empty: no limit.",
+                access: number(Unit::MillimetrePerMinute, (1.0, 1e6), |m| finite(m.axes[$index].rapid), |m, v| {
+                    m.axes[$index].rapid = v.unwrap_or(f64::INFINITY)
                 }),
             },
             Parameter {

@@ -1,10 +1,11 @@
 //! Rows of what is particular to arcs and to positioning: how closely arcs are followed, and how rapids ramp.
 
-use crate::machine::parameters::{Access, JERK_MM_S3, Parameter, TOLERANCE_MM, finite, number};
+use crate::machine::ArcChords;
+use crate::machine::parameter::{Access, JERK_MM_S3, Parameter, TOLERANCE_MM, finite, number};
 use crate::units::Unit;
 
 /// The rows.
-pub(super) const CURVES: [Parameter; 4] = [
+pub(super) const CURVES: [Parameter; 7] = [
     Parameter {
         key: "interpolator.arc_tolerance_mm",
         label: "Contour tolerance of arcs",
@@ -43,5 +44,52 @@ pub(super) const CURVES: [Parameter; 4] = [
         label: "Acceleration before the filters",
         doc: "Acceleration limits shape the command before the filters, so that a ramp takes both; else what leaves the filters is run slower where it is beyond them.",
         access: Access::Flag { get: |m| m.path.limits_command, set: |m, v| m.path.limits_command = v },
+    },
+    Parameter {
+        key: "interpolator.arc_chord_error_mm",
+        label: "Chords of arcs within",
+        doc: "An arc is planned as chords that lie within this of it, each a block, as grbl ($12); empty: not so.",
+        access: number(
+            Unit::Millimetre,
+            (1e-5, 10.0),
+            |m| match m.interpolator.arc_chords {
+                ArcChords::Within(value) => Some(value),
+                _ => None,
+            },
+            |m, v| match (v, m.interpolator.arc_chords) {
+                (Some(value), _) => m.interpolator.arc_chords = ArcChords::Within(value),
+                (None, ArcChords::Within(_)) => m.interpolator.arc_chords = ArcChords::Whole,
+                _ => (),
+            },
+        ),
+    },
+    Parameter {
+        key: "interpolator.arc_chord_mm",
+        label: "Chords of arcs of",
+        doc: "An arc is planned as chords of this length, each a block, as Klipper (resolution); empty: not so.",
+        access: number(
+            Unit::Millimetre,
+            (1e-3, 100.0),
+            |m| match m.interpolator.arc_chords {
+                ArcChords::Long(value) => Some(value),
+                _ => None,
+            },
+            |m, v| match (v, m.interpolator.arc_chords) {
+                (Some(value), _) => m.interpolator.arc_chords = ArcChords::Long(value),
+                (None, ArcChords::Long(_)) => m.interpolator.arc_chords = ArcChords::Whole,
+                _ => (),
+            },
+        ),
+    },
+    Parameter {
+        key: "interpolator.minimum_cruise_ratio",
+        label: "Minimum cruise ratio",
+        doc: "Moves that speed up and slow down get no faster than with this part less acceleration, as Klipper; only where acceleration limits shape the command; 0: no such limit.",
+        access: number(
+            Unit::Number,
+            (0.0, 0.99),
+            |m| Some(m.interpolator.minimum_cruise_ratio),
+            |m, v| m.interpolator.minimum_cruise_ratio = v.unwrap_or(0.0),
+        ),
     },
 ];

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::machine::parameters::{Access, Parameter, number};
+use crate::machine::parameter::{Access, Parameter, number};
 use crate::machine::words::choice_of;
 use crate::machine::{InPosition, Machine};
 use crate::units::Unit;

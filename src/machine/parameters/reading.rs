@@ -1,6 +1,6 @@
 //! The parameters that say how the control reads a program.
 
-use crate::machine::parameters::{Parameter, number};
+use crate::machine::parameter::{Parameter, number};
 use crate::units::Unit;
 
 /// They stand between the levels of tolerance and the times.

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::machine::parameters::{Access, Parameter, number};
+use crate::machine::parameter::{Access, Parameter, number};
 use crate::machine::{Machine, Times};
 use crate::units::Unit;
 
@@ -51,7 +51,7 @@ fn read(words: Vec<f64>) -> Vec<u32> {
     words.into_iter().map(|word| word as u32).collect()
 }
 
-pub(super) const TIMES: [Parameter; 20] = [
+pub(super) const TIMES: [Parameter; 21] = [
     time(
         "times.start_s",
         "Program start",
@@ -121,6 +121,13 @@ pub(super) const TIMES: [Parameter; 20] = [
         "Numbers of the M-words that wait until the spindle has its speed, where M3 and M5 only start the ramp: for example [8, 1, 30]; empty: M3 to M5 wait themselves.",
         |m| written(&m.times.spindle_awaited_by).filter(|words| !words.is_empty()),
         |m, v| m.times.spindle_awaited_by = read(v),
+    ),
+    time(
+        "times.spindle_change_s",
+        "Wait at S words",
+        "Time that the feed waits at an S word in a block of motion until the spindle has its speed; 0: it goes on.",
+        |m| Some(m.times.spindle_change),
+        |m, v| m.times.spindle_change = v.unwrap_or(0.0),
     ),
     time(
         "times.coolant_on_s",

@@ -4,9 +4,10 @@ use plotters::style::RGBColor;
 
 use super::*;
 use crate::machine::Machine;
-use crate::simulation::feed::{Rule, plan};
+use crate::simulation::feed::Rule;
 use crate::simulation::gcode::read;
 use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::simulate;
 use crate::simulation::toolpath::trace;
 
 const PROGRAM: &str =
@@ -15,7 +16,7 @@ const PROGRAM: &str =
 fn whole() -> (Toolpath, Programmed, FeedCurve) {
     let machine = Machine::default();
     let toolpath = trace(&read(PROGRAM.as_bytes()), &machine);
-    let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+    let plan = simulate::by_rule(&toolpath, &machine, Rule::Isolated(0.01));
     let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
     let programmed = Programmed::of(&toolpath, &machine);
     (toolpath, programmed, curve)

@@ -2,6 +2,7 @@
 //! SVG. It is well-formed XML but for its first line, and says the same as the page in the same order.
 
 use crate::plot::escaped;
+use crate::project::VERSION;
 use crate::project::comparison::lost_label;
 use crate::project::diagnosis::{CauseRow, DiagnosisReport, RegionRow, Sides};
 
@@ -15,11 +16,7 @@ impl DiagnosisReport {
     pub fn to_html(&self, charts: &[String]) -> String {
         let names = self.runs.join(", ");
         let mut body = format!("<h1>{}</h1>\n", escaped(&self.sentence));
-        body += &format!(
-            "<p class=\"small\">Diagnosis of {} by Truefeed {}.</p>\n",
-            escaped(&names),
-            env!("CARGO_PKG_VERSION")
-        );
+        body += &format!("<p class=\"small\">Diagnosis of {} by Truefeed {VERSION}.</p>\n", escaped(&names));
         for cause in &self.causes {
             body += &of_cause(cause);
         }

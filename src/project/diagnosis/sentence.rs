@@ -1,6 +1,7 @@
 //! What the user reads first: what the operator did, then what the machine does, then what is left.
 
-use crate::identification::diagnosis::{Diagnosis, OPERATOR, Pulsation, Verdict};
+use crate::identification::diagnosis::{Diagnosis, Pulsation, Verdict};
+use crate::identification::effects::FEED_HOLD;
 use crate::project::comparison::seconds;
 use crate::project::diagnosis::CauseRow;
 
@@ -15,7 +16,7 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow]) -> String {
         (first, last) if first == last => format!(", most of it in line {first}"),
         (first, last) => format!(", most of it in lines {first} to {last}"),
     });
-    let is_operators = |cause: &&CauseRow| OPERATOR.contains(&cause.id.as_str());
+    let is_operators = |cause: &&CauseRow| cause.effect.is_by_operator();
     let operators: Vec<&CauseRow> = causes.iter().filter(is_operators).collect();
     let machines: Vec<&CauseRow> = causes.iter().filter(|cause| !is_operators(cause)).collect();
     let mut told = of_operator(&operators);
@@ -69,7 +70,7 @@ fn of_pace(Pulsation { frequency, depth }: Pulsation) -> String {
 
 /// What the operator did; several halts are one sentence.
 fn of_operator(causes: &[&CauseRow]) -> Vec<String> {
-    let is_hold = |cause: &&&CauseRow| cause.id == "feed_hold";
+    let is_hold = |cause: &&&CauseRow| cause.effect == FEED_HOLD;
     let holds: Vec<&&CauseRow> = causes.iter().filter(is_hold).collect();
     let others = causes.iter().filter(|cause| !is_hold(cause)).map(|cause| cause.sentence.clone());
     let mut told: Vec<String> = others.collect();

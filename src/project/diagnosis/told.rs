@@ -4,37 +4,15 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use crate::identification::effects::{Reported, ReportedValue, is_whole};
 use crate::machine::{Access, parameter};
 use crate::project::CALIBRATION;
 use crate::project::calibrated_view::{as_short, to_the_digits_of};
 
-/// Endings of a parameter's key with the unit they stand for, the longer ones first.
-const UNITS: [(&str, &str); 9] = [
-    ("_mm_min", "mm/min"),
-    ("_mm_s2", "mm/s²"),
-    ("_mm_s3", "mm/s³"),
-    ("_1_s", "1/s"),
-    ("_mm", "mm"),
-    ("_deg", "°"),
-    ("_hz", "Hz"),
-    ("_s", "s"),
-    ("seconds", "s"),
-];
-
-/// What the letters mean that stand for a quantity.
-const NAMES: [(&str, &str); 6] = [
-    ("a", "acceleration"),
-    ("v", "velocity"),
-    ("j", "jerk"),
-    ("kv", "Kv"),
-    ("seconds", "time"),
-    ("from_line", "from line"),
-];
-
 /// A parameter of a cause.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Told {
-    name: String,
+    name: &'static str,
     value: String,
     /// Standard deviation; none where it is not known.
     deviation: Option<String>,
@@ -43,9 +21,9 @@ pub struct Told {
 
 impl Told {
     /// Name, then value with deviation and unit.
-    pub fn both(&self) -> (&str, String) {
+    pub fn both(&self) -> (&'static str, String) {
         let deviation = self.deviation.as_ref().map_or(String::new(), |deviation| format!(" ± {deviation}"));
-        (&self.name, format!("{}{deviation} {}", self.value, self.unit).trim_end().to_string())
+        (self.name, format!("{}{deviation} {}", self.value, self.unit).trim_end().to_string())
     }
 }
 
@@ -61,23 +39,27 @@ pub struct Change {
     number: Option<f64>,
 }
 
-/// The parameters of a cause.
-pub fn told(parameters: &Map<String, Value>, uncertainty: &Map<String, Value>) -> Vec<Told> {
-    let of = |(key, value): (&String, &Value)| {
-        let ending = UNITS.iter().find(|(ending, _)| key.ends_with(ending));
-        let stem = ending.map_or(key.as_str(), |(ending, _)| key.strip_suffix(ending).unwrap_or(key));
-        let stem = if stem.is_empty() { key } else { stem };
-        let known = NAMES.iter().find(|(letters, _)| *letters == stem);
-        let name = known.map_or_else(|| stem.replace('_', " "), |(_, name)| (*name).to_string());
-        let deviation = uncertainty.get(key).and_then(Value::as_f64).filter(|deviation| 0.0 < *deviation);
-        let shown = match (value.as_f64(), deviation) {
-            (Some(number), Some(deviation)) => to_the_digits_of(number, deviation),
-            _ => text(value),
+/// The parameters of a cause, by their keys.
+pub fn told(values: &[ReportedValue]) -> Vec<Told> {
+    let mut values: Vec<&ReportedValue> = values.iter().collect();
+    values.sort_by_key(|value| value.quantity.key);
+    let of = |ReportedValue { quantity, value, deviation }: &ReportedValue| {
+        let deviation = deviation.filter(|deviation| 0.0 < *deviation);
+        let shown = match (value, deviation) {
+            (Reported::Number(number), Some(deviation)) => to_the_digits_of(*number, deviation),
+            (Reported::Number(whole), None) if is_whole(*whole) => {
+                (*whole as i64).to_string().replace('-', "−")
+            }
+            (Reported::Number(number), None) => as_short(*number),
+            (Reported::List(numbers), _) => {
+                numbers.iter().map(|number| as_short(*number)).collect::<Vec<_>>().join(", ")
+            }
+            (Reported::Word(word), _) => word.replace('_', " "),
         };
         let deviation = deviation.map(|deviation| to_the_digits_of(deviation, deviation));
-        Told { name, value: shown, deviation, unit: ending.map_or("", |(_, unit)| unit) }
+        Told { name: quantity.name, value: shown, deviation, unit: quantity.unit }
     };
-    parameters.iter().map(of).collect()
+    values.into_iter().map(of).collect()
 }
 
 /// The fields of a filled form that another has otherwise.
@@ -123,16 +105,22 @@ fn text(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identification::effects::{FROM_LINE, Quantity, SECONDS};
     use serde_json::json;
 
     #[test]
     fn parameters_have_names_units_and_the_digits_of_their_deviation() {
-        let parameters = json!({ "a_mm_s2": 1234.567, "axis": "X", "seconds": 0.25, "from_line": 123456 });
-        let uncertainty = json!({ "a_mm_s2": 12.3 });
-        let all =
-            told(parameters.as_object().expect("an object"), uncertainty.as_object().expect("an object"));
+        let acceleration = Quantity { key: "a_mm_s2", name: "acceleration", unit: "mm/s²" };
+        let axis = Quantity { key: "axis", name: "axis", unit: "" };
+        let values = [
+            (SECONDS, Reported::Number(0.25), None),
+            (acceleration, Reported::Number(1234.567), Some(12.3)),
+            (axis, Reported::word("X"), None),
+            (FROM_LINE, Reported::Number(123_456.0), None),
+        ];
+        let values = values.map(|(quantity, value, deviation)| ReportedValue { quantity, value, deviation });
         let lines: Vec<String> =
-            all.iter().map(|one| format!("{}: {}", one.both().0, one.both().1)).collect();
+            told(&values).iter().map(|one| format!("{}: {}", one.both().0, one.both().1)).collect();
         assert_eq!(lines, ["acceleration: 1235 ± 12 mm/s²", "axis: X", "from line: 123456", "time: 0.25 s"]);
     }
 

@@ -1,13 +1,13 @@
 use super::*;
-use crate::simulation::contour::plan_within;
 use crate::simulation::gcode::read;
+use crate::simulation::simulate;
 use crate::simulation::toolpath::trace;
 
 /// All places of a program on a machine at 10 µm, and what is lost in all.
 fn places(program: &str, machine: &Machine) -> (Vec<LostAt>, f64) {
     let toolpath = trace(&read(program.as_bytes()), machine);
     let tolerances = Tolerances::One(0.010);
-    let (plan, _) = plan_within(&toolpath, machine, tolerances, &mut |_| {});
+    let (plan, _) = simulate::within(&toolpath, machine, tolerances, &mut |_| {});
     let mut all = Vec::new();
     each_place(&toolpath, machine, &plan, tolerances, &mut |place| all.push(place));
     (all, total(&toolpath, machine, &plan))
@@ -63,7 +63,7 @@ fn the_costliest_come_first_and_are_the_largest() {
     let machine = Machine::default();
     let toolpath = trace(&read(of_all_kinds().as_bytes()), &machine);
     let tolerances = Tolerances::One(0.010);
-    let (plan, _) = plan_within(&toolpath, &machine, tolerances, &mut |_| {});
+    let (plan, _) = simulate::within(&toolpath, &machine, tolerances, &mut |_| {});
     let told = lost(&toolpath, &machine, &plan, tolerances);
     let (mut all, total) = places(&of_all_kinds(), &machine);
     all.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));

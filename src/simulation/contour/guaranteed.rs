@@ -22,11 +22,11 @@
 //! What is measured are programmed points. Where the filtered path is too far from the lines between them all the same, as
 //! [`strays`] finds it, the corners it follows there are held to less, and the whole is gone through again.
 
-use crate::machine::{CornerMode, Machine};
+use crate::machine::Machine;
 use crate::simulation::contour::strays::{Stray, strays};
-use crate::simulation::contour::{ContourErrors, SegmentErrors, contour_errors, measure};
-use crate::simulation::feed::{Bound, FeedPlan, Pulse, Rule, Tolerances, plan};
-use crate::simulation::profile::{Profile, retimed};
+use crate::simulation::contour::{ContourErrors, SegmentErrors, measure};
+use crate::simulation::feed::{Bound, FeedPlan, Pulse, Rule, Tolerances, command};
+use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Curve, Toolpath};
 use std::collections::BTreeMap;
 
@@ -65,45 +65,6 @@ const STRAYINGS: usize = 8;
 
 /// How much of what is left to do a round is taken for: how many it will be is not known before.
 const PART_OF_REST: f64 = 0.05;
-
-/// The plan of a toolpath that holds a contour tolerance (mm), or those of the program, in the
-/// machine's corner mode, and the contour errors of its profile. Before each round `progress` is told how much is done, from
-/// 0 up to, never reaching, 1.
-pub fn plan_within(
-    toolpath: &Toolpath,
-    machine: &Machine,
-    tolerances: impl Into<Tolerances>,
-    progress: &mut dyn FnMut(f64),
-) -> (FeedPlan, ContourErrors) {
-    let tolerances = tolerances.into();
-    let isolated = plan(toolpath, machine, tolerances.into());
-    match machine.interpolator.corner_mode {
-        CornerMode::Paper => {
-            let errors = contour_errors(toolpath, &isolated, &Profile::new(toolpath, &isolated));
-            (retimed(toolpath, machine, isolated), errors)
-        }
-        CornerMode::Guaranteed => {
-            let (plan, errors) = corrected(toolpath, machine, tolerances, isolated, progress);
-            (retimed(toolpath, machine, plan), errors)
-        }
-    }
-}
-
-/// The cycle time (s) of [`plan_within`], without the contour errors where the corner mode needs none.
-pub fn cycle_time_within(
-    toolpath: &Toolpath,
-    machine: &Machine,
-    tolerances: impl Into<Tolerances>,
-    progress: &mut dyn FnMut(f64),
-) -> f64 {
-    let tolerances = tolerances.into();
-    match machine.interpolator.corner_mode {
-        CornerMode::Paper => {
-            retimed(toolpath, machine, plan(toolpath, machine, tolerances.into())).cycle_time()
-        }
-        CornerMode::Guaranteed => plan_within(toolpath, machine, tolerances, progress).0.cycle_time(),
-    }
-}
 
 /// What a round may do to a feedrate.
 #[derive(Clone, Copy)]
@@ -151,8 +112,10 @@ fn changed(asked: &mut f64, planned: f64, error: f64, ceiling: f64, round: Round
     true
 }
 
-/// Rounds of correction, pass after pass.
-fn corrected(
+/// The fastest plan found, pass after pass, that holds the contour tolerances everywhere, with its contour errors.
+/// It begins with `isolated`, the command by the isolated law. Before each round `progress` is called with the
+/// completed fraction, from 0 up to but never reaching 1.
+pub(crate) fn guaranteed(
     toolpath: &Toolpath,
     machine: &Machine,
     tolerances: Tolerances,
@@ -184,7 +147,7 @@ fn corrected(
             rest *= 1.0 - PART_OF_REST;
             if asked.change(&now, &errors, shares.of(bounds()), round) {
                 let given = Rule::Given { corners: &asked.corners, segments: &asked.segments };
-                let next = plan(toolpath, machine, given);
+                let next = command(toolpath, machine, given);
                 let stale = within_a_delay(&now, &next);
                 now = next;
                 let profile = Profile::new(toolpath, &now);

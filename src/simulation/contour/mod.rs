@@ -22,7 +22,7 @@ mod regions;
 mod strays;
 
 pub use few::Few;
-pub use guaranteed::{cycle_time_within, plan_within};
+pub(crate) use guaranteed::guaranteed;
 pub use regions::{Region, regions_beyond};
 
 use std::cmp::Ordering;

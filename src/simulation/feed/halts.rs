@@ -9,6 +9,7 @@
 //! |---|---|
 //! | feed hold | within the pulse that sends its place, which it divides |
 //! | wait before a line that moves first | before the first pulse of its stretch |
+//! | wait at an S word in a block of motion | before the first pulse of its stretch |
 //! | wait for position | behind the last pulse of its stretch |
 //!
 //! A wait before a line that begins with a function, a dwell or a turn of rotary axes adds to that.
@@ -38,6 +39,9 @@ impl Halting {
     pub(super) fn of(toolpath: &Toolpath, machine: &Machine) -> Halting {
         let halts = &machine.halts;
         let mut found = Halting::default();
+        if 0.0 < machine.times.spindle_change {
+            found.segments.extend(toolpath.speed_changes().map(|next| (next, machine.times.spindle_change)));
+        }
         if halts.waits.is_empty() && halts.feed_holds.is_empty() {
             return found;
         }
@@ -55,7 +59,7 @@ impl Halting {
                 if is_stop {
                     found.stops.insert(stop, seconds);
                 } else {
-                    found.segments.insert(segment, seconds);
+                    *found.segments.entry(segment).or_default() += seconds;
                 }
             }
             last_line = Some(line);

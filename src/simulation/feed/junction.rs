@@ -5,10 +5,15 @@
 //!
 //! ```text
 //! acceleration blend    √(aₙ R),  R = min(ε C/(1 − C), ½ L C / sin(φ/2)),  aₙ = √3/2 a
-//! junction deviation    √(a δ C/(1 − C))
-//! square-corner velocity   the same with δ = V² (√2 − 1)/a, which is V at 90° whatever a is
+//! junction deviation    √(b δ C/(1 − C)),  b = min_k a_k / |d_k|,  d = (u2 − u1)/D
+//! square-corner velocity   √min_l( V² (√2 − 1) (a_l/A) C/(1 − C),  ½ L_l a_l C / sin(φ/2) )
 //! axis velocity step    V / max_k |u2 − u1|_k
 //! ```
+//!
+//! Junction deviation takes the acceleration b along the bisector, the direction d in which the velocity changes, with each
+//! axis at its own limit a_k: where X and Y may have a, it is √2 a at a right angle between them. The square-corner
+//! velocity V (mm/s) is that at 90° whatever the acceleration A along the path is; a_l ≤ A is that of either leg l, and
+//! the second term is a circle that touches the leg no further away than at its middle, L_l/2.
 //!
 //! Beside any of them corners may be slowed by their turn, down to an exact stop from the turn φ₀ on:
 //!
@@ -70,8 +75,8 @@ pub struct Turn {
     change: f64,
     /// C, the cosine of half the turn.
     half_cosine: f64,
-    /// Length of the shorter leg, mm.
-    shorter: f64,
+    /// Lengths of both legs, mm.
+    lengths: [f64; 2],
     /// Whether a leg is an arc.
     of_arc: bool,
 }
@@ -85,7 +90,7 @@ impl Turn {
             after: u2,
             change: (u2 - u1).norm(),
             half_cosine: 0.5 * (u2 + u1).norm(),
-            shorter: before.length.min(after.length),
+            lengths: [before.length, after.length],
             of_arc: [before, after].iter().any(|leg| matches!(leg.curve, Curve::Arc(_))),
         }
     }
@@ -99,7 +104,7 @@ impl Turn {
 
     /// Radius of the blend, mm.
     fn blend_radius(&self, tolerance: f64) -> f64 {
-        let by_length = self.shorter * self.half_cosine / self.change;
+        let by_length = self.lengths[0].min(self.lengths[1]) * self.half_cosine / self.change;
         (tolerance * self.radius_of_deviation()).min(by_length)
     }
 
@@ -120,7 +125,7 @@ impl Turn {
         if self.half_cosine < 0.5 * REVERSAL {
             return Blend::none(0.0);
         }
-        let by_circle = self.feedrate(machine, tolerance).min(self.axis_feedrate(machine));
+        let by_circle = self.circle_feedrate(machine, tolerance).min(self.axis_feedrate(machine));
         let by_kink = feedrate * KINK / kink;
         if by_circle <= by_kink {
             return Blend { taken: KINK, ..Blend::none(by_kink) };
@@ -134,6 +139,12 @@ impl Turn {
             acceleration: 0.5 * self.acceleration(machine),
             taken: 0.0,
         }
+    }
+
+    /// The fastest command along the blend, mm/s.
+    fn circle_feedrate(&self, machine: &Machine, tolerance: f64) -> f64 {
+        let acceleration = (NORMAL * self.acceleration(machine)).min(machine.path.centripetal_acceleration);
+        (acceleration * self.blend_radius(tolerance)).sqrt()
     }
 
     /// φ/2, rad.
@@ -178,6 +189,23 @@ impl Turn {
         self.in_plane(machine.axes.map(|axis| axis.acceleration)).min(machine.path.acceleration)
     }
 
+    /// Acceleration in the direction in which the velocity changes, mm/s², with each axis at its own limit.
+    fn acceleration_along_change(&self, machine: &Machine) -> f64 {
+        let along = (self.after - self.before) / self.change;
+        let axes = machine.axes.iter().zip(along.iter());
+        axes.map(|(axis, share)| axis.acceleration / share.abs()).fold(machine.path.acceleration, f64::min)
+    }
+
+    /// The square of the fastest command at the corner by the velocity at 90°, mm²/s², for one leg of `length` (mm) and
+    /// `acceleration` (mm/s²).
+    fn square_by_leg(&self, velocity: f64, machine: &Machine, length: f64, acceleration: f64) -> f64 {
+        let whole = machine.path.acceleration;
+        let share = if whole.is_finite() { acceleration / whole } else { 1.0 };
+        let by_deviation =
+            velocity * velocity * (std::f64::consts::SQRT_2 - 1.0) * share * self.radius_of_deviation();
+        by_deviation.min(length * acceleration * self.half_cosine / self.change)
+    }
+
     /// The length of the longest vector in any direction of the plane of the corner whose components
     /// are all within `limits`.
     fn in_plane(&self, limits: [f64; 3]) -> f64 {
@@ -188,27 +216,32 @@ impl Turn {
         axes.map(|(k, limit)| limit / across[k].hypot(along[k])).fold(f64::INFINITY, f64::min)
     }
 
-    /// The fastest command at the corner, mm/s; infinite where the law does not bind.
-    pub fn feedrate(&self, machine: &Machine, tolerance: f64) -> f64 {
+    /// The fastest command at the corner of legs with these accelerations (mm/s²), mm/s; infinite where the law does not
+    /// bind.
+    pub fn feedrate(&self, machine: &Machine, tolerance: f64, accelerations: [f64; 2]) -> f64 {
         if self.change == 0.0 {
             return f64::INFINITY;
         }
         match machine.interpolator.junction {
             Junction::Tolerance => f64::INFINITY,
-            Junction::AccelerationBlend => {
-                let acceleration =
-                    (NORMAL * self.acceleration(machine)).min(machine.path.centripetal_acceleration);
-                (acceleration * self.blend_radius(tolerance)).sqrt()
-            }
+            Junction::AccelerationBlend => self.circle_feedrate(machine, tolerance),
             Junction::Deviation(deviation) => {
-                (self.acceleration(machine) * deviation * self.radius_of_deviation()).sqrt()
+                (self.acceleration_along_change(machine) * deviation * self.radius_of_deviation()).sqrt()
             }
             Junction::SquareCorner(velocity) => {
-                velocity * ((std::f64::consts::SQRT_2 - 1.0) * self.radius_of_deviation()).sqrt()
+                let of =
+                    |leg: usize| self.square_by_leg(velocity, machine, self.lengths[leg], accelerations[leg]);
+                of(0).min(of(1)).sqrt()
             }
             Junction::AxisStep(velocity) => velocity / (self.after - self.before).amax(),
         }
     }
+}
+
+/// Whether the motion stands where a rapid and a feed move meet: LinuxCNC blends none with the other (tp.c,
+/// `handleModeChange`).
+pub fn stops_at_rapids(machine: &Machine) -> bool {
+    machine.interpolator.junction == Junction::AccelerationBlend
 }
 
 /// The fastest command at a corner where the direction changes by `change`, of legs of which the slower runs at
@@ -261,7 +294,7 @@ mod tests {
             after,
             change: (after - before).norm(),
             half_cosine: 0.5 * (after + before).norm(),
-            shorter: 10.0,
+            lengths: [10.0, 12.0],
             of_arc: false,
         }
     }
@@ -279,15 +312,39 @@ mod tests {
         let radius = 1.0 / (std::f64::consts::SQRT_2 - 1.0);
         let expected = [
             (Junction::AccelerationBlend, (NORMAL * 500.0 * 0.02 * radius).sqrt()),
-            (Junction::Deviation(0.03), (500.0 * 0.03 * radius).sqrt()),
+            (Junction::Deviation(0.03), (std::f64::consts::SQRT_2 * 500.0 * 0.03 * radius).sqrt()),
             (Junction::SquareCorner(5.0), 5.0),
             (Junction::AxisStep(7.0), 7.0),
             (Junction::Tolerance, f64::INFINITY),
         ];
         for (junction, feedrate) in expected {
-            let found = corner.feedrate(&machine(junction), 0.02);
+            let found = corner.feedrate(&machine(junction), 0.02, [500.0; 2]);
             assert!(found == feedrate || (found / feedrate - 1.0).abs() < 1e-12, "{junction:?}: {found}");
         }
+    }
+
+    /// What grbl 1.1 was recorded at: 248 mm/min where X and Y of 500 mm/s² meet at a right angle.
+    #[test]
+    fn junction_deviation_takes_the_acceleration_along_the_bisector() {
+        let corner = turn(std::f64::consts::FRAC_PI_2);
+        let mut machine = machine(Junction::Deviation(0.010));
+        let found = mm_per_min(corner.feedrate(&machine, 0.02, [500.0; 2]));
+        assert!((found - 247.9).abs() < 0.1, "{found} mm/min");
+        machine.axes[0].acceleration = 200.0;
+        let slower = mm_per_min(corner.feedrate(&machine, 0.02, [500.0; 2]));
+        assert!((slower / found - 0.4f64.sqrt()).abs() < 1e-12, "{slower} mm/min");
+    }
+
+    #[test]
+    fn short_legs_and_slow_ones_limit_a_square_corner() {
+        let mut corner = turn(std::f64::consts::FRAC_PI_2);
+        let mut machine = machine(Junction::SquareCorner(5.0));
+        machine.path.acceleration = 500.0;
+        let feedrate = |corner: &Turn, accelerations| corner.feedrate(&machine, 0.02, accelerations);
+        assert!((feedrate(&corner, [500.0, 125.0]) - 2.5).abs() < 1e-12);
+        // The circle that touches both legs at their middles has the radius of half a leg.
+        corner.lengths = [0.04, 3.0];
+        assert!((feedrate(&corner, [500.0; 2]) - (0.02f64 * 500.0).sqrt()).abs() < 1e-12);
     }
 
     #[test]
@@ -308,7 +365,7 @@ mod tests {
     fn blends_are_as_fast_as_recorded() {
         let machine = machine(Junction::AccelerationBlend);
         for (degrees, recorded) in [(90.0f64, 274.3), (135.0, 139.0)] {
-            let found = mm_per_min(turn(degrees.to_radians()).feedrate(&machine, 0.02));
+            let found = mm_per_min(turn(degrees.to_radians()).circle_feedrate(&machine, 0.02));
             assert!((found - recorded).abs() < 0.1, "{degrees}°: {found} mm/min");
         }
     }
@@ -318,9 +375,10 @@ mod tests {
         for degrees in [0.1f64, 1.0, 20.0, 90.0, 150.0, 179.0] {
             let (corner, machine) = (turn(degrees.to_radians()), machine(Junction::AccelerationBlend));
             for tolerance in [1e-4, 0.02, 5.0] {
-                let normal = corner.feedrate(&machine, tolerance).powi(2) / corner.blend_radius(tolerance);
+                let normal =
+                    corner.circle_feedrate(&machine, tolerance).powi(2) / corner.blend_radius(tolerance);
                 assert!(normal.hypot(0.5 * corner.acceleration(&machine)) <= 500.0 * (1.0 + 1e-12));
-                assert!(corner.blend_distance(tolerance) <= 0.5 * corner.shorter * (1.0 + 1e-12));
+                assert!(corner.blend_distance(tolerance) <= 0.5 * 10.0 * (1.0 + 1e-12));
             }
         }
     }

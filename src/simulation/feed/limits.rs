@@ -3,7 +3,8 @@
 //! It is the smallest of
 //!
 //! - the programmed feedrate times its override, or that of a rapid within its axis limits times its
-//!   own;
+//!   own: r = min(r_path, min_k r_k / |u_k|), so that the slowest axis for its part of the move runs at its rapid r_k and
+//!   diagonals are faster than single axes;
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it;
 //! - L Ω_k / |Δ_k|: no rotary axis k, which turns along by Δ_k, above its limit Ω_k (rad/s);
 //! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ the filtered path runs inside by
@@ -30,7 +31,9 @@ use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
-        Motion::Rapid => machine.rapid.feedrate.min(by_axes) * machine.overrides.of_rapid(segment.line.0),
+        Motion::Rapid => {
+            rapid_feedrate(segment, machine).min(by_axes) * machine.overrides.of_rapid(segment.line.0)
+        }
         Motion::Feed { feedrate } => feedrate * machine.overrides.of_feed(segment.line.0),
     };
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
@@ -38,7 +41,20 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
 
 /// Whether of lines that are programmed alike the same is asked, wherever they lead and wherever they stand.
 pub fn are_lines_alike(machine: &Machine) -> bool {
-    machine.overrides.is_even() && has_no_axis_limit(machine)
+    machine.overrides.is_even() && has_no_axis_limit(machine) && has_no_axis_rapid(machine)
+}
+
+/// The feedrate of a rapid segment, mm/s: that of the machine along the path, and no axis above its own.
+pub fn rapid_feedrate(segment: &Segment, machine: &Machine) -> f64 {
+    if has_no_axis_rapid(machine) {
+        return machine.rapid.feedrate;
+    }
+    machine.rapid_feedrate(largest_share(segment).into())
+}
+
+/// Whether no axis has a rapid of its own.
+fn has_no_axis_rapid(machine: &Machine) -> bool {
+    machine.axes.iter().all(|axis| axis.rapid == f64::INFINITY)
 }
 
 /// Whether no axis has a velocity limit.

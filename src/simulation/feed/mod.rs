@@ -8,8 +8,9 @@
 //! A turn of rotary axes alone has no length along the path: it is a wait of its time, and a chain of
 //! turns costs the filter delay once.
 //!
-//! Chains of nearly straight lines may be planned as one, as in the module of smoothing. With the junctions
-//! of LinuxCNC the segments of a stretch become pulses as in [`blend`].
+//! Arcs may be planned as the chords that the control runs in place of them, as in the module of chords, and chains of
+//! nearly straight lines as one, as in the module of smoothing. With the junctions of LinuxCNC the segments of a stretch
+//! become pulses as in [`blend`]; with a minimum part of cruising, as in Klipper, short moves stay below their feedrate.
 //!
 //! What ends a stretch, each costing a full D:
 //!
@@ -18,6 +19,7 @@
 //! - an exact stop: G9 and G61, a corner sharper than the machine's exact-stop angle, both ends
 //!   of every rapid where the machine has rapids stop or wait for position;
 //! - a wait before a line, of `halts`;
+//! - a change from feed to rapid and back under the law of LinuxCNC, which blends no rapid with a feed move;
 //! - a change of the filters' constants, between feed and rapid, where rapids have their own:
 //!   filters can only be exchanged while the machine stands, or distance would be lost.
 //!
@@ -29,7 +31,7 @@
 //! what the stand-in machine does, by a millisecond; a corner on an arc may so leave the tolerance by
 //! itself, which `CornerMode::Guaranteed` corrects.
 //!
-//! Acceleration limits of axes and path act behind the filters, in [`retiming`]; where the machine says so, or
+//! Acceleration limits of axes and path act behind the filters, in [`time_scaling`]; where the machine says so, or
 //! junctions follow laws of acceleration, they shape the command itself.
 //!
 //! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest feedrate asked for in
@@ -38,21 +40,25 @@
 
 pub mod blend;
 pub mod block;
+mod chords;
 pub mod corner;
+mod cruise;
 mod halts;
 pub mod junction;
 pub mod limits;
 mod positioning;
 mod pulses;
 mod ramp;
-pub mod retiming;
+mod reach;
+pub mod time_scaling;
 mod smoothing;
 mod stretch;
+mod substitute;
 mod tolerances;
 
 pub use pulses::Pulses;
-pub use retiming::{Knot, Pace, Retiming};
 pub use smoothing::rounding;
+pub use time_scaling::{Knot, Pace, TimeScaling};
 pub use tolerances::{Bound, Held, Limit, Tolerances};
 
 use crate::machine::{Machine, TimeConstants};
@@ -60,6 +66,7 @@ use crate::simulation::feed::halts::Halting;
 use crate::simulation::feed::stretch::add_stretch;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
+use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause, Toolpath};
 
 /// A piece of command along one segment, linear in time.
@@ -122,7 +129,7 @@ pub struct FeedPlan {
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
     /// What acceleration limits behind the filters cost; none where they cost nothing.
-    pub retiming: Option<Retiming>,
+    pub time_scaling: Option<TimeScaling>,
 }
 
 /// By what the corners and arcs are commanded.
@@ -181,7 +188,7 @@ impl FeedPlan {
             Phase::Wait(wait) => [wait.duration, 0.0, 0.0],
             Phase::Motion(stretch) => {
                 let delay = self.filters[stretch.filter].delay();
-                [self.command_time(stretch), delay, retiming::lost(self.knots(stretch))]
+                [self.command_time(stretch), delay, time_scaling::lost(self.knots(stretch))]
             }
         });
         running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
@@ -202,7 +209,7 @@ impl FeedPlan {
 
     /// The knots of a stretch where it loses time behind the filters; none where it does not.
     pub fn knots(&self, stretch: &Stretch) -> &[Knot] {
-        self.retiming.as_ref().map_or(&[], |retiming| retiming.knots(stretch))
+        self.time_scaling.as_ref().map_or(&[], |time_scaling| time_scaling.knots(stretch))
     }
 
     /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer, and what it
@@ -213,46 +220,25 @@ impl FeedPlan {
     }
 }
 
-/// A sum as if rounded once: Neumaier's summation, so that a million blocks lose no more digits than one.
-#[derive(Clone, Copy, Default)]
-pub struct RunningSum {
-    sum: f64,
-    lost: f64,
-}
-
-impl RunningSum {
-    /// Adds a value.
-    #[inline]
-    pub fn add(&mut self, value: f64) {
-        let Self { sum, lost } = *self;
-        let next = sum + value;
-        let change = if value.abs() <= sum.abs() { (sum - next) + value } else { (value - next) + sum };
-        *self = Self { sum: next, lost: lost + change };
-    }
-
-    /// What it is so far.
-    #[inline]
-    pub fn value(self) -> f64 {
-        self.sum + self.lost
+/// The command on a machine as a plan: complete but for the time that acceleration limits cost behind the filters, which
+/// [`simulate`](crate::simulation::simulate) adds.
+pub(crate) fn command(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
+    match chords::chorded(toolpath, machine) {
+        Some(chorded) => {
+            chorded.planned(toolpath, rule, |toolpath, rule| plan_of_segments(toolpath, machine, rule))
+        }
+        None => plan_of_segments(toolpath, machine, rule),
     }
 }
 
-/// The sums of the first 1, 2, 3 … values, each a [`RunningSum`].
-pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
-    values.scan(RunningSum::default(), |sum, value| {
-        sum.add(value);
-        Some(sum.value())
-    })
-}
-
-/// The feed plan of a toolpath on a machine.
-pub fn plan(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
-    let Some(merged) = smoothing::merged(toolpath, machine, rule.tolerances()) else {
-        return plan_as_written(toolpath, machine, rule);
-    };
-    let given = merged.given(rule);
-    let rule = given.as_ref().map_or(rule, |(corners, segments)| Rule::Given { corners, segments });
-    merged.spread(plan_as_written(&merged.toolpath, machine, rule), toolpath)
+/// The plan with each segment run as it is, but for lines that are merged.
+fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
+    match smoothing::merged(toolpath, machine, rule.tolerances()) {
+        Some(merged) => {
+            merged.planned(toolpath, rule, |toolpath, rule| plan_as_written(toolpath, machine, rule))
+        }
+        None => plan_as_written(toolpath, machine, rule),
+    }
 }
 
 /// The plan with each block run as it is written.
@@ -349,7 +335,7 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
     let own_filters = machine.rapid.time_constants.is_some()
         || matches!(machine.interpolator.time_constants, TimeConstants::FromJerk(_));
     before.exact_stop
-        || (rapid(before) != rapid(after) && own_filters)
+        || (rapid(before) != rapid(after) && (own_filters || junction::stops_at_rapids(machine)))
         || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
         || halts::rapid_ends_stop(before, machine)
         || positioning::applies(before, machine)

@@ -54,13 +54,13 @@ pub fn time_constant(segment: &Segment, feedrate: f64, machine: &Machine) -> f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::feed::{Tolerances, plan};
+    use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
     use crate::simulation::toolpath::trace;
 
     fn seconds(program: &str, machine: &Machine) -> f64 {
         let toolpath = trace(&read(program.as_bytes()), machine);
-        plan(&toolpath, machine, Tolerances::Programmed.into()).cycle_time()
+        command(&toolpath, machine, Tolerances::Programmed.into()).cycle_time()
     }
 
     fn machine(jerk: f64) -> Machine {

@@ -132,7 +132,7 @@ fn largest(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::feed::{Tolerances, plan};
+    use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
     use crate::simulation::toolpath::trace;
 
@@ -192,7 +192,7 @@ mod tests {
             let mut machine = Machine::default();
             machine.path.jerk = jerk;
             let toolpath = trace(&read(program.as_bytes()), &machine);
-            let time = plan(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time();
+            let time = command(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time();
             assert!(time <= before, "{jerk}: {time}, {before}");
             before = time;
         }

@@ -13,10 +13,8 @@
 //! along, and where it would come back to B. An arc around Z whose middle lies within Q of its chord
 //! becomes the two lines over that middle, which may join chains as well.
 //!
-//! A chain of length S along the program is ‖M‖ along its chord. It is planned as one segment of that
-//! length; what comes out is put back onto the program with distances and feedrates times S/‖M‖, so
-//! that the time is that of the chord and each block has its share by length. The distance axis so stays
-//! that of the program, and a position on it is within Q of the one on the chord.
+//! A chain is planned as one segment along its chord, and put back onto the program by the module of
+//! substitutes; a position on the program is within Q of the one on the chord.
 //!
 //! Q is what the machine holds. Where it leaves that to the program, which is with the law of LinuxCNC
 //! alone, it is Q of G64, or else P, and with neither, or with exact stops, nothing is merged. A tolerance laid over the whole
@@ -37,9 +35,10 @@
 //! (src/emc/task/emccanon.cc).
 
 use crate::machine::{Junction, Machine};
+use crate::simulation::feed::Tolerances;
+use crate::simulation::feed::substitute::{Cover, Substitute};
 use crate::simulation::feed::tolerances::change;
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, Rule, Stretch, Tolerances};
-use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Point, Segment, Stop, Toolpath};
+use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Point, Segment, Toolpath};
 
 /// Points of a chain beside its beginning.
 const MOST_POINTS: usize = 101;
@@ -60,28 +59,8 @@ pub fn is_rounded(before: &Segment, after: &Segment, machine: &Machine) -> bool 
         && rounding(before, after).is_some_and(|rounding| rounding < machine.interpolator.corner_smoothing)
 }
 
-/// A toolpath to plan in place of the program's.
-pub struct Merged {
-    /// The segments as they are run. Each covers the program from where the one before ends.
-    pub toolpath: Toolpath,
-    /// What each covers.
-    covers: Vec<Cover>,
-}
-
-/// What a segment covers of the program.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Cover {
-    /// The first segment of the program, and how far along it this one begins, mm.
-    first: usize,
-    offset: f64,
-    /// The last, which may be the first of the next as well.
-    last: usize,
-    /// Length of the program, mm.
-    length: f64,
-}
-
 /// The toolpath with its chains merged; none where nothing is.
-pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) -> Option<Merged> {
+pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) -> Option<Substitute> {
     let leaves_it = machine.interpolator.junction == Junction::AccelerationBlend
         && std::f64::consts::PI <= machine.interpolator.stopping_angle();
     if !(machine.interpolator.path_smoothing.map_or(leaves_it, |within| 0.0 < within)) {
@@ -89,25 +68,30 @@ pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) ->
     }
     let mut merging = Merging {
         toolpath,
-        merged: Merged { toolpath: Toolpath::default(), covers: Vec::new() },
+        merged: Substitute::default(),
         points: Vec::new(),
         cover: Cover { first: 0, offset: 0.0, last: 0, length: 0.0 },
-        stops: 0,
         has_merged: false,
     };
     let mut modes = toolpath.path_modes.iter().peekable();
+    let mut spins = toolpath.spins.iter().peekable();
     let mut within = distance(None, machine, tolerances);
     for (number, segment) in toolpath.segments.iter().enumerate() {
         while let Some(mode) = modes.next_if(|mode| mode.from <= number) {
             merging.flush();
             within = distance(Some(mode), machine, tolerances);
-            let from = merging.merged.covers.len();
-            merging.merged.toolpath.path_modes.push(PathMode { from, ..mode.clone() });
+            merging.merged.take_path_mode(mode);
+        }
+        while let Some((_, spin)) = spins.next_if(|(from, _)| *from <= number) {
+            if 0.0 < machine.times.spindle_change {
+                merging.flush();
+            }
+            merging.merged.take_spin(*spin);
         }
         merging.take(number, &segment, within, machine);
     }
     merging.flush();
-    merging.take_stops(usize::MAX);
+    merging.merged.take_stops(toolpath, usize::MAX);
     merging.has_merged.then_some(merging.merged)
 }
 
@@ -131,13 +115,11 @@ fn distance(mode: Option<&PathMode>, machine: &Machine, tolerances: Tolerances) 
 /// A chain that grows, and what came of those before.
 struct Merging<'a> {
     toolpath: &'a Toolpath,
-    merged: Merged,
+    merged: Substitute,
     /// The points of the chain after its beginning.
     points: Vec<Point>,
     /// What the chain covers so far.
     cover: Cover,
-    /// Stops that were taken over.
-    stops: usize,
     /// Whether anything is not as written.
     has_merged: bool,
 }
@@ -149,11 +131,11 @@ impl Merging<'_> {
             let of_feed = |segment: &Segment| machine.overrides.of_feed(segment.line.0);
             before.motion == segment.motion && !before.exact_stop && of_feed(before) == of_feed(segment)
         };
-        let next_stop = self.toolpath.stops.get(self.stops).map_or(usize::MAX, |stop| stop.after);
-        if next_stop <= number || !number.checked_sub(1).is_some_and(|k| joins(&self.toolpath.segments.at(k)))
+        if self.merged.stops_before(self.toolpath, number)
+            || !number.checked_sub(1).is_some_and(|k| joins(&self.toolpath.segments.at(k)))
         {
             self.flush();
-            self.take_stops(number);
+            self.merged.take_stops(self.toolpath, number);
         }
         let may_merge = within != 0.0 && segment.motion != Motion::Rapid && segment.rotation.is_none();
         match &segment.curve {
@@ -228,141 +210,13 @@ impl Merging<'_> {
             Segment { start, end, curve: Curve::Line, length, exact_stop, ..last }
         };
         self.points.clear();
-        self.push(segment, cover);
+        self.merged.push(segment, cover);
     }
 
     fn copy(&mut self, number: usize, segment: &Segment) {
         self.flush();
         let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
-        self.push(segment.clone(), cover);
-    }
-
-    fn push(&mut self, segment: Segment, cover: Cover) {
-        self.merged.toolpath.segments.push(segment);
-        self.merged.covers.push(cover);
-    }
-
-    /// Takes over the stops up to a segment of the program.
-    fn take_stops(&mut self, number: usize) {
-        let after = self.merged.covers.len();
-        while let Some(stop) = self.toolpath.stops.get(self.stops).filter(|stop| stop.after <= number) {
-            self.merged.toolpath.stops.push(Stop { after, ..*stop });
-            self.stops += 1;
-        }
-    }
-}
-
-impl Merged {
-    /// Feedrates that are given for the segments of the program, for those that are run: the smallest of
-    /// a chain, and at its end that of the corner there.
-    pub fn given(&self, rule: Rule) -> Option<(Vec<f64>, Vec<f64>)> {
-        let Rule::Given { corners, segments } = rule else { return None };
-        let at_end = |(index, cover): (usize, &Cover)| {
-            let goes_on = self.covers.get(index + 1).is_some_and(|next| next.first == cover.last);
-            if goes_on { f64::INFINITY } else { corners[cover.last] }
-        };
-        let slowest =
-            |cover: &Cover| segments[cover.first..=cover.last].iter().copied().fold(f64::INFINITY, f64::min);
-        Some((
-            self.covers.iter().enumerate().map(at_end).collect(),
-            self.covers.iter().map(slowest).collect(),
-        ))
-    }
-
-    /// The plan of the merged toolpath, put back onto the program.
-    pub fn spread(&self, plan: FeedPlan, program: &Toolpath) -> FeedPlan {
-        let segments = program.segments.len();
-        let mut spread = FeedPlan {
-            start: plan.start,
-            phases: Vec::with_capacity(plan.phases.len()),
-            pulses: Pulses::default(),
-            filters: plan.filters,
-            corner_feedrates: vec![f64::INFINITY; segments],
-            segment_feedrates: vec![f64::INFINITY; segments],
-            retiming: None,
-        };
-        spread.pulses.try_reserve_exact(plan.pulses.len() + segments).ok();
-        for (index, cover) in self.covers.iter().enumerate() {
-            let ratio = self.ratio(index);
-            for feedrate in &mut spread.segment_feedrates[cover.first..=cover.last] {
-                *feedrate = feedrate.min(ratio * plan.segment_feedrates[index]);
-            }
-            spread.corner_feedrates[cover.last] = plan.corner_feedrates[index];
-        }
-        for phase in &plan.phases {
-            let Phase::Motion(stretch) = phase else {
-                spread.phases.push(phase.clone());
-                continue;
-            };
-            let first_pulse = spread.pulses.len();
-            let mut place = (0, 0.0);
-            let mut now = usize::MAX;
-            for pulse in plan.pulses.range(stretch.pulses.clone()) {
-                let index = pulse.segment as usize;
-                let cover = &self.covers[index];
-                if index != now {
-                    (now, place) = (index, (cover.first, cover.offset));
-                }
-                let ratio = self.ratio(index);
-                lay(&pulse, ratio, cover.last, &mut place, program, &mut spread);
-            }
-            let covered = stretch.segments.clone();
-            spread.phases.push(Phase::Motion(Stretch {
-                segments: self.covers[covered.start].first..self.covers[covered.end - 1].last + 1,
-                pulses: first_pulse..spread.pulses.len(),
-                filter: stretch.filter,
-            }));
-        }
-        spread
-    }
-
-    /// Length along the program over that which is run.
-    fn ratio(&self, index: usize) -> f64 {
-        let (run, written) = (self.toolpath.segments.length(index), self.covers[index].length);
-        if run == written { 1.0 } else { written / run }
-    }
-}
-
-/// Lays a pulse onto the program from `place` on, a segment and the distance along it (mm), up to the
-/// segment `last`. Where it goes beyond the end of a segment it is cut: the distance x is reached after
-///
-/// ```text
-/// t = 2 x / (f + √(f² + 2 b x))         f command at its beginning, b its slope, mm/s²
-/// ```
-fn lay(
-    pulse: &Pulse,
-    ratio: f64,
-    last: usize,
-    place: &mut (usize, f64),
-    program: &Toolpath,
-    plan: &mut FeedPlan,
-) {
-    let mut left = pulse.duration;
-    let mut feedrate = pulse.feedrate.map(|feedrate| ratio * feedrate);
-    let slope = (feedrate[1] - feedrate[0]) / pulse.duration;
-    loop {
-        let (number, offset) = *place;
-        let room = program.segments.length(number) - offset;
-        let passed = left * 0.5 * (feedrate[0] + feedrate[1]);
-        if number == last || passed < room {
-            let segment = number as u32;
-            plan.pulses.push(Pulse { segment, duration: left, offset, feedrate });
-            place.1 += passed;
-            return;
-        }
-        let end = (feedrate[0] * feedrate[0] + 2.0 * slope * room).max(0.0).sqrt();
-        let duration = (2.0 * room / (feedrate[0] + end)).min(left);
-        if 0.0 < duration {
-            let segment = number as u32;
-            plan.pulses.push(Pulse { segment, duration, offset, feedrate: [feedrate[0], end] });
-            left -= duration;
-        }
-        feedrate[0] = end;
-        plan.corner_feedrates[number] = end;
-        *place = (number + 1, 0.0);
-        if left <= 0.0 {
-            return;
-        }
+        self.merged.push(segment.clone(), cover);
     }
 }
 
@@ -380,7 +234,7 @@ mod tests {
         machine
     }
 
-    fn merged_of(program: &str, machine: &Machine) -> Option<(Toolpath, Merged)> {
+    fn merged_of(program: &str, machine: &Machine) -> Option<(Toolpath, Substitute)> {
         let toolpath = trace(&read(program.as_bytes()), machine);
         merged(&toolpath, machine, Tolerances::Programmed).map(|merged| (toolpath, merged))
     }

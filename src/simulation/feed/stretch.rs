@@ -26,7 +26,7 @@ use crate::simulation::feed::ramp::Ramp;
 use crate::simulation::feed::smoothing;
 use crate::simulation::feed::{
     FeedPlan, Limit, Phase, Pulse, Pulses, Rule, Stretch, is_stopped_by_mode, limits, positioning,
-    running_sum, stands_before, turns_may_stop,
+    stands_before, turns_may_stop,
 };
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath, Vector};
@@ -52,8 +52,8 @@ pub(super) fn add_stretch(
     let chain = &filters[filter];
     let has_many_corners = MANY_CORNERS < range.len();
     let law = if has_many_corners { CornerLaw::for_many_corners(chain) } else { CornerLaw::new(chain) };
-    let stretch = Planned { toolpath, machine, rule, filter: chain, law, range };
-    let supplied = stretch.supplied(&asked);
+    let stretch = Planned { toolpath, machine, rule, filter: chain, law, range, asked: &asked };
+    let supplied = stretch.supplied();
     let is_blended = machine.interpolator.junction == Junction::AccelerationBlend;
     // A planner of ramps knows what it is supplied with.
     let is_known = is_blended || machine.interpolator.planned_by == PlannedBy::Supply;
@@ -66,14 +66,14 @@ pub(super) fn add_stretch(
     let mut lowered = Vec::new();
     let mut blends = stretch.corners(feedrates, corner_feedrates, |commanded| {
         if are_final {
-            stretch.add_pulses(pulses, &asked, commanded);
+            stretch.add_pulses(pulses, commanded);
         } else if commanded.feedrate < commanded.without_tolerance {
             lowered.push((commanded.i, commanded.without_tolerance));
         }
     });
     if is_blended {
         blends.push(Blend::none(0.0));
-        let (blended, at_corners) = stretch.blended(feedrates, &asked.accelerations, &blends);
+        let (blended, at_corners) = stretch.blended(feedrates, &blends);
         pulses.extend(blended);
         corner_feedrates.truncate(first_corner);
         corner_feedrates.extend(at_corners);
@@ -82,14 +82,14 @@ pub(super) fn add_stretch(
         if let Some(supplied) = starving {
             lowered = starved(&supplied, feedrates, &lowered);
         }
-        stretch.reach(corners, feedrates, &asked);
+        stretch.reach(corners, feedrates);
         let mut lowered = lowered.into_iter().peekable();
         let mut before = 0.0;
         for (i, (&feedrate, &after)) in feedrates.iter().zip(&*corners).enumerate() {
             let without_tolerance = lowered.next_if(|(at, _)| *at == i).map_or(feedrate, |(_, asked)| asked);
             let corners = [std::mem::replace(&mut before, after), after];
             let feedrates = [feedrate, without_tolerance];
-            stretch.add_pulses(pulses, &asked, &stretch.commanded(i, stretch.length(i), feedrates, corners));
+            stretch.add_pulses(pulses, &stretch.commanded(i, stretch.length(i), feedrates, corners));
         }
     }
     let pulses = first_pulse..pulses.len();
@@ -101,11 +101,11 @@ pub(super) fn add_stretch(
 const MANY_CORNERS: usize = 500;
 
 /// What is asked of each segment of a stretch by itself, apart from its feedrate.
-struct Asked {
+pub(super) struct Asked {
     /// One past its last segment in the toolpath.
     end: usize,
     /// Accelerations, mm/s²; empty where nothing depends on them.
-    accelerations: Vec<f64>,
+    pub(super) accelerations: Vec<f64>,
     /// The feedrate requested on the first segment, mm/s.
     first: f64,
     /// The largest feedrate requested, mm/s.
@@ -185,13 +185,14 @@ impl Asked {
 }
 
 /// The stretch being planned; its segments are counted from its first.
-struct Planned<'a> {
+pub(super) struct Planned<'a> {
     toolpath: &'a Toolpath,
-    machine: &'a Machine,
+    pub(super) machine: &'a Machine,
     rule: Rule<'a>,
-    filter: &'a FilterChain,
+    pub(super) filter: &'a FilterChain,
     law: CornerLaw<'a>,
-    range: Range<usize>,
+    pub(super) range: Range<usize>,
+    pub(super) asked: &'a Asked,
 }
 
 /// A segment between its corners.
@@ -236,34 +237,13 @@ impl Planned<'_> {
         self.toolpath.segments.curve(self.range.start + i)
     }
 
-    fn length(&self, i: usize) -> f64 {
+    pub(super) fn length(&self, i: usize) -> f64 {
         self.toolpath.segments.length(self.range.start + i)
     }
 
     /// The acceleration limit of the command on a segment, mm/s²; elsewhere accelerations act behind the filters.
-    fn acceleration(&self, i: usize, asked: &Asked) -> f64 {
-        if self.machine.limits_command() { asked.accelerations[i] } else { f64::INFINITY }
-    }
-
-    /// The feedrates at which blocks are supplied, mm/s: each processed in time, and with the way to a stop in sight; none
-    /// where they are always there.
-    fn supplied(&self, asked: &Asked) -> Option<Vec<f64>> {
-        let interpolator = &self.machine.interpolator;
-        if interpolator.block_time == 0.0 && interpolator.look_ahead == f64::INFINITY {
-            return None;
-        }
-        let count = self.range.len();
-        let mut travelled = vec![0.0];
-        travelled.extend(running_sum((0..count).map(|i| self.length(i))));
-        let supplied = |i: usize| {
-            let processed = self.length(i) / interpolator.block_time;
-            let seen = interpolator.look_ahead.min(count as f64) as usize + i;
-            // Whoever sees the end of the stretch sees where it stops.
-            let Some(end) = travelled.get(seen).filter(|_| seen < count) else { return processed };
-            let (half_delay, acceleration) = (self.filter.half_delay(), asked.accelerations[i]);
-            processed.min(limits::stopping_feedrate(end - travelled[i], half_delay, acceleration))
-        };
-        Some((0..count).map(supplied).collect())
+    pub(super) fn acceleration(&self, i: usize) -> f64 {
+        if self.machine.limits_command() { self.asked.accelerations[i] } else { f64::INFINITY }
     }
 
     /// Lowers the feedrates that are asked for (mm/s) to what the tolerance allows along each segment, adds the command at
@@ -346,7 +326,7 @@ impl Planned<'_> {
                 blends.push(Blend { feedrate: blend.feedrate.min(by_rule), ..blend });
                 blend.feedrate
             }
-            _ => turn().feedrate(self.machine, along),
+            _ => turn().feedrate(self.machine, along, [self.acceleration(i - 1), self.acceleration(i)]),
         };
         by_rule.min(by_limits)
     }
@@ -365,8 +345,8 @@ impl Planned<'_> {
     }
 
     /// The pulses and the command at each corner, mm/s, where junctions are blends.
-    fn blended(&self, feedrates: &[f64], accelerations: &[f64], blends: &[Blend]) -> (Vec<Pulse>, Vec<f64>) {
-        let legs = feedrates.iter().zip(accelerations).enumerate();
+    fn blended(&self, feedrates: &[f64], blends: &[Blend]) -> (Vec<Pulse>, Vec<f64>) {
+        let legs = feedrates.iter().zip(&self.asked.accelerations).enumerate();
         let leg = |(i, (&feedrate, &acceleration))| Leg { length: self.length(i), feedrate, acceleration };
         let legs: Vec<Leg> = legs.map(leg).collect();
         blend::pulses(&legs, blends, self.range.start)
@@ -374,37 +354,9 @@ impl Planned<'_> {
 
     /// The ramp of constant jerk by which the command of a segment changes, where it does.
     #[inline]
-    fn ramp(&self, i: usize, asked: &Asked) -> Option<Ramp> {
-        let ramp = Ramp::of(self.machine, self.acceleration(i, asked))?;
+    pub(super) fn ramp(&self, i: usize) -> Option<Ramp> {
+        let ramp = Ramp::of(self.machine, self.acceleration(i))?;
         (!positioning::applies(&self.segment(i), self.machine)).then_some(ramp)
-    }
-
-    /// A corner may be too fast for its neighbours.
-    fn has_reach(&self) -> bool {
-        self.machine.limits_command() || self.machine.path.jerk != f64::INFINITY
-    }
-
-    /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
-    /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
-    fn reach(&self, corners: &mut [f64], feedrates: &[f64], asked: &Asked) {
-        if !self.has_reach() {
-            return;
-        }
-        let reach = |from: f64, to: f64, i: usize| match self.ramp(i, asked) {
-            Some(ramp) => ramp.reach(from, self.length(i), to),
-            None => (from * from + 2.0 * self.acceleration(i, asked) * self.length(i)).sqrt(),
-        };
-        let mut before = 0.0;
-        for (i, corner) in corners.iter_mut().enumerate() {
-            let slower = feedrates.get(i + 1).map_or(0.0, |next| next.min(feedrates[i]));
-            *corner = corner.min(slower);
-            *corner = corner.min(reach(before, *corner, i));
-            before = *corner;
-        }
-        for i in (1..corners.len()).rev() {
-            let to = corners[i - 1];
-            corners[i - 1] = to.min(reach(corners[i], to, i));
-        }
     }
 
     /// A segment of a length (mm) with its feedrate and what that was without the tolerance, and with the command at its
@@ -421,7 +373,7 @@ impl Planned<'_> {
     }
 
     /// Adds the pulses of a segment.
-    fn add_pulses(&self, pulses: &mut Pulses, asked: &Asked, commanded: &Commanded) {
+    fn add_pulses(&self, pulses: &mut Pulses, commanded: &Commanded) {
         let &Commanded { i, length, chord, feedrate, without_tolerance, corners } = commanded;
         let number = self.range.start + i;
         if number == FIRST_SEGMENTS {
@@ -446,13 +398,13 @@ impl Planned<'_> {
                 offset += duration * 0.5 * (first + last);
             }
         };
-        match self.ramp(i, asked) {
+        match self.ramp(i) {
             Some(ramp) => {
                 let parts = ramp.parts(length, feedrate, ends[0], ends[1]);
                 parts.into_iter().flat_map(|part| ramp.pieces(part)).for_each(add);
             }
             None => {
-                let acceleration = self.acceleration(i, asked);
+                let acceleration = self.acceleration(i);
                 let parts = block::parts(length, feedrate, acceleration, ends[0], ends[1]);
                 parts.into_iter().for_each(&mut add);
             }

@@ -18,8 +18,8 @@
 //! control slows down for a turn that its axes do not feel; but never more than d/2.
 
 use crate::machine::Machine;
-use crate::simulation::feed::running_sum;
 use crate::simulation::gcode::LineNumber;
+use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Segment, Toolpath};
 
 /// What the contour tolerances are taken from.

@@ -3,7 +3,8 @@
 //! A stage keeps its remarks as data, one enum a stage, and puts them down through [`Remarks`],
 //! which bounds the list: a million bad lines make a few hundred messages and one count.
 
-use crate::simulation::gcode::LineNumber;
+use crate::simulation::gcode::{Cause, Doubt, Effect, LineNumber};
+use std::collections::HashMap;
 use std::fmt::Display;
 use std::mem::{Discriminant, discriminant};
 
@@ -32,7 +33,7 @@ pub struct Diagnostic {
 }
 
 /// Where in the program a remark belongs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Place {
     /// Line of the program.
     pub line: LineNumber,
@@ -56,6 +57,11 @@ pub trait Remark: Display + PartialEq {
     fn is_said_once(&self) -> bool {
         false
     }
+
+    /// What it leaves in doubt of the time, if anything.
+    fn doubt(&self) -> Option<(Cause, Effect)> {
+        None
+    }
 }
 
 /// A count with its noun: 1 block, 2 blocks.
@@ -74,22 +80,52 @@ pub struct Remarks<R> {
     /// How often each kind came up, and where in the list its first unlisted one stands.
     kinds: Vec<(Discriminant<R>, usize, usize)>,
     said_once: Vec<R>,
+    /// Those of the list by their places, with how often each came up.
+    listed: HashMap<Place, Vec<Listed<R>>>,
+    /// How many blocks or segments come before what is looked at.
+    after: usize,
+    /// What the remarks leave in doubt, in order; unlike the list, all of it.
+    pub(crate) doubts: Vec<Doubt>,
+}
+
+/// A remark of the list.
+#[derive(Debug)]
+struct Listed<R> {
+    remark: R,
+    index: usize,
+    times: usize,
 }
 
 impl<R> Default for Remarks<R> {
     fn default() -> Remarks<R> {
-        Remarks { diagnostics: Vec::new(), kinds: Vec::new(), said_once: Vec::new() }
+        Remarks {
+            diagnostics: Vec::new(),
+            kinds: Vec::new(),
+            said_once: Vec::new(),
+            listed: HashMap::new(),
+            after: 0,
+            doubts: Vec::new(),
+        }
     }
 }
 
 impl<R: Remark> Remarks<R> {
     /// Puts down `remark` at `place`.
     pub fn add(&mut self, place: Place, remark: R) {
+        if let Some((cause, effect)) = remark.doubt() {
+            self.doubt(place.line, cause, effect);
+        }
         if remark.is_said_once() {
             if !self.said_once.contains(&remark) {
                 self.list(place, &remark);
                 self.said_once.push(remark);
             }
+            return;
+        }
+        let at_place = self.listed.get_mut(&place);
+        let known = at_place.and_then(|listed| listed.iter_mut().find(|listed| listed.remark == remark));
+        if let Some(known) = known {
+            known.times += 1;
             return;
         }
         let kind = discriminant(&remark);
@@ -103,8 +139,27 @@ impl<R: Remark> Remarks<R> {
             *first_unlisted = self.diagnostics.len();
         }
         if *seen <= LISTED + 1 {
+            let index = self.diagnostics.len();
             self.list(place, &remark);
+            let listed = self.listed.entry(place).or_default();
+            listed.push(Listed { remark, index, times: 1 });
         }
+    }
+
+    /// Puts down a doubt of the time without a remark.
+    pub(crate) fn doubt(&mut self, line: LineNumber, cause: Cause, effect: Effect) {
+        let (after, until) = (self.after, self.after);
+        self.doubts.push(Doubt { line, cause, effect, after, until });
+    }
+
+    /// Tells how many blocks or segments come before what is looked at from here on.
+    pub(crate) fn look_behind(&mut self, after: usize) {
+        self.after = after;
+    }
+
+    /// How many blocks or segments come before what is looked at.
+    pub(crate) fn behind(&self) -> usize {
+        self.after
     }
 
     /// Nothing has been put down.
@@ -124,6 +179,11 @@ impl<R: Remark> Remarks<R> {
 
     /// The list in line order, with one line for those of a kind that were too many.
     pub fn finish(mut self) -> Vec<Diagnostic> {
+        for Listed { index, times, .. } in
+            self.listed.into_values().flatten().filter(|listed| 1 < listed.times)
+        {
+            self.diagnostics[index].message += &format!(" ({times} times)");
+        }
         for (_, seen, first_unlisted) in self.kinds {
             if LISTED + 1 < seen {
                 let message = &mut self.diagnostics[first_unlisted].message;

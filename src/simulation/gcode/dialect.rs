@@ -55,9 +55,46 @@ impl Dialect {
         Dialect::WORDS.iter().find(|(_, dialect, _)| *dialect == self).expect("every dialect has a name").2
     }
 
+    /// Whether I, J and K of arcs depend on a setting of the control where the program does not say.
+    pub fn has_unknown_arc_centers(self) -> bool {
+        matches!(self, Dialect::Iso | Dialect::Mach)
+    }
+
+    /// Whether each move says whether it is in rapid or in feed, so that no motion word holds on.
+    pub fn names_each_motion(self) -> bool {
+        self == Dialect::Klartext
+    }
+
     /// The dialect chosen by `word`.
     pub fn from_word(word: &str) -> Option<Dialect> {
         Dialect::WORDS.iter().find(|(own, ..)| own.eq_ignore_ascii_case(word)).map(|(_, dialect, _)| *dialect)
+    }
+}
+
+/// What I, J and K of an arc count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArcCenters {
+    /// The start of the arc, G91.1.
+    Incremental,
+    /// The origin, G90.1.
+    Absolute,
+}
+
+impl ArcCenters {
+    /// Both, with the word they are chosen by and what they mean.
+    pub const WORDS: [(&'static str, ArcCenters, &'static str); 2] = [
+        ("incremental", ArcCenters::Incremental, "from the start of the arc"),
+        ("absolute", ArcCenters::Absolute, "from the origin"),
+    ];
+
+    /// The word it is chosen by.
+    pub fn word(self) -> &'static str {
+        ArcCenters::WORDS.iter().find(|(_, own, _)| *own == self).expect("both have a word").0
+    }
+
+    /// The reading chosen by `word`.
+    pub fn from_word(word: &str) -> Option<ArcCenters> {
+        ArcCenters::WORDS.iter().find(|(own, ..)| own.eq_ignore_ascii_case(word)).map(|(_, own, _)| *own)
     }
 }
 

@@ -28,15 +28,12 @@
 //! text exhausts the stack, and every byte is looked at a bounded number of times.
 
 use crate::simulation::gcode::formula::{
-    FUNCTIONS, Function, KLARTEXT_OPERATORS, OPERATORS, Operator, SIEMENS_OPERATORS, Step, Written,
+    DEEPEST, FUNCTIONS, Function, KLARTEXT_OPERATORS, OPERATORS, Operator, SIEMENS_OPERATORS, Step, Written,
 };
 use crate::simulation::gcode::line::{character_length, continuation, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
 use std::collections::HashMap;
-
-/// How deep brackets and `#` may stand within each other.
-pub(super) const DEEPEST: usize = 64;
 
 /// Where the numbers of texts begin: beyond those of parameters.
 const TEXTS: f64 = 5e9;

@@ -7,6 +7,9 @@
 
 use std::ops::Range;
 
+/// How deep brackets and `#` may stand within each other.
+pub(super) const DEEPEST: usize = 64;
+
 /// A value of a block that has to be worked out when the block is run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {

@@ -36,6 +36,7 @@
 pub mod address;
 mod dialect;
 mod diagnostic;
+mod doubt;
 mod encoding;
 mod expression;
 mod flow;
@@ -51,7 +52,8 @@ mod siemens;
 mod structure;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted, in_line_order};
-pub use dialect::Dialect;
+pub use dialect::{ArcCenters, Dialect};
+pub use doubt::{Cause, Doubt, Effect, Letters};
 pub use encoding::characters;
 pub use expression::{LOCAL_PARAMETERS, STORED_PARAMETERS};
 pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, SectionEnd, When};
@@ -60,6 +62,7 @@ pub use klartext::{
     CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, POSITION_PARAMETERS,
     STATEMENTS as KLARTEXT_STATEMENTS,
 };
+pub use number::whole_number;
 pub use reader::{Options, Parts, read, read_with};
 pub use siemens::STATEMENTS as SIEMENS_STATEMENTS;
 
@@ -92,10 +95,14 @@ pub struct Program {
     pub comments: Vec<Comment>,
     /// The control it was written for.
     pub dialect: Dialect,
+    /// What I, J and K of arcs count from, if chosen.
+    pub arc_centers: Option<ArcCenters>,
     /// The text has a `%` line or a program number, as programs for Fanuc and its relatives do.
     pub is_tape: bool,
     /// What could not be read, in line order.
     pub diagnostics: Vec<Diagnostic>,
+    /// What that leaves in doubt, by ascending number of blocks before it.
+    pub doubts: Vec<Doubt>,
 }
 
 impl Program {
@@ -110,6 +117,13 @@ impl Program {
         let first = self.formulas.partition_point(|formula| formula.block < block);
         let count = self.formulas[first..].partition_point(|formula| formula.block == block);
         &self.formulas[first..first + count]
+    }
+
+    /// What reading left in doubt right before the block with this index.
+    pub fn doubts_before(&self, block: u32) -> &[Doubt] {
+        let first = self.doubts.partition_point(|doubt| doubt.after < block as usize);
+        let count = self.doubts[first..].partition_point(|doubt| doubt.after == block as usize);
+        &self.doubts[first..first + count]
     }
 
     /// The steps of `formula`.

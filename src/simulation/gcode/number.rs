@@ -21,6 +21,19 @@ const EXACT_POWERS: [f64; 23] = [
     1e19, 1e20, 1e21, 1e22,
 ];
 
+/// How far a value may be from the whole number that it is meant to be: it may be the result of a formula.
+const MAX_OFF_WHOLE: f64 = 1e-4;
+/// Largest whole number that names something: a code, a tool, a label or a program.
+const MAX_WHOLE: f64 = 1e9;
+
+/// The whole number that a value is meant to be; `None` if it is negative, too large or farther than 0.0001 from each.
+/// Source: RS274/NGC version 3, Sect. 3.3.2.1.
+pub fn whole_number(value: f64) -> Option<u32> {
+    let whole = value.round();
+    let is_meant = (0.0..=MAX_WHOLE).contains(&whole) && (value - whole).abs() < MAX_OFF_WHOLE;
+    is_meant.then_some(whole as u32)
+}
+
 /// Space, tab and the control characters that paper tape and serial lines leave behind.
 pub(super) fn is_blank(byte: u8) -> bool {
     byte <= b' '
@@ -107,6 +120,14 @@ pub(super) fn plain_number(text: &[u8], at: usize) -> Option<Number> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_whole_number_may_be_the_result_of_a_formula() {
+        let third = 1.0 / 3.0;
+        assert_eq!(whole_number(3.0 * third + 6.0 * third), Some(3));
+        assert_eq!([2.99995, -0.00005, 1e9].map(whole_number), [Some(3), Some(0), Some(1_000_000_000)]);
+        assert_eq!([2.9998, -1.0, 1.1e9, f64::NAN, f64::INFINITY].map(whole_number), [None; 5]);
+    }
 
     #[test]
     fn plain_numbers_are_the_same_numbers() {

@@ -3,6 +3,7 @@
 //! A program is read whole, or part by part, where nobody needs the words of a part once the next one is read.
 
 use crate::simulation::gcode::dialect::detect;
+use crate::simulation::gcode::doubt::{breaks_off, letters_of_line};
 use crate::simulation::gcode::encoding;
 use crate::simulation::gcode::expression::{Expressions, Fault, Names, Notation};
 use crate::simulation::gcode::klartext::Heidenhain;
@@ -11,8 +12,8 @@ use crate::simulation::gcode::number::{is_blank, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::{Open, Structures};
 use crate::simulation::gcode::{
-    Action, Block, Comment, Dialect, Formula, Label, LabelKind, LineNumber, Place, Program, Reference,
-    Remarks, Target, Word,
+    Action, ArcCenters, Block, Cause, Comment, Dialect, Doubt, Effect, Formula, Label, LabelKind, Letters,
+    LineNumber, Place, Program, Reference, Remark, Remarks, Target, Word,
 };
 use std::borrow::Cow;
 
@@ -23,6 +24,21 @@ pub struct Options {
     pub block_delete: bool,
     /// The dialect; by default what the text shows.
     pub dialect: Option<Dialect>,
+    /// What I, J and K of arcs count from where the program does not say; by default what the control's rule is, or what
+    /// its arcs show.
+    pub arc_centers: Option<ArcCenters>,
+}
+
+impl Options {
+    /// The options that words choose, of dialects and of arc centres, with blanks between them; others choose nothing.
+    pub fn from_words(words: &str) -> Options {
+        let words = || words.split_ascii_whitespace();
+        Options {
+            dialect: words().find_map(Dialect::from_word),
+            arc_centers: words().find_map(ArcCenters::from_word),
+            ..Options::default()
+        }
+    }
 }
 
 /// Reads a program with the switches of the control at rest.
@@ -74,6 +90,11 @@ impl<'a> Parts<'a> {
     /// The program with the blocks of the part read last; of what is no block, with all that was read so far.
     pub fn part(&self) -> &Program {
         &self.reader.program
+    }
+
+    /// What reading leaves in doubt so far, by ascending number of blocks before it; these count from the first part.
+    pub fn doubts(&self) -> &[Doubt] {
+        &self.reader.remarks.doubts
     }
 
     /// Whether blocks are run one after another as they are read: nothing so far leads elsewhere, is to be worked
@@ -145,6 +166,9 @@ impl<'a> Parts<'a> {
     }
 }
 
+/// The most words of a block; controls take lines of some hundred characters.
+pub(super) const MAX_WORDS: usize = 250;
+
 /// Why a block is not run, and the columns it concerns.
 pub(super) type Refusal = (Unread, (u32, u32));
 
@@ -189,7 +213,7 @@ impl<'a> Reader<'a> {
         Reader {
             options,
             line: LineNumber(0),
-            program: Program { dialect, ..Program::default() },
+            program: Program { dialect, arc_centers: options.arc_centers, ..Program::default() },
             names: Names::default(),
             remarks: Remarks::default(),
             structures: Structures::default(),
@@ -226,7 +250,8 @@ impl<'a> Reader<'a> {
         let blocks = self.index() as usize;
         self.forgotten = 0;
         self.began_anew = true;
-        self.program = Program { dialect: self.program.dialect, is_tape: true, ..Program::default() };
+        let Program { dialect, arc_centers, .. } = self.program;
+        self.program = Program { dialect, arc_centers, is_tape: true, ..Program::default() };
         self.names = Names::default();
         self.structures = Structures::default();
         self.remarks = Remarks::default();
@@ -258,6 +283,7 @@ impl<'a> Reader<'a> {
     }
 
     fn finish(mut self, text: &[u8]) -> Program {
+        self.remarks.look_behind(self.index() as usize);
         if 0 < self.optional {
             let blocks = self.optional;
             let remark = match self.options.block_delete {
@@ -275,6 +301,7 @@ impl<'a> Reader<'a> {
         self.program.labels.sort_unstable();
         self.program.labels.dedup();
         self.program.names = self.names.finish();
+        self.program.doubts = std::mem::take(&mut self.remarks.doubts);
         self.program.diagnostics = self.remarks.finish();
         self.program
     }
@@ -313,21 +340,39 @@ impl<'a> Reader<'a> {
     /// Reads one line; a block with a fault leaves nothing behind.
     fn block(&mut self, text: &[u8]) {
         let mut line = Line::default();
+        self.remarks.look_behind(self.index() as usize);
+        let known_doubts = self.remarks.doubts.len();
         let outcome = match self.program.dialect {
             Dialect::Siemens => self.siemens_line(text, &mut line),
             Dialect::HeidenhainIso => self.heidenhain_iso_line(text, &mut line),
             Dialect::Klartext => self.klartext_line(text, &mut line),
             _ => self.iso_line(text, &mut line),
         };
-        if let Err((remark, columns)) = outcome {
+        if let Err((remark, columns)) = outcome.and_then(|()| self.check_length()) {
             self.drop_block();
+            if remark.doubt().is_none() {
+                self.remarks.doubt(self.line, Cause::BlocksNotRun, Effect::Words(letters_of_line(text)));
+            }
             self.remarks.add(Place { line: self.line, columns }, remark);
+        }
+        if known_doubts < self.remarks.doubts.len() && breaks_off(text) {
+            self.remarks.doubt(self.line, Cause::UnreadWords, Effect::Words(Letters::of(b"F")));
         }
         self.keep_comment(text, &line);
         self.end_block();
         let next = self.index();
         let skip = line.skips.filter(|index| *index < self.program.flow.len());
         self.program.complete(skip.as_slice(), next);
+    }
+
+    /// Refuses a block of more words than any control takes, so that looking through a block stays cheap.
+    fn check_length(&self) -> Result<(), Refusal> {
+        let words = self.program.words.len() - self.before[0];
+        if words <= MAX_WORDS {
+            Ok(())
+        } else {
+            Err((Unread::LongBlock { words }, Place::line(self.line).columns))
+        }
     }
 
     /// Takes back what was read of the block.
@@ -354,7 +399,10 @@ impl<'a> Reader<'a> {
     #[inline]
     pub(super) fn end_block_of_words(&mut self) {
         let (before, words) = (self.before[0], self.program.words.len());
-        if before < words {
+        if MAX_WORDS < words - before {
+            self.program.words.truncate(before);
+            self.remarks.add(Place::line(self.line), Unread::LongBlock { words: words - before });
+        } else if before < words {
             self.program.blocks.push(Block { line: self.line, words: before as u32..words as u32 });
             self.before[0] = words;
         }

@@ -1,8 +1,9 @@
 //! What reading has to say about a program.
 
-use crate::simulation::gcode::expression::DEEPEST;
+use crate::simulation::gcode::formula::DEEPEST;
+use crate::simulation::gcode::reader::MAX_WORDS;
 use crate::simulation::gcode::structure::MOST_OPEN;
-use crate::simulation::gcode::{Remark, Severity, counted};
+use crate::simulation::gcode::{Cause, Effect, Letters, Remark, Severity, counted};
 use thiserror::Error;
 
 /// Something in the text that was not read as a block of words.
@@ -52,6 +53,14 @@ pub(super) enum Unread {
     /// More loops and branches within each other than are followed.
     #[error("loops and branches are nested deeper than {MOST_OPEN}: block not run")]
     DeepFlow,
+    /// A line that no control takes, as of a file whose line ends were lost.
+    #[error(
+        "{words} words in one block, {MAX_WORDS} at most: block not run; are the line ends of the file missing?"
+    )]
+    LongBlock {
+        /// How many there are.
+        words: usize,
+    },
     /// A line for the control itself, not for the machine.
     #[error("`{text}` is a command to the control, not a move: left out")]
     Command {
@@ -144,6 +153,7 @@ impl Remark for Unread {
             | Unread::Unopened { .. }
             | Unread::Unclosed { .. }
             | Unread::DeepFlow
+            | Unread::LongBlock { .. }
             | Unread::ModalCall { .. }
             | Unread::Text { .. }
             | Unread::MissingNumber { .. }
@@ -157,6 +167,44 @@ impl Remark for Unread {
             | Unread::Trailer
             | Unread::OptionalRun { .. }
             | Unread::OptionalSkipped { .. } => Severity::Info,
+        }
+    }
+
+    fn doubt(&self) -> Option<(Cause, Effect)> {
+        let unread = |letter: u8| {
+            Some((Cause::UnreadWords, Effect::Words(Letters::of(&[letter.to_ascii_uppercase()]))))
+        };
+        match self {
+            // Where an O is no name it is a zero of the word before, which may be any.
+            Unread::MissingNumber { letter: 'O' | 'o' } => {
+                Some((Cause::UnreadWords, Effect::Words(Letters::AXES.with(Letters::of(b"F")))))
+            }
+            Unread::MissingNumber { letter } => unread(*letter as u8),
+            Unread::MalformedNumber { text } | Unread::HugeNumber { text } => {
+                unread(text.bytes().next().unwrap_or_default())
+            }
+            Unread::OpenComment => Some((Cause::UnreadWords, Effect::Words(Letters::AXES))),
+            Unread::Unopened { .. } | Unread::Unclosed { .. } | Unread::DeepFlow => {
+                Some((Cause::BrokenFlow, Effect::Unbounded))
+            }
+            Unread::Leader { .. } | Unread::LongBlock { .. } => {
+                Some((Cause::BlocksNotRun, Effect::Unbounded))
+            }
+            Unread::ModalCall { .. } => Some((Cause::MissingSubprograms, Effect::Unbounded)),
+            Unread::Own { .. } => Some((Cause::UnmodelledFunctions, Effect::Unbounded)),
+            // The words of a block that is not run are known where it is dropped.
+            Unread::Expected { .. }
+            | Unread::Function { .. }
+            | Unread::Name { .. }
+            | Unread::HugeValue { .. }
+            | Unread::Nesting
+            | Unread::Text { .. } => None,
+            Unread::Command { .. }
+            | Unread::Utf16
+            | Unread::Dash { .. }
+            | Unread::Trailer
+            | Unread::OptionalRun { .. }
+            | Unread::OptionalSkipped { .. } => None,
         }
     }
 }

@@ -88,7 +88,7 @@ impl Walk<'_> {
 #[cfg(test)]
 mod tests {
     use crate::machine::Machine;
-    use crate::simulation::feed::{Rule, plan};
+    use crate::simulation::feed::{Rule, command};
     use crate::simulation::gcode::read;
     use crate::simulation::profile::Profile;
     use crate::simulation::toolpath::trace;
@@ -98,7 +98,7 @@ mod tests {
         let program = b"G1 X10 F3000\nY0.3\nX10.2 Y0.5\nG4 P0.5\nG2 X20 Y5 R9\nG0 Z10\nG1 X0 F800\n";
         let machine = Machine::default();
         let toolpath = trace(&read(program), &machine);
-        let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+        let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
         let profile = Profile::new(&toolpath, &plan);
         let wanted: Vec<f64> = (1..200).map(|i| profile.length() * f64::from(i) / 200.0).collect();
         for (time, distance) in profile.crossing_times(&wanted).into_iter().zip(wanted) {
@@ -111,7 +111,7 @@ mod tests {
     fn a_distance_at_a_stop_is_crossed_when_it_is_over() {
         let machine = Machine::default();
         let toolpath = trace(&read(b"G1 X10 F600\nG4 P2\nX20\n"), &machine);
-        let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+        let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
         let profile = Profile::new(&toolpath, &plan);
         let [before, at, end] = profile.crossing_times(&[9.999, 10.0, 20.0])[..] else { panic!("three") };
         assert!(2.0 < at - before, "{before} s, {at} s");

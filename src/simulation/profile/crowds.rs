@@ -20,7 +20,7 @@
 
 use crate::simulation::feed::{FeedPlan, Pulse, Pulses};
 use crate::simulation::filter::Expansion;
-use crate::simulation::profile::state::{InPlane, Slice, quadrature};
+use crate::simulation::profile::slice::{InPlane, Slice, quadrature};
 use crate::simulation::toolpath::{Curve, Segment, Segments, Vector};
 use std::ops::Range;
 
@@ -236,7 +236,7 @@ impl Crowd {
 mod tests {
     use super::*;
     use crate::machine::Machine;
-    use crate::simulation::feed::{Rule, plan};
+    use crate::simulation::feed::{Rule, command};
     use crate::simulation::gcode::read;
     use crate::simulation::profile::Profile;
     use crate::simulation::toolpath::{Toolpath, trace};
@@ -272,7 +272,7 @@ mod tests {
     fn a_crowd_moves_the_tool_as_its_pulses_do() {
         let toolpath = toolpath(2000, 8);
         for machine in machines() {
-            let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+            let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
             let profile = Profile::new(&toolpath, &plan);
             assert!(!profile.crowds.is_empty());
             let mut alone = Profile::new(&toolpath, &plan);
@@ -302,7 +302,7 @@ mod tests {
         let machine = Machine::default();
         let parts = |blocks: usize| {
             let toolpath = toolpath(blocks, usize::MAX);
-            let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+            let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
             let profile = Profile::new(&toolpath, &plan);
             let motion = profile.motion(plan.stretches().next().expect("it moves"));
             let counts = (0..100)

@@ -4,7 +4,7 @@
 //! Tables for charts and files are made by [`Profile::samples`], dense where the feedrate bends.
 //!
 //! Where acceleration limits act behind the filters, the motion that leaves them is run more slowly, as in
-//! `retiming`: [`Profile`] and its tables speak of the true time, a [`Motion`] of the filtered one.
+//! `time_scaling`: [`Profile`] and its tables speak of the true time, a [`Motion`] of the filtered one.
 //!
 //! Distance is measured along the programmed path, as the integral of the filtered feed command.
 //! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
@@ -12,23 +12,25 @@
 
 mod crossing;
 mod crowds;
-mod retiming;
+mod time_scaling;
 mod samples;
+mod slice;
 mod state;
 mod steps;
 mod sums;
 mod walk;
 
-pub use retiming::retimed;
 pub use samples::{FeedCurve, Resolution, Samples};
 pub use state::{Dynamics, Moment, State};
 pub use steps::Steps;
+pub(crate) use time_scaling::time_scaled;
 pub use walk::Walk;
 
-use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulses, Stretch, retiming::lost, running_sum};
+use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulses, Stretch, time_scaling::lost};
 use crate::simulation::filter::FilterChain;
 use crate::simulation::profile::crowds::Crowds;
 use crate::simulation::profile::sums::{Checkpoints, Sums};
+use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Point, Segments, Toolpath};
 
 /// The filtered motion of a whole program.
@@ -229,7 +231,7 @@ impl Sums<'_, Pulses> {
 mod tests {
     use super::*;
     use crate::machine::Machine;
-    use crate::simulation::feed::{Rule, plan};
+    use crate::simulation::feed::{Rule, command};
     use crate::simulation::gcode::read;
     use crate::simulation::toolpath::trace;
 
@@ -240,7 +242,7 @@ mod tests {
         let text: String = ["G21 G90 G1 F6000\n".to_string()].into_iter().chain(moves).collect();
         let machine = Machine::default();
         let toolpath = trace(&read(text.as_bytes()), &machine);
-        let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+        let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
         let profile = Profile::new(&toolpath, &plan);
         let is_close = |room: usize, needed: usize| (needed..=needed + needed / 20).contains(&room);
         assert!(4800 < toolpath.segments.len());

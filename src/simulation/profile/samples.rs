@@ -11,7 +11,8 @@
 
 use crate::simulation::feed::Phase;
 use crate::simulation::profile::{Moment, Profile, State, Steps};
-use crate::simulation::toolpath::{self, Curve};
+use crate::simulation::sampled::{RowsAround, rows_around};
+use crate::simulation::toolpath::{self, Curve, Vector};
 
 /// A profile as columns of equal length, straight lines between the rows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,6 +44,36 @@ pub struct FeedCurve {
     pub feedrate: Vec<f64>,
     /// Time between the rows where they are too few to follow the profile, s: what is shorter may be missing.
     pub spacing: Option<f64>,
+}
+
+impl FeedCurve {
+    /// Feedrate at each of ascending distances along the path (mm), mm/s: a straight line over distance between rows.
+    pub fn feedrates_at(&self, distances: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut row = 0;
+        let mut at =
+            |distance: f64| Some(rows_around(&self.distance, distance, &mut row)?.between(&self.feedrate));
+        distances.map(|distance| at(distance).unwrap_or(0.0)).collect()
+    }
+}
+
+impl Samples {
+    /// Position (mm) and velocity (mm/s) at a time (s), by the cubic between two rows that has their velocities; `row`
+    /// is where the last time was found.
+    pub fn motion_at(&self, time: f64, row: &mut usize) -> (Vector, Vector) {
+        let Some(rows) = rows_around(&self.time, time, row) else { return Default::default() };
+        let RowsAround { before, after, fraction: s } = rows;
+        let span = self.time[after] - self.time[before];
+        let (s2, s3) = (s * s, s * s * s);
+        let position = |axis: usize| {
+            let (position, velocity) = (&self.position[axis], &self.velocity[axis]);
+            position[before] * (2.0 * s3 - 3.0 * s2 + 1.0)
+                + span * velocity[before] * (s3 - 2.0 * s2 + s)
+                + position[after] * (3.0 * s2 - 2.0 * s3)
+                + span * velocity[after] * (s3 - s2)
+        };
+        let velocity = |axis: usize| rows.between(&self.velocity[axis]);
+        (Vector::from_fn(|axis, _| position(axis)), Vector::from_fn(|axis, _| velocity(axis)))
+    }
 }
 
 /// How closely straight lines between the rows follow the profile.

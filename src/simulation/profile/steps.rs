@@ -130,7 +130,7 @@ impl Motion<'_> {
 mod tests {
     use super::*;
     use crate::machine::Machine;
-    use crate::simulation::feed::{Rule, plan};
+    use crate::simulation::feed::{Rule, command};
     use crate::simulation::gcode::read;
     use crate::simulation::profile::Profile;
     use crate::simulation::toolpath::trace;
@@ -144,7 +144,7 @@ mod tests {
     fn borders_and_pulses_have_the_same_sum() {
         let machine = Machine::default();
         let toolpath = trace(&read(PROGRAM), &machine);
-        let plan = plan(&toolpath, &machine, Rule::Isolated(0.01));
+        let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
         let profile = Profile::new(&toolpath, &plan);
         let mut taken = 0;
         for stretch in plan.stretches() {

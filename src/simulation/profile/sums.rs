@@ -11,7 +11,8 @@
 //! kept               *               *               *
 //! ```
 
-use crate::simulation::feed::{Pulses, RunningSum};
+use crate::simulation::feed::Pulses;
+use crate::simulation::running_sum::RunningSum;
 use crate::simulation::toolpath::Segments;
 use std::ops::Range;
 
@@ -192,7 +193,7 @@ impl<'a, V: Values> Sums<'a, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::feed::running_sum;
+    use crate::simulation::running_sum::running_sum;
     use crate::simulation::toolpath::random::Random;
 
     impl Values for Vec<f64> {

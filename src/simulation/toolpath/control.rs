@@ -78,6 +78,7 @@ impl Tracer<'_> {
             Some(Mode::Straight) => 1.0,
             Some(Mode::Arc(Turn::Clockwise)) => 2.0,
             Some(Mode::Arc(Turn::Counterclockwise)) => 3.0,
+            Some(Mode::Spline(_)) => 5.0,
         }
     }
 

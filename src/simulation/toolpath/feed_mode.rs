@@ -6,14 +6,17 @@
 //! | G94  | mm/min, inch/min; deg/min of a turn | F / 60                                        |
 //! | G95  | mm or inch per revolution           | F S / 60, S in rev/min                        |
 //!
-//! Each mode remembers its own F. Under G96 S is a surface speed, which needs the diameter that the
+//! Each mode remembers its own F, but what chooses another mode than G93 forgets it: controls refuse a feed move
+//! until there is a new F, LinuxCNC even where the mode was in force already. Such a move is told, and run at the
+//! former feedrate. Under G96 S is a surface speed, which needs the diameter that the
 //! tool cuts at; it is left out, and G95 goes on with the last S in rev/min.
 //!
 //! Source: NIST RS274/NGC, Sect. 3.5.19; LinuxCNC, G93, G94, G95.
 
+use crate::simulation::gcode::Dialect;
 use crate::simulation::toolpath::block::{Block, bits};
 use crate::simulation::toolpath::motion::{ASSUMED_FEEDRATE, SHORTEST};
-use crate::simulation::toolpath::remark::Untraced;
+use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::Tracer;
 use crate::units::{SECONDS_PER_MINUTE, mm_per_min, mm_per_s};
 
@@ -44,12 +47,14 @@ pub(super) struct Feed {
     pub(super) per_minute: Option<f64>,
     /// G95, mm.
     per_revolution: Option<f64>,
+    /// The G word after which there was no F yet, where it forgets the one before.
+    pub(super) forgotten_by: Option<Code>,
 }
 
 impl Default for Feed {
     fn default() -> Feed {
         let mode = FeedMode::PerMinute;
-        Feed { mode, inverse_time: None, per_minute: None, per_revolution: None }
+        Feed { mode, inverse_time: None, per_minute: None, per_revolution: None, forgotten_by: None }
     }
 }
 
@@ -57,6 +62,27 @@ impl Tracer<'_> {
     /// Millimetres in the unit of length that feeds are given in.
     pub(super) fn unit_of_feeds(&self) -> f64 {
         if self.siemens.leaves_feeds { 1.0 } else { self.modal.unit }
+    }
+
+    /// G93, G94 and G95.
+    pub(super) fn choose_feed_mode(&mut self, code: Code, mode: FeedMode) {
+        let feed = &mut self.modal.feed;
+        let forgets = feed.mode != mode || self.dialect == Dialect::LinuxCnc;
+        let former = match mode {
+            FeedMode::InverseTime => None,
+            FeedMode::PerMinute => feed.per_minute,
+            FeedMode::PerRevolution => feed.per_revolution,
+        };
+        feed.mode = mode;
+        feed.forgotten_by = former.filter(|_| forgets).map(|_| code);
+    }
+
+    /// Tells that a move is run at the feedrate `former`, mm/s, which the mode in force forgot.
+    fn tell_forgotten_feed(&mut self, block: Block, former: f64) -> f64 {
+        if let Some(code) = self.modal.feed.forgotten_by.take() {
+            self.remarks.add(block.place(), Untraced::ForgottenFeed { code, former: mm_per_min(former) });
+        }
+        former
     }
 
     /// The value of F in a block that has one, by the mode in force.
@@ -72,6 +98,7 @@ impl Tracer<'_> {
             self.remarks.add(block.place_of_letter(b'F'), Untraced::BadFeed { value });
             return;
         }
+        self.modal.feed.forgotten_by = None;
         match self.modal.feed.mode {
             FeedMode::InverseTime => self.modal.feed.inverse_time = Some(value),
             FeedMode::PerRevolution => self.modal.feed.per_revolution = Some(length),
@@ -79,8 +106,9 @@ impl Tracer<'_> {
                 let feedrate = mm_per_s(length);
                 self.modal.feedrate = Some(feedrate);
                 self.modal.feed.per_minute = Some(value);
-                if self.machine.rapid.feedrate < feedrate {
-                    let (feedrate, rapid) = (mm_per_min(feedrate), mm_per_min(self.machine.rapid.feedrate));
+                let rapid = self.machine.fastest_rapid();
+                if rapid < feedrate {
+                    let (feedrate, rapid) = (mm_per_min(feedrate), mm_per_min(rapid));
                     let remark = Untraced::FasterThanRapid { feedrate, rapid };
                     self.remarks.add(block.place_of_letter(b'F'), remark);
                 }
@@ -107,9 +135,13 @@ impl Tracer<'_> {
     /// The feedrate in force, mm/s. Under G93, where a move has none of its own, it is that of G94.
     pub(super) fn feedrate(&mut self, block: Block) -> f64 {
         if self.modal.feed.mode == FeedMode::PerRevolution {
-            return self.feedrate_by_spindle(block);
+            let feedrate = self.feedrate_by_spindle(block);
+            return self.tell_forgotten_feed(block, feedrate);
         }
-        self.modal.feedrate.unwrap_or_else(|| self.assumed_feedrate(block))
+        match self.modal.feedrate {
+            Some(feedrate) => self.tell_forgotten_feed(block, feedrate),
+            None => self.assumed_feedrate(block),
+        }
     }
 
     /// How fast rotary axes turn on their own, rad/s, given the length of their turn in rad.
@@ -125,6 +157,9 @@ impl Tracer<'_> {
             }
         };
         let assumed = mm_per_min(ASSUMED_FEEDRATE);
+        if let Some(former) = degrees_per_minute {
+            self.tell_forgotten_feed(block, mm_per_s(former * self.unit_of_feeds()));
+        }
         let degrees_per_minute = degrees_per_minute.unwrap_or_else(|| {
             self.remarks.add(block.place(), Untraced::NoFeed { assumed });
             assumed

@@ -35,6 +35,7 @@ use crate::simulation::toolpath::klartext::remark::UNMODELLED;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::{Family, Tracer};
+use crate::simulation::toolpath::turning::Sign;
 use crate::simulation::toolpath::words::Mode;
 use crate::simulation::toolpath::{Point, StopCause, Vector};
 use crate::units::MM_PER_INCH;
@@ -138,6 +139,9 @@ impl Tracer<'_> {
             "FUNCTION RESET TCPM" => self.family = Family::Fanuc,
             _ if name.starts_with("TRANS") => self.transform(block, name),
             _ => {
+                if name == "FUNCTION MODE TURN" {
+                    self.turning.note(Sign::TurningMode, block.line, || name.to_string());
+                }
                 if let Some((name, what)) = UNMODELLED.iter().find(|(known, _)| *known == name) {
                     let word = block.words.iter().find(|word| word.letter == address::STATEMENT);
                     let place = word.map_or(block.place(), |word| block.place_of(word));

@@ -27,6 +27,7 @@
 //!   F holds along X, Y and Z, or on Fanuc controls along all axes.
 //! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
 //! - Corner treatments and cutter compensation are in the compensation module.
+//! - A program that shows itself as one for a lathe is declined, by the signs of the turning module.
 //! - Tilted planes (G68.2) and cylindrical or polar interpolation are not applied. Each says so.
 //! - Lengths without a decimal point are lengths as written, but where the machine file gives an
 //!   increment for them.
@@ -37,11 +38,13 @@
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
 
 mod block;
+mod center;
 mod compensation;
 mod control;
 mod coupled;
 mod curve;
 mod cycle;
+mod doubt;
 mod feed_mode;
 mod frame;
 mod functions;
@@ -61,8 +64,10 @@ mod rotary;
 mod run;
 mod segments;
 mod siemens;
+mod spline;
 mod straight;
 mod trace;
+mod turning;
 mod words;
 
 pub use curve::{Arc, Curve};
@@ -74,7 +79,8 @@ pub use straight::{trace_straight, trace_text};
 pub use trace::{trace, trace_within};
 
 use crate::machine::Spin;
-use crate::simulation::gcode::{Diagnostic, Dialect, LineNumber};
+use crate::simulation::gcode::{Diagnostic, Dialect, Doubt, LineNumber};
+use crate::simulation::running_sum::running_sum;
 
 /// A position, mm.
 pub type Point = nalgebra::Point3<f64>;
@@ -225,4 +231,27 @@ pub struct Toolpath {
     pub spins: Vec<(usize, Spin)>,
     /// What was left out or assumed, of reading and tracing together, in line order.
     pub diagnostics: Vec<Diagnostic>,
+    /// Why nothing of the program is run: a lathe program.
+    pub declined: Option<Diagnostic>,
+    /// What that leaves in doubt of the time, in the order it comes up.
+    pub doubts: Vec<Doubt>,
+}
+
+impl Toolpath {
+    /// The distance along the path before each segment, and at the end, mm.
+    pub fn distances(&self) -> Vec<f64> {
+        let lengths = (0..self.segments.len()).map(|segment| self.segments.length(segment));
+        [0.0].into_iter().chain(running_sum(lengths)).collect()
+    }
+
+    /// The segments before which a running spindle changes its speed by an S word, without a stop of the program.
+    pub fn speed_changes(&self) -> impl Iterator<Item = usize> {
+        let changes = self.spins.windows(2).filter(|pair| {
+            let [before, after] = [pair[0].1, pair[1].1];
+            before.direction == after.direction && 0.0 < before.speed && before.speed != after.speed
+        });
+        let has_stop = |next: &usize| self.stops.binary_search_by_key(next, |stop| stop.after).is_ok();
+        let is_among_moves = move |next: &usize| *next < self.segments.len() && !has_stop(next);
+        changes.map(|pair| pair[1].0).filter(is_among_moves)
+    }
 }

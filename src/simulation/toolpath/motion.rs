@@ -52,6 +52,7 @@ impl Tracer<'_> {
             Special::Probe => self.probe(block, code),
             Special::Thread { is_tapping } => self.thread(block, code, is_tapping),
             Special::Own(word) => self.own_word(block, word, code),
+            Special::NurbsEnd => self.end_nurbs(block, code),
             _ => self.change_frame(block, special, code),
         }
     }
@@ -160,11 +161,13 @@ impl Tracer<'_> {
         let is_arc = matches!(self.modal.mode, Some(Mode::Arc(_)));
         let is_circle =
             is_arc && (self.given.has(CENTER_WORDS) || (has_motion_word && self.given.has(bits(b"R"))));
-        if !has_axis_words && !is_circle {
+        let is_spline = matches!(self.modal.mode, Some(Mode::Spline(_)));
+        let is_bare_spline = is_spline && has_motion_word;
+        if !(has_axis_words || is_circle || is_bare_spline) {
             return;
         }
         let Some(target) = self.target(block) else { return };
-        if !is_arc && self.given.has(CENTER_WORDS) {
+        if !is_arc && !is_spline && self.given.has(CENTER_WORDS) {
             self.remarks.add(block.place(), Untraced::UnusedCenter);
         }
         match self.modal.mode {
@@ -176,6 +179,7 @@ impl Tracer<'_> {
             Some(Mode::Rapid) => self.rapid_to(block, target),
             Some(Mode::Straight) => self.feed_to(block, target),
             Some(Mode::Arc(turn)) => self.arc_to(block, target, turn),
+            Some(Mode::Spline(spline)) => self.spline_to(block, spline, target),
         }
     }
 
@@ -215,6 +219,7 @@ impl Tracer<'_> {
             }
         }
         let (ends, turns) = ((self.position, end), self.turns(block));
+        self.hear_center(block, ends);
         let arc = match self.frame.turned().copied() {
             Some(chain) => self.turned_arc(block, chain, ends, turn, turns),
             None => {
@@ -276,17 +281,41 @@ impl Tracer<'_> {
         Ok(center)
     }
 
-    /// P of an arc.
+    /// The turns of an arc: P, TURN of Siemens, or L of Fanuc's spirals and Yasnac's helices.
     fn turns(&mut self, block: Block) -> u32 {
         let further = self.given.get(address::TURNS).map(|value| value + 1.0);
-        match self.given.get(b'P').or(further) {
-            Some(value) if (1.0..=MOST_TURNS).contains(&value) && value.fract() == 0.0 => value as u32,
+        let by_p = self.given.get(b'P').or(further);
+        let by_l = self.given.get(b'L').filter(|_| by_p.is_none() && self.dialect == Dialect::Iso);
+        let [first, second, normal] = self.modal.plane.axes().map(|axis| b"IJK"[axis]);
+        // An arc without a centre in its plane is an error, which says enough.
+        let has_shape = [first, second, b'R'].into_iter().any(|letter| self.given.get(letter).is_some());
+        let is_left_out = |letter: u8| has_shape && self.given.get(letter).is_some_and(|value| value != 0.0);
+        for letter in [b'L', normal] {
+            if is_left_out(letter) && !(letter == b'L' && by_l.is_some()) && self.is_control_of_letters() {
+                let remark = Untraced::ArcWordNotRun { letter: letter as char };
+                self.remarks.add(block.place_of_letter(letter), remark);
+            }
+        }
+        let letter = if by_l.is_some() { b'L' } else { b'P' };
+        match by_p.or(by_l) {
+            Some(value) if (1.0..=MOST_TURNS).contains(&value) && value.fract() == 0.0 => {
+                if by_l.is_some() && 1.0 < value {
+                    self.remarks.add(block.place_of_letter(letter), Untraced::TurnsByL { turns: value });
+                }
+                value as u32
+            }
             Some(value) => {
-                self.remarks.add(block.place_of_letter(b'P'), Untraced::BadTurns { value });
+                let remark = Untraced::BadTurns { letter: letter as char, value };
+                self.remarks.add(block.place_of_letter(letter), remark);
                 1
             }
             None => 1,
         }
+    }
+
+    /// Whether words are single letters, each with a meaning by its block.
+    fn is_control_of_letters(&self) -> bool {
+        !matches!(self.dialect, Dialect::Siemens | Dialect::Klartext | Dialect::HeidenhainIso)
     }
 
     pub(super) fn rapid_to(&mut self, block: Block, end: Point) {

@@ -37,8 +37,9 @@ use crate::simulation::toolpath::block::{AXIS_WORDS, Block, UNMODELLED_WORDS, bi
 use crate::simulation::toolpath::frame::ADDITIONAL;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::ROTARY_WORDS;
+use crate::simulation::toolpath::spline::Spline;
 use crate::simulation::toolpath::trace::{Request, Tracer};
-use crate::simulation::toolpath::words::{Meaning, NO_GROUP, Special};
+use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special};
 
 /// A word of one family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +105,12 @@ pub(super) fn meaning(dialect: Dialect, tenths: u16) -> Option<(usize, Meaning)>
             OwnModal::Said("G131", "high-speed contouring is not modelled: the machine's tolerance holds"),
         ),
 
+        (Dialect::LinuxCnc | Dialect::Iso, 52) => Some((1, Meaning::Motion(Mode::Spline(Spline::Nurbs)))),
+        (Dialect::LinuxCnc | Dialect::Iso, 53) => Some((0, Meaning::Special(Special::NurbsEnd))),
+        (Dialect::LinuxCnc | Dialect::Iso, 62) => {
+            Some((1, Meaning::Motion(Mode::Spline(Spline::GivenKnots))))
+        }
+        (Dialect::LinuxCnc, 63) => Some((1, Meaning::NeutralAbout)),
         (Dialect::LinuxCnc, 70) => Some((NO_GROUP, Transformation("X words as diameters"))),
         (Dialect::LinuxCnc, 80) => Some((NO_GROUP, Neutral)),
         (Dialect::LinuxCnc | Dialect::Grbl, 281 | 301) => own(Own::KeepReference),

@@ -30,6 +30,7 @@ use crate::simulation::gcode::{
     Block, Dialect, Formula, Function, LineNumber, Operator, Program, Step, Target, Word,
 };
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use thiserror::Error;
 
 /// How far from a whole number the number of a parameter may be.
@@ -73,7 +74,18 @@ pub(super) struct Parameters {
     assignments: Vec<(Name, f64)>,
     /// The first parameter that was read before anything was assigned to it.
     pub(super) unassigned: Option<(LineNumber, String)>,
+    /// The last parameter of the call in force that was read without a value, until it is taken.
+    missing: Option<Name>,
+    state: State,
     line: LineNumber,
+}
+
+/// A digest of what all parameters hold, and how often a value of the control was read: where neither changed in
+/// between, formulas have the values they had.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct State {
+    held: u64,
+    control_reads: u64,
 }
 
 /// The values of one block.
@@ -84,6 +96,8 @@ pub(super) struct Values {
     pub(super) condition: Option<f64>,
     pub(super) count: Option<f64>,
     pub(super) destination: Option<f64>,
+    /// A parameter of the call in force that the condition goes by and that nothing was assigned to.
+    pub(super) missing: Option<String>,
     /// Arguments of a call, by the number of their parameter.
     pub(super) arguments: Vec<(u32, f64)>,
     /// The program raises an alarm (`#3000=1`).
@@ -96,7 +110,7 @@ impl Values {
     fn clear(&mut self) {
         self.words.clear();
         self.arguments.clear();
-        (self.condition, self.count, self.destination) = (None, None, None);
+        (self.condition, self.count, self.destination, self.missing) = (None, None, None, None);
         (self.alarm, self.stop) = (false, false);
     }
 }
@@ -123,6 +137,8 @@ impl Parameters {
             stack: Vec::new(),
             assignments: Vec::new(),
             unassigned: None,
+            missing: None,
+            state: State::default(),
             line: LineNumber(0),
         }
     }
@@ -130,12 +146,21 @@ impl Parameters {
     /// Begins a call: numbered parameters and, on LinuxCNC, names without `_` are its own.
     pub(super) fn enter(&mut self, arguments: &[(u32, f64)]) {
         let given = arguments.iter().map(|(number, value)| (Name::Number(*number), *value));
-        self.locals.push(given.filter(|(_, value)| !value.is_nan()).collect());
+        let given: HashMap<Name, f64> = given.filter(|(_, value)| !value.is_nan()).collect();
+        let depth = self.locals.len() + 1;
+        self.state.held ^= digest_of_all(&given, depth);
+        self.locals.push(given);
+    }
+
+    /// What all parameters hold, as a digest.
+    pub(super) fn state(&self) -> State {
+        self.state
     }
 
     /// Ends a call.
     pub(super) fn leave(&mut self) {
         if 1 < self.locals.len() {
+            self.state.held ^= digest_of_all(&self.locals[self.locals.len() - 1], self.locals.len());
             self.locals.pop();
         }
     }
@@ -191,32 +216,40 @@ impl Parameters {
     }
 
     fn assign(&mut self, program: &Program, name: Name, value: f64) {
-        let holder = match self.is_local(program, name) {
-            true => self.locals.last_mut().expect("the main program has its own"),
-            false => &mut self.globals,
+        let depth = if self.is_local(program, name) { self.locals.len() } else { 0 };
+        let holder = match depth {
+            0 => &mut self.globals,
+            _ => self.locals.last_mut().expect("the main program has its own"),
         };
-        if value.is_nan() {
-            holder.remove(&name);
-        } else {
-            holder.insert(name, value);
+        let former = if value.is_nan() { holder.remove(&name) } else { holder.insert(name, value) };
+        for held in former.into_iter().chain(Some(value).filter(|value| !value.is_nan())) {
+            self.state.held ^= digest(name, held, depth);
         }
     }
 
-    fn held(&self, program: &Program, name: Name, control: &dyn Control) -> Option<f64> {
+    fn held(&mut self, program: &Program, name: Name, control: &dyn Control) -> Option<f64> {
         let holder = match self.is_local(program, name) {
             true => self.locals.last().expect("the main program has its own"),
             false => &self.globals,
         };
-        holder.get(&name).copied().or_else(|| match name {
+        if let Some(value) = holder.get(&name) {
+            return Some(*value);
+        }
+        let value = match name {
             Name::Number(number) => control.numbered(number),
             Name::Index(index) => control.named(program.names.get(index as usize)?),
-        })
+        };
+        self.state.control_reads += u64::from(value.is_some());
+        value
     }
 
     /// What a parameter holds, or what its dialect takes for nothing.
     fn value(&mut self, program: &Program, name: Name, control: &dyn Control) -> Result<f64, NoValue> {
         if let Some(value) = self.held(program, name, control) {
             return Ok(value);
+        }
+        if name != Name::Number(0) && self.is_local(program, name) {
+            self.missing = Some(name);
         }
         let parameter = match name {
             Name::Number(number) => number.to_string(),
@@ -255,6 +288,7 @@ impl Parameters {
         control: &dyn Control,
         values: &mut Values,
     ) -> Result<(), NoValue> {
+        self.missing = None;
         let value = self.evaluate(program, formula, control)?;
         match formula.target {
             Target::Word(index) => {
@@ -268,7 +302,13 @@ impl Parameters {
                 self.assignments.push((Name::Number(number), value));
             }
             Target::Named(index) => self.assignments.push((Name::Index(index), value)),
-            Target::Condition => values.condition = Some(zero_if_vacant(value)),
+            Target::Condition => {
+                values.condition = Some(zero_if_vacant(value));
+                values.missing = self.missing.map(|name| match name {
+                    Name::Number(number) => format!("#{number}"),
+                    Name::Index(index) => program.names.get(index as usize).cloned().unwrap_or_default(),
+                });
+            }
             Target::Count => values.count = Some(zero_if_vacant(value)),
             Target::Destination => values.destination = Some(zero_if_vacant(value)),
             Target::Argument(number) => values.arguments.push((number, value)),
@@ -346,6 +386,17 @@ impl Parameters {
         };
         Some(bits as f64)
     }
+}
+
+/// One parameter with what it holds, in the call of this depth; 0 for those of all calls.
+fn digest(name: Name, value: f64, depth: usize) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    (name, value.to_bits(), depth).hash(&mut hasher);
+    hasher.finish()
+}
+
+fn digest_of_all(held: &HashMap<Name, f64>, depth: usize) -> u64 {
+    held.iter().fold(0, |all, (name, value)| all ^ digest(*name, *value, depth))
 }
 
 fn zero_if_vacant(value: f64) -> f64 {

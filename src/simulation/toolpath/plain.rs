@@ -59,6 +59,7 @@ impl Tracer<'_> {
             self.plain = None;
             feedrate = feedrate.and(self.modal.feedrate);
         }
+        self.turning.names_y |= seen[1];
         let motion = feedrate.map_or(Motion::Rapid, |feedrate| Motion::Feed { feedrate });
         let (start, curve, rotation, line) = (self.position, Curve::Line, Rotation::NONE, block.line);
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop: false, line };
@@ -71,6 +72,7 @@ impl Tracer<'_> {
     fn in_force_for_plain_blocks(&self) -> Option<Plain> {
         let touches_lines = self.modal.is_incremental
             || self.modal.feed.mode != FeedMode::PerMinute
+            || self.modal.feed.forgotten_by.is_some()
             || self.frame.turned().is_some()
             || self.frame.polar.is_some()
             || self.cycle.is_active()
@@ -81,11 +83,11 @@ impl Tracer<'_> {
         let (code, feedrate) = match self.modal.mode.filter(|_| !touches_lines)? {
             Mode::Rapid => (0.0, None),
             Mode::Straight => (1.0, Some(self.modal.feedrate?)),
-            Mode::Arc(_) => return None,
+            Mode::Arc(_) | Mode::Spline(_) => return None,
         };
         let is_same = |value: &f64| {
             let feedrate = mm_per_s(value * self.unit_of_feeds());
-            self.modal.feedrate == Some(feedrate) && feedrate <= self.machine.rapid.feedrate
+            self.modal.feedrate == Some(feedrate) && feedrate <= self.machine.fastest_rapid()
         };
         Some(Plain { code, feedrate, same_feed: self.modal.feed.per_minute.filter(is_same) })
     }

@@ -1,13 +1,15 @@
 //! What tracing has to say about a program.
 
-use crate::simulation::gcode::{LabelKind, Remark, Severity, counted};
+use crate::simulation::gcode::{Cause, Effect, LabelKind, Remark, Severity, counted};
 use crate::simulation::toolpath::compensation::Trouble;
 use crate::simulation::toolpath::cycle::NoHole;
+use crate::simulation::toolpath::doubt::doubt_of;
 use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::parameters::NoValue;
 use crate::simulation::toolpath::path_mode::PathRemark;
 use crate::simulation::toolpath::plane::NoCircle;
-use crate::simulation::toolpath::run::{DEEPEST_CALL, MOST_COUNT};
+use crate::simulation::toolpath::run::{DEEPEST_CALL, MAX_TURNS_BY_MISSING, MOST_COUNT};
+use crate::simulation::toolpath::spline::NoSpline;
 use thiserror::Error;
 
 /// Something that was not traced as a control would run it, or that the user may want to know.
@@ -59,6 +61,10 @@ pub(super) enum Untraced {
     FasterThanRapid { feedrate: f64, rapid: f64 },
     #[error("no F before this move: feed moves are taken at {assumed:.0} mm/min until there is one")]
     NoFeed { assumed: f64 },
+    #[error(
+        "no F since {code}, which forgets the one before, so that the control stops here: the former feedrate of {former:.0} mm/min is taken"
+    )]
+    ForgottenFeed { code: Code, former: f64 },
     #[error("{}", inverse_time_text(*.assumed))]
     NoInverseTime { assumed: Option<f64> },
     #[error("G95 needs a spindle speed S: feed moves are taken at {assumed:.0} mm/min until there is one")]
@@ -79,6 +85,14 @@ pub(super) enum Untraced {
     #[error("{0}")]
     Contour(#[from] Trouble),
 
+    #[error("{code}: {no_spline}: a straight feed move is run instead")]
+    NoSpline { code: Code, no_spline: NoSpline },
+    #[error("a control point of G5.2 needs X and Y in the XY plane and a positive weight P: left out")]
+    NoControlPoint,
+    #[error("{code} without G5.2 and its control points: left out")]
+    NurbsNotBegun { code: Code },
+    #[error("the curve that G5.2 began is not run, since no G5.3 follows its control points")]
+    NurbsNotEnded,
     #[error("arc without centre (I, J, K) or radius (R): taken as a straight line")]
     NoCenter,
     #[error("{0}: taken as a straight line")]
@@ -87,10 +101,18 @@ pub(super) enum Untraced {
         "arc has radius {start:.4} mm at its start and {end:.4} mm at its end: run as a spiral between the two"
     )]
     UnequalRadii { start: f64, end: f64 },
+    #[error(
+        "absolute arc centres: the arcs of this program close with I, J and K from the origin and not from their start, and are run so; choose incremental arc centres if that is wrong"
+    )]
+    AbsoluteCenters,
     #[error("R and I, J, K in one block: R counts")]
     RadiusAndCenter,
-    #[error("P{value} is no number of turns: one turn is run")]
-    BadTurns { value: f64 },
+    #[error("{letter}{value} is no number of turns: one turn is run")]
+    BadTurns { letter: char, value: f64 },
+    #[error("L{turns} of an arc is taken for its number of turns; controls without such a word run one")]
+    TurnsByL { turns: f64 },
+    #[error("{letter} means nothing to this arc on this control: left out")]
+    ArcWordNotRun { letter: char },
 
     #[error("P of G4 is read as seconds")]
     DwellInSeconds,
@@ -171,6 +193,14 @@ pub(super) enum Untraced {
     DeepCall,
     #[error("more than {most} blocks were repeated: the program seems to loop for ever, and ends here")]
     EndlessRun { most: usize },
+    #[error(
+        "this jump back is made for ever, since a turn of the loop changes nothing that it goes by: the program ends here"
+    )]
+    EndlessLoop,
+    #[error(
+        "this loop goes by {parameter}, to which nothing is assigned, so that the program seems to be a macro without its arguments: it ends here after {MAX_TURNS_BY_MISSING} turns"
+    )]
+    MissingArgument { parameter: String },
     #[error("M99 at the end of the main program begins it again: one run is timed")]
     BeginsAgain,
     #[error("the program raises an alarm (#3000) and ends here")]
@@ -268,6 +298,11 @@ impl Remark for Untraced {
             | Untraced::NoAngle
             | Untraced::BadScale
             | Untraced::TiltedUnevenScale
+            | Untraced::NoSpline { .. }
+            | Untraced::NoControlPoint
+            | Untraced::NurbsNotBegun { .. }
+            | Untraced::NurbsNotEnded
+            | Untraced::ForgottenFeed { .. }
             | Untraced::NoCenter
             | Untraced::NoCircle(_)
             | Untraced::BadTurns { .. }
@@ -283,6 +318,8 @@ impl Remark for Untraced {
             | Untraced::ModalMacro
             | Untraced::DeepCall
             | Untraced::EndlessRun { .. }
+            | Untraced::EndlessLoop
+            | Untraced::MissingArgument { .. }
             | Untraced::Alarm
             | Untraced::MillingCycle { .. }
             | Untraced::NoSiemensHole { .. }
@@ -301,6 +338,8 @@ impl Remark for Untraced {
             | Untraced::RadiusAndCenter
             | Untraced::NoSpeed { .. }
             | Untraced::DeeperPecks { .. }
+            | Untraced::TurnsByL { .. }
+            | Untraced::ArcWordNotRun { .. }
             | Untraced::CycleWord { .. }
             | Untraced::NoCycleDwell { .. }
             | Untraced::ManualRetract { .. }
@@ -313,6 +352,7 @@ impl Remark for Untraced {
             Untraced::PathMode(remark) => remark.severity(),
             Untraced::Klartext(remark) => remark.severity(),
             Untraced::NoMotionWord
+            | Untraced::AbsoluteCenters
             | Untraced::Setting { .. }
             | Untraced::DwellInSeconds
             | Untraced::TimeInMilliseconds
@@ -342,8 +382,10 @@ impl Remark for Untraced {
                 | Untraced::Curve { .. }
                 | Untraced::UnmodelledWord { .. }
                 | Untraced::NoMotionWord
+                | Untraced::AbsoluteCenters
                 | Untraced::Probing { .. }
                 | Untraced::NoFeed { .. }
+                | Untraced::NoSpline { no_spline: NoSpline::GivenKnots, .. }
                 | Untraced::NoSpindleSpeed { .. }
                 | Untraced::RotaryFeed { .. }
                 | Untraced::TipControl { .. }
@@ -359,4 +401,11 @@ impl Remark for Untraced {
                 | Untraced::DataSetting { .. }
         )
     }
+
+    fn doubt(&self) -> Option<(Cause, Effect)> {
+        doubt_of(self)
+    }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,15 +9,18 @@
 //!   N10 on, and so does `M98 Q10`; `M98 P1000 Q10` runs O1000 from N10 on. `G65 P1000 A1. B2.` runs O1000 with #1 = 1, #2 = 2. `M99` returns, `M99 P20` to N20.
 //! - In the main program M99 ends it: the control would begin again.
 //!
-//! A program may loop for ever, and a short text may ask for endless work. So no more than
-//! [`MOST_REPEATED`] blocks are run beyond those of the text, and calls nest to [`DEEPEST_CALL`].
+//! A program may loop for ever, and a short text may ask for endless work. It ends where a jump back finds all that
+//! decides the way on as it was a turn of the loop before, and where a loop goes on for [`MAX_TURNS_BY_MISSING`] turns
+//! by an argument that nobody gave: a macro run on its own. In any case no more than [`MOST_REPEATED`]
+//! blocks are run beyond those of the text, and calls nest to [`DEEPEST_CALL`].
 //!
 //! Sources: Fanuc B-63944EN, ch. 13 and 16; LinuxCNC 2.9, O codes.
 
 use crate::simulation::gcode::{
     Action, Destination, Dialect, Direction, Label, LabelKind, LineNumber, Program, SectionEnd, When, Word,
+    whole_number,
 };
-use crate::simulation::toolpath::parameters::{Parameters, Values};
+use crate::simulation::toolpath::parameters::{Parameters, State, Values};
 use crate::simulation::toolpath::remark::Untraced;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -30,6 +33,9 @@ pub(super) const DEEPEST_CALL: usize = 100;
 
 /// The most often a loop or call is repeated by a count.
 pub(super) const MOST_COUNT: f64 = 1e6;
+
+/// The most turns of a loop whose condition goes by a parameter of the call that nothing was assigned to.
+pub(super) const MAX_TURNS_BY_MISSING: u32 = 1_000;
 
 /// A subprogram being run; the first one is the main program.
 struct Call {
@@ -44,6 +50,24 @@ struct Call {
     has_own_parameters: bool,
     /// How often each [`Action::Again`] still goes back, by its block.
     counters: HashMap<u32, u32>,
+    /// Counts calls from the first, which is 0.
+    serial: u64,
+}
+
+/// What decides the way on from a jump back.
+#[derive(PartialEq, Eq)]
+struct Situation {
+    /// The call in force, by its serial number and the repetitions left.
+    call: (u64, u32),
+    counters: Vec<(u32, u32)>,
+    parameters: State,
+}
+
+/// The last turn of a loop, by its jump back.
+struct Turn {
+    situation: Situation,
+    /// Turns in a row by a condition with a missing argument.
+    by_missing: u32,
 }
 
 /// Where a program is.
@@ -62,6 +86,10 @@ pub(super) struct Run<'a> {
     left: usize,
     /// Whether each block was run.
     was_run: Vec<bool>,
+    turns: HashMap<u32, Turn>,
+    /// The conditions that went by a missing argument as they were last worked out, by their blocks.
+    missing: HashMap<u32, String>,
+    calls_made: u64,
 }
 
 /// What happened after a block.
@@ -77,6 +105,7 @@ impl<'a> Run<'a> {
             again: 0,
             has_own_parameters: false,
             counters: HashMap::new(),
+            serial: 0,
         };
         Run {
             program,
@@ -87,6 +116,9 @@ impl<'a> Run<'a> {
             most_repeated,
             left: program.blocks.len() + most_repeated,
             was_run: vec![false; program.blocks.len()],
+            turns: HashMap::new(),
+            missing: HashMap::new(),
+            calls_made: 0,
         }
     }
 
@@ -179,6 +211,10 @@ impl<'a> Run<'a> {
         match action {
             Action::Jump { to, when } => {
                 let condition = values.condition.unwrap_or(0.0) != 0.0;
+                match &values.missing {
+                    Some(parameter) => drop(self.missing.insert(own, parameter.clone())),
+                    None => drop(self.missing.remove(&own)),
+                }
                 let is_made = match when {
                     When::Always => true,
                     When::True => condition,
@@ -186,6 +222,9 @@ impl<'a> Run<'a> {
                 };
                 if is_made {
                     self.at = self.find(own, *to, values)?;
+                    if self.at <= own {
+                        self.turn_of_loop(own, parameters.state())?;
+                    }
                 }
             }
             Action::Repeat { end } => match count(values.count)? {
@@ -234,6 +273,30 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// Looks at a jump back from the block `own`: whether the loop can end.
+    fn turn_of_loop(&mut self, own: u32, parameters: State) -> Outcome {
+        let call = self.calls.last().expect("the main program is a call");
+        let mut counters: Vec<(u32, u32)> =
+            call.counters.iter().map(|(block, left)| (*block, *left)).collect();
+        counters.sort_unstable();
+        let situation = Situation { call: (call.serial, call.again), counters, parameters };
+        let parameter = self.missing.get(&own).or_else(|| self.missing.get(&self.at));
+        let before = self.turns.remove(&own);
+        if before.as_ref().is_some_and(|turn| turn.situation == situation) {
+            return Err(self.stop(Untraced::EndlessLoop));
+        }
+        let by_missing = match parameter {
+            Some(_) => before.map_or(1, |turn| turn.by_missing + 1),
+            None => 0,
+        };
+        if let (Some(parameter), MAX_TURNS_BY_MISSING..) = (parameter, by_missing) {
+            let parameter = parameter.clone();
+            return Err(self.stop(Untraced::MissingArgument { parameter }));
+        }
+        self.turns.insert(own, Turn { situation, by_missing });
+        Ok(())
+    }
+
     fn counters(&mut self) -> &mut HashMap<u32, u32> {
         &mut self.calls.last_mut().expect("the main program is a call").counters
     }
@@ -246,7 +309,9 @@ impl<'a> Run<'a> {
             return Err(self.stop(Untraced::DeepCall));
         }
         let (back, counters) = (self.at, HashMap::new());
-        self.calls.push(Call { back, first, until, again: times - 1, has_own_parameters, counters });
+        self.calls_made += 1;
+        let serial = self.calls_made;
+        self.calls.push(Call { back, first, until, again: times - 1, has_own_parameters, counters, serial });
         self.at = first;
         Ok(())
     }
@@ -276,7 +341,7 @@ impl<'a> Run<'a> {
         let code =
             |letter: u8, number: f64| words.iter().any(|word| word.letter == letter && word.value == number);
         let label = |kind, id| Destination::Label(Label { kind, id }, Direction::Either);
-        let (target, repeats) = (value(b'P').and_then(whole), value(b'L'));
+        let (target, repeats) = (value(b'P').and_then(whole_number), value(b'L'));
         if code(b'M', 99.0) {
             if self.calls.len() == 1 {
                 return Err(self.stop(Untraced::BeginsAgain));
@@ -295,7 +360,7 @@ impl<'a> Run<'a> {
         if !is_macro && !code(b'M', 98.0) && !code(b'M', 97.0) {
             return if code(b'M', 198.0) { Err(Untraced::ExternalProgram) } else { Ok(()) };
         }
-        let sequence = value(b'Q').and_then(whole).filter(|_| code(b'M', 98.0));
+        let sequence = value(b'Q').and_then(whole_number).filter(|_| code(b'M', 98.0));
         let sequence = sequence.map(|id| label(LabelKind::Sequence, id));
         if let (None, Some(local)) = (target, sequence) {
             let first = self.find(own, local, &Values::default())?;
@@ -371,7 +436,7 @@ impl<'a> Run<'a> {
             Destination::Block(block) => return Ok(block),
             Destination::Label(label, direction) => (label, direction),
             Destination::Computed(kind) => {
-                let id = values.destination.and_then(whole).ok_or(Untraced::NoLabel {
+                let id = values.destination.and_then(whole_number).ok_or(Untraced::NoLabel {
                     kind,
                     name: format!("{}", values.destination.unwrap_or_default()),
                 })?;
@@ -407,11 +472,6 @@ fn count(value: Option<f64>) -> Result<u32, Untraced> {
         return Ok(0);
     }
     if value <= MOST_COUNT { Ok(value as u32) } else { Err(Untraced::TooManyRepeats { value }) }
-}
-
-/// The value as the number of a program, label or block.
-fn whole(value: f64) -> Option<u32> {
-    ((0.0..=1e9).contains(&value) && (value - value.round()).abs() < 1e-4).then_some(value.round() as u32)
 }
 
 /// The arguments of G65 by the parameters that get them: A in #1 and so on; where I, J or K is

@@ -37,6 +37,7 @@ use crate::simulation::toolpath::path_mode::Blending;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::Tracer;
+use crate::simulation::toolpath::turning::Sign;
 use crate::simulation::toolpath::words::Special;
 use crate::simulation::toolpath::{Curve, Motion, Point, StopCause, Vector};
 
@@ -137,6 +138,14 @@ let source = format!("CYCLE832({tolerance})");
             "COMPON" | "COMPCURV" | "COMPCAD" => self.remarks.add(place, Untraced::Statement { name, what: "the compressor, which joins short blocks, is not modelled: each block is run as written" }),
             "ASPLINE" | "BSPLINE" | "CSPLINE" | "POLY" | "INVCW" | "INVCCW" | "OEMIPO1" => self.remarks.add(place, Untraced::Curve { name }),
             "MEAS" | "MEAW" | "CYCLE977" | "CYCLE978" | "CYCLE979" | "CYCLE998" => self.remarks.add(place, Untraced::Statement { name, what: "measuring is not modelled: its moves and its time are missing" }),
+            "DIAMON" | "DIAM90" => {
+                self.turning.note(Sign::Diameters, block.line, || name.to_string());
+                self.remarks.add(place, Untraced::Statement { name, what: "X in diameters is not modelled: moves are taken as written" });
+            }
+            "CYCLE92" | "CYCLE93" | "CYCLE94" | "CYCLE95" | "CYCLE96" | "CYCLE97" | "CYCLE98" | "CYCLE99"
+            | "CYCLE930" | "CYCLE940" | "CYCLE950" | "CYCLE951" | "CYCLE952" => {
+                self.turning.note(Sign::TurningCycle, block.line, || name.to_string());
+            }
             name if name.starts_with("POCKET") || name.starts_with("SLOT") || name == "LONGHOLE" || (name.starts_with("CYCLE") && name != "CYCLE62") => {
                 self.remarks.add(place, Untraced::MillingCycle { name });
             }

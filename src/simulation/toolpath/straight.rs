@@ -10,9 +10,10 @@
 //! subprograms at their end.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Dialect, Options, Parts, read_with};
+use crate::simulation::gcode::{Dialect, Options, Parts, Program, read_with};
 use crate::simulation::toolpath::Toolpath;
 use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::center::Centers;
 use crate::simulation::toolpath::trace::{Tracer, trace};
 
 /// Lines of a part: what is read of them stays near the processor until it is run.
@@ -30,6 +31,22 @@ pub fn trace_text(text: Vec<u8>, options: &Options, machine: &Machine) -> Toolpa
 
 /// The toolpath of a program that goes straight on, read in parts of so many lines; none of others.
 pub fn trace_straight(text: &[u8], options: &Options, machine: &Machine, lines: u32) -> Option<Toolpath> {
+    let mut run = run_straight(text, options, machine, lines, None)?;
+    if run.0.centers.show_absolute() {
+        run = run_straight(text, options, machine, lines, Some(Centers::shown()))?;
+    }
+    let (tracer, program) = run;
+    Some(tracer.finish(&program))
+}
+
+/// Reads and runs all blocks; without `centers` those of the dialect.
+fn run_straight<'a>(
+    text: &[u8],
+    options: &Options,
+    machine: &'a Machine,
+    lines: u32,
+    centers: Option<Centers>,
+) -> Option<(Tracer<'a>, Program)> {
     let mut parts = Parts::new(text, options);
     let dialect = parts.part().dialect;
     if matches!(dialect, Dialect::Klartext | Dialect::HeidenhainIso) || goes_back_at_its_end(text, dialect) {
@@ -37,10 +54,12 @@ pub fn trace_straight(text: &[u8], options: &Options, machine: &Machine, lines: 
     }
     parts.next_part(lines);
     let is_tape = parts.part().is_tape;
-    let mut tracer = Tracer::new(machine, dialect, is_tape);
+    let centers = centers.unwrap_or_else(|| Centers::new(dialect, options.arc_centers));
+    let mut tracer = Tracer::new(machine, parts.part(), centers);
     // Most blocks of a long program are one move each.
     tracer.toolpath.segments.try_reserve_exact(parts.expected_blocks()).ok();
     let (mut heard, mut rest) = (0, None);
+    let (mut index, mut doubted) = (0, 0);
     loop {
         let part = parts.part();
         if !parts.goes_straight_on() || part.is_tape != is_tape {
@@ -56,6 +75,10 @@ pub fn trace_straight(text: &[u8], options: &Options, machine: &Machine, lines: 
                 rest.get_or_insert((block.line, 0)).1 += 1;
                 continue;
             }
+            let doubts = &parts.doubts()[doubted..];
+            let before = doubts.iter().take_while(|doubt| doubt.after <= index).count();
+            tracer.doubt_as_read(&doubts[..before]);
+            (doubted, index) = (doubted + before, index + 1);
             let words = part.words(block);
             let scaled = tracer.by_increments(words, words);
             tracer.block(Block { words: scaled.as_deref().unwrap_or(words), line: block.line });
@@ -65,7 +88,11 @@ pub fn trace_straight(text: &[u8], options: &Options, machine: &Machine, lines: 
         }
     }
     tracer.tell_rest(rest);
-    Some(tracer.finish(&parts.finish()))
+    let program = parts.finish();
+    if tracer.ended.is_none() {
+        tracer.doubt_as_read(&program.doubts[doubted..]);
+    }
+    Some((tracer, program))
 }
 
 /// So many bytes at the end of a text are looked at first.

@@ -1,10 +1,14 @@
 //! The tracer: runs block after block under the modal state.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Dialect, LineNumber, Place, Program, Remarks, Word, address, in_line_order};
+use crate::simulation::gcode::{
+    ArcCenters, Dialect, LineNumber, Place, Program, Remarks, Word, address, in_line_order, whole_number,
+};
 use crate::simulation::toolpath::block::{Block, Given, UNMODELLED_WORDS, bits};
+use crate::simulation::toolpath::center::Centers;
 use crate::simulation::toolpath::compensation::{CompensationWords, Contour, LeadIn};
 use crate::simulation::toolpath::cycle::Cycles;
+use crate::simulation::toolpath::doubt::OpenDoubts;
 use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
@@ -20,6 +24,8 @@ use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::rotary::Rotary;
 use crate::simulation::toolpath::run::{MOST_REPEATED, Run};
 use crate::simulation::toolpath::siemens::{self, Siemens, Statement};
+use crate::simulation::toolpath::spline::{Spline, SplineState};
+use crate::simulation::toolpath::turning::Turning;
 use crate::simulation::toolpath::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
 use crate::simulation::toolpath::{Point, Stop, StopCause, Toolpath};
 use crate::units::MM_PER_INCH;
@@ -31,7 +37,17 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
 
 /// The same with a bound of its own: blocks that loops and calls may run beyond once each.
 pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) -> Toolpath {
-    let mut tracer = Tracer::new(machine, program.dialect, program.is_tape);
+    let centers = Centers::new(program.dialect, program.arc_centers);
+    let mut tracer = run(program, machine, most_repeated, centers);
+    if tracer.centers.show_absolute() {
+        tracer = run(program, machine, most_repeated, Centers::shown());
+    }
+    tracer.finish(program)
+}
+
+/// Runs all blocks of `program`.
+fn run<'a>(program: &Program, machine: &'a Machine, most_repeated: usize, centers: Centers) -> Tracer<'a> {
+    let mut tracer = Tracer::new(machine, program, centers);
     let mut parameters = Parameters::new(program.dialect);
     tracer.compensation.known.hear(&program.comments);
     tracer.look_for_points(program);
@@ -42,9 +58,11 @@ pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) 
     while let Some(index) = run.block() {
         let block = &program.blocks[index as usize];
         let formulas = program.formulas(index);
+        tracer.doubt_as_read(program.doubts_before(index));
         if let Err((formula, no_value)) = parameters.values_of(program, block, formulas, &tracer, &mut values)
         {
             let place = Place { line: block.line, columns: formula.columns };
+            tracer.doubt_block(block.line, program.words(block));
             tracer.remarks.add(place, no_value.into());
             run.pass();
             continue;
@@ -78,7 +96,10 @@ pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) 
     if let Some((line, parameter)) = parameters.unassigned {
         tracer.remarks.add(Place::line(line), Untraced::Unassigned { parameter });
     }
-    tracer.finish(program)
+    if tracer.ended.is_none() {
+        tracer.doubt_as_read(program.doubts_before(program.blocks.len() as u32));
+    }
+    tracer
 }
 
 /// What stays in force from block to block.
@@ -162,6 +183,7 @@ pub(super) struct Tracer<'a> {
     pub(super) dialect: Dialect,
     pub(super) siemens: Siemens,
     pub(super) own: OwnState,
+    pub(super) spline: SplineState,
     pub(super) klartext: Klartext,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
@@ -173,12 +195,17 @@ pub(super) struct Tracer<'a> {
     pub(super) compensation: CompensationWords,
     pub(super) contour: Contour,
     pub(super) points: Points,
+    pub(super) turning: Turning,
+    pub(super) doubts: OpenDoubts,
+    pub(super) centers: Centers,
     pub(super) toolpath: Toolpath,
     pub(super) remarks: Remarks<Untraced>,
 }
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(machine: &'a Machine, dialect: Dialect, is_tape: bool) -> Tracer<'a> {
+    /// Before the first block of `program`.
+    pub(super) fn new(machine: &'a Machine, program: &Program, centers: Centers) -> Tracer<'a> {
+        let Program { dialect, is_tape, arc_centers, .. } = *program;
         Tracer {
             machine,
             is_tape: is_tape || dialect == Dialect::Okuma,
@@ -187,7 +214,7 @@ impl<'a> Tracer<'a> {
                 plane: Plane::Xy,
                 unit: 1.0,
                 is_incremental: false,
-                has_incremental_center: true,
+                has_incremental_center: !centers.are_absolute() && arc_centers != Some(ArcCenters::Absolute),
                 feed: Feed::default(),
                 feedrate: None,
                 tool: None,
@@ -204,6 +231,7 @@ impl<'a> Tracer<'a> {
             dialect,
             siemens: Siemens::default(),
             own: OwnState::default(),
+            spline: SplineState::default(),
             klartext: Klartext::default(),
             exact_stop: false,
             plain: None,
@@ -213,6 +241,9 @@ impl<'a> Tracer<'a> {
             compensation: CompensationWords::default(),
             contour: Contour::new(lead_in(dialect)),
             points: Points::default(),
+            turning: Turning::default(),
+            doubts: OpenDoubts::default(),
+            centers,
             toolpath: Toolpath { dialect, ..Toolpath::default() },
             remarks: Remarks::default(),
         }
@@ -229,16 +260,29 @@ impl<'a> Tracer<'a> {
 
     /// The toolpath, once all blocks of the program are run.
     pub(super) fn finish(mut self, program: &Program) -> Toolpath {
+        self.forget_nurbs();
         self.end_klartext();
         self.end_contour();
         self.find_operations(&program.comments);
+        self.remarks.look_behind(self.toolpath.segments.len());
         self.tell_missing_points();
+        if let Some(declined) = self.declined() {
+            return declined;
+        }
+        self.follow_doubts(Block { words: &[], line: LineNumber(0) });
+        let doubts = std::mem::take(&mut self.remarks.doubts);
         let diagnostics = [program.diagnostics.clone(), self.remarks.finish()].concat();
-        Toolpath { diagnostics: in_line_order(diagnostics), ..self.toolpath }
+        Toolpath { diagnostics: in_line_order(diagnostics), doubts, ..self.toolpath }
     }
 
     /// Runs one block in the order of execution of the module's head.
     pub(super) fn block(&mut self, block: Block) {
+        self.remarks.look_behind(self.toolpath.segments.len());
+        self.run_block(block);
+        self.follow_doubts(block);
+    }
+
+    fn run_block(&mut self, block: Block) {
         if self.is_heidenhain() {
             return self.klartext_block(block);
         }
@@ -248,6 +292,12 @@ impl<'a> Tracer<'a> {
         self.plain = None;
         let mut request = self.take_words(block);
         for (word, code, place) in std::mem::take(&mut request.path_words) {
+            if let Some(spline) = self.spline_of(word) {
+                self.cycle.end();
+                self.modal.mode = Some(Mode::Spline(spline));
+                request.has_motion_word = true;
+                continue;
+            }
             let has_cycle = request.groups[9].is_some() && self.cycle.is_active();
             let takes_p = matches!(request.special, Some((Special::Dwell, _))) || has_cycle;
             if !self.path_word(place, word, code, !takes_p) {
@@ -261,7 +311,7 @@ impl<'a> Tracer<'a> {
         }
         self.take_feed(block, self.given.get(b'F'));
         if let Some(tool) = self.given.get(b'T') {
-            self.modal.tool = whole(tool);
+            self.modal.tool = whole_number(tool);
         } else if self.given.get(address::TOOL_NAME).is_some() {
             // A tool by its name is another one than the last by its number.
             self.modal.tool = None;
@@ -322,6 +372,7 @@ impl<'a> Tracer<'a> {
                 }
             }
         }
+        self.look_for_turning(block);
         if request.has_m_word {
             self.leave_out_settings(block);
         }
@@ -358,8 +409,11 @@ impl<'a> Tracer<'a> {
             Meaning::Plane(plane) => self.modal.plane = plane,
             Meaning::Inch(is_inch) => self.modal.unit = if is_inch { MM_PER_INCH } else { 1.0 },
             Meaning::Incremental(is_incremental) => self.modal.is_incremental = is_incremental,
-            Meaning::IncrementalCenter(is_incremental) => self.modal.has_incremental_center = is_incremental,
-            Meaning::FeedMode(mode) => self.modal.feed.mode = mode,
+            Meaning::IncrementalCenter(is_incremental) => {
+                self.modal.has_incremental_center = is_incremental;
+                self.centers.fix();
+            }
+            Meaning::FeedMode(mode) => self.choose_feed_mode(code, mode),
             Meaning::Path(word) => request.path_words.push((word, code, place)),
             Meaning::ExactStopHere => request.exact_stop = true,
             Meaning::Special(special) => request.special = Some((special, code)),
@@ -388,7 +442,7 @@ impl<'a> Tracer<'a> {
     fn m_words(&mut self, block: Block, when: When) {
         for word in block.words.iter().filter(|word| word.letter == b'M') {
             let code = Code { letter: 'M', value: word.value };
-            let number = whole(word.value);
+            let number = whole_number(word.value);
             let acts = match number {
                 Some(0 | 1 | 2 | 5 | 9 | 30 | 60) => When::AfterMotion,
                 _ => When::BeforeMotion,
@@ -419,6 +473,10 @@ impl<'a> Tracer<'a> {
     /// What the block does with its axis words.
     fn act(&mut self, block: Block, request: &Request) {
         let special = request.special;
+        let is_nurbs = self.modal.mode == Some(Mode::Spline(Spline::Nurbs));
+        if !is_nurbs && !matches!(special, Some((Special::NurbsEnd, _))) {
+            self.forget_nurbs();
+        }
         let is_dwell = matches!(special, Some((Special::Dwell, _)));
         if self.given.has(UNMODELLED_WORDS) && !is_dwell {
             for letter in (b'A'..=b'Z').filter(|letter| self.given.has(bits(&[*letter]) & UNMODELLED_WORDS)) {
@@ -460,11 +518,6 @@ fn lead_in(dialect: Dialect) -> LeadIn {
         Dialect::Iso | Dialect::Okuma | Dialect::Siemens => LeadIn::SquareToNext,
         _ => LeadIn::SquareToItself,
     }
-}
-
-/// The value as a whole number, where it is one that M and T words can have.
-fn whole(value: f64) -> Option<u32> {
-    ((0.0..=99_999_999.0).contains(&value) && value.fract() == 0.0).then_some(value as u32)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::simulation::toolpath::own::{Own, OwnModal};
 use crate::simulation::toolpath::path_mode::PathWord;
 use crate::simulation::toolpath::plane::{Plane, Turn};
 use crate::simulation::toolpath::siemens::SiemensWord;
+use crate::simulation::toolpath::spline::Spline;
 
 /// How axis words are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +22,8 @@ pub(super) enum Mode {
     Straight,
     /// G2 and G3.
     Arc(Turn),
+    /// G5, G5.1, G5.2 and G6.2 of LinuxCNC.
+    Spline(Spline),
 }
 
 /// A word that decides alone what its block does with the axis words.
@@ -58,6 +61,8 @@ pub(super) enum Special {
     Probe,
     /// G33, and G33.1 with the way back.
     Thread { is_tapping: bool },
+    /// G5.3.
+    NurbsEnd,
     /// A word of one family of controls.
     Own(Own),
 }

@@ -7,7 +7,7 @@
 
 use crate::simulation::gcode::expression::Notation;
 use crate::simulation::gcode::line::Line;
-use crate::simulation::gcode::number::{number, skip_blanks};
+use crate::simulation::gcode::number::{number, skip_blanks, whole_number};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::Kind;
@@ -147,7 +147,9 @@ impl Reader<'_> {
             start += 1;
         }
         if let Some(found) = number(text, start) {
-            let Some(id) = whole(found.value) else { return Err(expected("a block number", line, start)) };
+            let Some(id) = whole_number(found.value) else {
+                return Err(expected("a block number", line, start));
+            };
             let label = Label { kind: LabelKind::Sequence, id };
             self.act(Action::Jump { to: Destination::Label(label, Direction::Either), when });
             return Ok(found.end);
@@ -161,14 +163,14 @@ impl Reader<'_> {
     }
 
     fn loop_number(&self, text: &[u8], at: usize, line: &Line) -> Result<(u32, usize), Refusal> {
-        let found = number(text, at).and_then(|found| Some((whole(found.value)?, found.end)));
+        let found = number(text, at).and_then(|found| Some((whole_number(found.value)?, found.end)));
         found.ok_or_else(|| expected("the number of a loop", line, at))
     }
 
     /// A program number: what stands before it is another program.
     pub(super) fn program_number(&mut self, number: f64) {
         self.program_border();
-        if let Some(id) = whole(number) {
+        if let Some(id) = whole_number(number) {
             self.label(LabelKind::Program, id);
         }
     }
@@ -193,16 +195,11 @@ impl Reader<'_> {
             let Some(found) = is_numbered.then(|| number(line, at + 1)).flatten() else { continue };
             let line = index as u32 + 1;
             let block = self.program.blocks.partition_point(|block| block.line.0 < line);
-            if let Some(id) = whole(found.value) {
+            if let Some(id) = whole_number(found.value) {
                 self.program.labels.push((Label { kind: LabelKind::Sequence, id }, block as u32));
             }
         }
     }
-}
-
-/// The value as the number of a label.
-pub(super) fn whole(value: f64) -> Option<u32> {
-    ((0.0..=1e9).contains(&value) && value.fract() == 0.0).then_some(value as u32)
 }
 
 fn expected(expected: &'static str, line: &Line, at: usize) -> Refusal {

@@ -12,9 +12,8 @@
 //! Source: LinuxCNC 2.9, G-code → O codes.
 
 use crate::simulation::gcode::expression::{Notation, Place as Parameter};
-use crate::simulation::gcode::iso::macro_word::whole;
 use crate::simulation::gcode::line::{Line, code_end, excerpt};
-use crate::simulation::gcode::number::{number, skip_blanks};
+use crate::simulation::gcode::number::{number, skip_blanks, whole_number};
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::Kind;
@@ -219,7 +218,7 @@ impl Reader<'_> {
         let start = skip_blanks(text, at + 1);
         let label = |kind, id| Destination::Label(Label { kind, id }, Direction::Either);
         if let Some(found) = number(text, start) {
-            let id = whole(found.value).unwrap_or(u32::MAX >> 1);
+            let id = whole_number(found.value).unwrap_or(u32::MAX >> 1);
             return Ok((label(LabelKind::Numbered, id), id, found.end));
         }
         if text.get(start) == Some(&b'<') {

@@ -25,6 +25,9 @@
 //! the bottom, whatever the rounding of z(n) = R − p(1) − … − p(n). Length of feed with N pecks:
 //! (R − Z) + (N − 1) c, as long as no z + c is above the ceiling.
 //!
+//! A tap in N pecks of depth q is turned back by d after each but the last, out to R where d is infinite, with the spindle
+//! turned round for the way back and again for the next peck: 2 N reversals, and (R − Z) + 2 Σ d_n + (R − Z) of feed.
+//!
 //! Limits: a hole has at most [`MOST_PECKS`] pecks, and deeper ones than written where that is
 //! not enough.
 
@@ -88,6 +91,8 @@ pub enum Kind {
         turn: Turn,
         /// Turned round in one, with the feed coupled to it; otherwise it is stopped first.
         is_rigid: bool,
+        /// In pecks, each with a way out and the spindle turned round for both; `None`: in one.
+        pecks: Option<TapPecks>,
     },
     /// Feed in, feed out.
     Bore,
@@ -136,6 +141,15 @@ impl Pecks {
     pub fn equal(depth: f64) -> Pecks {
         Pecks { first: depth, ratio: 1.0, decrease: 0.0, least: 0.0 }
     }
+}
+
+/// The pecks of a tap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapPecks {
+    /// Their depth, mm.
+    pub depth: f64,
+    /// How far the tap is turned back between them, mm; no higher than the reference height.
+    pub back: f64,
 }
 
 /// How a spindle turns.
@@ -201,6 +215,13 @@ pub struct Work {
     pub has_deeper_pecks: bool,
 }
 
+impl From<Vec<Step>> for Work {
+    /// Steps without pecks.
+    fn from(steps: Vec<Step>) -> Work {
+        Work { steps, has_deeper_pecks: false }
+    }
+}
+
 /// Why there is nothing to do at a hole. Heights in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NoHole {
@@ -241,6 +262,9 @@ pub enum NoHole {
     /// The program's holes have more steps than this.
     #[error("all holes together ask for more than {0} moves and stops")]
     TooMuchWork(usize),
+    /// A pattern of no hole, or of more than can be made.
+    #[error("{0} is no number of holes from 1 to 10000")]
+    NoCount(f64),
     /// Another cycle has the same name.
     #[error("threading (with I, J and K) is not modelled")]
     Threading,
@@ -281,12 +305,24 @@ pub fn work(hole: &Hole) -> Result<Work, NoHole> {
             })?;
             steps.push(Step::Dwell(dwell));
         }
-        Kind::Tap { turn, is_rigid } => {
+        Kind::Tap { turn, is_rigid, pecks } => {
             let stop = (!is_rigid).then_some(Step::Stop);
-            steps.extend([feed_in(bottom), Step::Dwell(dwell)]);
-            steps.extend(stop.into_iter().chain([Step::Start(turn.reversed()), feed_out]));
+            let start = |turn| stop.into_iter().chain([Step::Start(turn)]);
+            let TapPecks { depth: peck_depth, back } =
+                pecks.unwrap_or(TapPecks { depth: f64::INFINITY, back: 0.0 });
+            has_deeper_pecks = peck(depth, Pecks::equal(peck_depth), |left| {
+                steps.push(feed_in(bottom + left));
+                if 0.0 < left {
+                    steps.extend(start(turn.reversed()));
+                    let to = (bottom + left + back).min(reference);
+                    steps.push(Step::Feed { to, feedrate: hole.feed_out });
+                    steps.extend(start(turn));
+                }
+            })?;
+            steps.push(Step::Dwell(dwell));
+            steps.extend(start(turn.reversed()).chain([feed_out]));
             steps.push(Step::Dwell(dwell_outside));
-            steps.extend(stop.into_iter().chain([Step::Start(turn)]));
+            steps.extend(start(turn));
         }
         Kind::Bore => {
             steps.extend([feed_in(bottom), Step::Dwell(dwell), feed_out, Step::Dwell(dwell_outside)]);

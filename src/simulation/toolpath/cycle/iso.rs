@@ -34,9 +34,11 @@
 //!
 //! With I, pecks of G73 and G83 begin with I, shrink by J and are at least K (Haas); J of 2 to 9
 //! makes tapping come out so many times faster (Haas). Tapping is rigid after M29; otherwise the
-//! spindle is stopped before it is turned round. F of tapping is the feedrate in force.
+//! spindle is stopped before it is turned round. F of tapping is the feedrate in force. With Q it is done in pecks: after
+//! each the tap is turned back by the retract of chip breaking, or out to R where the machine says so (Fanuc 5200#5 PCP
+//! and 5213), and on with the spindle turned round again.
 //!
-//! Not modelled: P of G73 and G83 and Q of tapping, each with a remark; G76 of LinuxCNC, which
+//! Not modelled: P of G73 and G83, with a remark; G76 of LinuxCNC, which
 //! is threading. LinuxCNC adds a last peck where the rounding of its sum of Qs leaves one of no
 //! depth; here there is none.
 //!
@@ -46,7 +48,7 @@
 use crate::simulation::gcode::Dialect;
 use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::block::{AXIS_WORDS, Block, bits};
-use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, Turn};
+use crate::simulation::toolpath::cycle::hole::{Kind, Pecks, TapPecks, Turn};
 use crate::simulation::toolpath::cycle::{Hole, NoHole};
 use crate::simulation::toolpath::motion::{LONGEST_DWELL, TimeUnit};
 use crate::simulation::toolpath::remark::{Code, Untraced};
@@ -96,6 +98,10 @@ impl Tracer<'_> {
                 active.code = code;
                 active.number = number;
                 active.center = [None; 3];
+                // The pecks of a drill are none of a tap.
+                if matches!(number, 74 | 84) {
+                    active.peck = None;
+                }
             }
             other => {
                 let begin = other.as_ref().map_or(self.position, |active| active.begin);
@@ -155,7 +161,6 @@ impl Tracer<'_> {
         let not_modelled = match active.number {
             83 if self.has_full_retracts_by_j(active) => b'J',
             73 | 83 => b'P',
-            74 | 84 => b'Q',
             _ => return,
         };
         if self.given.has(bits(&[not_modelled])) {
@@ -288,7 +293,8 @@ impl Tracer<'_> {
             }
             74 | 84 => {
                 let turn = if active.number == 84 { Turn::Right } else { Turn::Left };
-                hole.kind = Kind::Tap { turn, is_rigid: self.cycle.is_rigid };
+                hole.kind =
+                    Kind::Tap { turn, is_rigid: self.cycle.is_rigid, pecks: self.tap_pecks(active, usual)? };
                 hole.dwell = dwell;
                 hole.dwell_outside = if is_tape { dwell } else { 0.0 };
                 hole.feed_out_to = if is_tape { reference } else { return_to };
@@ -330,6 +336,17 @@ impl Tracer<'_> {
             _ => {}
         }
         Ok(Some(hole))
+    }
+
+    /// The pecks of a tap by Q; `None` where there is no Q.
+    fn tap_pecks(&self, active: &Active, usual: f64) -> Result<Option<TapPecks>, NoHole> {
+        let Some(depth) = active.peck else { return Ok(None) };
+        if depth == 0.0 {
+            return Err(NoHole::BadPeck(depth));
+        }
+        let cycles = &self.machine.cycles;
+        let back = if cycles.taps_out { f64::INFINITY } else { cycles.peck_retract.unwrap_or(usual) };
+        Ok(Some(TapPecks { depth: depth.abs(), back }))
     }
 
     /// What a hole waits, s.

@@ -76,10 +76,15 @@ impl Tracer<'_> {
     pub(super) fn plan_hole(&mut self, block: Block, hole: &Hole) -> Result<Work, NoHole> {
         let work = work(hole)?;
         self.cycle.steps = self.cycle.steps.saturating_sub(FREE_STEPS);
-        if work.has_deeper_pecks {
+        self.tell_deeper_pecks(block, work.has_deeper_pecks);
+        Ok(work)
+    }
+
+    /// Tells that a hole has fewer pecks than written.
+    pub(super) fn tell_deeper_pecks(&mut self, block: Block, has_deeper_pecks: bool) {
+        if has_deeper_pecks {
             self.remarks.add(block.place(), Untraced::DeeperPecks { most: MOST_PECKS });
         }
-        Ok(work)
     }
 
     /// Makes a hole where the tool stands in the plane; its axis is the plane's normal.

@@ -1,8 +1,9 @@
 //! Laws of maps, and the words whose meaning depends on the family of the control.
 
 use super::*;
-use crate::simulation::gcode::{Dialect, read};
+use crate::simulation::gcode::{Dialect, Program, read};
 use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::center::Centers;
 use crate::simulation::toolpath::random::Random;
 use crate::simulation::toolpath::trace::{Family, Tracer, trace};
 use crate::simulation::toolpath::{Motion, StopCause};
@@ -41,7 +42,8 @@ fn quarter_turns_keep_right_angles() {
 /// Runs a program by the rules of a family.
 fn run<'a>(text: &str, family: Family, machine: &'a Machine) -> Tracer<'a> {
     let program = read(text.as_bytes());
-    let mut tracer = Tracer::new(machine, Dialect::default(), false);
+    let centers = Centers::new(Dialect::default(), None);
+    let mut tracer = Tracer::new(machine, &Program::default(), centers);
     tracer.family = family;
     for block in &program.blocks {
         tracer.block(Block { words: program.words(block), line: block.line });

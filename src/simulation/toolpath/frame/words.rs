@@ -61,6 +61,7 @@ impl Tracer<'_> {
             | Special::MachineCoordinates
             | Special::Probe
             | Special::Thread { .. }
+            | Special::NurbsEnd
             | Special::Own(_) => {}
         }
         self.frame.refresh();

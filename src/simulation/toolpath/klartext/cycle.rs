@@ -9,6 +9,7 @@ use crate::simulation::gcode::{
     CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, LineNumber, Word, address,
 };
 use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::klartext::KlartextRemark;
 use crate::simulation::toolpath::klartext::hole::is_hole;
 use crate::simulation::toolpath::motion::LONGEST_DWELL;
@@ -179,10 +180,15 @@ impl Tracer<'_> {
         let block = Block { words: &[], line };
         let unit = self.modal.unit;
         let cycle = &self.klartext.cycle;
-        let count = |number: u32| {
-            let count = cycle.q(number).round();
-            if (0.0..=MOST_HOLES).contains(&count) { count as u32 } else { 0 }
+        let asked = match number {
+            220 => cycle.q(241).round(),
+            _ => cycle.q(242).round() * cycle.q(243).round(),
         };
+        if !(1.0..=MOST_HOLES).contains(&asked) {
+            let what = NoHole::NoCount(asked).to_string();
+            return self.remark(block.place(), KlartextRemark::NoHole { number, what });
+        }
+        let count = |number: u32| cycle.q(number).round().abs() as u32;
         let q = |number: u32| cycle.q(number) * unit;
         let angle = |number: u32| cycle.q(number).to_radians();
         let mut places = Vec::new();
@@ -199,8 +205,7 @@ impl Tracer<'_> {
         } else {
             let (columns, rows) = (count(242), count(243));
             let (sin, cos) = angle(224).sin_cos();
-            let total = (f64::from(columns) * f64::from(rows)).min(MOST_HOLES) as u32;
-            places.extend((0..total).map(|index| {
+            places.extend((0..columns * rows).map(|index| {
                 let (row, column) = (index / columns, index % columns);
                 // Every other row is run back.
                 let column = if row % 2 == 0 { column } else { columns - 1 - column };

@@ -78,7 +78,9 @@ struct Pecking {
 impl Tracer<'_> {
     /// Makes a hole where the tool is.
     pub(super) fn make_klartext_hole(&mut self, block: Block, number: u32, lift: f64) {
-        let outcome = self.klartext_steps(block, number, lift).and_then(|steps| {
+        let outcome = self.klartext_steps(block, number, lift).and_then(|work| {
+            let Work { steps, has_deeper_pecks } = work;
+            self.tell_deeper_pecks(block, has_deeper_pecks);
             let exact_stop = self.exact_stop;
             let normal = self.modal.plane.axes()[2];
             let height = |height: f64| self.frame.coordinate_at(&self.position, normal, height);
@@ -96,7 +98,7 @@ impl Tracer<'_> {
             if steps.iter().any(is_far) {
                 return Err(NoHole::OutOfReach);
             }
-            self.make_hole(block, &Work { steps, has_deeper_pecks: false })?;
+            self.make_hole(block, &Work { steps, has_deeper_pecks })?;
             self.exact_stop = exact_stop;
             Ok(())
         });
@@ -116,14 +118,21 @@ impl Tracer<'_> {
         }
     }
 
-    fn klartext_steps(&mut self, block: Block, number: u32, lift: f64) -> Result<Vec<Step>, NoHole> {
+    /// The rapid feedrate along the axis of the holes, mm/s.
+    fn rapid_along_tool(&self) -> f64 {
+        let mut shares = [0.0; 3];
+        shares[self.modal.plane.axes()[2]] = 1.0;
+        self.machine.rapid_feedrate(shares)
+    }
+
+    fn klartext_steps(&mut self, block: Block, number: u32, lift: f64) -> Result<Work, NoHole> {
         let unit = self.modal.unit;
         let at = self.frame.to_program(&self.position)[self.modal.plane.axes()[2]];
         let settings = self.klartext.cycle.settings;
         let setting = |line: usize| settings[line].unwrap_or(0.0);
         let q = |tracer: &Self, number: u32| tracer.klartext.cycle.q(number);
         let length = |tracer: &Self, number: u32| q(tracer, number) * unit;
-        let rapid = self.machine.rapid.feedrate;
+        let rapid = self.rapid_along_tool();
         let is_old = number < 100;
         let mut plan = if is_old {
             let feed_line = match number {
@@ -211,13 +220,13 @@ impl Tracer<'_> {
             241 => {
                 plan.feed_out = out;
                 let start = plan.surface - length(self, 379).abs();
-                let mut steps = plan.steps(&plain)?;
+                let mut work = plan.steps(&plain)?;
                 if start < plan.surface
                     && let Some(feedrate) = self.cycle_feed(block, q(self, 253))
                 {
-                    steps.insert(1, Step::Feed { to: start, feedrate });
+                    work.steps.insert(1, Step::Feed { to: start, feedrate });
                 }
-                Ok(steps)
+                Ok(work)
             }
             202 => {
                 let angle = q(self, 214) as i32;
@@ -234,7 +243,7 @@ impl Tracer<'_> {
                     None => Step::Rapid(plan.reference),
                 };
                 let feed = Step::Feed { to: plan.bottom, feedrate: plan.feed };
-                Ok(vec![
+                Ok(Work::from(vec![
                     Step::Rapid(plan.reference),
                     feed,
                     Step::Dwell(plan.dwell),
@@ -244,7 +253,7 @@ impl Tracer<'_> {
                     Step::Rapid(plan.return_to),
                     Step::Shift([0.0, 0.0]),
                     Step::Start(turn),
-                ])
+                ]))
             }
             204 => self.back_bore(block, plan, turn),
             _ => self.tap(block, number, plan, turn),
@@ -253,11 +262,12 @@ impl Tracer<'_> {
 
     /// Cycle 204: Q249 depth of the counterbore, Q250 thickness of the part, Q251 off-centre of the
     /// tool, Q252 height of its edge, Q253 feed of the way in, Q254 feed of the work, Q255 dwell.
-    fn back_bore(&mut self, block: Block, plan: Plan, turn: Turn) -> Result<Vec<Step>, NoHole> {
+    fn back_bore(&mut self, block: Block, plan: Plan, turn: Turn) -> Result<Work, NoHole> {
         let unit = self.modal.unit;
         let q = |tracer: &Self, number: u32| tracer.klartext.cycle.q(number);
-        let into = self.cycle_feed(block, q(self, 253)).unwrap_or(self.machine.rapid.feedrate);
-        let work = self.cycle_feed(block, q(self, 254)).unwrap_or(self.machine.rapid.feedrate);
+        let rapid = self.rapid_along_tool();
+        let into = self.cycle_feed(block, q(self, 253)).unwrap_or(rapid);
+        let work = self.cycle_feed(block, q(self, 254)).unwrap_or(rapid);
         let under = plan.surface - (q(self, 250) + q(self, 252)).abs() * unit;
         let below = under - (plan.reference - plan.surface);
         let top = under + q(self, 249).abs() * unit;
@@ -268,7 +278,7 @@ impl Tracer<'_> {
             3 => [aside, 0.0],
             _ => [0.0, aside],
         };
-        Ok(vec![
+        Ok(Work::from(vec![
             Step::Rapid(plan.reference),
             Step::Orient,
             Step::Shift(shift),
@@ -284,11 +294,11 @@ impl Tracer<'_> {
             Step::Rapid(plan.return_to),
             Step::Shift([0.0, 0.0]),
             Step::Start(turn),
-        ])
+        ]))
     }
 
     /// Cycles 2, 17, 206, 207 and 209.
-    fn tap(&mut self, block: Block, number: u32, mut plan: Plan, turn: Turn) -> Result<Vec<Step>, NoHole> {
+    fn tap(&mut self, block: Block, number: u32, mut plan: Plan, turn: Turn) -> Result<Work, NoHole> {
         let unit = self.modal.unit;
         let setting = |tracer: &Self, line: usize| tracer.klartext.cycle.settings[line].unwrap_or(0.0);
         let q = |tracer: &Self, number: u32| tracer.klartext.cycle.q(number);
@@ -328,8 +338,9 @@ impl Tracer<'_> {
         let feed_out = plan.feed * faster.unwrap_or(1.0);
         let deep = Some(q(self, 257).abs() * unit).filter(|deep| number == 209 && 0.0 < *deep);
         let by = q(self, 256).abs() * unit;
+        let mut has_deeper_pecks = false;
         if let Some(deep) = deep {
-            peck(plan.surface - plan.bottom, Pecks::equal(deep), |left| {
+            has_deeper_pecks = peck(plan.surface - plan.bottom, Pecks::equal(deep), |left| {
                 steps.push(Step::Feed { to: plan.bottom + left, feedrate: plan.feed });
                 if 0.0 < left {
                     let to = if by == 0.0 {
@@ -352,7 +363,7 @@ impl Tracer<'_> {
         steps.push(Step::Feed { to: plan.reference, feedrate: feed_out });
         steps.extend(stops.into_iter().chain([Step::Start(turn)]));
         steps.push(Step::Rapid(plan.return_to));
-        Ok(steps)
+        Ok(Work { steps, has_deeper_pecks })
     }
 }
 
@@ -367,18 +378,21 @@ impl Plan {
     }
 
     /// Down by pecks, and out.
-    fn steps(&self, pecking: &Pecking) -> Result<Vec<Step>, NoHole> {
+    fn steps(&self, pecking: &Pecking) -> Result<Work, NoHole> {
         self.check()?;
         let Plan { reference, surface, bottom, return_to, feed, feed_out, dwell } = *self;
         let mut steps = vec![Step::Rapid(reference)];
         let depth = surface - bottom;
-        let mut broken = 0;
-        let mut from = surface;
-        peck(depth, pecking.pecks, |left| {
+        let (mut broken, mut from, mut has_fewer_breaks) = (0, surface, false);
+        let has_deeper_pecks = peck(depth, pecking.pecks, |left| {
             let to = bottom + left;
             if let Some(deep) = pecking.break_depth {
                 let mut at = from - deep;
-                while to + 1e-6 < at && steps.len() < MOST_STEPS {
+                while to + 1e-6 < at {
+                    has_fewer_breaks |= MOST_STEPS <= steps.len();
+                    if has_fewer_breaks {
+                        break;
+                    }
                     steps.push(Step::Feed { to: at, feedrate: feed });
                     steps.push(Step::Rapid((at + pecking.break_by).min(reference)));
                     at -= deep;
@@ -409,6 +423,6 @@ impl Plan {
             steps.push(Step::Feed { to: reference, feedrate });
         }
         steps.push(Step::Rapid(return_to));
-        Ok(steps)
+        Ok(Work { steps, has_deeper_pecks: has_deeper_pecks || has_fewer_breaks })
     }
 }

@@ -1,7 +1,7 @@
 //! Laws of jumps, loops and calls.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Severity, read};
+use crate::simulation::gcode::{Dialect, Options, Severity, read, read_with};
 use crate::simulation::toolpath::{Toolpath, trace};
 
 fn run(text: &str) -> Toolpath {
@@ -136,4 +136,78 @@ fn nothing_runs_for_ever() {
     let ends: String = (1..=10).rev().map(|n| format!("o{n} endrepeat\n")).collect();
     let found = run(&format!("{tenfold}M3\n{ends}")).diagnostics;
     assert!(found.iter().any(|d| d.message.contains("for ever")), "{found:?}");
+}
+
+/// The moves of a program, and its errors.
+fn moves_and_errors(dialect: Dialect, text: &str) -> (usize, Vec<(u32, String)>) {
+    let options = Options { dialect: Some(dialect), ..Options::default() };
+    let toolpath = trace(&read_with(text.as_bytes(), &options), &Machine::default());
+    let errors = toolpath.diagnostics.into_iter().filter(|found| found.severity == Severity::Error);
+    (toolpath.segments.len(), errors.map(|found| (found.line.0, found.message)).collect())
+}
+
+#[test]
+fn a_loop_that_changes_nothing_it_goes_by_ends_after_a_few_turns() {
+    for (dialect, text, line) in [
+        (Dialect::Iso, "N10 G91 G1 X1 F1000\nX-1\nGOTO 10\nM30", 3),
+        (Dialect::Iso, "G91 G1 F1000\nWHILE[#1 LT 5]DO1\nX1\nX-1\nEND1\nM30", 5),
+        (
+            Dialect::Iso,
+            "G91 G1 F1000\nWHILE[1 EQ 1]DO1\n#2=0\nWHILE[#2 LT 3]DO2\n#2=#2+1\nX1\nEND2\nX-3\nEND1\nM30",
+            9,
+        ),
+        (Dialect::Iso, "%\nO1\nM98 P2\nM30\nO2\nN5 G91 G1 X1 F1000\nX-1\nGOTO 5\nM99\n%", 8),
+        (Dialect::LinuxCnc, "G91 G1 F1000\no1 while [1]\nX1\nX-1\no1 endwhile\nM2", 5),
+        (
+            Dialect::LinuxCnc,
+            "G91 G1 F1000\no1 do\no2 repeat [3]\nX1\no2 endrepeat\nX-3\no1 while [#1 EQ 0]\nM2",
+            7,
+        ),
+        (Dialect::Siemens, "G91 G1 F1000\nLOOP\nX1\nX-1\nENDLOOP\nM30", 5),
+        (
+            Dialect::Klartext,
+            "0 BEGIN PGM A MM\n1 LBL 1\n2 L IX+1 R0 F1000\n3 FN 9: IF +Q1 EQU +Q1 GOTO LBL 1\n4 END PGM A MM\n",
+            4,
+        ),
+    ] {
+        let (moves, errors) = moves_and_errors(dialect, text);
+        assert!((1..=12).contains(&moves), "{dialect:?}: {moves} moves of {text}");
+        assert!(
+            errors.len() == 1 && errors[0].0 == line && errors[0].1.contains("for ever"),
+            "{text}: {errors:?}"
+        );
+    }
+}
+
+/// A macro as it stands in a library, called by nobody.
+#[test]
+fn a_macro_without_its_arguments_ends_after_a_thousand_turns() {
+    let macro_text = "%\nO9100\n#10=0\nWHILE[#10 LE #20]DO1\n#10=#10-1\n#11=0\nWHILE[#11 LE #21]DO2\n#11=#11-1\n#12=0\nWHILE[#12 LE #22]DO3\n#12=#12-1\nG91 G1 X1 F500\nX-1\nEND3\nEND2\nEND1\nM99\n%";
+    let (moves, errors) = moves_and_errors(Dialect::Iso, macro_text);
+    assert!(moves <= 2 * 1_001, "{moves}");
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert!(errors[0].0 == 14 && errors[0].1.contains("#22"), "{errors:?}");
+    // Called with its arguments it ends by itself; a flag that the operator sets is none of the call.
+    let called =
+        "%\nO1\nG65 P2 I5.\nM30\nO2\n#10=0\nWHILE[#10 LT #4]DO1\n#10=#10+1\nG91 G1 X1 F500\nEND1\nM99\n%";
+    assert_eq!(moves_and_errors(Dialect::Iso, called), (5, Vec::new()));
+    let flag = "G91 G1 F500\n#1=0\nWHILE[[#1 LT 1500] AND [#500 NE 1]]DO1\n#1=#1+1\nX1\nEND1\nM30";
+    assert_eq!(moves_and_errors(Dialect::Iso, flag), (1500, Vec::new()));
+}
+
+#[test]
+fn loops_that_end_are_run_to_their_end() {
+    for (text, count) in [
+        ("G91 G1 F500\n#1=0\nN1 X1\nIF[#5001 LT 20]GOTO1\nM30", 20),
+        ("G91 G1 F500\n#1=0\nN1 X1\n#1=#1+0.5\nIF[#1 LT 10]GOTO1\nM30", 20),
+    ] {
+        assert_eq!(moves_and_errors(Dialect::Iso, text), (count, Vec::new()), "{text}");
+    }
+}
+
+#[test]
+fn a_remark_of_a_loop_is_listed_once_with_its_number() {
+    let text = "G21 F100\no1 repeat [500]\nG1 X1 Y[1/0]\no1 endrepeat\nM2";
+    let (_, errors) = moves_and_errors(Dialect::LinuxCnc, text);
+    assert!(errors.len() == 1 && errors[0].0 == 3 && errors[0].1.ends_with(" (500 times)"), "{errors:?}");
 }

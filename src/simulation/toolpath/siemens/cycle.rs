@@ -174,7 +174,7 @@ impl Tracer<'_> {
                     }
                 }
                 hole.dwell = dwell;
-                hole.kind = Kind::Tap { turn, is_rigid };
+                hole.kind = Kind::Tap { turn, is_rigid, pecks: None };
             }
             "CYCLE85" => {
                 hole.kind = Kind::Bore;

@@ -16,6 +16,7 @@
 
 use crate::simulation::gcode::address;
 use crate::simulation::toolpath::block::Block;
+use crate::simulation::toolpath::cycle::NoHole;
 use crate::simulation::toolpath::remark::Untraced;
 use crate::simulation::toolpath::siemens::Drilling;
 use crate::simulation::toolpath::trace::Tracer;
@@ -37,7 +38,14 @@ impl Tracer<'_> {
         let is_given = |index: usize| {
             block.words.iter().any(|word| usize::from(word.letter) == usize::from(address::ARGUMENT) + index)
         };
-        for place in places(name, &arguments, is_given) {
+        let places = match places(name, &arguments, is_given) {
+            Ok(places) => places,
+            Err(no_hole) => {
+                self.remarks.add(block.place(), Untraced::NoSiemensHole { name, no_hole });
+                return;
+            }
+        };
+        for place in places {
             let mut program = self.frame.to_program(&self.position);
             let [first, second, _] = self.modal.plane.axes();
             (program[first], program[second]) = (place[0] * self.modal.unit, place[1] * self.modal.unit);
@@ -52,22 +60,25 @@ impl Tracer<'_> {
 }
 
 /// The positions of a pattern in the plane, in the program's unit.
-fn places(name: &str, a: &[f64], is_given: impl Fn(usize) -> bool) -> Vec<[f64; 2]> {
-    let count = |value: f64| if (1.0..=MOST_HOLES).contains(&value) { value as usize } else { 0 };
+fn places(name: &str, a: &[f64], is_given: impl Fn(usize) -> bool) -> Result<Vec<[f64; 2]>, NoHole> {
+    let count = |value: f64| match value {
+        1.0..=MOST_HOLES => Ok(value as usize),
+        _ => Err(NoHole::NoCount(value)),
+    };
     let along = |degrees: f64, distance: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         [a[0] + distance * cosine, a[1] + distance * sine]
     };
-    match name {
-        "HOLES1" => (0..count(a[5])).map(|index| along(a[2], a[3] + a[4] * index as f64)).collect(),
+    Ok(match name {
+        "HOLES1" => (0..count(a[5])?).map(|index| along(a[2], a[3] + a[4] * index as f64)).collect(),
         "HOLES2" => {
-            let count = count(a[5]);
+            let count = count(a[5])?;
             let step = if a[4] == 0.0 { 360.0 / count as f64 } else { a[4] };
             (0..count).map(|index| along(a[3] + step * index as f64, a[2])).collect()
         }
         "CYCLE801" => {
-            let (columns, rows) = (count(a[5]), count(a[6]));
-            let rows = if columns * rows <= MOST_HOLES as usize { rows } else { 0 };
+            let (columns, rows) = (count(a[5])?, count(a[6])?);
+            count((columns * rows) as f64)?;
             let (sine, cosine) = a[2].to_radians().sin_cos();
             let is_frame = a[7] == 1.0;
             let at = |row: usize, column: usize| {
@@ -99,7 +110,10 @@ fn places(name: &str, a: &[f64], is_given: impl Fn(usize) -> bool) -> Vec<[f64; 
                 }
                 places.push(last);
             }
+            if places.is_empty() {
+                return Err(NoHole::NoCount(0.0));
+            }
             places
         }
-    }
+    })
 }

@@ -328,7 +328,7 @@ fn what_is_left_out_is_said() {
         ("G93 G1 F2 X1\nX2", Severity::Error, "G93"),
         ("G93 F-2", Severity::Error, "F-2"),
         ("G95 F.1 G1 X1", Severity::Error, "G95"),
-        ("G96 S200", Severity::Warning, "G96"),
+        ("G1 F9 Y1\nG96 S200", Severity::Warning, "G96"),
         ("S-5", Severity::Error, "S-5"),
         ("G43.4 H1", Severity::Warning, "G43.4 (tool centre point control)"),
         ("G43 H3", Severity::Info, "G43: the length"),

@@ -26,14 +26,15 @@ fn chips(depth: f64) -> Kind {
 }
 
 /// Every kind, with pecks of `depth` and heights below `reach`.
-fn kinds(depth: f64, reach: f64) -> [Kind; 10] {
+fn kinds(depth: f64, reach: f64) -> [Kind; 11] {
     let (turn, shift) = (Turn::Right, [0.2, -0.1]);
     [
         Kind::Drill,
         chips(depth),
         full(depth),
-        Kind::Tap { turn: Turn::Left, is_rigid: false },
-        Kind::Tap { turn, is_rigid: true },
+        Kind::Tap { turn: Turn::Left, is_rigid: false, pecks: None },
+        Kind::Tap { turn, is_rigid: true, pecks: Some(TapPecks { depth, back: 0.5 }) },
+        Kind::Tap { turn, is_rigid: true, pecks: None },
         Kind::Bore,
         Kind::BoreAndStop { turn, by_hand: true },
         Kind::FineBore { turn, shift },
@@ -152,7 +153,7 @@ fn pecks_begin_again_no_higher_than_the_ceiling() {
 
 #[test]
 fn floating_taps_stop_before_they_turn_round() {
-    let kind = Kind::Tap { turn: Turn::Right, is_rigid: false };
+    let kind = Kind::Tap { turn: Turn::Right, is_rigid: false, pecks: None };
     let floating = steps(&Hole { dwell: 0.3, dwell_outside: 0.2, ..hole(kind) });
     let expected = [
         Step::Rapid(2.0),
@@ -167,8 +168,26 @@ fn floating_taps_stop_before_they_turn_round() {
         Step::Rapid(20.0),
     ];
     assert_eq!(floating, expected);
-    let rigid = steps(&hole(Kind::Tap { turn: Turn::Right, is_rigid: true }));
+    let rigid = steps(&hole(Kind::Tap { turn: Turn::Right, is_rigid: true, pecks: None }));
     assert!(!rigid.contains(&Step::Stop) && rigid.contains(&Step::Start(Turn::Left)));
+}
+
+/// 12 mm deep by pecks of 5, 5 and 2: back by 0.5 mm after each, or out.
+#[test]
+fn taps_in_pecks_turn_round_for_each_way() {
+    let tap = |back: f64| {
+        let pecks = Some(TapPecks { depth: 5.0, back });
+        steps(&hole(Kind::Tap { turn: Turn::Right, is_rigid: true, pecks }))
+    };
+    for (back, feed) in [(0.5, 24.0 + 2.0 * 2.0 * 0.5), (f64::INFINITY, 24.0 + 2.0 * (5.0 + 10.0))] {
+        let steps = tap(back);
+        assert_eq!(lengths(&steps), (feed, 18.0));
+        let reversals = steps.iter().filter(|step| matches!(step, Step::Start(_))).count();
+        assert_eq!(reversals, 6);
+    }
+    let deep = Some(TapPecks { depth: 12.0, back: 0.5 });
+    let one = |pecks| steps(&hole(Kind::Tap { turn: Turn::Left, is_rigid: false, pecks }));
+    assert_eq!(one(deep), one(None));
 }
 
 #[test]

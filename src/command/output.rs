@@ -1,0 +1,223 @@
+//! The files that commands write. A regular file is replaced as a whole or left as it was; no output replaces an
+//! input of its command, and what is no regular file (a pipe, a terminal, `/dev/null`) is written through.
+
+use std::fs::{File, Metadata, OpenOptions, metadata};
+use std::io::{ErrorKind, Write, stdout};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+
+use crate::command::Refusal;
+use crate::command::input::system_path;
+
+/// Maximum number of symbolic links from a name to its file, that of Linux.
+const MAX_LINKS: usize = 40;
+
+/// A file to write, checked before the work that its content takes.
+pub struct Output {
+    /// As the user named it.
+    pub path: PathBuf,
+    kind: Kind,
+}
+
+/// How a target is written.
+pub enum Kind {
+    /// Through standard output, which is the same file.
+    Standard,
+    /// Through the path, to a pipe or a device.
+    Stream,
+    /// By a new file at this path, which is no symbolic link.
+    File(PathBuf),
+}
+
+impl Output {
+    /// Returns the output at `path` of a command that reads `inputs`.
+    ///
+    /// # Errors
+    ///
+    /// Says why nothing can be written there: it is an input, a folder, a disk, or in a folder that takes no files.
+    pub fn new(path: PathBuf, inputs: &[&Path]) -> Result<Output, Refusal> {
+        let kind = Kind::of(&path, inputs)?;
+        if let Kind::File(place) = &kind {
+            let refused = |error| refused(&path, error);
+            if place.exists() {
+                OpenOptions::new().write(true).open(place).map_err(refused)?;
+            }
+            beside(place).map_err(refused)?;
+        }
+        Ok(Output { path, kind })
+    }
+
+    /// Returns the outputs of a command that reads `inputs`, each to a file of its own.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Output::new`], and two outputs to one file.
+    pub fn all<const N: usize>(
+        paths: [Option<PathBuf>; N],
+        inputs: &[&Path],
+    ) -> Result<[Option<Output>; N], Refusal> {
+        let given: Vec<&PathBuf> = paths.iter().flatten().collect();
+        for (index, path) in given.iter().enumerate() {
+            let replaced = replaced(path);
+            if replaced.is_some() && given[..index].iter().any(|other| identity(other) == replaced) {
+                return Err(format!("{}: two outputs of one command; give each a file", path.display()));
+            }
+        }
+        let mut outputs = [const { None }; N];
+        for (output, path) in outputs.iter_mut().zip(paths) {
+            *output = path.map(|path| Output::new(path, inputs)).transpose()?;
+        }
+        Ok(outputs)
+    }
+
+    /// Writes the text as the whole content.
+    pub fn write(&self, text: &str) -> Result<(), Refusal> {
+        let outcome = match &self.kind {
+            Kind::Standard => stdout().write_all(text.as_bytes()).and_then(|()| stdout().flush()),
+            Kind::Stream => stream(&self.path).and_then(|mut file| file.write_all(text.as_bytes())),
+            Kind::File(place) => prepared(place, text.as_bytes())
+                .and_then(|file| file.persist(place).map(drop).map_err(|error| error.error)),
+        };
+        match outcome {
+            // A reader that stops reading has what it wanted.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+            outcome => outcome.map_err(|error| refused(&self.path, error)),
+        }
+    }
+}
+
+impl Kind {
+    /// Returns how the target at `path` is written by a command that reads `inputs`.
+    pub fn of(path: &Path, inputs: &[&Path]) -> Result<Kind, Refusal> {
+        let replaced = replaced(path);
+        let is_replaced = |input: &&&Path| replaced.is_some() && identity(system_path(input)) == replaced;
+        if let Some(input) = inputs.iter().find(is_replaced) {
+            let input = input.display();
+            return Err(format!("{}: this is the input {input}; write to another file", path.display()));
+        }
+        match metadata(path) {
+            Ok(found) if found.is_dir() => Err(format!("{}: a folder; name a file", path.display())),
+            Ok(found) if is_disk(&found) => Err(format!("{}: a disk; name a file", path.display())),
+            Ok(found) if !found.is_file() => Ok(Kind::Stream),
+            Ok(_) if identity(Path::new("/dev/stdout")) == replaced => Ok(Kind::Standard),
+            _ => resolved(path).map(Kind::File).map_err(|error| refused(path, error)),
+        }
+    }
+}
+
+/// Opens what is no regular file.
+pub fn stream(path: &Path) -> std::io::Result<File> {
+    OpenOptions::new().write(true).open(path)
+}
+
+/// Returns a temporary file with this content, and the owner and mode of the file at `place`, ready to take its place.
+pub fn prepared(place: &Path, content: &[u8]) -> std::io::Result<NamedTempFile> {
+    let mut file = beside(place)?;
+    // Before the content is in it, which others may not be allowed to read.
+    if let Ok(old) = metadata(place) {
+        keep_owner(file.as_file(), &old);
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    file.write_all(content)?;
+    // A name that survives a power failure has its content.
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// Creates a temporary file in the folder of `place`, which disappears unless it takes that place.
+fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
+    let mut builder = Builder::new();
+    builder.prefix(".truefeed-").suffix(".part").append(true);
+    // As any new file, and not for its owner alone.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder_of(place))
+}
+
+/// Returns the identity of the file that writing to `path` replaces, or `None` where it is written through.
+fn replaced(path: &Path) -> Option<Identity> {
+    let is_regular = metadata(path).map_or(true, |found| found.is_file());
+    is_regular.then(|| identity(path)).flatten()
+}
+
+/// What tells a file from all others.
+#[derive(PartialEq, Eq)]
+enum Identity {
+    /// Device and inode.
+    #[cfg(unix)]
+    Node(u64, u64),
+    /// The canonical path, of a file that is not there yet, or where files have no inodes.
+    Path(PathBuf),
+}
+
+/// Returns the identity of the file at `path`, or `None` where none can be.
+fn identity(path: &Path) -> Option<Identity> {
+    match metadata(path) {
+        #[cfg(unix)]
+        Ok(found) => Some(node(&found)),
+        #[cfg(not(unix))]
+        Ok(_) => path.canonicalize().ok().map(Identity::Path),
+        Err(_) => {
+            let place = resolved(path).ok()?;
+            Some(Identity::Path(folder_of(&place).canonicalize().ok()?.join(place.file_name()?)))
+        }
+    }
+}
+
+#[cfg(unix)]
+fn node(found: &Metadata) -> Identity {
+    use std::os::unix::fs::MetadataExt;
+    Identity::Node(found.dev(), found.ino())
+}
+
+/// Whether an open file is the one at `path` still. Where files have no inodes, an open file cannot be replaced.
+pub fn is_at(file: &File, path: &Path) -> std::io::Result<bool> {
+    #[cfg(unix)]
+    return Ok(Some(node(&file.metadata()?)) == identity(path));
+    #[cfg(not(unix))]
+    Ok(true)
+}
+
+/// Returns the path behind symbolic links; there may be no file at it yet.
+fn resolved(path: &Path) -> std::io::Result<PathBuf> {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        if !path.is_symlink() {
+            return Ok(path);
+        }
+        path = folder_of(&path).join(path.read_link()?);
+    }
+    Err(std::io::Error::other("too many symbolic links"))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    let parent = path.parent().unwrap_or(path);
+    if parent == Path::new("") { Path::new(".") } else { parent }
+}
+
+/// Gives a file the owner and group of another. Only the superuser may give files away; anyone else keeps the new one.
+fn keep_owner(file: &File, old: &Metadata) {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt, fchown};
+        let _ = fchown(file, Some(old.uid()), Some(old.gid()));
+    }
+    #[cfg(not(unix))]
+    let _ = (file, old);
+}
+
+/// Whether it is a disk or a part of one, whose content is more than a file.
+fn is_disk(found: &Metadata) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::fs::FileTypeExt::is_block_device(&found.file_type());
+    #[cfg(not(unix))]
+    {
+        let _ = found;
+        false
+    }
+}
+
+fn refused(path: &Path, error: std::io::Error) -> Refusal {
+    format!("{}: {error}", path.display())
+}

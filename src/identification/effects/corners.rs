@@ -1,0 +1,136 @@
+//! How corners and arcs are passed: tolerances, laws of junctions, and lines or corners that are smoothed.
+
+use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
+use crate::identification::effects::report::{
+    ARC_TOLERANCE, AT, CONTOUR_TOLERANCE, RULE, Reported, TOLERANCE, VALUE,
+};
+use crate::identification::fit::{Freed, Run, Scale};
+use crate::machine::{Handle, Junction, Machine};
+use crate::simulation::feed::rounding;
+use crate::simulation::toolpath::{Curve, Motion, Segment};
+use crate::units::mm_per_min;
+
+/// Bounds of a contour tolerance, mm.
+const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-5, 5.0);
+
+pub fn tolerances(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let machine = context.machine;
+    let own = machine.interpolator.contour_tolerance;
+    // Where the program sets the tolerance, the control may hold another one.
+    let (key, trials) = match context.has_tolerance {
+        true => ("path_modes.tolerance_override_mm", ratios(5e-4, 0.5, 12)),
+        false => {
+            let parts = [0.05, 0.15, 0.3, 0.5, 0.75, 0.9, 1.1, 1.3, 2.0, 3.5, 8.0];
+            ("interpolator.contour_tolerance_mm", parts.iter().map(|ratio| ratio * own).collect())
+        }
+    };
+    let freed = Freed::new(Handle::number(key), own, TOLERANCE_BOUNDS_MM, Scale::Ratio);
+    let report = |value| vec![(CONTOUR_TOLERANCE, Reported::Number(value))];
+    let mut all = vec![Hypothesis::single(effect, freed, trials, report)];
+    all.extend(arcs(effect, machine).filter(|_| context.has_arc));
+    all
+}
+
+/// Arcs that the tolerance does not slow, as on controls that know it at corners alone; a tolerance of arcs that is
+/// but a little wider is not offered, as it would take up what other causes leave.
+fn arcs(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
+    let own = machine.interpolator.contour_tolerance;
+    let held = machine.interpolator.arc_tolerance;
+    if machine.interpolator.junction != Junction::Tolerance || held.is_some() {
+        return None;
+    }
+    let handle = Handle::number("interpolator.arc_tolerance_mm");
+    let freed = Freed::new(handle, 10.0 * own, (5.0 * own, 1e5 * own), Scale::Ratio);
+    let trials = [10.0, 30.0, 100.0].iter().map(|ratio| ratio * own).collect();
+    let report = |value| vec![(AT, Reported::word("arcs")), (ARC_TOLERANCE, Reported::Number(value))];
+    Some(Hypothesis::single(effect, freed, trials, report).variant("arcs"))
+}
+
+pub fn junctions(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let machine = context.machine;
+    // Two of these laws are laws of an acceleration, and mean nothing without one.
+    let is_accelerated = machine.path.acceleration.is_finite()
+        || machine.axes.iter().any(|axis| axis.acceleration.is_finite());
+    let rule = |word: &'static str, key: &str, trials: Vec<f64>, unit: fn(f64) -> f64| {
+        // Below the least of them every corner is a full stop, which is another cause.
+        let freed = Freed::new(Handle::number(key), trials[0], (0.5 * trials[0], 1e5), Scale::Ratio);
+        let report = move |value| vec![(RULE, Reported::word(word)), (VALUE, Reported::Number(unit(value)))];
+        Hypothesis::single(effect, freed, trials, report).variant(word.replace('_', " "))
+    };
+    let mut all = Vec::new();
+    if is_accelerated {
+        let trials = ratios(1e-3, 0.3, 8);
+        all.push(rule("junction_deviation", "interpolator.junction_deviation_mm", trials, |value| value));
+        let (key, trials) = ("interpolator.square_corner_velocity_mm_min", ratios(0.3, 60.0, 8));
+        all.push(rule("square_corner_velocity", key, trials, mm_per_min));
+    }
+    let (key, trials) = ("interpolator.axis_velocity_step_mm_min", ratios(0.3, 60.0, 10));
+    all.push(rule("axis_velocity_step", key, trials, mm_per_min));
+    all
+}
+
+pub fn smoothings(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let Context { machine, runs, .. } = context;
+    smoothing(effect, machine, runs).into_iter().chain(corner_smoothing(effect, machine, runs)).collect()
+}
+
+/// Lines that the control runs as one. It acts by whole lines, so that between two distances may lie nothing; the
+/// controls that are known to have the junctions of LinuxCNC do it by themselves, and may be kept from it.
+fn smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
+    let handle = Handle::number("interpolator.path_smoothing_mm");
+    let freed = Freed::new(handle, 0.02, (0.0, 10.0), Scale::Difference);
+    let trials = match machine.interpolator.junction {
+        Junction::AccelerationBlend => std::iter::once(0.0).chain(ratios(1e-3, 1.0, 31)).collect(),
+        _ => {
+            let least = least_joint(runs);
+            if WIDEST_JOINT < least {
+                return None;
+            }
+            ratios(least.max(1e-3), WIDEST_JOINT, 14)
+        }
+    };
+    let report = |value| vec![(TOLERANCE, Reported::Number(value))];
+    Some(Hypothesis::single(effect, freed, trials, report).at_trials_only())
+}
+
+/// Joints of lines that are farther from the line past them than this are corners that no control smooths, mm.
+const WIDEST_JOINT: f64 = 0.3;
+
+/// How far the joint of two feed moves along lines is from the line past it, mm, where it is least but not nothing.
+fn least_joint(runs: &[Run]) -> f64 {
+    let pairs = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
+    let joints = pairs.filter_map(|(before, after)| {
+        let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
+        if !is_cut(&before) || !is_cut(&after) || before.motion != after.motion || before.exact_stop {
+            return None;
+        }
+        let (before, after) = (before.length * before.tangent(0.0), after.length * after.tangent(0.0));
+        let past = before + after;
+        Some(before.cross(&after).norm() / past.norm()).filter(|joint| 1e-6 < *joint)
+    });
+    joints.fold(f64::INFINITY, f64::min)
+}
+
+/// Distances of curves that are tried, each passing so many more corners, and how much farther they are than the last of these.
+const ROUNDED: usize = 16;
+const FARTHER: f64 = 1.08;
+
+/// Corners that the control passes on a curve, more and more of them.
+fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
+    if machine.interpolator.junction == Junction::AccelerationBlend {
+        return None;
+    }
+    let corners = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
+    let mut distances: Vec<f64> = corners
+        .filter_map(|(before, after)| rounding(&before, &after))
+        .filter(|distance| (1e-4..WIDEST_JOINT).contains(distance))
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    let last = distances.len().checked_sub(1)?;
+    let mut trials: Vec<f64> = (0..=ROUNDED).map(|part| FARTHER * distances[last * part / ROUNDED]).collect();
+    trials.dedup_by(|b, a| *b < 1.01 * *a);
+    let handle = Handle::number("interpolator.corner_smoothing_mm");
+    let freed = Freed::new(handle, trials[0], (5e-5, 2.0 * WIDEST_JOINT), Scale::Ratio);
+    let report = |value| vec![(TOLERANCE, Reported::Number(value)), (AT, Reported::word("corners"))];
+    Some(Hypothesis::single(effect, freed, trials, report).variant("corners"))
+}

@@ -1,0 +1,83 @@
+//! Effects of the drives on the form of the path: they cost no time.
+
+use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
+use crate::identification::effects::limits::axis_handle;
+use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, Reported, TIME_CONSTANT, WIDTH};
+use crate::identification::fit::{Freed, Run, Scale};
+use crate::machine::{AXES, Mode};
+
+/// Damping tried first.
+const FIRST_DAMPING: f64 = 0.04;
+/// The highest frequency of which a recorder shows anything, as a part of its sampling rate: a little less than half.
+const HIGHEST_FREQUENCY: f64 = 0.45;
+/// Highest frequency of a mode in a machine file: what samples closer together show above it is none of the structure.
+const MAX_VIBRATION_HZ: f64 = 1000.0;
+
+/// The axes whose positions were recorded.
+fn recorded(runs: &[Run]) -> impl Iterator<Item = usize> {
+    let is_recorded = |axis: usize| {
+        runs.iter().any(|run| run.alignment.track.as_ref().is_some_and(|track| track.recorded[axis]))
+    };
+    (0..3).filter(move |axis| is_recorded(*axis))
+}
+
+/// One lag of all axes.
+pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let of = |_| {
+        let freed = Freed::new(axis_handle(0, "servo_lag_s"), 0.01, (1e-5, 0.5), Scale::Ratio)
+            .with(|machine, value| machine.axes.iter_mut().for_each(|axis| axis.servo_lag = value));
+        let report = |value| vec![(TIME_CONSTANT, Reported::Number(value))];
+        Hypothesis::single(effect, freed, ratios(1e-3, 0.15, 9), report)
+    };
+    recorded(context.runs).take(1).map(of).collect()
+}
+
+pub fn backlash(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let of_axis = |axis: usize| {
+        let freed = Freed::new(axis_handle(axis, "backlash_mm"), 0.01, (1e-4, 2.0), Scale::Ratio);
+        let name = AXES[axis].to_string();
+        let word = name.clone();
+        let report =
+            move |value| vec![(AXIS, Reported::Word(word.clone())), (WIDTH, Reported::Number(value))];
+        Hypothesis::single(effect, freed, ratios(2e-3, 0.2, 7), report).variant(name)
+    };
+    recorded(context.runs).map(of_axis).collect()
+}
+
+pub fn vibration(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let tracks = context.runs.iter().filter_map(|run| run.alignment.track.as_ref());
+    let interval = tracks.map(|track| track.interval).fold(f64::INFINITY, f64::min);
+    let highest = (HIGHEST_FREQUENCY / interval).min(MAX_VIBRATION_HZ);
+    let of_axis = |axis: usize| {
+        let bounds = (1.0, highest.max(2.0));
+        let frequency = Freed::new(axis_handle(axis, "vibration_hz"), 10.0, bounds, Scale::Ratio).with(
+            move |machine, value| {
+                let damping = machine.axes[axis].mode.map_or(FIRST_DAMPING, |mode| mode.damping);
+                machine.axes[axis].mode = Some(Mode { frequency: value, damping });
+            },
+        );
+        let handle = axis_handle(axis, "vibration_damping");
+        let damping =
+            Freed::new(handle, FIRST_DAMPING, (1e-3, 0.7), Scale::Ratio).with(move |machine, value| {
+                if let Some(mode) = &mut machine.axes[axis].mode {
+                    mode.damping = value;
+                }
+            });
+        let count = (6.0 * (highest / 3.0).max(1.0).log2()).ceil().clamp(1.0, 40.0) as usize + 1;
+        let trials = ratios(3.0, highest.max(3.1), count)
+            .into_iter()
+            .map(|value| vec![value, FIRST_DAMPING])
+            .collect();
+        let name = AXES[axis].to_string();
+        let word = name.clone();
+        let report = move |values: &[f64]| {
+            vec![
+                (AXIS, Reported::Word(word.clone())),
+                (FREQUENCY, Reported::Number(values[0])),
+                (DAMPING, Reported::Number(values[1])),
+            ]
+        };
+        Hypothesis::new(effect, vec![frequency, damping], trials, report).variant(name)
+    };
+    recorded(context.runs).map(of_axis).collect()
+}

@@ -1,0 +1,67 @@
+//! The chain of filters: its constants and how many there are.
+
+use crate::identification::effects::effect::{Context, Effect, Hypothesis};
+use crate::identification::effects::report::{FILTERS, Reported, TIME_CONSTANT, TIME_CONSTANTS};
+use crate::identification::fit::{Freed, Scale};
+use crate::machine::{Handle, TimeConstants};
+
+/// Number and time constant (s) of filters that are all equal.
+fn equal(context: &Context) -> Option<(usize, f64)> {
+    let interpolator = &context.machine.interpolator;
+    match interpolator.time_constants {
+        TimeConstants::Equal(constant) => Some((interpolator.filters, constant)),
+        _ => None,
+    }
+}
+
+pub fn time_constants(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let of = |(_, constant): (usize, f64)| {
+        let handle = Handle::number("interpolator.time_constant_s");
+        let freed = Freed::new(handle, constant, (2e-4, 0.5), Scale::Ratio);
+        let ratios = [0.3, 0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6, 2.0, 3.0];
+        let trials = ratios.iter().map(|ratio| ratio * constant).collect();
+        Hypothesis::single(effect, freed, trials, |value| vec![(TIME_CONSTANT, Reported::Number(value))])
+    };
+    equal(context).map(of).into_iter().collect()
+}
+
+/// As many more or fewer filters of the same length, or of another one with the same delay in all.
+pub fn orders(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let Some((order, constant)) = equal(context) else { return Vec::new() };
+    let of = |keeps_delay: bool| {
+        let handle = Handle::number("interpolator.filters");
+        let freed =
+            Freed::new(handle, order as f64, (1.0, 4.0), Scale::Difference).with(move |machine, value| {
+                let other = value.round().clamp(1.0, 4.0);
+                machine.interpolator.filters = other as usize;
+                if keeps_delay {
+                    let delay = constant * order as f64;
+                    machine.interpolator.time_constants = TimeConstants::Equal(delay / other);
+                }
+            });
+        let trials = (1..=4).filter(|other| *other != order).map(|other| other as f64).collect();
+        let report = |value: f64| vec![(FILTERS, Reported::Number(value.round()))];
+        let variant = if keeps_delay { "" } else { "each as long" };
+        Hypothesis::single(effect, freed, trials, report).variant(variant).at_trials_only()
+    };
+    vec![of(false), of(true)]
+}
+
+/// The same delay in all, one filter longer and the others shorter.
+pub fn unequal(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let Some((order, constant)) = equal(context).filter(|(order, _)| 1 < *order) else { return Vec::new() };
+    let split = move |spread: f64| {
+        let rest = order as f64 - 1.0;
+        let longest = constant * (1.0 + rest * spread);
+        let mut constants = vec![longest];
+        constants.resize(order, constant * (1.0 - spread));
+        constants
+    };
+    let handle = Handle::row("interpolator.time_constants_s");
+    let freed = Freed::new(handle, 0.3, (0.02, 0.95), Scale::Difference).with(move |machine, spread| {
+        machine.interpolator.time_constants = TimeConstants::Unequal(split(spread));
+    });
+    let trials = vec![0.04, 0.08, 0.15, 0.3, 0.45, 0.6, 0.8];
+    let report = move |spread| vec![(TIME_CONSTANTS, Reported::List(split(spread)))];
+    vec![Hypothesis::single(effect, freed, trials, report)]
+}

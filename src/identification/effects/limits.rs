@@ -1,0 +1,177 @@
+//! Limits of velocity, acceleration and jerk, tried below what the programs ask for.
+//!
+//! A machine file that was fitted without a jerk has it in its other values: its filters are as long as the mean
+//! ramp, its rapids as slow. These hypotheses therefore free, beside the jerk, what makes up for its absence.
+
+use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
+use crate::identification::effects::report::{
+    ACCELERATION, AT, AXIS, CONTOUR_TOLERANCE, JERK, PLANNER, RAPID, Reported, TIME_CONSTANT, VELOCITY,
+};
+use crate::identification::fit::{Freed, Run, Scale};
+use crate::machine::{AXES, Handle, Junction, Machine, TimeConstants};
+use crate::units::mm_per_min;
+
+/// Jerks along the path tried first, mm/s³.
+const JERKS_MM_S3: [f64; 5] = [5e3, 1e4, 2e4, 4e4, 1e5];
+/// Time constants tried with them, as parts of what it is; the corners stay as fast.
+const SHORTER_FILTERS: [f64; 2] = [1.0, 0.6];
+/// Jerks of positioning tried first, mm/s³.
+pub const POSITIONING_JERKS_MM_S3: [f64; 4] = [2e4, 5e4, 1e5, 3e5];
+/// Rapid feedrates tried with them, as parts of what it is.
+const FASTER_RAPIDS: [f64; 2] = [1.0, 2.0];
+
+/// The key of a number of an axis in the table of parameters.
+pub fn axis_handle(axis: usize, number: &str) -> Handle {
+    Handle::number(&format!("axis.{}.{number}", AXES[axis].to_ascii_lowercase()))
+}
+
+/// The axes that the programs move.
+fn moved(context: &Context) -> impl Iterator<Item = usize> {
+    (0..3).filter(|axis| 0.0 < context.axis_feedrate[*axis])
+}
+
+/// Of each axis that moves, and of a control of another family, which plans its ramps by that of all axes.
+pub fn axis_accelerations(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let of_axis = |axis: usize| {
+        accelerations(effect, axis_handle(axis, "acceleration_mm_s2"), Some(AXES[axis].to_string()))
+    };
+    let mut all: Vec<Hypothesis> = moved(context).flat_map(of_axis).collect();
+    if context.machine.interpolator.junction == Junction::Tolerance {
+        all.extend([planner(effect, true), planner(effect, false)]);
+    }
+    all
+}
+
+/// Another family of controls: no filters, trapezoids within the acceleration of the axes.
+fn planner(effect: Effect, by_axis: bool) -> Hypothesis {
+    let handle = Handle::row("interpolator.junction_rule");
+    let freed = Freed::new(handle, 500.0, (10.0, 1e5), Scale::Ratio)
+        .with(move |machine, value| machine.become_planner(value, by_axis));
+    let variant =
+        if by_axis { "planner of trapezoids" } else { "planner of trapezoids, rapid along the path" };
+    let report = |value| {
+        vec![
+            (AXIS, Reported::word("XYZ")),
+            (ACCELERATION, Reported::Number(value)),
+            (PLANNER, Reported::word("acceleration_blend")),
+        ]
+    };
+    Hypothesis::single(effect, freed, ratios(50.0, 2e4, 14), report).variant(variant)
+}
+
+pub fn path_acceleration(effect: Effect, _: &Context) -> Vec<Hypothesis> {
+    accelerations(effect, Handle::number("path.acceleration_mm_s2"), None)
+}
+
+/// A limit of acceleration: on what leaves the filters, and on the command before them.
+fn accelerations(effect: Effect, handle: Handle, axis: Option<String>) -> Vec<Hypothesis> {
+    let of = |is_before: bool| {
+        let freed = Freed::new(handle, 1e3, (10.0, 2e5), Scale::Ratio)
+            .also(move |machine| machine.path.limits_command |= is_before);
+        let word = axis.clone().map(|axis| (AXIS, Reported::Word(axis)));
+        let place = is_before.then(|| (AT, Reported::word("command")));
+        let report = move |value| {
+            let limit = (ACCELERATION, Reported::Number(value));
+            word.iter().cloned().chain([limit]).chain(place.clone()).collect()
+        };
+        let before = is_before.then(|| "before the filters".to_string());
+        let variant: Vec<String> = axis.iter().cloned().chain(before).collect();
+        Hypothesis::single(effect, freed, ratios(50.0, 2e4, 10), report).variant(variant.join(", "))
+    };
+    vec![of(false), of(true)]
+}
+
+pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let of_axis = |axis: usize| {
+        let fastest = context.axis_feedrate[axis];
+        let bounds = (1e-3 * fastest, 2.0 * fastest);
+        let freed = Freed::new(axis_handle(axis, "velocity_mm_min"), fastest, bounds, Scale::Ratio);
+        let name = AXES[axis].to_string();
+        let word = name.clone();
+        let report = move |value| {
+            vec![(AXIS, Reported::Word(word.clone())), (VELOCITY, Reported::Number(mm_per_min(value)))]
+        };
+        Hypothesis::single(effect, freed, ratios(0.02 * fastest, 0.97 * fastest, 14), report).variant(name)
+    };
+    moved(context).map(of_axis).collect()
+}
+
+pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    if !context.has_arc {
+        return Vec::new();
+    }
+    let handle = Handle::number("path.centripetal_acceleration_mm_s2");
+    let freed = Freed::new(handle, 1e3, (1.0, 1e6), Scale::Ratio);
+    // Arcs are as slow as their root: one that makes them 10 % slower must not lie between two that are worse than none.
+    let trials = ratios(10.0, 5e3, 32);
+    vec![Hypothesis::single(effect, freed, trials, |value| vec![(ACCELERATION, Reported::Number(value))])]
+}
+
+/// Behind the filters' constants, along the path, and of rapids from stand to stand.
+pub fn jerks(effect: Effect, context: &Context) -> Vec<Hypothesis> {
+    let machine = context.machine;
+    let mut all: Vec<Hypothesis> = of_constants(effect, context).into_iter().collect();
+    if machine.interpolator.junction != Junction::AccelerationBlend {
+        all.extend(ramps(effect, machine));
+        all.extend(context.runs.iter().any(Run::has_rapid).then(|| positioning(effect, machine)));
+    }
+    all
+}
+
+/// The jerk that the time constants follow from.
+fn of_constants(effect: Effect, context: &Context) -> Option<Hypothesis> {
+    let TimeConstants::Equal(constant) = context.machine.interpolator.time_constants else { return None };
+    let jerk = context.feedrate / (constant * constant);
+    let handle = Handle::number("interpolator.max_jerk_mm_s3");
+    let freed = Freed::new(handle, jerk, (1e-3 * jerk, 1e3 * jerk), Scale::Ratio);
+    let report = |value| vec![(JERK, Reported::Number(value))];
+    Some(Hypothesis::single(effect, freed, ratios(0.1 * jerk, 10.0 * jerk, 9), report))
+}
+
+/// The jerk along the path, with the filters and the tolerance fitted again; `None` where the filters are unequal.
+pub fn ramps(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
+    let TimeConstants::Equal(constant) = machine.interpolator.time_constants else { return None };
+    let tolerance = machine.interpolator.contour_tolerance;
+    let number = |key: &str, start: f64, bounds: (f64, f64)| {
+        Freed::new(Handle::number(key), start, bounds, Scale::Ratio)
+    };
+    let freed = vec![
+        number("path.jerk_mm_s3", JERKS_MM_S3[2], (1e3, 1e6)),
+        number("interpolator.time_constant_s", constant, (2e-4, 0.5)),
+        number("interpolator.contour_tolerance_mm", tolerance, (1e-5, 5.0)),
+    ];
+    let trials = SHORTER_FILTERS
+        .iter()
+        .flat_map(|part| JERKS_MM_S3.map(|jerk| vec![jerk, part * constant, part * tolerance]))
+        .collect();
+    let report = |values: &[f64]| {
+        vec![
+            (JERK, Reported::Number(values[0])),
+            (TIME_CONSTANT, Reported::Number(values[1])),
+            (CONTOUR_TOLERANCE, Reported::Number(values[2])),
+        ]
+    };
+    Some(Hypothesis::new(effect, freed, trials, report).variant("along the path"))
+}
+
+/// The jerk of rapids from stand to stand, with the rapid feedrate fitted again.
+fn positioning(effect: Effect, machine: &Machine) -> Hypothesis {
+    let rate = machine.fastest_rapid();
+    let jerk = Handle::number("rapid.positioning_jerk_mm_s3");
+    let freed = vec![
+        Freed::new(jerk, POSITIONING_JERKS_MM_S3[1], (5e3, 5e6), Scale::Ratio),
+        Freed::new(Handle::number("rapid.feed_mm_min"), rate, (0.02 * rate, 10.0 * rate), Scale::Ratio),
+    ];
+    let trials = FASTER_RAPIDS
+        .iter()
+        .flat_map(|part| POSITIONING_JERKS_MM_S3.map(|jerk| vec![jerk, part * rate]))
+        .collect();
+    let report = |values: &[f64]| {
+        vec![
+            (JERK, Reported::Number(values[0])),
+            (AT, Reported::word("rapid")),
+            (RAPID, Reported::Number(mm_per_min(values[1]))),
+        ]
+    };
+    Hypothesis::new(effect, freed, trials, report).variant("rapid")
+}

@@ -1,0 +1,261 @@
+//! The table of effects: one row says all there is to know of one, but for its physics.
+//!
+//! Names of settings are from the vendors' manuals: Siemens machine data (MD), Heidenhain machine parameters (MP) and
+//! configuration names, Fanuc parameter numbers, grbl and LinuxCNC settings.
+
+use crate::identification::effects::effect::{Context, Effect, Hypothesis, Nature, Origin, Row};
+use crate::identification::effects::report::{self as of, Finding, three_digits};
+use crate::identification::effects::{corners, drives, filters, limits, overrides, stops, supply};
+
+/// Declares the effects with their rows.
+macro_rules! effects {
+    ($($(#[$doc:meta])* $name:ident { $($row:tt)* })*) => {
+        $($(#[$doc])* pub const $name: Effect = Effect(&Row { $($row)* ..USUAL });)*
+
+        /// All effects, in the order of the contract.
+        pub const ALL: &[Effect] = &[$($name,)*];
+    };
+}
+
+/// The effect with an id of the contract.
+pub fn with_id(id: &str) -> Option<Effect> {
+    ALL.iter().copied().find(|effect| effect.id == id)
+}
+
+/// What most rows have: a setting of the machine that a program brings out.
+const USUAL: Row = Row {
+    id: "",
+    nature: Nature::Setting,
+    origin: Origin::Machine,
+    vendors: "",
+    unprovoked: None,
+    offered: none,
+    sentence: |f| format!("Something acts {}{}.", f.at_lines(), f.costs()),
+};
+
+/// An effect that no hypothesis frees.
+fn none(_: Effect, _: &Context) -> Vec<Hypothesis> {
+    Vec::new()
+}
+
+/// A ratio as a percentage.
+fn percent(f: &Finding) -> String {
+    three_digits(100.0 * f.value(of::RATIO).unwrap_or(f64::NAN))
+}
+
+effects! {
+    /// An axis accelerates no faster.
+    AXIS_ACCELERATION_LIMIT {
+        id: "axis_acceleration_limit", nature: Nature::Limit, offered: limits::axis_accelerations,
+        vendors: "MAX_AX_ACCEL (Siemens MD32300), maxAcceleration or MP1060 (Heidenhain), $120–$122 (grbl), MAX_ACCELERATION (LinuxCNC)",
+        sentence: |f| match (f.number(of::ACCELERATION), f.costs(), f.get(of::PLANNER)) {
+            (a, costs, Some(_)) => format!(
+                "Ramps grow with the speed step: the planner is limited in acceleration, {a} mm/s² on each axis, \
+                 and does not filter{costs}."
+            ),
+            (a, costs, None) => format!("Axis {} accelerates at {a} mm/s² at most{costs}.", f.word(of::AXIS)),
+        },
+    }
+    /// The tool accelerates no faster along the path.
+    PATH_ACCELERATION_LIMIT {
+        id: "path_acceleration_limit", nature: Nature::Limit, offered: limits::path_acceleration,
+        vendors: "MAX_PATH_ACCEL (Siemens), MP1061 (Heidenhain), max_accel (Klipper)",
+        sentence: |f| format!(
+            "Ramps grow with the speed step: the machine accelerates along the path at {} mm/s² at most{}.",
+            f.number(of::ACCELERATION), f.costs()
+        ),
+    }
+    /// An axis moves no faster.
+    AXIS_VELOCITY_LIMIT {
+        id: "axis_velocity_limit", nature: Nature::Limit, offered: limits::axis_velocities,
+        vendors: "MAX_AX_VELO (Siemens), No. 1422 (Fanuc), MP1010 (Heidenhain), $110–$112 (grbl)",
+        sentence: |f| format!("Axis {} moves at {} mm/min at most{}.", f.word(of::AXIS), f.number(of::VELOCITY), f.costs()),
+    }
+    /// Jerk along the path, of rapids, or behind the filters' constants.
+    JERK_LIMIT {
+        id: "jerk_limit", nature: Nature::Limit, offered: limits::jerks,
+        vendors: "MAX_AX_JERK (Siemens MD32431), MAX_PATH_JERK, maxPathJerk (Heidenhain)",
+        sentence: |f| match (f.number(of::JERK), f.costs(), f.get(of::AT)) {
+            (jerk, costs, Some(_)) => format!(
+                "Rapids run from stand to stand with a jerk of {jerk} mm/s³, so that short ones take less{costs}."
+            ),
+            (jerk, costs, None) => {
+                format!("Jerk is limited to {jerk} mm/s³, so that ramps grow with the speed step{costs}.")
+            }
+        },
+    }
+    /// Arcs are run at an acceleration towards their centre.
+    CENTRIPETAL_ACCELERATION_LIMIT {
+        id: "centripetal_acceleration_limit", nature: Nature::Limit, offered: limits::centripetal_acceleration,
+        vendors: "Nos. 1730–1732 (Fanuc), MD20602 (Siemens)",
+        sentence: |f| format!(
+            "Curves are taken at a centripetal acceleration of {} mm/s² at most{}.", f.number(of::ACCELERATION), f.costs()
+        ),
+    }
+    /// The filters have another time constant.
+    FILTER_TIME_CONSTANT {
+        id: "filter_time_constant", offered: filters::time_constants,
+        vendors: "MD32410 (Siemens), filter frequency (Heidenhain)",
+        sentence: |f| format!("The filters' time constant is {} s{}.", f.number(of::TIME_CONSTANT), f.costs()),
+    }
+    /// There are more or fewer filters.
+    FILTER_ORDER {
+        id: "filter_order", offered: filters::orders,
+        vendors: "AX_JERK_MODE (Siemens MD32402), triangle or HSC filter (Heidenhain)",
+        sentence: |f| format!(
+            "The control filters {} times, not as often as the machine file says{}.", f.number(of::FILTERS), f.costs()
+        ),
+    }
+    /// One filter is longer than the others.
+    UNEQUAL_FILTERS {
+        id: "unequal_filters", offered: filters::unequal,
+        vendors: "MD32410 and MD32411 (Siemens)",
+        sentence: |f| format!("The filters have unequal time constants, {} s{}.", f.list(of::TIME_CONSTANTS), f.costs()),
+    }
+    /// Corners or arcs are held to another tolerance.
+    CORNER_TOLERANCE {
+        id: "corner_tolerance", offered: corners::tolerances,
+        vendors: "cycle 32 T (Heidenhain), CYCLE832 or CTOL (Siemens), G64 P (LinuxCNC), G187 E (Haas)",
+        sentence: |f| match f.word(of::AT) {
+            "arcs" => format!("Arcs are not slowed by the contour tolerance of corners{}.", f.costs()),
+            _ => format!("Corners are blended within {} mm{}.", f.number(of::CONTOUR_TOLERANCE), f.costs()),
+        },
+    }
+    /// Another law limits the feedrate at corners.
+    JUNCTION_RULE {
+        id: "junction_rule", offered: corners::junctions,
+        vendors: "$11 (grbl), square_corner_velocity (Klipper), No. 1783 (Fanuc)",
+        sentence: |f| format!(
+            "Corners follow another rule, {} of {}{}.",
+            f.word(of::RULE).replace('_', " "), f.number(of::VALUE), f.costs()
+        ),
+    }
+    /// The machine stops at corners.
+    EXACT_STOP {
+        id: "exact_stop", offered: stops::exact_stops,
+        vendors: "G9, G61, G60",
+        sentence: |f| match f.get(of::ANGLE) {
+            Some(_) => format!("The machine stops at every corner sharper than {}°{}.", f.number(of::ANGLE), f.costs()),
+            None => format!("The machine stops exactly {}{}.", f.at_lines(), f.costs()),
+        },
+    }
+    /// Axes take a while at full stops to be in position.
+    IN_POSITION_WAIT {
+        id: "in_position_wait", offered: stops::in_position_waits,
+        vendors: "in-position width (Fanuc No. 1826), STOP_LIMIT_FINE (Siemens MD36010), timePosOK (Heidenhain)",
+        sentence: |f| format!(
+            "At full stops the machine waits {} s until its axes are in position{}.", f.number(of::SECONDS), f.costs()
+        ),
+    }
+    /// No block is run in less time.
+    BLOCK_PROCESSING_TIME {
+        id: "block_processing_time", offered: supply::block_times,
+        vendors: "block cycle time",
+        sentence: |f| format!("The control needs {} s for every block{}.", f.number(of::SECONDS), f.costs()),
+    }
+    /// The control sees a number of blocks ahead.
+    LOOK_AHEAD {
+        id: "look_ahead", offered: supply::look_aheads,
+        vendors: "look-ahead buffer, G103 P (Haas), BLOCK_BUFFER_SIZE (grbl)",
+        sentence: |f| format!("The control looks {} blocks ahead{}.", f.number(of::BLOCKS), f.costs()),
+    }
+    /// The control merges short blocks or rounds corners.
+    PATH_SMOOTHING {
+        id: "path_smoothing", offered: corners::smoothings,
+        vendors: "COMPCAD (Siemens), G5.1 Q1 (Fanuc), G64 Q (LinuxCNC)",
+        sentence: |f| {
+            let does = if f.get(of::AT).is_some() { "rounds corners" } else { "merges short blocks" };
+            format!("The control {does} within {} mm{}.", f.number(of::TOLERANCE), f.costs())
+        },
+    }
+    /// The operator runs feed moves at another rate.
+    FEED_OVERRIDE {
+        id: "feed_override", nature: Nature::Switch, origin: Origin::Operator, offered: overrides::feed,
+        vendors: "feed override switch",
+        sentence: |f| {
+            let line = |quantity| f.value(quantity).filter(|line| 0.0 < *line);
+            let place = match (line(of::FROM_LINE), line(of::TO_LINE)) {
+                (Some(first), Some(last)) => format!("From line {first} to line {last} the"),
+                (Some(first), None) => format!("From line {first} on the"),
+                (None, Some(last)) => format!("Up to line {last} the"),
+                (None, None) => "The".to_string(),
+            };
+            format!("{place} machine ran at {} % of the programmed feed: feed override{}.", percent(f), f.costs())
+        },
+    }
+    /// The operator runs rapid moves at another rate.
+    RAPID_OVERRIDE {
+        id: "rapid_override", nature: Nature::Switch, origin: Origin::Operator, offered: overrides::rapid,
+        vendors: "rapid override switch",
+        sentence: |f| format!("Rapid moves ran at {} % of the rapid feed: rapid override{}.", percent(f), f.costs()),
+    }
+    /// The feed follows the load.
+    ADAPTIVE_FEED {
+        id: "adaptive_feed", nature: Nature::Other,
+        vendors: "adaptive feed control",
+        unprovoked: Some("it follows the load, and a probe runs in air: repeat the cut in air instead"),
+        sentence: |f| format!("The feed was adapted smoothly {}{}.", f.at_lines(), f.costs()),
+    }
+    /// The operator held the feed.
+    FEED_HOLD {
+        id: "feed_hold", nature: Nature::Halt, origin: Origin::Operator,
+        vendors: "feed hold",
+        unprovoked: Some("the operator makes it: record the same program again instead"),
+        sentence: |f| format!(
+            "The operator held the feed in line {} for {} s{}.", f.number(of::LINE), f.number(of::SECONDS), f.costs()
+        ),
+    }
+    /// A function takes longer, or the machine stands before a line.
+    UNMODELLED_WAIT {
+        id: "unmodelled_wait", nature: Nature::Halt, offered: stops::waits,
+        sentence: |f| {
+            let what = match (f.word(of::CODE), f.word(of::OR_CODE)) {
+                ("", _) => f.at_lines(),
+                (code, "") => format!("at {code}"),
+                (code, others) => format!("at {code} or {others}, between which nothing moves"),
+            };
+            let seconds = f.value(of::SECONDS).unwrap_or(f64::NAN);
+            let (size, more) = (three_digits(seconds.abs()), if seconds < 0.0 { "less" } else { "more" });
+            format!("The machine waits {size} s {more} than the machine file says {what}.")
+        },
+    }
+    /// The feed waits at S words until the spindle has its speed.
+    SPINDLE_WAIT {
+        id: "spindle_wait", offered: stops::spindle_waits,
+        vendors: "SPIND_ON_SPEED_AT_IO_START (Siemens MD35500), No. 3708 bit 0 (Fanuc)",
+        unprovoked: Some("a probe runs without the spindle: record a program with S words among its feed moves instead"),
+        sentence: |f| format!(
+            "The feed waits {} s at S words until the spindle has its speed{}.", f.number(of::SECONDS), f.costs()
+        ),
+    }
+    /// The axes trail their command.
+    SERVO_LAG {
+        id: "servo_lag", nature: Nature::Drive, offered: drives::servo_lag,
+        vendors: "POSCTRL_GAIN (Siemens MD32200), No. 1825 (Fanuc), MP1810 (Heidenhain)",
+        sentence: |f| format!("The axes follow with a lag of {} s.", f.number(of::TIME_CONSTANT)),
+    }
+    /// An axis has play.
+    BACKLASH {
+        id: "backlash", nature: Nature::Drive, offered: drives::backlash,
+        vendors: "BACKLASH (Siemens MD32450), No. 1851 (Fanuc), MP710 (Heidenhain)",
+        sentence: |f| format!("Axis {} has {} mm of backlash.", f.word(of::AXIS), f.number(of::WIDTH)),
+    }
+    /// The structure vibrates.
+    STRUCTURAL_VIBRATION {
+        id: "structural_vibration", nature: Nature::Drive, offered: drives::vibration,
+        sentence: |f| format!(
+            "The structure vibrates in {} at {} Hz with a damping of {}.",
+            f.word(of::AXIS), f.number(of::FREQUENCY), f.number(of::DAMPING)
+        ),
+    }
+    /// The recorder's clock is fast or slow.
+    RECORDER_CLOCK {
+        id: "recorder_clock", nature: Nature::Switch, origin: Origin::Recorder, offered: overrides::recorder_clock,
+        sentence: |f| format!("The recorder's clock runs at {} of the true rate.", f.number(of::RATIO)),
+    }
+    /// The recording is of another program.
+    WRONG_PROGRAM {
+        id: "wrong_program", nature: Nature::Other, origin: Origin::Recorder,
+        unprovoked: Some("no program brings it out: check which program was recorded"),
+    }
+}

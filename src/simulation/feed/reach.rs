@@ -1,0 +1,143 @@
+//! What a planner makes of the corners and feedrates of a stretch that it can run: from its blocks in sight, the ramps
+//! between neighbours and its least part of cruising.
+//!
+//! | planner | corners by themselves | ramps | blocks in sight |
+//! |---|---|---|---|
+//! | filters | tolerance | steps, smoothed by the filters | no feedrate from which it would not stop within them |
+//! | filters, acceleration before them | tolerance | constant acceleration | as above |
+//! | grbl, Klipper, Marlin | junction law | constant acceleration | and no corner, but for the block that is run |
+//! | any, with a jerk along the path | as above | constant jerk | as above |
+//! | LinuxCNC | circles, in the module of blends | constant acceleration, per piece | as filters |
+//!
+//! Between neighbours v² changes by 2 a L at most over a segment of length L (mm) and acceleration a (mm/s²), so that with N
+//! blocks in sight, of which the first is run, a corner before block k is passed at
+//!
+//! ```text
+//! v_k² ≤ Σ 2 a_j L_j      j = k … k + N − 2
+//! ```
+//!
+//! Source: grbl 1.1, planner.c, which always plans a stop behind the last block it knows; derived for the others.
+
+use crate::machine::Junction;
+use crate::simulation::feed::stretch::Planned;
+use crate::simulation::feed::{cruise, limits};
+use crate::simulation::running_sum::running_sum;
+
+impl Planned<'_> {
+    /// The feedrates at which blocks are supplied, mm/s: each processed in time, and with the way to a stop in sight; none
+    /// where they are always there.
+    pub(super) fn supplied(&self) -> Option<Vec<f64>> {
+        let interpolator = &self.machine.interpolator;
+        if interpolator.block_time == 0.0 && interpolator.look_ahead == f64::INFINITY {
+            return None;
+        }
+        let count = self.range.len();
+        let mut travelled = vec![0.0];
+        travelled.extend(running_sum((0..count).map(|i| self.length(i))));
+        let braked = self.plans_trapezoids().then(|| self.braked());
+        let supplied = |i: usize| {
+            let processed = self.length(i) / interpolator.block_time;
+            let seen = interpolator.look_ahead.min(count as f64) as usize + i;
+            // Whoever sees the end of the stretch sees where it stops.
+            let Some(end) = travelled.get(seen).filter(|_| seen < count) else { return processed };
+            let visible = end - travelled[i];
+            let acceleration = match &braked {
+                Some(braked) if braked[seen].is_finite() => 0.5 * (braked[seen] - braked[i]) / visible,
+                _ => self.asked.accelerations[i],
+            };
+            processed.min(limits::stopping_feedrate(visible, self.filter.half_delay(), acceleration))
+        };
+        Some((0..count).map(supplied).collect())
+    }
+
+    /// A corner may be too fast for its neighbours.
+    pub(super) fn has_reach(&self) -> bool {
+        self.machine.limits_command() || self.machine.path.jerk != f64::INFINITY
+    }
+
+    /// Whether the law of corners is that of a planner of trapezoids, which knows blocks one by one.
+    fn plans_trapezoids(&self) -> bool {
+        !matches!(self.machine.interpolator.junction, Junction::Tolerance | Junction::AccelerationBlend)
+    }
+
+    /// By how much v² can change from the beginning of the stretch up to each corner, mm²/s²: Σ 2 a L.
+    fn braked(&self) -> Vec<f64> {
+        let changes = (0..self.range.len()).map(|i| 2.0 * self.acceleration(i) * self.length(i));
+        std::iter::once(0.0).chain(running_sum(changes)).collect()
+    }
+
+    /// Lowers corners (mm/s) of a planner of trapezoids to those from which it stops within the blocks that it knows there:
+    /// all it sees but for the one that is run up to the corner.
+    fn see_ahead(&self, corners: &mut [f64]) {
+        let look_ahead = self.machine.interpolator.look_ahead;
+        if look_ahead == f64::INFINITY || !self.plans_trapezoids() {
+            return;
+        }
+        let braked = self.braked();
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let seen = (i as f64 + look_ahead) as usize;
+            if let Some(end) = braked.get(seen).filter(|end| seen < braked.len() - 1 && end.is_finite()) {
+                *corner = corner.min((end - braked[i + 1]).max(0.0).sqrt());
+            }
+        }
+    }
+
+    /// Lowers feedrates and corners (mm/s) of short moves by the minimum cruise ratio; `limits` are the corners by themselves.
+    fn cruise(&self, limits: &[f64], corners: &mut [f64], feedrates: &mut [f64]) {
+        let left = 1.0 - self.machine.interpolator.minimum_cruise_ratio;
+        let whole = self.machine.path.acceleration;
+        let of = |i: usize| {
+            let acceleration = self.acceleration(i);
+            let of_peak =
+                if whole.is_finite() { acceleration.min(left * whole) } else { left * acceleration };
+            cruise::Move { length: self.length(i), acceleration, of_peak }
+        };
+        cruise::lower(of, limits, corners, feedrates);
+        self.reach_neighbours(corners, feedrates);
+    }
+
+    /// Lowers corners, and feedrates where the planner has laws of them beyond each segment and corner, to what can be run.
+    pub(super) fn reach(&self, corners: &mut [f64], feedrates: &mut [f64]) {
+        if !self.has_reach() {
+            return;
+        }
+        self.see_ahead(corners);
+        let cruises = self.machine.limits_command() && 0.0 < self.machine.interpolator.minimum_cruise_ratio;
+        let limits = if cruises { self.slower_of_both(corners, feedrates) } else { Vec::new() };
+        self.reach_neighbours(corners, feedrates);
+        if cruises {
+            self.cruise(&limits, corners, feedrates);
+        }
+    }
+
+    /// The corners after each segment (mm/s) within the feedrates of both sides.
+    fn slower_of_both(&self, corners: &[f64], feedrates: &[f64]) -> Vec<f64> {
+        let next = feedrates.iter().skip(1).copied().chain([0.0]);
+        corners
+            .iter()
+            .zip(feedrates)
+            .zip(next)
+            .map(|((corner, own), next)| corner.min(*own).min(next))
+            .collect()
+    }
+
+    /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
+    /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
+    fn reach_neighbours(&self, corners: &mut [f64], feedrates: &[f64]) {
+        let reach = |from: f64, to: f64, i: usize| match self.ramp(i) {
+            Some(ramp) => ramp.reach(from, self.length(i), to),
+            None => (from * from + 2.0 * self.acceleration(i) * self.length(i)).sqrt(),
+        };
+        let mut before = 0.0;
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let slower = feedrates.get(i + 1).map_or(0.0, |next| next.min(feedrates[i]));
+            *corner = corner.min(slower);
+            *corner = corner.min(reach(before, *corner, i));
+            before = *corner;
+        }
+        for i in (1..corners.len()).rev() {
+            let to = corners[i - 1];
+            corners[i - 1] = to.min(reach(corners[i], to, i));
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! A toolpath that is planned in place of the program's, and its plan put back onto the program.
+//!
+//! Controls that merge short lines, or run arcs as chords, do not run the segments that the program has. A segment of the
+//! substitute, of length l, covers a part of length S of the program, which may begin and end within segments of it. It is
+//! planned by itself; what comes out is put back with distances and feedrates times S/l, so that the time is that of the
+//! substitute and each block has its share by length. The distance axis so stays that of the program.
+//!
+//! Limits: positions are those of the program; the substitute's lie beside them by as much as it leaves the program's path.
+
+use crate::machine::Spin;
+use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, Rule, Stretch};
+use crate::simulation::toolpath::{PathMode, Segment, Stop, Toolpath};
+
+/// A toolpath to plan in place of the program's, and what of that each of its segments covers.
+#[derive(Default)]
+pub struct Substitute {
+    /// The segments as they are run. Each covers the program from where the one before ends.
+    pub toolpath: Toolpath,
+    /// What each covers.
+    pub covers: Vec<Cover>,
+    /// How many stops were taken over.
+    stops: usize,
+}
+
+/// What a segment covers of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cover {
+    /// The first segment of the program; this one begins `offset` along it.
+    pub first: usize,
+    /// mm.
+    pub offset: f64,
+    /// The last, which may be the first of the next as well.
+    pub last: usize,
+    /// Length of the program, mm.
+    pub length: f64,
+}
+
+impl Substitute {
+    /// Adds a segment and what it covers.
+    pub fn push(&mut self, segment: Segment, cover: Cover) {
+        self.toolpath.segments.push(segment);
+        self.covers.push(cover);
+    }
+
+    /// Takes over a path mode of the program, from the next segment on.
+    pub fn take_path_mode(&mut self, mode: &PathMode) {
+        self.toolpath.path_modes.push(PathMode { from: self.covers.len(), ..mode.clone() });
+    }
+
+    /// Takes over what the spindle does, from the next segment on.
+    pub fn take_spin(&mut self, spin: Spin) {
+        self.toolpath.spins.push((self.covers.len(), spin));
+    }
+
+    /// Whether the program has a stop before its segment `number` that was not taken over.
+    pub fn stops_before(&self, program: &Toolpath, number: usize) -> bool {
+        program.stops.get(self.stops).is_some_and(|stop| stop.after <= number)
+    }
+
+    /// Takes over the stops up to a segment of the program.
+    pub fn take_stops(&mut self, program: &Toolpath, number: usize) {
+        while self.stops_before(program, number) {
+            let after = self.covers.len();
+            self.toolpath.stops.push(Stop { after, ..program.stops[self.stops] });
+            self.stops += 1;
+        }
+    }
+
+    /// The plan of the program: that of the substitute by `plan`, put back.
+    pub fn planned(
+        &self,
+        program: &Toolpath,
+        rule: Rule,
+        plan: impl FnOnce(&Toolpath, Rule) -> FeedPlan,
+    ) -> FeedPlan {
+        let given = self.given(rule);
+        let rule = given.as_ref().map_or(rule, |(corners, segments)| Rule::Given { corners, segments });
+        self.spread(plan(&self.toolpath, rule), program)
+    }
+
+    /// Feedrates that are given for the segments of the program, for those that are run: the smallest of
+    /// a chain, and at its end that of the corner there.
+    fn given(&self, rule: Rule) -> Option<(Vec<f64>, Vec<f64>)> {
+        let Rule::Given { corners, segments } = rule else { return None };
+        let at_end = |(index, cover): (usize, &Cover)| {
+            let goes_on = self.covers.get(index + 1).is_some_and(|next| next.first == cover.last);
+            if goes_on { f64::INFINITY } else { corners[cover.last] }
+        };
+        let slowest =
+            |cover: &Cover| segments[cover.first..=cover.last].iter().copied().fold(f64::INFINITY, f64::min);
+        Some((
+            self.covers.iter().enumerate().map(at_end).collect(),
+            self.covers.iter().map(slowest).collect(),
+        ))
+    }
+
+    /// The plan of the substitute, put back onto the program.
+    fn spread(&self, plan: FeedPlan, program: &Toolpath) -> FeedPlan {
+        let segments = program.segments.len();
+        let mut spread = FeedPlan {
+            start: plan.start,
+            phases: Vec::with_capacity(plan.phases.len()),
+            pulses: Pulses::default(),
+            filters: plan.filters,
+            corner_feedrates: vec![f64::INFINITY; segments],
+            segment_feedrates: vec![f64::INFINITY; segments],
+            time_scaling: None,
+        };
+        spread.pulses.try_reserve_exact(plan.pulses.len() + segments).ok();
+        for (index, cover) in self.covers.iter().enumerate() {
+            let ratio = self.ratio(index);
+            for feedrate in &mut spread.segment_feedrates[cover.first..=cover.last] {
+                *feedrate = feedrate.min(ratio * plan.segment_feedrates[index]);
+            }
+            spread.corner_feedrates[cover.last] = plan.corner_feedrates[index];
+        }
+        for phase in &plan.phases {
+            let Phase::Motion(stretch) = phase else {
+                spread.phases.push(phase.clone());
+                continue;
+            };
+            let first_pulse = spread.pulses.len();
+            let mut place = (0, 0.0);
+            let mut now = usize::MAX;
+            for pulse in plan.pulses.range(stretch.pulses.clone()) {
+                let index = pulse.segment as usize;
+                let cover = &self.covers[index];
+                if index != now {
+                    (now, place) = (index, (cover.first, cover.offset));
+                }
+                let ratio = self.ratio(index);
+                lay(&pulse, ratio, cover.last, &mut place, program, &mut spread);
+            }
+            let covered = stretch.segments.clone();
+            spread.phases.push(Phase::Motion(Stretch {
+                segments: self.covers[covered.start].first..self.covers[covered.end - 1].last + 1,
+                pulses: first_pulse..spread.pulses.len(),
+                filter: stretch.filter,
+            }));
+        }
+        spread
+    }
+
+    /// Length along the program over that which is run.
+    fn ratio(&self, index: usize) -> f64 {
+        let (run, written) = (self.toolpath.segments.length(index), self.covers[index].length);
+        if run == written { 1.0 } else { written / run }
+    }
+}
+
+/// Lays a pulse onto the program from `place` on, a segment and the distance along it (mm), up to the
+/// segment `last`. Where it goes beyond the end of a segment it is cut: the distance x is reached after
+///
+/// ```text
+/// t = 2 x / (f + √(f² + 2 b x))         f command at its beginning, b its slope, mm/s²
+/// ```
+fn lay(
+    pulse: &Pulse,
+    ratio: f64,
+    last: usize,
+    place: &mut (usize, f64),
+    program: &Toolpath,
+    plan: &mut FeedPlan,
+) {
+    let mut left = pulse.duration;
+    let mut feedrate = pulse.feedrate.map(|feedrate| ratio * feedrate);
+    let slope = (feedrate[1] - feedrate[0]) / pulse.duration;
+    loop {
+        let (number, offset) = *place;
+        let room = program.segments.length(number) - offset;
+        let passed = left * 0.5 * (feedrate[0] + feedrate[1]);
+        if number == last || passed < room {
+            let segment = number as u32;
+            plan.pulses.push(Pulse { segment, duration: left, offset, feedrate });
+            place.1 += passed;
+            return;
+        }
+        let end = (feedrate[0] * feedrate[0] + 2.0 * slope * room).max(0.0).sqrt();
+        let duration = (2.0 * room / (feedrate[0] + end)).min(left);
+        if 0.0 < duration {
+            let segment = number as u32;
+            plan.pulses.push(Pulse { segment, duration, offset, feedrate: [feedrate[0], end] });
+            left -= duration;
+        }
+        feedrate[0] = end;
+        plan.corner_feedrates[number] = end;
+        *place = (number + 1, 0.0);
+        if left <= 0.0 {
+            return;
+        }
+    }
+}

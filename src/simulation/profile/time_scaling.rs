@@ -1,0 +1,335 @@
+//! Acceleration limits behind the filters: filtered motion, run no faster than axes and path can follow.
+//!
+//! The filtered motion P(τ) has the feedrate w = ‖P′‖, the direction u = P′/w and the curvature
+//! N = (P″ − (P″·u) u)/w². Run at v ≤ w along the same path, the machine accelerates by
+//!
+//! ```text
+//! P̈ = v̇ u + v² N,        |P̈_k| ≤ A_k  for each axis k,     |v̇| ≤ A along the path
+//! ```
+//!
+//! The fastest such motion is found by two passes over the squared feedrate, one forward from each
+//! stop and one backward: from one sample to the next, Δσ apart,
+//!
+//! ```text
+//! Δ(v²) ≤ 2 Δσ (A_k − v² |N_k|)/|u_k|
+//! ```
+//!
+//! at both of them, of which the second is solved for v² there, below v² = A_k/|N_k|, at which turning takes
+//! all of an axis. So a ramp begins as round as the filters
+//! make it, runs straight, and ends where it meets the filtered motion; with filters of no length it
+//! is a trapezoid. The path, and with it the contour error, is that of the filters.
+//!
+//! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered motion changes, and nowhere else:
+//! where it is constant the ramps are straight, and their ends are put in exactly, and where it only follows a slope of
+//! the command a few samples do. The work is linear in the number of pulses. Limits: N counts with its magnitude, which
+//! takes a little too much where turning and braking would push an axis opposite ways; rotary axes are left out.
+//!
+//! Controls that plan their ramps before any filter, as in [`crate::simulation::feed::block`], have their plans
+//! left as they are.
+
+use crate::machine::Machine;
+use crate::simulation::feed::{FeedPlan, Knot, Stretch, TimeScaling, time_scaling};
+use crate::simulation::profile::{Dynamics, Moment, Motion, Profile, State, Walk};
+use crate::simulation::running_sum::running_sum;
+use crate::simulation::toolpath::{Curve, Toolpath, Vector};
+
+/// Samples within one filter delay, and at most where one of the filters is short.
+const SAMPLES_PER_DELAY: (f64, f64) = (48.0, 480.0);
+
+/// Samples within the shortest filter.
+const SAMPLES_PER_FILTER: f64 = 12.0;
+
+/// Samples within a pulse whose command rises or falls, where the filters only follow it.
+const SAMPLES_PER_SLOPE: f64 = 16.0;
+
+/// Largest angle turned on an arc between two samples, rad.
+const WIDEST_ANGLE: f64 = 0.02;
+
+/// The cosine of the angle between two samples below which the motion turned back on itself.
+const BACK: f64 = -0.99;
+
+/// A feedrate that is less than this part below the filtered one is that one.
+const ROUNDING: f64 = 1e-12;
+
+/// The plan with the time that acceleration limits cost behind the filters.
+pub(crate) fn time_scaled(toolpath: &Toolpath, machine: &Machine, plan: FeedPlan) -> FeedPlan {
+    let limits = Limits::of(machine);
+    if machine.limits_command() || !limits.are_finite() {
+        return plan;
+    }
+    let mut lost = TimeScaling::default();
+    {
+        let profile = Profile::new(toolpath, &plan);
+        for stretch in plan.stretches() {
+            limits.slow_down(&profile.motion(stretch), stretch, &mut lost);
+        }
+    }
+    FeedPlan { time_scaling: (!lost.is_empty()).then_some(lost), ..plan }
+}
+
+/// A sample of the filtered motion.
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Filtered time since the beginning of the stretch, s.
+    time: f64,
+    /// Segment on which the tool is.
+    segment: usize,
+    /// Filtered feedrate, mm/s.
+    filtered: f64,
+    /// |u|.
+    share: Vector,
+    /// |N|, 1/mm.
+    curvature: Vector,
+    /// v², mm²/s².
+    square: f64,
+}
+
+/// Acceleration limits, mm/s².
+struct Limits {
+    axes: Vector,
+    path: f64,
+}
+
+impl Limits {
+    fn of(machine: &Machine) -> Limits {
+        let axes = Vector::from_fn(|k, _| machine.axes[k].acceleration);
+        Limits { axes, path: machine.path.acceleration }
+    }
+
+    fn have_axes(&self) -> bool {
+        self.axes.iter().any(|axis| axis.is_finite())
+    }
+
+    fn are_finite(&self) -> bool {
+        self.path.is_finite() || self.have_axes()
+    }
+
+    /// Adds what a stretch loses.
+    fn slow_down(&self, motion: &Motion, stretch: &Stretch, lost: &mut TimeScaling) {
+        let mut samples = self.samples(motion, stretch);
+        for i in 1..samples.len() {
+            samples[i].square = samples[i].square.min(self.reach(&samples[i - 1], &samples[i]));
+        }
+        for i in (1..samples.len()).rev() {
+            samples[i - 1].square = samples[i - 1].square.min(self.reach(&samples[i], &samples[i - 1]));
+        }
+        if samples.iter().all(Sample::is_free) {
+            return;
+        }
+        let between = samples
+            .windows(2)
+            .flat_map(|pair| self.turning_points(&pair[0], &pair[1]).into_iter().flatten().chain([pair[1]]));
+        let samples: Vec<Sample> = [samples[0]].into_iter().chain(between).collect();
+        let losses: Vec<f64> = samples.windows(2).map(|pair| pair[0].lost_until(&pair[1])).collect();
+        let mut segments: Vec<(usize, f64)> = Vec::new();
+        for (sample, loss) in samples.iter().zip(&losses).filter(|(_, loss)| 0.0 < **loss) {
+            match segments.last_mut() {
+                Some((at, sum)) if *at == sample.segment => *sum += loss,
+                _ => segments.push((sample.segment, *loss)),
+            }
+        }
+        let mut knots: Vec<Knot> = Vec::with_capacity(samples.len());
+        let losts = [0.0].into_iter().chain(running_sum(losses.into_iter()));
+        for (i, (sample, lost)) in samples.iter().zip(losts).enumerate() {
+            let around = &samples[i.saturating_sub(1)..samples.len().min(i + 2)];
+            // Of what runs free only the ends are kept.
+            if around.len() < 3 || !around.iter().all(Sample::is_free) {
+                knots.push(sample.knot(lost));
+            }
+        }
+        lost.push(stretch, &knots, &segments);
+    }
+
+    /// The filtered motion of a stretch.
+    fn samples(&self, motion: &Motion, stretch: &Stretch) -> Vec<Sample> {
+        let end = motion.duration();
+        let mut samples: Vec<Sample> = Vec::new();
+        let (mut time, mut segment) = (0.0, stretch.segments.start);
+        let mut before = Vector::zeros();
+        let mut walk = Walk::of(*motion);
+        let mut moment = walk.moment(time);
+        loop {
+            let state = walk.state(moment);
+            while segment + 1 < stretch.segments.end && walk.distances.before(segment + 1) <= state.distance {
+                segment += 1;
+            }
+            let filtered = state.velocity.norm();
+            let (mut share, mut curvature) = (Vector::zeros(), Vector::zeros());
+            if 0.0 < filtered {
+                let tangent = state.velocity / filtered;
+                share = tangent.abs();
+                if self.have_axes() {
+                    let acceleration = motion.dynamics(moment).acceleration;
+                    let across = acceleration - acceleration.dot(&tangent) * tangent;
+                    curvature = across.abs() / (filtered * filtered);
+                }
+            }
+            if before.dot(&state.velocity) < BACK * before.norm() * filtered
+                && let Some(last) = samples.last()
+            {
+                // Where it turns back on itself it stands.
+                let stand = last.time + (time - last.time) * before.norm() / (before.norm() + filtered);
+                if last.time < stand && stand < time {
+                    samples.push(Sample { time: stand, filtered: 0.0, square: 0.0, ..*last });
+                }
+            }
+            before = state.velocity;
+            let square = self.around_curves(&curvature).min(filtered * filtered);
+            samples.push(Sample { time, segment, filtered, share, curvature, square });
+            if end <= time {
+                return samples;
+            }
+            time = next_time(&mut walk, moment, time).min(end);
+            moment = walk.moment_from(moment.pulse, time);
+        }
+    }
+
+    /// The largest squared feedrate at which turning alone takes no more of an axis than it has, mm²/s².
+    fn around_curves(&self, curvature: &Vector) -> f64 {
+        let of_axis = |k: usize| self.axes[k] / curvature[k];
+        (0..3).filter(|&k| 0.0 < curvature[k]).map(of_axis).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The largest slope of the feedrate at a sample run at the squared feedrate `square`, mm/s².
+    fn available(&self, sample: &Sample, square: f64) -> f64 {
+        let of_axis = |k: usize| (self.axes[k] - square * sample.curvature[k]).max(0.0) / sample.share[k];
+        (0..3).filter(|&k| 0.0 < sample.share[k]).map(of_axis).fold(self.path, f64::min)
+    }
+
+    /// The largest squared feedrate at `to` that is reached from that at `from`.
+    fn reach(&self, from: &Sample, to: &Sample) -> f64 {
+        let doubled = 2.0 * from.distance(to);
+        if doubled == 0.0 {
+            return from.square;
+        }
+        let of_axis = |k: usize| {
+            let (share, curvature) = (to.share[k], doubled * to.curvature[k]);
+            (share * from.square + doubled * self.axes[k]) / (share + curvature)
+        };
+        let by_axes = (0..3).map(of_axis).fold(f64::INFINITY, f64::min);
+        by_axes.min(from.square + doubled * self.available(from, from.square))
+    }
+
+    /// Where between two samples of a constant filtered motion a ramp ends and another begins, or
+    /// both meet.
+    fn turning_points(&self, from: &Sample, to: &Sample) -> [Option<Sample>; 2] {
+        let full = from.filtered * from.filtered;
+        let is_constant = (to.filtered / from.filtered - 1.0).abs() <= 1e-9;
+        if !is_constant || (from.is_free() && to.is_free()) {
+            return [None; 2];
+        }
+        let doubled_slope = 2.0 * self.available(from, full).min(self.available(to, full));
+        let length = from.distance(to);
+        let at = |distance: f64, square: f64| {
+            let is_inside = 0.0 < distance && distance < length;
+            let time = from.time + distance / from.filtered;
+            is_inside.then_some(Sample { time, square: square.min(full), ..*from })
+        };
+        let (rise, fall) = ((full - from.square) / doubled_slope, (full - to.square) / doubled_slope);
+        if rise + fall < length {
+            [at(rise, full), at(length - fall, full)]
+        } else {
+            let distance = 0.5 * (length + (to.square - from.square) / doubled_slope);
+            [at(distance, from.square + doubled_slope * distance), None]
+        }
+    }
+}
+
+impl Sample {
+    /// Whether the machine follows the filters here.
+    fn is_free(&self) -> bool {
+        self.filtered * self.filtered * (1.0 - ROUNDING) <= self.square
+    }
+
+    fn feedrate(&self) -> f64 {
+        if self.is_free() { self.filtered } else { self.square.sqrt() }
+    }
+
+    /// Δσ, mm.
+    fn distance(&self, to: &Sample) -> f64 {
+        0.5 * (self.filtered + to.filtered) * (to.time - self.time).abs()
+    }
+
+    /// What is lost from here to the next sample, s.
+    fn lost_until(&self, next: &Sample) -> f64 {
+        if self.is_free() && next.is_free() {
+            return 0.0;
+        }
+        let sum = self.feedrate() + next.feedrate();
+        if sum == 0.0 {
+            return 0.0;
+        }
+        (next.time - self.time) * ((self.filtered + next.filtered) / sum - 1.0)
+    }
+
+    fn knot(&self, lost: f64) -> Knot {
+        Knot { filtered: self.time, lost, filtered_feedrate: self.filtered, feedrate: self.feedrate() }
+    }
+}
+
+impl Motion<'_> {
+    /// The true time at a filtered one, both since the beginning of the stretch, s.
+    pub(super) fn true_time(&self, filtered: f64) -> f64 {
+        time_scaling::true_time(self.knots, filtered)
+    }
+
+    /// How the velocity changes at a true time since the beginning of the stretch, s: along a path with
+    /// the direction u and its derivatives N and N′ by length, v̇ u + v² N, and its derivative.
+    pub(super) fn dynamics_at(&self, time: f64) -> Dynamics {
+        let pace = time_scaling::pace(self.knots, time);
+        let moment = self.moment(pace.filtered);
+        let filtered = self.dynamics(moment);
+        let Some((feedrate, slope)) = pace.feedrate else { return filtered };
+        let velocity = self.state(moment).velocity;
+        let speed = velocity.norm();
+        if speed == 0.0 {
+            return filtered;
+        }
+        let tangent = velocity / speed;
+        let along = filtered.acceleration.dot(&tangent);
+        let normal = (filtered.acceleration - along * tangent) / (speed * speed);
+        let change = filtered.jerk.dot(&tangent) + speed.powi(3) * normal.norm_squared();
+        let normal_change = (filtered.jerk - change * tangent - 3.0 * along * speed * normal) / speed.powi(3);
+        Dynamics {
+            acceleration: slope * tangent + feedrate * feedrate * normal,
+            jerk: 3.0 * slope * feedrate * normal + feedrate.powi(3) * normal_change,
+        }
+    }
+}
+
+impl Walk<'_> {
+    /// Where the tool is and how fast it moves at a true time since the beginning of the stretch, s.
+    pub(super) fn state_at(&mut self, time: f64) -> State {
+        let pace = time_scaling::pace(self.motion.knots, time);
+        let moment = self.moment(pace.filtered);
+        let mut state = self.state(moment);
+        let filtered = state.velocity.norm();
+        if let Some((feedrate, _)) = pace.feedrate
+            && 0.0 < filtered
+        {
+            state.velocity *= feedrate / filtered;
+        }
+        state
+    }
+}
+
+/// Where the sample after that at a moment lies.
+fn next_time(walk: &mut Walk, moment: Moment, time: f64) -> f64 {
+    let motion = walk.motion;
+    let delay = motion.filter.delay();
+    let shortest = motion.filter.time_constants().iter().copied().fold(delay, f64::min);
+    let (fewest, most) = SAMPLES_PER_DELAY;
+    let step = time + (shortest / SAMPLES_PER_FILTER).clamp(delay / most, delay / fewest);
+    let pulse = motion.pulses.at(moment.pulse);
+    if moment.elapsed < delay {
+        return step;
+    }
+    let segment = motion.segments.at(pulse.segment as usize);
+    let [first, last] = pulse.feedrate;
+    let widest = match &segment.curve {
+        Curve::Line => f64::INFINITY,
+        Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * first.max(last)),
+    };
+    let widest = if first == last { widest } else { widest.min(pulse.duration / SAMPLES_PER_SLOPE) };
+    step.max((walk.pulse_start(moment.pulse) + pulse.duration).min(time + widest))
+}

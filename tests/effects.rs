@@ -1,0 +1,102 @@
+//! The table of effects: ids, sentences, and hypotheses that programs excite.
+
+use truefeed::identification::alignment::align;
+use truefeed::identification::diagnosis::diagnose;
+use truefeed::identification::effects::{ALL, Finding, library, with_id};
+use truefeed::identification::fit::Run;
+use truefeed::identification::recording::read;
+use truefeed::machine::Machine;
+use truefeed::project::profile_csv;
+use truefeed::simulation::profile::{Profile, Resolution};
+use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::{gcode, simulate};
+
+#[test]
+fn an_effect_is_known_by_its_id() {
+    for (at, effect) in ALL.iter().enumerate() {
+        assert_eq!(with_id(effect.id), Some(*effect));
+        assert!(ALL[..at].iter().all(|other| other != effect), "{effect:?} is there twice");
+    }
+    assert_eq!(with_id("gremlins"), None);
+}
+
+#[test]
+fn every_effect_has_a_sentence_whatever_is_reported() {
+    for effect in ALL {
+        let sentence = (effect.sentence)(&Finding { values: &[], lines: &[(2, 3)], seconds: 1.0 });
+        assert!(sentence.ends_with('.') && sentence.starts_with(char::is_uppercase), "{sentence}");
+    }
+}
+
+/// A program with all that effects act on is offered each that a program brings out, with trials that reach the
+/// machine and values that are reported.
+#[test]
+fn a_program_that_has_everything_is_offered_everything() {
+    let program =
+        "G0 X5 Y5 Z5\nM6 T1\nG61\nG1 X20 F3000\nG64\nY6\nX30 Y6.2\nX40\nG2 X50 Y16.2 I0 J10\nG1 X0 Y0 Z0\n";
+    let machine = Machine::default();
+    let toolpath = trace(&gcode::read(program.as_bytes()), &machine);
+    let plan = simulate(&toolpath, &machine);
+    let recorded = profile_csv(&Profile::new(&toolpath, &plan).samples(Resolution::FINE));
+    let log = read(recorded.as_bytes()).expect("a log");
+    let alignment = align(&log.recordings[0], &toolpath, &machine).expect("it is of this program");
+    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+    let library = library(&machine, &runs);
+    for effect in ALL.iter().filter(|effect| effect.unprovoked.is_none()) {
+        assert!(library.iter().any(|hypothesis| hypothesis.effect == *effect), "{effect:?} is not offered");
+    }
+    for hypothesis in &library {
+        for values in &hypothesis.trials {
+            assert_eq!(values.len(), hypothesis.freed.len(), "{hypothesis:?}");
+            assert!(!hypothesis.reported(values, &[]).is_empty(), "{hypothesis:?}");
+        }
+        assert!(
+            hypothesis.trials.iter().any(|values| hypothesis.machine(&machine, values) != machine),
+            "{hypothesis:?}"
+        );
+    }
+}
+
+/// A meander in which the spindle changes its speed in blocks of motion.
+fn with_speeds() -> String {
+    let rows = (0..12).map(|row| {
+        let (y, speed) =
+            (3 * row, if row % 3 == 2 { format!(" S{}", 4000 + 500 * row) } else { String::new() });
+        format!("G1 X40 Y{y} F1800{speed}\nX40 Y{}\nX0 F1500\n", y + 1)
+    });
+    format!("G21 G90\nG0 X0 Y0\nM3 S4000\n{}M30\n", rows.collect::<String>())
+}
+
+#[test]
+fn a_wait_at_s_words_is_found_and_predicts_the_run() {
+    let believed = Machine::default();
+    let mut truth = believed.clone();
+    truth.times.spindle_change = 0.8;
+    let toolpath = trace(&gcode::read(with_speeds().as_bytes()), &believed);
+    assert_eq!(toolpath.speed_changes().count(), 4);
+    let plan = simulate(&toolpath, &truth);
+    let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+    let log = read(profile_csv(&samples).as_bytes()).expect("a log");
+    let alignment = align(&log.recordings[0], &toolpath, &believed).expect("it is of this program");
+    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+    let diagnosis = diagnose(&believed, &runs, &mut |_| {});
+    let ids: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.effect.id).collect();
+    assert_eq!(ids, ["spindle_wait"]);
+    let seconds = diagnosis.causes[0].candidate.values[0];
+    assert!((seconds - 0.8).abs() < 0.01, "{seconds} s");
+    let (found, recorded) = (simulate(&toolpath, &diagnosis.machine).cycle_time(), plan.cycle_time());
+    assert!((found - recorded).abs() < 0.05, "{found} s is not {recorded} s");
+}
+
+/// Each wait costs its time and a full stop, and none where the machine has no such wait.
+#[test]
+fn a_wait_at_s_words_is_a_full_stop_and_its_time() {
+    let mut machine = Machine::default();
+    let toolpath = trace(&gcode::read(with_speeds().as_bytes()), &machine);
+    let times = [0.0, 0.5, 1.5].map(|seconds| {
+        machine.times.spindle_change = seconds;
+        simulate(&toolpath, &machine).cycle_time()
+    });
+    assert!(times[0] + 4.0 * 0.5 < times[1], "{times:?}");
+    assert!((times[2] - times[1] - 4.0).abs() < 1e-9, "{times:?}");
+}

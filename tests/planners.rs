@@ -1,0 +1,122 @@
+//! Planners of hobby controls: cycle times of recorded runs, clean and with one setting changed, with the true settings in
+//! the machine file.
+
+use std::path::Path;
+
+use truefeed::machine::Machine;
+use truefeed::project::machine_from_toml;
+use truefeed::simulation::feed::Tolerances;
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::simulate;
+use truefeed::simulation::toolpath::trace;
+
+use crate::shared::corpus;
+
+/// How far off a cycle time may be, as a part of it.
+const WITHIN: f64 = 0.003;
+
+/// A control whose planner was recorded.
+struct Control {
+    folder: &'static str,
+    machine: &'static str,
+}
+
+const CONTROLS: [Control; 3] = [
+    Control { folder: "grbl", machine: include_str!("data/machines/grbl.toml") },
+    Control { folder: "klipper", machine: include_str!("data/machines/klipper.toml") },
+    Control { folder: "linuxcnc", machine: include_str!("data/machines/linuxcnc.toml") },
+];
+
+/// The machine of a run; `None` where what was changed is not in the machine, or its place is known by time alone.
+fn machine(control: &Control, effect: Option<&str>, parameters: &serde_json::Value) -> Option<Machine> {
+    let mut machine = machine_from_toml(control.machine).expect("the file is right");
+    let number = |key: &str| parameters[key].as_f64();
+    let line = |key: &str| number(key).map(|line| line as u32);
+    let axis = parameters["axis"].as_str().and_then(|name| "XYZ".find(name));
+    let set = |key: &str, value: f64| {
+        let text = control.machine.lines().map(|row| match row.split_once(" = ") {
+            Some((known, _)) if known == key => format!("{key} = {value}\n"),
+            _ => format!("{row}\n"),
+        });
+        machine_from_toml(&text.collect::<String>()).expect("the setting is one of a machine")
+    };
+    match effect {
+        None => {}
+        Some("junction_rule") => {
+            let key = match parameters["rule"].as_str()? {
+                "junction_deviation" => "junction_deviation_mm",
+                _ => "square_corner_velocity_mm_min",
+            };
+            machine = set(key, number("value")?);
+        }
+        Some("axis_acceleration_limit") => machine.axes[axis?].acceleration = number("a_mm_s2")?,
+        Some("axis_velocity_limit") => machine.axes[axis?].velocity = number("v_mm_min")? / 60.0,
+        Some("path_acceleration_limit") => machine = set("acceleration_mm_s2", number("a_mm_s2")?),
+        Some("corner_tolerance") => {
+            machine.path_modes.tolerance_override = number("contour_tolerance_mm");
+        }
+        Some("look_ahead") => machine.interpolator.look_ahead = number("blocks")?,
+        Some("rapid_override") => machine.overrides.rapid = number("ratio")?,
+        Some("feed_override") => {
+            machine.overrides.feed_by_line.insert(line("from_line")?, number("ratio")?);
+            if control.folder == "klipper" {
+                machine.overrides.rapid_by_line = machine.overrides.feed_by_line.clone();
+            }
+        }
+        Some("feed_hold") => {
+            machine.halts.feed_holds.insert(line("line")?, number("seconds")?);
+        }
+        Some(_) => return None,
+    }
+    Some(machine)
+}
+
+/// From the first change of position to the last, s.
+fn motion_time(recording: &Path) -> f64 {
+    let text = std::fs::read_to_string(recording).expect("the recording is there");
+    let mut rows = text.lines();
+    let header: Vec<&str> = rows.next().expect("it has a header").split(',').collect();
+    let columns =
+        ["x_mm", "y_mm", "z_mm"].map(|name| header.iter().position(|known| *known == name).unwrap());
+    let rows: Vec<(f64, [&str; 3])> = rows
+        .map(|row| {
+            let cells: Vec<&str> = row.split(',').collect();
+            (cells[0].parse().expect("a time"), columns.map(|column| cells[column]))
+        })
+        .collect();
+    let moves: Vec<usize> = (1..rows.len()).filter(|&i| rows[i].1 != rows[i - 1].1).collect();
+    rows[moves[moves.len() - 1]].0 - rows[moves[0] - 1].0
+}
+
+#[test]
+fn true_settings_give_the_recorded_cycle_times() {
+    let mut checked = 0;
+    for control in &CONTROLS {
+        let folder = corpus::recordings().join(control.folder);
+        let answers = std::fs::read_to_string(folder.join("answers.json")).expect("it has answers");
+        let answers: serde_json::Value = serde_json::from_str(&answers).expect("they are JSON");
+        for (run, answer) in answers.as_object().expect("by run") {
+            let effect = answer["effect"].as_str();
+            // Behind the drives nothing changes the time; a place known by time alone is not one of the program.
+            let Some(machine) = machine(control, effect, &answer["parameters"]) else { continue };
+            // A junction deviation of less than the arcs' chords makes their corners count, whose angles the whole
+            // steps of the axes blur: 0.5 % here.
+            let within = if effect == Some("junction_rule") { 2.0 * WITHIN } else { WITHIN };
+            let program = std::fs::read(folder.join(answer["program"].as_str().expect("a name")));
+            let toolpath = trace(&read(&program.expect("the program is there")), &machine);
+            let predicted =
+                simulate::by_rule(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time();
+            let recorded = motion_time(&folder.join(run));
+            let error = predicted / recorded - 1.0;
+            println!(
+                "{} {run} {}: recorded {recorded:.3} s, predicted {predicted:.3} s, {:+.2} %",
+                control.folder,
+                effect.unwrap_or("clean"),
+                100.0 * error
+            );
+            assert!(error.abs() < within, "{} {run}: {error}", control.folder);
+            checked += 1;
+        }
+        assert!(0 < checked);
+    }
+}
