@@ -16,10 +16,9 @@ pub enum FileKind {
 }
 
 /// How files begin that are often taken for programs.
-const BEGINNINGS: [(&[u8], &str); 11] = [
+const BEGINNINGS: [(&[u8], &str); 10] = [
     (b"PK\x03\x04", "a ZIP archive or an Office document"),
     (b"\xd0\xcf\x11\xe0", "an Office or CAD document"),
-    (b"\x1f\x8b", "a compressed archive"),
     (b"7z\xbc\xaf", "a compressed archive"),
     (b"Rar!", "a compressed archive"),
     (b"\x89PNG", "a picture"),
@@ -39,10 +38,11 @@ const OWN: [(&str, FileKind); 3] = [
 
 /// What a file is, from its beginning.
 pub fn file_kind(head: &[u8]) -> FileKind {
-    if let Some((_, name)) = BEGINNINGS.iter().find(|(bytes, _)| head.starts_with(bytes)) {
+    let is_recording = is_recording(head);
+    if let Some((_, name)) = BEGINNINGS.iter().find(|(bytes, _)| !is_recording && head.starts_with(bytes)) {
         return FileKind::Other(name);
     }
-    if is_recording(head) {
+    if is_recording {
         let says = |key: &str| head.windows(key.len()).any(|bytes| bytes == key.as_bytes());
         return OWN.iter().find(|(key, _)| says(key)).map_or(FileKind::Recording, |(_, kind)| *kind);
     }

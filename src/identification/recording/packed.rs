@@ -26,6 +26,9 @@ const DEFLATED: usize = 8;
 /// Length of the end of a directory without its comment, and of the longest comment.
 const END_BYTES: (usize, usize) = (22, 65_535);
 
+/// Endings of logs; the first file of an Office document is `[Content_Types].xml` or `mimetype`.
+const LOG_ENDINGS: [&str; 7] = ["csv", "json", "log", "shdr", "tsv", "txt", "xml"];
+
 const DAMAGED: RecordingError =
     RecordingError::Binary("a ZIP archive that is damaged or packed in a way of its own");
 
@@ -45,23 +48,16 @@ pub(super) fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
     }
 }
 
-/// The first `most` bytes of a log whose beginning is known, unpacked where they are packed.
-pub(super) fn beginning(bytes: &[u8], most: usize) -> Cow<'_, [u8]> {
-    let mut head = Vec::new();
-    // Of a file that is cut off as much is unpacked as there is; how it ends does not matter here.
-    if bytes.starts_with(GZIP) {
-        let _ = MultiGzDecoder::new(bytes).take(most as u64).read_to_end(&mut head);
-    } else if let Some(data) = bytes.starts_with(LOCAL_HEADER).then(|| data(bytes, 0)).flatten() {
-        if number(bytes, 8, 2) == Some(STORED) {
-            // Behind the file comes the directory; a writer of streams states no length in front.
-            let stored = number(bytes, 18, 4).filter(|stored| 0 < *stored).unwrap_or(most);
-            return Cow::Borrowed(&data[..data.len().min(most).min(stored)]);
-        }
-        let _ = DeflateDecoder::new(data).take(most as u64).read_to_end(&mut head);
-    } else {
-        return Cow::Borrowed(&bytes[..bytes.len().min(most)]);
-    }
-    Cow::Owned(head)
+/// Whether a file that begins so is a packed log: of an archive the name of its first file tells, so that nothing is
+/// unpacked for it. A program is never read from gzip.
+pub(super) fn is_packed_log(head: &[u8]) -> bool {
+    head.starts_with(GZIP)
+        || number(head, 26, 2)
+            .filter(|_| head.starts_with(LOCAL_HEADER))
+            .and_then(|name| head.get(30..30 + name))
+            .filter(|name| !name.starts_with(b"["))
+            .and_then(|name| name.rsplit(|byte| *byte == b'.').next())
+            .is_some_and(|ending| LOG_ENDINGS.iter().any(|log| ending.eq_ignore_ascii_case(log.as_bytes())))
 }
 
 /// All that a decoder gives; none where it fails, or gives out of all proportion to what is `packed`.

@@ -15,7 +15,10 @@ const SNIFFED_LINES: usize = 200;
 
 /// Whether `bytes`, a file or its beginning, are a machine log.
 pub fn is_recording(bytes: &[u8]) -> bool {
-    let Ok(text) = decode(&packed::beginning(bytes, SNIFFED_BYTES)) else { return false };
+    if packed::is_packed_log(bytes) {
+        return true;
+    }
+    let Ok(text) = decode(&bytes[..bytes.len().min(SNIFFED_BYTES)]) else { return false };
     let start = text.trim_start();
     if start.starts_with(['<', '{', '[']) || events::is_shdr(&text) || beckhoff::is_scope(&text) {
         return true;

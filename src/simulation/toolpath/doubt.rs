@@ -80,7 +80,10 @@ impl Tracer<'_> {
         });
         let fresh = doubts.split_off(self.doubts.seen);
         for mut doubt in fresh {
-            doubt.until = count;
+            // What follows from the flow between blocks touches no move of the next block.
+            if doubt.effect != Effect::Unbounded {
+                doubt.until = count;
+            }
             let is_feed_open = self.doubts.open.iter().any(|(_, letters)| letters.meets(FEED));
             let Effect::Words(missing) = doubt.effect else {
                 if doubt.effect != Effect::Feed {

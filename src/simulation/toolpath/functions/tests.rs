@@ -46,7 +46,7 @@ fn not_every_s_is_a_speed_of_the_spindle() {
     for other in ["G4 P1 S2", "G96 S120", "G92 S3000", "G50 S3000", "S-1", "S2000000"] {
         assert_eq!(speeds(&format!("G0 Y1\nS500 M3\n{other}\nM5")), steady, "{other}");
     }
-    assert_eq!(speeds("G96 S120 M3\nG97 S500\nM5"), [(0.0, 0.0), (0.0, 500.0), (500.0, 0.0)]);
+    assert_eq!(speeds("G0 Y1\nG96 S120 M3\nG97 S500\nM5"), [(0.0, 0.0), (0.0, 500.0), (500.0, 0.0)]);
     let said = run("S-1", 0.0).diagnostics;
     assert!(said.iter().any(|found| found.message.contains("S-1 is not a speed")), "{said:?}");
 }
