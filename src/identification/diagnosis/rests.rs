@@ -61,6 +61,8 @@ const OUT: f64 = 4.0;
 const STILL: f64 = 0.2;
 /// For how many polls it must say so.
 const SAID: f64 = 3.0;
+/// The first place on a line, as a part of its path, that lies behind the mark of the line whatever rounding does.
+const BEHIND_MARK: f64 = 1e-6;
 /// Longest halt, s.
 const LONGEST: f64 = 3600.0;
 
@@ -293,7 +295,7 @@ fn rest_during(
     }
     let begin = profile.distance_before(visit.segments.start);
     let length = profile.distance_before(visit.segments.end) - begin;
-    let place = ((at - begin) / length).clamp(0.0, 1.0);
+    let place = ((at - begin) / length).clamp(BEHIND_MARK, 1.0);
     Some(Rest { line: visit.line.0, place: Some(place), begin, seconds, at_dwell: false })
 }
 
