@@ -27,7 +27,7 @@ pub use handle::Handle;
 pub use junction::Junction;
 pub use parameter::{Access, Parameter};
 pub use parameters::{PARAMETERS, parameter};
-pub use planner::PLANNER_FILTER_S;
+pub use planner::{PLANNER_FILTER_S, Planner};
 pub use presets::{Preset, presets};
 pub use supply::PlannedBy;
 pub use times::{Direction, Function, Spin, SpindleTimes, Times};
