@@ -26,7 +26,8 @@ const KLIPPER: (f64, f64, f64) = (5.0, 0.1, 0.5);
 
 impl Planner {
     /// All families.
-    pub const ALL: [Planner; 3] = [Planner::AccelerationBlend, Planner::JunctionDeviation, Planner::SquareCorner];
+    pub const ALL: [Planner; 3] =
+        [Planner::AccelerationBlend, Planner::JunctionDeviation, Planner::SquareCorner];
 }
 
 impl Machine {
@@ -76,8 +77,12 @@ impl Machine {
     pub fn with_scaled_junction(&self, ratio: f64) -> Machine {
         let mut machine = self.clone();
         match &mut machine.interpolator.junction {
-            Junction::Deviation(value) | Junction::SquareCorner(value) | Junction::AxisStep(value) => *value *= ratio,
-            Junction::Tolerance | Junction::AccelerationBlend => machine.interpolator.contour_tolerance *= ratio,
+            Junction::Deviation(value) | Junction::SquareCorner(value) | Junction::AxisStep(value) => {
+                *value *= ratio
+            }
+            Junction::Tolerance | Junction::AccelerationBlend => {
+                machine.interpolator.contour_tolerance *= ratio
+            }
         }
         machine
     }

@@ -20,6 +20,7 @@
 mod families;
 mod laws;
 mod motion;
+mod rapids;
 mod spindle;
 mod steps;
 mod waits;

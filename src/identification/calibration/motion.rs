@@ -11,6 +11,7 @@
 //! Jerk along the path, centripetal acceleration and what rapids are run by are freed in all of them, where they are not
 //! neutral. What the machine had before is infinite where it had no such limit.
 
+use crate::identification::calibration::rapids::RapidPlateaus;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::machine::{Handle, Junction, Machine, TimeConstants};
 
@@ -87,22 +88,40 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
     }
     all.extend(limit("path.jerk_mm_s3", JERK_BOUNDS));
     if has_rapid {
-        if guess.rapid.feedrate.is_finite() {
-            let (own, start) = (before.fastest_rapid(), guess.rapid.feedrate);
-            all.push(from("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own)));
-        }
-        // A machine file that has no rapids of axes has that of all of them.
-        let axes = RAPIDS.into_iter().zip(before.axes.iter().zip(&guess.axes));
-        for (key, (own, start)) in axes.filter(|(_, (_, start))| start.rapid.is_finite()) {
-            let own = own.rapid.min(before.rapid.feedrate);
-            all.push(from(key, own, start.rapid, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own)));
-        }
+        all.extend(rapid_rates(before, guess, runs));
         let own = before.rapid.time_constants.as_ref().unwrap_or(constants);
         let start = guess.rapid.time_constants.as_ref().and_then(constant);
         if let Some((own, start)) = constant(own).zip(start).filter(|_| has_filters) {
             all.push(from("rapid.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
         }
         all.extend(limit("rapid.positioning_jerk_mm_s3", POSITIONING_BOUNDS));
+    }
+    all
+}
+
+/// The rates of rapids, along the path or of axes. Planners have those that plateaus show, and no others.
+fn rapid_rates(before: &Machine, guess: &Machine, runs: &[Run]) -> Vec<(Freed, f64)> {
+    let plateaus = if guess.has_filters() { None } else { RapidPlateaus::of(runs) };
+    let is_seen = |plateau: fn(&RapidPlateaus) -> Option<f64>| {
+        plateaus.as_ref().is_none_or(|all| plateau(all).is_some())
+    };
+    let from = |key: &str, own: f64, start: f64, bounds: (f64, f64)| {
+        (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
+    };
+    let mut all = Vec::new();
+    if guess.rapid.feedrate.is_finite() && is_seen(|all| all.path) {
+        let own = before.fastest_rapid();
+        all.push(from("rapid.feed_mm_min", own, guess.rapid.feedrate, (0.02 * own, 10.0 * own)));
+    }
+    let of_axis: [fn(&RapidPlateaus) -> Option<f64>; 3] =
+        [|all| all.axes[0], |all| all.axes[1], |all| all.axes[2]];
+    for (axis, plateau) in of_axis.into_iter().enumerate() {
+        let start = guess.axes[axis].rapid;
+        if start.is_finite() && is_seen(plateau) {
+            // A machine file that has no rapids of axes has that of all of them.
+            let own = before.axes[axis].rapid.min(before.rapid.feedrate);
+            all.push(from(RAPIDS[axis], own, start, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own)));
+        }
     }
     all
 }
