@@ -55,7 +55,7 @@ const fn kind(
     Kind { name, bends_path: false, applies, draw }
 }
 
-pub const KINDS: [Kind; 17] = [
+pub static KINDS: [Kind; 17] = [
     kind("axis_acceleration", ANY, axis_acceleration),
     kind("axis_velocity", ANY, axis_velocity),
     kind("feed_override", ANY, feed_override),
@@ -79,8 +79,7 @@ pub const KINDS: [Kind; 17] = [
 
 /// The kind of this name.
 pub fn named(name: &str) -> Option<&'static Kind> {
-    static ALL: [Kind; 17] = KINDS;
-    ALL.iter().find(|kind| kind.name == name)
+    KINDS.iter().find(|kind| kind.name == name)
 }
 
 fn axis_acceleration(random: &mut Random, case: &Case) -> Drawn {

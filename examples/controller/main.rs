@@ -1,5 +1,5 @@
 //! A factory of truth from a real controller: programs as shops have them, run by an unmodified LinuxCNC, once as
-//! declared and again with exactly one thing changed.
+//! declared and again with exactly one thing changed, and the scoring of what `truefeed` says about them.
 //!
 //! Programs, machines, changes and strengths follow from the seed. LinuxCNC itself repeats a recording to the period,
 //! but for some 20 ms wherever a word empties its queue. `record` needs root and the recorder that it is pointed to.
@@ -8,21 +8,31 @@
 //! ```text
 //! cargo run --release --example controller -- record --seed 1 --programs 12 --changes 3 --out DIR
 //!     [--recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
+//! cargo run --release --example controller -- score DIR --out REPORTS
+//!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
 //! ```
+//!
+//! `score` keeps the report of each case in REPORTS and passes over those it finds there, so that a run that was cut
+//! off goes on where it was; another folder begins anew.
 
 mod changes;
 mod factory;
+mod figures;
 mod geometry;
+mod interval;
+mod judge;
 #[allow(dead_code, reason = "the corpus writes these moves in every dialect")]
 #[path = "../corpus/jobs.rs"]
 mod jobs;
 mod kinds;
 mod machine;
+mod names;
 #[allow(dead_code, reason = "the stand-in draws more from it")]
 #[path = "../standin/random.rs"]
 mod random;
 mod recorder;
 mod trace;
+mod trial;
 mod words;
 
 use std::path::PathBuf;
@@ -55,6 +65,7 @@ fn run() -> Result<(), Refusal> {
         },
         jobs: 2,
     };
+    let mut bench = judge::Bench { truefeed: "target/release/truefeed".into(), preset: None, jobs: 2 };
     let mut out = None;
     let mut words: Vec<PathBuf> = Vec::new();
     let mut arguments = lexopt::Parser::from_env();
@@ -67,8 +78,11 @@ fn run() -> Result<(), Refusal> {
             Long("recorder") => order.recorder.script = arguments.value()?.into(),
             Long("nice") => order.recorder.nice = arguments.value()?.parse()?,
             Long("speed") => order.recorder.speed = arguments.value()?.parse()?,
+            Long("truefeed") => bench.truefeed = arguments.value()?.into(),
+            Long("preset") => bench.preset = Some(arguments.value()?.into()),
             Long("jobs") => {
                 order.jobs = arguments.value()?.parse()?;
+                bench.jobs = order.jobs;
             }
             Long("out") => out = Some(PathBuf::from(arguments.value()?)),
             other => return Err(other.unexpected().into()),
@@ -77,7 +91,8 @@ fn run() -> Result<(), Refusal> {
     let command = words.first().and_then(|word| word.to_str()).unwrap_or_default();
     match (command, out, &words[words.len().min(1)..]) {
         ("record", Some(folder), []) => factory::record(&order, &folder),
-        _ => Err("say `record --out DIR`".into()),
+        ("score", Some(reports), [folder]) => judge::score(&bench, folder, &reports),
+        _ => Err("say `record --out DIR` or `score DIR --out REPORTS`".into()),
     }
 }
 
