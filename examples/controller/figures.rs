@@ -29,7 +29,8 @@ fn named(case: &Value) -> impl Iterator<Item = &Value> {
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    let upper = *values.get(values.len() / 2)?;
+    Some(0.5 * (upper + values[(values.len() - 1) / 2]))
 }
 
 fn largest(values: &[f64]) -> Option<f64> {

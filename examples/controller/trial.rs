@@ -26,7 +26,8 @@ pub fn ask(truefeed: &Path, words: &[&str], kept: &Path) -> Result<Value, Refusa
         json!({ "seconds": seconds, "report": report })
     } else {
         let said = String::from_utf8_lossy(&output.stderr);
-        let status = output.status.code();
+        // Who was ended from outside has said nothing.
+        let status = output.status.code().ok_or_else(|| format!("{words:?} was ended by a signal"))?;
         json!({ "seconds": seconds, "refused": said.trim(), "exit_status": status })
     };
     std::fs::write(kept, serde_json::to_string(&answer)?)?;
