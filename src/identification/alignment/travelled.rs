@@ -19,7 +19,7 @@ use crate::identification::alignment::registration::shifts;
 use crate::identification::alignment::{Alignment, AlignmentError, Fix, Mark, Method, checked, is_of_units};
 use crate::identification::recording::{Measure, Recording, Scale, closure_of};
 use crate::machine::Machine;
-use crate::simulation::toolpath::{Toolpath, Vector};
+use crate::simulation::toolpath::{Blending, Toolpath, Vector};
 
 /// Of the recording, or of the path, a pass must be so much.
 const LEAST_PART: f64 = 0.5;
@@ -28,14 +28,71 @@ const MAX_SHIFTS: usize = 3;
 const REFINEMENTS: usize = 3;
 /// The recorded way and the way along the path must agree within this ratio.
 const SAME_WAY: f64 = 1.25;
+/// How far a control leaves the path that blends as widely as its speed asks for, mm: a corner of 90° between two ways at
+/// 3000 mm/min is rounded so far at some 500 mm/s².
+const WIDE_BLEND: f64 = 1.0;
+/// Away from the ends of a line is so many times as far. So many samples there are enough to tell, of which so many are on it.
+const LONG_LINE: f64 = 4.0;
+const MIN_ON_LINES: usize = 20;
+const MOSTLY_KEPT: f64 = 0.95;
 /// Marks of positions a run at most.
 const MOST_MARKS: usize = 4000;
 
+/// Lays the positions of a recording on a program. What is off the path by the stated tolerance is tried with wide blends,
+/// which leave the path at its corners alone.
 pub fn by_positions(
     recording: &Recording,
     run: Range<f64>,
     toolpath: &Toolpath,
     machine: &Machine,
+) -> Result<Alignment, AlignmentError> {
+    let tolerance = widest_tolerance(toolpath, machine);
+    let laid = within(recording, run.clone(), toolpath, tolerance);
+    if !matches!(laid, Err(AlignmentError::OffPath { .. } | AlignmentError::NowhereNear)) {
+        return laid;
+    }
+    let wide = within(recording, run, toolpath, WIDE_BLEND);
+    wide.ok().filter(|wide| keeps_to_lines(wide, toolpath, tolerance)).map_or(laid, Ok)
+}
+
+/// The widest tolerance that machine or program state, mm.
+fn widest_tolerance(toolpath: &Toolpath, machine: &Machine) -> f64 {
+    let stated = toolpath.path_modes.iter().filter_map(|mode| match mode.blending {
+        Blending::Within(tolerance) => Some(machine.path_modes.tolerance_override.unwrap_or(tolerance)),
+        Blending::Distance(distance) => Some(0.5 * distance),
+        Blending::ExactStop | Blending::Machine => None,
+    });
+    stated.fold(machine.interpolator.contour_tolerance, f64::max).min(WIDE_BLEND)
+}
+
+/// Whether the tool kept to long lines, away from their ends, as closely as a `tolerance` (mm) asks for.
+fn keeps_to_lines(alignment: &Alignment, toolpath: &Toolpath, tolerance: f64) -> bool {
+    let Some(track) = &alignment.track else { return false };
+    let scale = scale(track, tolerance);
+    let path = Path::new(toolpath, track.recorded);
+    let distances = toolpath.distances();
+    let (mut kept, mut seen) = (0, 0);
+    for fix in &alignment.fixes {
+        let index = distances.partition_point(|at| *at <= fix.distance).saturating_sub(1);
+        let is_away = |from: f64| LONG_LINE * WIDE_BLEND < (fix.distance - from).abs();
+        let is_inside =
+            index + 1 < distances.len() && is_away(distances[index]) && is_away(distances[index + 1]);
+        let Some(((foot, _), sample)) = path.at(fix.distance).zip(fix.sample).filter(|_| is_inside) else {
+            continue;
+        };
+        let away = track.position[sample] - foot;
+        let recorded = (0..3).filter(|axis| track.recorded[*axis]);
+        seen += 1;
+        kept += usize::from(recorded.map(|axis| away[axis].powi(2)).sum::<f64>().sqrt() <= scale);
+    }
+    MIN_ON_LINES <= seen && MOSTLY_KEPT * seen as f64 <= kept as f64
+}
+
+fn within(
+    recording: &Recording,
+    run: Range<f64>,
+    toolpath: &Toolpath,
+    tolerance: f64,
 ) -> Result<Alignment, AlignmentError> {
     let recorded = recording.positions().each_ref().map(Option::is_some);
     let path = Path::new(toolpath, recorded);
@@ -48,7 +105,6 @@ pub fn by_positions(
         Err(_) => {}
     }
     let track = Track::new(settled.positions()).ok_or(AlignmentError::StandsStill)?;
-    let tolerance = machine.interpolator.contour_tolerance;
     let Laid { track, shift, matched } = laid(track, &path, toolpath, tolerance)?;
     if shift != Vector::zeros() {
         remarks.push(format!(

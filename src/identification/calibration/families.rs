@@ -15,6 +15,8 @@ use crate::machine::{Machine, Planner};
 const ACCELERATIONS: [f64; 10] = [50.0, 100.0, 200.0, 350.0, 500.0, 800.0, 1300.0, 2500.0, 5000.0, 10_000.0];
 /// Values of the law of corners tried first, as ratios of the usual one.
 const CORNER_RATIOS: [f64; 7] = [0.05, 0.15, 0.4, 1.0, 2.5, 6.0, 20.0];
+/// A contour tolerance that no blend reaches, mm.
+const FREE_BLEND: f64 = 10.0;
 
 /// The machine of each family that is nearest to the runs, before any fit. `machine` is as it was, `fitted` has the waits
 /// and the rapid feed that filters need.
@@ -26,9 +28,16 @@ pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[
         let at = |acceleration: f64| {
             let mut of = plain.clone();
             of.become_planner(planner, acceleration);
-            of
+            // A blend without a tolerance is one that is wide enough.
+            let free = (planner == Planner::AccelerationBlend).then(|| {
+                let mut free = of.clone();
+                free.interpolator.contour_tolerance = FREE_BLEND;
+                free
+            });
+            [of].into_iter().chain(free)
         };
-        let grid = ACCELERATIONS.into_iter().map(at).flat_map(|of| with_rapids(&of, machine, fitted, seen));
+        let ramps = ACCELERATIONS.into_iter().flat_map(at);
+        let grid = ramps.flat_map(|of| with_rapids(&of, machine, fitted, seen));
         let nearest_ramps = nearest(grid, runs, whitenings)?;
         let corners = CORNER_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio));
         nearest(corners, runs, whitenings)

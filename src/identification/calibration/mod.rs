@@ -213,6 +213,21 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         .collect();
     share.part = 0.04;
     let mut last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+    // Of two waits one after another neither is known, but their sum is: what goes back may not contradict it.
+    if best.cost + CONTRADICTED < last.cost {
+        let unknown: Vec<usize> = (0..all.len()).filter(|at| verdicts[*at] == Verdict::Unknown).collect();
+        unknown.iter().for_each(|at| verdicts[*at] = Verdict::Fitted);
+        last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+        for at in unknown.into_iter().rev() {
+            verdicts[at] = Verdict::Unknown;
+            let without = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+            if without.cost < last.cost + CONTRADICTED {
+                last = without;
+            } else {
+                verdicts[at] = Verdict::Fitted;
+            }
+        }
+    }
     // The least contradicted first; what is put back stays there while the others are looked at.
     let mut doubtful: Vec<usize> = (0..all.len())
         .filter(|at| verdicts[*at] == Verdict::Fitted)

@@ -26,7 +26,7 @@ const RAPIDS: [&str; 3] = ["axis.x.rapid_mm_min", "axis.y.rapid_mm_min", "axis.z
 const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
 /// Least and largest time constant, s, and tolerance, mm.
 const CONSTANT_BOUNDS: (f64, f64) = (5e-4, 0.5);
-const TOLERANCE_BOUNDS: (f64, f64) = (2e-4, 1.0);
+const TOLERANCE_BOUNDS: (f64, f64) = (2e-4, 10.0);
 /// Least and largest jerk of positioning and along the path, mm/s³, and acceleration, mm/s².
 const POSITIONING_BOUNDS: (f64, f64) = (5e3, 5e6);
 const JERK_BOUNDS: (f64, f64) = (1e3, 1e6);

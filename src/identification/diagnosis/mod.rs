@@ -120,6 +120,25 @@ pub struct Diagnosis {
     pub messages: Vec<String>,
 }
 
+/// What a machine leaves unexplained of runs that it was calibrated on: the error of the model itself, which is no cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModelError {
+    /// Lost time by region, nothing set off, as a part of the recorded time.
+    pub unexplained_time: f64,
+    /// Root mean square distance of recorded from simulated positions at equal times, mm; `None` without positions.
+    pub form: Option<f64>,
+}
+
+impl ModelError {
+    /// Of a machine on the runs that it was calibrated on.
+    pub fn of(machine: &Machine, runs: &[Run]) -> ModelError {
+        let compared = compared(machine, runs);
+        let recorded: f64 = compared.iter().map(|comparison| comparison.whole.recorded).sum();
+        let left = regions::left(&compared, &located(&compared, runs, machine), runs);
+        ModelError { unexplained_time: left / recorded.max(1e-9), form: form::error(machine, runs) }
+    }
+}
+
 /// Diagnoses runs against the machine believed in. `progress` is told the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let mut library = library(machine, runs);
@@ -212,6 +231,10 @@ impl InTime {
         let (read_off, mut named) = read_off::read_off(start, &looked, library);
         let base = with_all(start, &candidates(&read_off));
         for round in 0..MOST {
+            // What the model itself may be off by is looked no cause for: any would only imitate it.
+            if !asks(start, &with_all(&base, &candidates(&named)), runs, !named.is_empty()) {
+                break;
+            }
             let mut progress = |part| progress(FIRST * (round as f64 + part) / MOST as f64);
             let Some(all) = search::with_next(&base, &looked, library, &named, &mut progress) else { break };
             named = all;
@@ -257,6 +280,17 @@ impl InTime {
         causes.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
         causes
     }
+}
+
+/// Whether what a machine leaves of the runs asks for a cause, or for another one.
+fn asks(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
+    let left = |machine: &Machine| {
+        let compared = compared(machine, runs);
+        (regions::left(&compared, &located(&compared, runs, machine), runs), compared)
+    };
+    let (after, compared) = left(machine);
+    let before = if is_beside { left(believed).0 } else { after };
+    Left::of(believed, (before, after), None, &compared).asks(is_beside)
 }
 
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
