@@ -19,8 +19,9 @@ pub enum Planner {
     SquareCorner,
 }
 
-/// Junction deviation, mm, and distance of the chords of arcs, mm, that grbl has unless it is told otherwise.
-const GRBL: (f64, f64) = (0.01, 0.002);
+/// Junction deviation, mm, distance of the chords of arcs, mm, and blocks planned ahead that grbl has unless it is told
+/// otherwise.
+const GRBL: (f64, f64, f64) = (0.01, 0.002, 15.0);
 /// Square-corner velocity, mm/s, chords of arcs, mm, and minimum cruise ratio that Klipper has unless it is told otherwise.
 const KLIPPER: (f64, f64, f64) = (5.0, 0.1, 0.5);
 
@@ -61,6 +62,7 @@ impl Machine {
             Planner::JunctionDeviation => {
                 self.interpolator.junction = Junction::Deviation(GRBL.0);
                 self.interpolator.arc_chords = ArcChords::Within(GRBL.1);
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(GRBL.2);
                 self.axes.iter_mut().for_each(|axis| limit(&mut axis.acceleration));
             }
             Planner::SquareCorner => {

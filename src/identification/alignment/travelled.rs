@@ -52,7 +52,26 @@ pub fn by_positions(
         return laid;
     }
     let wide = within(recording, run, toolpath, WIDE_BLEND);
-    wide.ok().filter(|wide| keeps_to_lines(wide, toolpath, tolerance)).map_or(laid, Ok)
+    match wide.ok().filter(|wide| keeps_to_lines(wide, toolpath, tolerance)) {
+        Some(wide) => Ok(wide),
+        None => laid.map_err(|error| with_hint(error, recording, toolpath, tolerance)),
+    }
+}
+
+/// A refusal with what would fit, where something would.
+fn with_hint(
+    refusal: AlignmentError,
+    recording: &Recording,
+    toolpath: &Toolpath,
+    tolerance: f64,
+) -> AlignmentError {
+    let Some(track) = Track::new(recording.positions()) else { return refusal };
+    let hint = what_would_fit(&track, toolpath, track.recorded, tolerance);
+    match (refusal, hint) {
+        (AlignmentError::OffPath { part, .. }, hint) => AlignmentError::OffPath { part, hint },
+        (_, Some(hint)) => AlignmentError::OffPath { part: 100.0, hint: Some(hint) },
+        (refusal, None) => refusal,
+    }
 }
 
 /// The widest tolerance that machine or program state, mm.
@@ -105,7 +124,7 @@ fn within(
         Err(_) => {}
     }
     let track = Track::new(settled.positions()).ok_or(AlignmentError::StandsStill)?;
-    let Laid { track, shift, matched } = laid(track, &path, toolpath, tolerance)?;
+    let Laid { track, shift, matched } = laid(track, &path, tolerance)?;
     if shift != Vector::zeros() {
         remarks.push(format!(
             "positions are shifted by X {:.3}, Y {:.3}, Z {:.3} mm against the program, as by a zero point",
@@ -202,7 +221,7 @@ impl Laid {
 }
 
 /// The track on the path as it is, or else shifted as by a zero point to where most of it fits.
-fn laid(track: Track, path: &Path, toolpath: &Toolpath, tolerance: f64) -> Result<Laid, AlignmentError> {
+fn laid(track: Track, path: &Path, tolerance: f64) -> Result<Laid, AlignmentError> {
     let as_is = match Laid::new(&track, Vector::zeros(), path, tolerance) {
         Ok(laid) if laid.is_accepted(path) => return Ok(laid),
         Err(AlignmentError::StandsStill) => return Err(AlignmentError::StandsStill),
@@ -223,15 +242,9 @@ fn laid(track: Track, path: &Path, toolpath: &Toolpath, tolerance: f64) -> Resul
     if let Some(best) = best {
         return Ok(best);
     }
-    let hint = what_would_fit(&track, toolpath, track.recorded, tolerance);
-    match (as_is, hint) {
-        (Err(error), None) => Err(error),
-        (Err(_), hint) => Err(AlignmentError::OffPath { part: 100.0, hint }),
-        (Ok(laid), hint) => {
-            let part = laid.matched.off_path.max(1.0 - laid.matched.part(path.recorded_length()));
-            Err(AlignmentError::OffPath { part: 100.0 * part, hint })
-        }
-    }
+    let laid = as_is?;
+    let part = laid.matched.off_path.max(1.0 - laid.matched.part(path.recorded_length()));
+    Err(AlignmentError::OffPath { part: 100.0 * part, hint: None })
 }
 
 /// The track shifted by about `shift` (mm), which is improved until it changes little.

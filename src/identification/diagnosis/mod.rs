@@ -36,6 +36,7 @@ pub use pulsation::Pulsation;
 pub use regions::{Region, regions};
 pub use rests::feed_holds;
 
+use crate::identification::calibration::calibrate;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::confidence::weighed;
@@ -44,7 +45,7 @@ use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::search::Looked;
 use crate::identification::diagnosis::verdict::Left;
-use crate::identification::effects::{self, Effect, Hypothesis, library};
+use crate::identification::effects::{self, Effect, Hypothesis, Nature, library};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -52,6 +53,10 @@ use crate::machine::Machine;
 const LEAST: f64 = 0.015;
 /// Causes named at most.
 const MOST: usize = 4;
+/// A calibration that leaves more than this part of the lost time explains no more than the machine file.
+const CLEARLY_LESS: f64 = 0.5;
+/// Settings and limits of machine and control that may have changed at once.
+const AT_ONCE: usize = 2;
 /// How often one of them may give way to another.
 const RECONSIDERED: usize = 2;
 /// The part of the time that is taken for finding them first.
@@ -104,6 +109,8 @@ pub struct Diagnosis {
     pub is_of_form: bool,
     /// How the pace rises and falls with time, which nothing in the library does.
     pub pulsation: Option<Pulsation>,
+    /// The machine as it was calibrated from the runs first; `None` where the machine file was right enough.
+    pub calibrated: Option<Machine>,
     /// The machine with the causes.
     pub machine: Machine,
     /// Against the machine believed in, run by run.
@@ -139,8 +146,36 @@ impl ModelError {
     }
 }
 
-/// Diagnoses runs against the machine believed in. `progress` is told the part that is done.
+/// Diagnoses runs against the machine believed in. A machine that was never calibrated, and of which one or two causes do
+/// not explain the runs, is another machine than its file says: it is calibrated from the runs first. `progress` is told
+/// the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
+    let as_it_is = diagnose_as_it_is(machine, runs, &mut |part| progress(0.5 * part));
+    if machine.cycle_time_error.is_some() || as_it_is.verdict != Verdict::Unknown || as_it_is.is_of_form {
+        progress(1.0);
+        return as_it_is;
+    }
+    let mut calibrated = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part)).machine;
+    let error = ModelError::of(&calibrated, runs);
+    (calibrated.unexplained_time, calibrated.form_error) = (Some(error.unexplained_time), error.form);
+    let own = diagnose_as_it_is(&calibrated, runs, &mut |part| progress(0.75 + 0.25 * part));
+    progress(1.0);
+    if CLEARLY_LESS * as_it_is.left.0 < own.left.0 {
+        return as_it_is;
+    }
+    let message = "the machine file does not describe this machine: it was calibrated from the recording first, and what \
+                   that changed is no cause";
+    Diagnosis {
+        before: as_it_is.before,
+        form: as_it_is.form.zip(own.form).map(|(before, after)| (before.0, after.1)),
+        messages: [message.to_string()].into_iter().chain(own.messages).collect(),
+        calibrated: Some(calibrated),
+        ..own
+    }
+}
+
+/// Diagnoses runs against the machine believed in, whatever it leaves.
+fn diagnose_as_it_is(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let mut library = library(machine, runs);
     let not_excited = not_excited(&library);
     // Drives come first where they explain the form of the path whole: they also blur its times. At times as they
@@ -193,6 +228,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         causes,
         regions,
         pulsation,
+        calibrated: None,
         machine: fitted,
         before,
         after,
@@ -258,6 +294,7 @@ impl InTime {
             named.clear();
             pulsation = seen(&base);
         }
+        let named = without_story(start, &base, runs, named);
         InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation }
     }
 
@@ -289,8 +326,33 @@ fn asks(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) ->
         (regions::left(&compared, &located(&compared, runs, machine), runs), compared)
     };
     let (after, compared) = left(machine);
+    // A machine file without a calibration is taken at its word.
+    if believed.cycle_time_error.is_none() && !is_beside {
+        let whole: f64 = compared.iter().map(|comparison| comparison.whole.recorded).sum();
+        return LEAST.max(search::SIZE * whole) < after;
+    }
     let before = if is_beside { left(believed).0 } else { after };
     Left::of(believed, (before, after), None, &compared).asks(is_beside)
+}
+
+/// The causes without those that lie in machine and control, where these make a story: more of them than change at once,
+/// or much left beside them. A part of something unknown has no name.
+fn without_story(
+    start: &Machine,
+    base: &Machine,
+    runs: &[Run],
+    mut named: Vec<AcceptedCause>,
+) -> Vec<AcceptedCause> {
+    let is_of_machine = |cause: &AcceptedCause| {
+        let effect = cause.candidate.hypothesis.effect;
+        matches!(effect.nature, Nature::Limit | Nature::Setting)
+    };
+    let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
+    let leaves_much = || asks(start, &with_all(base, &candidates(&named)), runs, true);
+    if AT_ONCE < of_machine || 0 < of_machine && leaves_much() {
+        named.retain(|cause| !is_of_machine(cause));
+    }
+    named
 }
 
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
