@@ -10,6 +10,7 @@
 //!
 //! What is left is judged by itself (`verdict`): much lost time that has no cause is unknown, and located.
 
+mod account;
 mod cause;
 mod confidence;
 mod crossed;
@@ -29,6 +30,7 @@ mod speeds;
 mod verdict;
 mod waits;
 
+pub use account::{Account, Steps, accounts};
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
 pub use plateaus::{Plateau, plateau};
@@ -75,7 +77,7 @@ pub enum Verdict {
 pub struct Cause {
     /// What it is, with its values.
     pub candidate: Candidate,
-    /// Time it explains, s, all runs together.
+    /// Time it explains, s, all runs together: its entry of the account.
     pub seconds: f64,
     /// Form error it explains, mm; 0 for causes of time.
     pub form: f64,
@@ -96,6 +98,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The causes, the one that explains most first.
     pub causes: Vec<Cause>,
+    /// How the simulated time of each run becomes the recorded one, with the causes in the order above.
+    pub accounts: Vec<Account>,
     /// Where simulation and recording differ, cause or no cause, run by run.
     pub regions: Vec<Region>,
     /// Lost time that the causes leave, s, all runs together, and where most of it is.
@@ -153,6 +157,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         alike: Vec::new(),
         held_out: None,
     }));
+    let accounts = accounted(machine, &mut causes, runs, &after);
     let (regions, rest) = (located(&before, runs, machine), located(&after, runs, &fitted));
     let seconds = regions::left(&after, &rest, runs);
     // Where drives explain the form of the path whole, nothing is missing in time.
@@ -172,6 +177,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         messages: left.message(&causes).into_iter().collect(),
         left: (seconds, rest.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))),
         causes,
+        accounts,
         regions,
         pulsation,
         machine: fitted,
@@ -242,21 +248,33 @@ impl InTime {
         self.read_off.is_empty() && self.named.is_empty()
     }
 
-    /// Each with what it explains beside the others, the one that explains most first.
+    /// Each with the lines on which it acts beside the others, in the order in which they act.
     fn causes(&self, start: &Machine, drives: &[Candidate], fitted: &Machine, runs: &[Run]) -> Vec<Cause> {
         let all: Vec<&AcceptedCause> = self.read_off.iter().chain(&self.named).collect();
         let cause = |at: usize| {
             let others =
                 (0..all.len()).filter(|other| *other != at).map(|other| all[other].candidate.clone());
             let without = with_all(&with_all(start, &others.collect::<Vec<_>>()), drives);
-            let (seconds, lines) = regions::acts_on(&without, fitted, runs);
+            let lines = regions::acts_on(&without, fitted, runs);
             let AcceptedCause { candidate, alike, held_out, confidence } = all[at].clone();
-            Cause { candidate, seconds, form: 0.0, lines, confidence, alike, held_out }
+            Cause { candidate, seconds: 0.0, form: 0.0, lines, confidence, alike, held_out }
         };
-        let mut causes: Vec<Cause> = (0..all.len()).map(cause).collect();
-        causes.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
-        causes
+        (0..all.len()).map(cause).collect()
     }
+}
+
+/// The accounts of the runs. The causes, given as they act, get their seconds and are put in order, the one that
+/// explains most first.
+fn accounted(machine: &Machine, causes: &mut Vec<Cause>, runs: &[Run], after: &[Comparison]) -> Vec<Account> {
+    let acting: Vec<Candidate> = causes.iter().map(|cause| cause.candidate.clone()).collect();
+    let accounts = accounts(&Steps { believed: machine, calibrated: None, causes: &acting }, runs, after);
+    for (cause, (_, seconds)) in causes.iter_mut().zip(Account::together(&accounts).causes) {
+        cause.seconds = seconds;
+    }
+    let mut order: Vec<usize> = (0..causes.len()).collect();
+    order.sort_by(|a, b| causes[*b].seconds.abs().total_cmp(&causes[*a].seconds.abs()));
+    *causes = order.iter().map(|at| causes[*at].clone()).collect();
+    accounts.into_iter().map(|account| account.reordered(&order)).collect()
 }
 
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
