@@ -15,7 +15,7 @@ use truefeed::simulation::toolpath::trace;
 use crate::shared::corpus;
 
 /// The planner has no filters: 0.5 ms is half its period.
-const MACHINE: &str = r#"
+pub const MACHINE: &str = r#"
 name = "LinuxCNC"
 [interpolator]
 filters = 1

@@ -3,6 +3,7 @@
 // Tests of what an example writes load the example under its own name, and two examples share a module.
 #![allow(clippy::duplicate_mod, clippy::module_inception)]
 
+mod account;
 mod alignment;
 mod architecture;
 mod archive;

@@ -122,6 +122,7 @@ export const say = {
     feedRmseHeldOut: 'Feed RMSE where nothing was fitted',
     positionRmse: 'Position RMSE',
     beforeAfter: 'Before and after',
+    account: 'From the simulated time to the recorded one',
     share: 'Share',
     recordedAt: 'Recorded at',
     nowhere: 'Nowhere do simulation and recording differ by more than noise.',

@@ -211,11 +211,14 @@
 
 /** A field of the form that the extended machine has otherwise. @typedef {{key: string, label: string, unit: string, before: string, after: string, number: number | null}} Change */
 
+/** What leads from the simulated time to the recorded one; bars begin and end at parts of the width. @typedef {{steps: {name: string, text: string, kind: "total" | "cause" | "unexplained", bar: [number, number]}[], notes: string[]}} Account */
+
 /**
  * What a diagnosis says; texts come from Rust.
  * @typedef {object} DiagnosisReport
  * @property {string} sentence
  * @property {Cause[]} causes
+ * @property {Account | null} [account]  missing in one that was kept before there were accounts
  * @property {{lines: [number, number], distance_mm: [number, number], time_s: [number, number], seconds: number, run: number}[]} regions
  * @property {{feed_rmse_mm_min: Sides, position_rmse_mm: Sides, cycle_time_error_s: Sides, held_out: {feed_rmse_mm_min: Sides}}} fit
  * @property {string[]} not_excited

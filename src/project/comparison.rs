@@ -197,7 +197,7 @@ pub(super) fn seconds(value: f64) -> String {
 }
 
 /// A number as text with its sign; nothing has none.
-fn signed(text: String) -> String {
+pub(super) fn signed(text: String) -> String {
     let is_nothing = text.chars().all(|letter| !('1'..='9').contains(&letter));
     if is_nothing { text.trim_start_matches(['+', '-']).to_string() } else { text.replace('-', "−") }
 }

@@ -1,6 +1,7 @@
 //! A diagnosis as JSON and as text: the sentence that says it, then what, where, how sure, what else it
 //! could be, and by how much the fit improves. The form of the JSON is fixed; more fields may be added.
 
+mod account;
 mod chart;
 mod html;
 mod sentence;
@@ -18,6 +19,7 @@ use crate::identification::effects::{Effect, Finding, Reported, ReportedValue, W
 use crate::machine::Machine;
 use crate::project::calibrated_view::rounded;
 use crate::project::comparison::{Refusal, sentence_of};
+use crate::project::diagnosis::account::{AccountRow, in_seconds};
 use crate::project::diagnosis::sentence::sentence;
 use crate::project::diagnosis::told::{Change, Told, changes, told};
 use crate::project::form::values;
@@ -36,6 +38,8 @@ pub struct DiagnosisReport {
     /// What the user reads first.
     sentence: String,
     causes: Vec<CauseRow>,
+    /// How the simulated time becomes the recorded one; null where nothing is compared.
+    account: Option<AccountRow>,
     regions: Vec<RegionRow>,
     fit: Fit,
     not_excited: Vec<String>,
@@ -77,7 +81,7 @@ struct CauseRow {
     parameters: Map<String, Value>,
     uncertainty: Map<String, Value>,
     lines: Vec<[u32; 2]>,
-    /// Time it explains, s.
+    /// Time it explains, s, as in the account.
     seconds: Option<f64>,
     /// Position error it explains, mm; null for causes of time.
     position_mm: Option<f64>,
@@ -87,6 +91,9 @@ struct CauseRow {
     name: String,
     /// What it is, a sentence with its numbers.
     sentence: String,
+    /// The same within a sentence, without what it costs.
+    #[serde(skip)]
+    clause: String,
     /// What vendors call the setting; may be empty.
     vendors: &'static str,
     /// In how many stretches it was better, and worse, where it was not fitted.
@@ -129,7 +136,15 @@ struct Sides {
 impl DiagnosisReport {
     /// Of a diagnosis of the recordings with these names.
     pub fn new(diagnosis: &Diagnosis, names: &[String]) -> DiagnosisReport {
-        let causes: Vec<CauseRow> = diagnosis.causes.iter().map(cause).collect();
+        let named = |cause: &Cause| {
+            let hypothesis = &cause.candidate.hypothesis;
+            (hypothesis.effect.id, hypothesis.name())
+        };
+        let account =
+            AccountRow::new(&diagnosis.accounts, &diagnosis.causes.iter().map(named).collect::<Vec<_>>());
+        let shown = account.balance.causes.iter().map(|hundredths| in_seconds(*hundredths));
+        let causes: Vec<CauseRow> =
+            diagnosis.causes.iter().zip(shown).map(|(own, seconds)| cause(own, seconds)).collect();
         let machine = extended(&diagnosis.machine, names);
         let mut messages: Vec<String> =
             diagnosis.messages.iter().map(|message| sentence_of(message)).collect();
@@ -141,8 +156,9 @@ impl DiagnosisReport {
         }
         DiagnosisReport {
             verdict: word(diagnosis.verdict),
-            sentence: sentence(diagnosis, &causes),
+            sentence: sentence(diagnosis, &causes, &account.balance),
             causes,
+            account: Some(account),
             regions: diagnosis.regions.iter().map(region).collect(),
             fit: Fit {
                 feed_rmse_mm_min: sides(diagnosis, |side| mean_square(side, feed_error)),
@@ -187,6 +203,7 @@ impl DiagnosisReport {
             indistinguishable_from: Vec::new(),
             name: WRONG_PROGRAM.name(),
             sentence: sentence_of(&error.to_string()),
+            clause: error.to_string(),
             vendors: WRONG_PROGRAM.vendors,
             sections: None,
             told: Vec::new(),
@@ -196,6 +213,7 @@ impl DiagnosisReport {
             verdict: "not_comparable",
             sentence: sentence_of(&error.to_string()),
             causes,
+            account: None,
             regions: Vec::new(),
             fit: Fit::default(),
             not_excited: Vec::new(),
@@ -239,6 +257,7 @@ impl DiagnosisReport {
     /// For people.
     pub fn to_text(&self) -> String {
         let mut text = self.sentence.clone();
+        text.extend(self.account.iter().map(|account| format!("\n{}", account.to_text())));
         for cause in &self.causes {
             text += &format!("\n{}: {}", cause.name, cause.sentence);
             if let Some(confidence) = cause.confidence {
@@ -312,17 +331,20 @@ fn is_of_another_program(error: &AlignmentError) -> bool {
     )
 }
 
-fn cause(cause: &Cause) -> CauseRow {
+/// A cause with its `seconds` as the account shows them.
+fn cause(cause: &Cause, seconds: f64) -> CauseRow {
     let candidate = &cause.candidate;
     let hypothesis = &candidate.hypothesis;
     let effect = hypothesis.effect;
     let values = hypothesis.reported(&candidate.values, &candidate.deviations);
-    let finding = Finding { values: &values, lines: &cause.lines, seconds: cause.seconds };
+    let told_with =
+        |seconds: f64| (effect.sentence)(&Finding { values: &values, lines: &cause.lines, seconds });
     let key = |value: &ReportedValue| value.quantity.key.to_string();
     CauseRow {
         effect,
         id: effect.id,
-        sentence: (effect.sentence)(&finding),
+        sentence: told_with(seconds),
+        clause: clause_of(&told_with(0.0)),
         name: hypothesis.name(),
         told: told(&values),
         parameters: values.iter().map(|value| (key(value), written(&value.value))).collect(),
@@ -330,13 +352,19 @@ fn cause(cause: &Cause) -> CauseRow {
             .filter_map(|value| Some((key(value), json!(value.deviation?))))
             .collect(),
         lines: cause.lines.iter().map(|(first, last)| [*first, *last]).collect(),
-        seconds: Some(cause.seconds),
+        seconds: Some(seconds),
         position_mm: (0.0 < cause.form).then_some(cause.form),
         confidence: Some(cause.confidence.clamp(0.0, 1.0)),
         indistinguishable_from: cause.alike.clone(),
         vendors: effect.vendors,
         sections: cause.held_out.map(|held_out| [held_out.better, held_out.worse]),
     }
+}
+
+/// A sentence as a part of another one.
+fn clause_of(sentence: &str) -> String {
+    let mut letters = sentence.trim_end_matches('.').chars();
+    letters.next().into_iter().flat_map(char::to_lowercase).chain(letters).collect()
 }
 
 fn written(value: &Reported) -> Value {

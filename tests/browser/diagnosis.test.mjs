@@ -51,6 +51,22 @@ const cells = (page, name) =>
     return [...(found?.cells ?? [])].map((own) => own.textContent)
   }, name)
 
+/** The account's rows add up to the hundredth, and its bars join each other. */
+async function addsUp(page) {
+  const rows = await page.$$eval('#diagnosis .account tr', (all) =>
+    all.map((row) => {
+      const bar = row.querySelector('.bar i').getBoundingClientRect()
+      return { name: row.cells[0].textContent, hundredths: Math.round(100 * Number.parseFloat(row.cells[1].textContent.replace('−', '-'))), left: bar.left, right: bar.right }
+    }),
+  )
+  const [simulated, ...steps] = rows
+  const recorded = steps.pop()
+  assert.deepEqual([simulated.name, steps[0].name, steps.at(-1).name, recorded.name], ['simulated', 'feed override', 'unexplained', 'recorded'])
+  assert.equal(steps.reduce((sum, { hundredths }) => sum + hundredths, simulated.hundredths), recorded.hundredths)
+  assert.ok(Math.abs(steps[0].left - simulated.right) < 1, 'the first cause begins where the simulated time ends')
+  assert.ok(100 < steps[0].right - steps[0].left, 'its bar can be seen')
+}
+
 /** Pixels of the diagnosis' chart in each curve's colour in the lower panel. */
 const lostPixels = (page) =>
   page.evaluate(() => {
@@ -73,7 +89,9 @@ pageTest(
     await page.click('#diagnosis .start')
     await page.waitForFunction(() => /Diagnosing/.test(document.querySelector('#progress p').textContent))
     await diagnosed(page)
-    assert.match(await page.textContent('#diagnosis .sentence'), /^From line 31 on the machine ran at 78 % of the programmed feed: feed override/)
+    const sentence = await page.textContent('#diagnosis .sentence')
+    assert.match(sentence, /^The run took [\d.]+ s, [\d.]+ s longer than simulated: from line 31 on the machine ran at 78 % of the programmed feed: feed override \([\d.]+ s\); /)
+    await addsUp(page)
     assert.equal(await page.getAttribute('#diagnosis .sentence', 'aria-live'), 'polite')
     const cause = await page.textContent('#diagnosis .cause')
     assert.match(cause, /ratio.*0\.7[78]\d* ±/s)

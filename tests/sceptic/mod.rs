@@ -20,7 +20,7 @@ use truefeed::simulation::toolpath::{Toolpath, trace};
 const STANDS: f64 = 0.4;
 
 /// A machine with three filters.
-fn machine() -> Machine {
+pub fn machine() -> Machine {
     let mut machine = Machine::default();
     machine.interpolator.time_constants = TimeConstants::Equal(0.02);
     machine.interpolator.contour_tolerance = 0.02;
@@ -29,7 +29,7 @@ fn machine() -> Machine {
 }
 
 /// A part that is not the same in X and in Y, backwards or in another size.
-fn program() -> String {
+pub fn program() -> String {
     let mut text = String::from("G21 G90 G94\nG0 X0 Y0 Z5\nG1 Z-1 F600\n");
     for row in 0..8 {
         let (y, feed) = (3.0 * f64::from(row), 1500 + 500 * (row % 4));

@@ -105,6 +105,7 @@ export function mount(root, engine, actions) {
     runs.replaceChildren(...all.map(({ name }, index) => make('option', { value: String(index) }, name)))
     picker.hidden = all.length < 2
     place.replaceChildren(
+      ...accountOf(report),
       ...report.causes.map(causeOf),
       numbersTable(report),
       regionsTable(report, all.map(({ name }) => name), show),
@@ -264,6 +265,20 @@ function causeOf({ name, sentence, told, lines, confidence, sections, vendors, i
   if (vendors) rows.push([say.diagnosis.setting, vendors])
   const list = rows.map(([term, text]) => make('div', {}, make('dt', {}, term), make('dd', {}, text)))
   return make('article', { className: 'cause' }, make('h3', {}, name), make('p', {}, worded(sentence)), make('dl', {}, ...list))
+}
+
+/** The account as a table with a bar a row; nothing of a diagnosis that was kept before there was one. @param {DiagnosisReport} report */
+function accountOf({ account }) {
+  if (!account) return []
+  const rows = account.steps.map(({ name, text, kind, bar: [from, to] }) => {
+    const bar = make('i', { className: kind })
+    Object.assign(bar.style, { left: `${100 * from}%`, width: `${100 * (to - from)}%` })
+    const place = make('td', { className: 'bar' }, bar)
+    place.setAttribute('aria-hidden', 'true')
+    return make('tr', {}, make('th', { scope: 'row' }, name), make('td', { className: 'seconds' }, worded(text)), place)
+  })
+  const all = make('table', { className: 'account' }, make('caption', {}, say.diagnosis.account), make('tbody', {}, ...rows))
+  return [all, make('p', { className: 'facts' }, worded(account.notes.join(' ')))]
 }
 
 /** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */

@@ -10,6 +10,7 @@
 //!
 //! What is left is judged by itself (`verdict`): much lost time that has no cause is unknown, and located.
 
+mod account;
 mod cause;
 mod confidence;
 mod crossed;
@@ -29,6 +30,7 @@ mod speeds;
 mod verdict;
 mod waits;
 
+pub use account::{Account, Steps, accounts};
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
 pub use plateaus::{Plateau, plateau};
@@ -80,7 +82,7 @@ pub enum Verdict {
 pub struct Cause {
     /// What it is, with its values.
     pub candidate: Candidate,
-    /// Time it explains, s, all runs together.
+    /// Time it explains, s, all runs together: its entry of the account.
     pub seconds: f64,
     /// Form error it explains, mm; 0 for causes of time.
     pub form: f64,
@@ -101,6 +103,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The causes, the one that explains most first.
     pub causes: Vec<Cause>,
+    /// How the simulated time of each run becomes the recorded one, with the causes in the order above.
+    pub accounts: Vec<Account>,
     /// Where simulation and recording differ, cause or no cause, run by run.
     pub regions: Vec<Region>,
     /// Lost time that the causes leave, s, all runs together, and where most of it is.
@@ -150,7 +154,7 @@ impl ModelError {
 /// not explain the runs, is another machine than its file says: it is calibrated from the runs first. `progress` is told
 /// the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
-    let as_it_is = diagnose_as_it_is(machine, runs, &mut |part| progress(0.5 * part));
+    let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
     if machine.cycle_time_error.is_some() || as_it_is.verdict != Verdict::Unknown || as_it_is.is_of_form {
         progress(1.0);
         return as_it_is;
@@ -158,7 +162,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let mut calibrated = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part)).machine;
     let error = ModelError::of(&calibrated, runs);
     (calibrated.unexplained_time, calibrated.form_error) = (Some(error.unexplained_time), error.form);
-    let own = diagnose_as_it_is(&calibrated, runs, &mut |part| progress(0.75 + 0.25 * part));
+    let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
     progress(1.0);
     if CLEARLY_LESS * as_it_is.left.0 < own.left.0 {
         return as_it_is;
@@ -174,8 +178,14 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     }
 }
 
-/// Diagnoses runs against the machine believed in, whatever it leaves.
-fn diagnose_as_it_is(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
+/// Diagnoses runs against the machine believed in, whatever it leaves. Where it was calibrated from the runs, `file` is the
+/// machine as it was before.
+fn diagnose_as_it_is(
+    machine: &Machine,
+    file: Option<&Machine>,
+    runs: &[Run],
+    progress: &mut dyn FnMut(f64),
+) -> Diagnosis {
     let mut library = library(machine, runs);
     let not_excited = not_excited(&library);
     // Drives come first where they explain the form of the path whole: they also blur its times. At times as they
@@ -207,6 +217,8 @@ fn diagnose_as_it_is(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f
         alike: Vec::new(),
         held_out: None,
     }));
+    let steps = file.map_or((machine, None), |file| (file, Some(machine)));
+    let accounts = accounted(steps, &mut causes, runs, &after);
     let (regions, rest) = (located(&before, runs, machine), located(&after, runs, &fitted));
     let seconds = regions::left(&after, &rest, runs);
     // Where drives explain the form of the path whole, nothing is missing in time.
@@ -226,6 +238,7 @@ fn diagnose_as_it_is(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f
         messages: left.message(&causes).into_iter().collect(),
         left: (seconds, rest.into_iter().max_by(|a, b| a.seconds.abs().total_cmp(&b.seconds.abs()))),
         causes,
+        accounts,
         regions,
         pulsation,
         calibrated: None,
@@ -302,20 +315,18 @@ impl InTime {
         self.read_off.is_empty() && self.named.is_empty()
     }
 
-    /// Each with what it explains beside the others, the one that explains most first.
+    /// Each with the lines on which it acts beside the others, in the order in which they act.
     fn causes(&self, start: &Machine, drives: &[Candidate], fitted: &Machine, runs: &[Run]) -> Vec<Cause> {
         let all: Vec<&AcceptedCause> = self.read_off.iter().chain(&self.named).collect();
         let cause = |at: usize| {
             let others =
                 (0..all.len()).filter(|other| *other != at).map(|other| all[other].candidate.clone());
             let without = with_all(&with_all(start, &others.collect::<Vec<_>>()), drives);
-            let (seconds, lines) = regions::acts_on(&without, fitted, runs);
+            let lines = regions::acts_on(&without, fitted, runs);
             let AcceptedCause { candidate, alike, held_out, confidence } = all[at].clone();
-            Cause { candidate, seconds, form: 0.0, lines, confidence, alike, held_out }
+            Cause { candidate, seconds: 0.0, form: 0.0, lines, confidence, alike, held_out }
         };
-        let mut causes: Vec<Cause> = (0..all.len()).map(cause).collect();
-        causes.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
-        causes
+        (0..all.len()).map(cause).collect()
     }
 }
 
@@ -353,6 +364,25 @@ fn without_story(
         named.retain(|cause| !is_of_machine(cause));
     }
     named
+}
+
+/// The accounts of the runs. The causes, given as they act, get their seconds and are put in order, the one that
+/// explains most first.
+fn accounted(
+    (believed, calibrated): (&Machine, Option<&Machine>),
+    causes: &mut Vec<Cause>,
+    runs: &[Run],
+    after: &[Comparison],
+) -> Vec<Account> {
+    let acting: Vec<Candidate> = causes.iter().map(|cause| cause.candidate.clone()).collect();
+    let accounts = accounts(&Steps { believed, calibrated, causes: &acting }, runs, after);
+    for (cause, (_, seconds)) in causes.iter_mut().zip(Account::together(&accounts).causes) {
+        cause.seconds = seconds;
+    }
+    let mut order: Vec<usize> = (0..causes.len()).collect();
+    order.sort_by(|a, b| causes[*b].seconds.abs().total_cmp(&causes[*a].seconds.abs()));
+    *causes = order.iter().map(|at| causes[*at].clone()).collect();
+    accounts.into_iter().map(|account| account.reordered(&order)).collect()
 }
 
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {

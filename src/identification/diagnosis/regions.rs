@@ -44,6 +44,24 @@ fn noise(alignment: &Alignment) -> f64 {
 
 /// The regions of the comparison of one of the runs, by what they lost, the most first.
 pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
+    let mut regions = all_regions(comparison, alignment, run);
+    regions.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
+    regions.truncate(MOST);
+    regions
+}
+
+/// The sizes of what all regions of a comparison lost, with the size of what was lost outside of them, s.
+pub fn sizes(comparison: &Comparison, alignment: &Alignment) -> f64 {
+    let regions = all_regions(comparison, alignment, 0);
+    let (net, sizes) = regions
+        .iter()
+        .fold((0.0, 0.0), |(net, sizes), region| (net + region.seconds, sizes + region.seconds.abs()));
+    let whole = comparison.whole.recorded - comparison.whole.simulated;
+    sizes + (whole - net).abs()
+}
+
+/// All regions of the comparison of one of the runs, in the order of the program.
+fn all_regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
     let noise = noise(alignment);
     // Close to a stop, where hardly anything moves, times are known less well.
     let marks = &alignment.marks;
@@ -80,10 +98,7 @@ pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Ve
             seconds: visits.iter().map(|visit| visit.seconds()).sum(),
         }
     };
-    let mut regions: Vec<Region> = found.into_iter().map(region).collect();
-    regions.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
-    regions.truncate(MOST);
-    regions
+    found.into_iter().map(region).collect()
 }
 
 /// By how much a machine is slower than another on each visit of the runs, s, with its line.
@@ -102,9 +117,9 @@ fn differences(without: &Machine, with: &Machine, run: &Run) -> Vec<(u32, f64)> 
     visits.iter().enumerate().map(|(at, visit)| (visit.line.0, lost(at))).collect()
 }
 
-/// The time (s) that one machine takes longer than another, and the lines on which it does: those on which it is
-/// much, and where it is little everywhere those that hold nearly all of it. An override is in force on all its lines.
-pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, Vec<(u32, u32)>) {
+/// The lines on which one machine takes longer than another, or less: those on which it is much, and where it is little
+/// everywhere those that hold nearly all of it. An override is in force on all its lines.
+pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> Vec<(u32, u32)> {
     let each: Vec<(u32, f64)> = runs.iter().flat_map(|run| differences(without, with, run)).collect();
     let mut sizes: Vec<f64> = each.iter().map(|(_, lost)| lost.abs()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
@@ -118,7 +133,7 @@ pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, Vec<(u3
     let mut lines: BTreeSet<u32> =
         each.iter().filter(|(_, lost)| *lost != 0.0 && least <= lost.abs()).map(|(line, _)| *line).collect();
     lines.extend(runs.iter().flat_map(|run| switched(without, with, run)));
-    (each.iter().map(|(_, lost)| lost).sum(), ranges(lines.into_iter()))
+    ranges(lines.into_iter())
 }
 
 /// The lines that move with another override.

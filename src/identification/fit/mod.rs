@@ -99,7 +99,7 @@ impl Run<'_> {
     }
 
     /// Whether another run is of the same program on a machine that is set alike.
-    fn is_like(&self, other: &Run, machine: &Machine) -> bool {
+    pub fn is_like(&self, other: &Run, machine: &Machine) -> bool {
         let switches = |run: &Run| {
             let (feed, rapid) = run.overrides;
             (feed.unwrap_or(machine.overrides.feed), rapid.unwrap_or(machine.overrides.rapid))

@@ -4,12 +4,15 @@
 use crate::plot::escaped;
 use crate::project::VERSION;
 use crate::project::comparison::lost_label;
+use crate::project::diagnosis::account::{AccountRow, Step};
 use crate::project::diagnosis::{CauseRow, DiagnosisReport, RegionRow, Sides};
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1d242c;background:#fff;max-width:1040px;\
     margin:24px auto;padding:0 16px}h1{font-size:24px;line-height:1.3}h2{font-size:17px;margin:28px 0 6px}\
     table{border-collapse:collapse}th,td{text-align:left;padding:3px 18px 3px 0;border-bottom:1px solid #dde1e6;\
-    vertical-align:top}figure{margin:12px 0}svg{max-width:100%;height:auto}.small{color:#5b6672;font-size:13px}";
+    vertical-align:top}.account td{vertical-align:middle}.account td:nth-child(2){text-align:right;white-space:nowrap}\
+    .bar{position:relative;width:420px;padding:0}.bar i{position:absolute;top:4px;bottom:4px;min-width:2px;\
+    background:#8a949f;print-color-adjust:exact}.bar i.cause{background:#d95f02}.bar i.unexplained{background:#7b3294}figure{margin:12px 0}svg{max-width:100%;height:auto}.small{color:#5b6672;font-size:13px}";
 
 impl DiagnosisReport {
     /// As an HTML document, with the chart of each recording as SVG.
@@ -17,6 +20,7 @@ impl DiagnosisReport {
         let names = self.runs.join(", ");
         let mut body = format!("<h1>{}</h1>\n", escaped(&self.sentence));
         body += &format!("<p class=\"small\">Diagnosis of {} by Truefeed {VERSION}.</p>\n", escaped(&names));
+        body += &self.account.as_ref().map_or(String::new(), waterfall);
         for cause in &self.causes {
             body += &of_cause(cause);
         }
@@ -89,6 +93,22 @@ impl DiagnosisReport {
             self.runs.get(region.run).cloned().unwrap_or_default(),
         ]
     }
+}
+
+/// The account as a table with a bar a row.
+fn waterfall(account: &AccountRow) -> String {
+    let (steps, notes) = account.table();
+    let row = |step: &Step| {
+        let Step { name, text, kind, bar: [from, to] } = step;
+        let place = format!("left:{:.2}%;width:{:.2}%", 100.0 * from, 100.0 * (to - from));
+        format!(
+            "<tr><td>{}</td><td>{text}</td><td class=\"bar\"><i class=\"{kind}\" style=\"{place}\"></i></td></tr>",
+            escaped(name)
+        )
+    };
+    let rows: String = steps.iter().map(row).collect();
+    let notes = escaped(&notes.join(" "));
+    format!("<h2>Account</h2>\n<table class=\"account\">{rows}</table>\n<p class=\"small\">{notes}</p>\n")
 }
 
 fn of_cause(cause: &CauseRow) -> String {
@@ -180,6 +200,8 @@ mod tests {
             "simulated before",
             "simulated after",
             "Time lost",
+            "unexplained",
+            "Region by region, losses and gains added up",
             "a <b> & \"c\".csv",
             "Chart of a <b> & \"c\".csv: One point every 0.020 s",
         ] {

@@ -1,0 +1,263 @@
+//! The account of a diagnosis: how the simulated time becomes the recorded one.
+//!
+//! ```text
+//! simulated + calibration + Σ causes + unexplained = recorded
+//! ```
+//!
+//! All of them are times between the first and the last mark of a run, by the recorder's clock as the machine believed
+//! in has it, so that a clock that runs wrong is a cause like any other. With T(S) for the time that the simulation
+//! takes with the causes S,
+//!
+//! | entry | seconds |
+//! |---|---|
+//! | simulated | the time on the machine believed in |
+//! | calibration | T(none) less that, where the machine was calibrated before causes were looked for |
+//! | a cause | its share of T(all) − T(none) |
+//! | unexplained | recorded − T(all) |
+//!
+//! What a cause adds depends on those that act already: a slow axis costs less where an override slows the feed. In one
+//! order of the causes, what each adds to those before it sums up to T(all) − T(none) without counting anything twice.
+//! The share is the mean of that over several orders, so it sums up as well and prefers no cause:
+//!
+//! | causes | orders | |
+//! |---|---|---|
+//! | up to [`ALL_ORDERS`] | all n!, which need 2ⁿ simulations | the value of Shapley (1953) |
+//! | more, mostly holds | as they act, and backwards, which need 2n simulations | the same up to pairs |
+//!
+//! The same up to pairs: T(all) − T(none) is a sum of what each cause does alone, what each pair does only together,
+//! what three do only together, and so on. What a pair does falls to the later of the two, which is one of them in one
+//! direction and the other one backwards: half to each, as over all orders. Three and more are not shared evenly.
+//!
+//! What is unexplained may cancel on the way. `unexplained_sum` adds up the sizes region by region, so it is never
+//! less than the size of `unexplained`.
+
+use std::collections::BTreeMap;
+
+use crate::identification::alignment::{Place, times};
+use crate::identification::comparison::Comparison;
+use crate::identification::diagnosis::evidence::{Candidate, with_all};
+use crate::identification::diagnosis::regions;
+use crate::identification::effects::Effect;
+use crate::identification::fit::Run;
+use crate::machine::Machine;
+use crate::simulation::feed::FeedPlan;
+
+/// Up to this number of causes all orders are gone through.
+const ALL_ORDERS: usize = 4;
+
+/// The account of one run or of several together. All entries are in s.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Account {
+    /// The time on the machine believed in.
+    pub simulated: f64,
+    /// What calibrating the machine first adds; none where it was not.
+    pub calibration: Option<f64>,
+    /// What each cause adds.
+    pub causes: Vec<(Effect, f64)>,
+    /// What is left.
+    pub unexplained: f64,
+    /// The same with the size of each region, so that later and earlier do not cancel.
+    pub unexplained_sum: f64,
+    /// The recorded time.
+    pub recorded: f64,
+}
+
+impl Account {
+    /// The account of several runs with the same causes.
+    pub fn together(accounts: &[Account]) -> Account {
+        let Some((first, others)) = accounts.split_first() else { return Account::default() };
+        others.iter().fold(first.clone(), |mut sum, account| {
+            sum.simulated += account.simulated;
+            sum.calibration = sum.calibration.zip(account.calibration).map(|(a, b)| a + b);
+            sum.causes.iter_mut().zip(&account.causes).for_each(|(sum, own)| sum.1 += own.1);
+            sum.unexplained += account.unexplained;
+            sum.unexplained_sum += account.unexplained_sum;
+            sum.recorded += account.recorded;
+            sum
+        })
+    }
+
+    /// The same with the causes in another order, by their indices in this one.
+    pub fn reordered(self, order: &[usize]) -> Account {
+        Account { causes: order.iter().map(|at| self.causes[*at]).collect(), ..self }
+    }
+}
+
+/// What leads from the machine believed in to the one with all causes.
+#[derive(Clone, Copy)]
+pub struct Steps<'a> {
+    /// The machine believed in.
+    pub believed: &'a Machine,
+    /// The machine that the recording itself says, where the one believed in was calibrated first.
+    pub calibrated: Option<&'a Machine>,
+    /// The causes in the order in which they act.
+    pub causes: &'a [Candidate],
+}
+
+impl Steps<'_> {
+    /// The machine with some of the causes, by their indices in ascending order.
+    fn machine(&self, causes: &[usize]) -> Machine {
+        let start = self.calibrated.unwrap_or(self.believed);
+        with_all(start, &causes.iter().map(|at| self.causes[*at].clone()).collect::<Vec<_>>())
+    }
+}
+
+/// The account of each run. `after` are the comparisons with the machine that has all causes.
+pub fn accounts(steps: &Steps, runs: &[Run], after: &[Comparison]) -> Vec<Account> {
+    let Steps { believed, calibrated, causes } = steps;
+    let clock = believed.recorder.clock_ratio;
+    let by_clock = |machine: &Machine| {
+        simulated(machine, runs).into_iter().map(|time| time / clock).collect::<Vec<f64>>()
+    };
+    let by_set = |set: &[usize]| by_clock(&steps.machine(set));
+    let Shares { without, each, with } = shares(causes.len(), by_set);
+    let believed_in = if calibrated.is_some() { by_clock(believed) } else { without.clone() };
+    let fitted = steps.machine(&(0..causes.len()).collect::<Vec<_>>());
+    let of_run = |(at, (run, after)): (usize, (&Run, &Comparison))| {
+        let marks = &run.alignment.marks;
+        let recorded =
+            marks.last().zip(marks.first()).map_or(0.0, |(last, first)| last.time - first.time) / clock;
+        let unexplained = recorded - with[at];
+        let sizes = regions::sizes(after, &run.by_clock(&fitted)) * fitted.recorder.clock_ratio / clock;
+        Account {
+            simulated: believed_in[at],
+            calibration: calibrated.map(|_| without[at] - believed_in[at]),
+            causes: causes.iter().zip(&each).map(|(cause, own)| (cause.hypothesis.effect, own[at])).collect(),
+            unexplained,
+            // Both say the same of the ends of the run, but for the last digits.
+            unexplained_sum: sizes.max(unexplained.abs()),
+            recorded,
+        }
+    };
+    runs.iter().zip(after).enumerate().map(of_run).collect()
+}
+
+/// The time of a machine between the first and the last mark of each run, s by the clock of its recorder; runs of one
+/// program one after another share their plan.
+fn simulated(machine: &Machine, runs: &[Run]) -> Vec<f64> {
+    let mut last: Option<(&Run, FeedPlan)> = None;
+    let of_run = |run| {
+        let plan = match last.take() {
+            Some((before, plan)) if before.is_like(run, machine) => plan,
+            _ => run.plan(machine),
+        };
+        let marks = &run.alignment.marks;
+        let ends: Vec<Place> = marks.first().into_iter().chain(marks.last()).map(|mark| mark.place).collect();
+        let times = times(run.toolpath, &plan, &ends);
+        last = Some((run, plan));
+        times.last().zip(times.first()).map_or(0.0, |(end, begin)| end - begin) * machine.recorder.clock_ratio
+    };
+    runs.iter().map(of_run).collect()
+}
+
+/// What a number of causes share, run by run.
+struct Shares {
+    /// The times without any of them.
+    without: Vec<f64>,
+    /// What each adds.
+    each: Vec<Vec<f64>>,
+    /// The times with all of them.
+    with: Vec<f64>,
+}
+
+/// The shares of causes in the times that they make. `times` says the times with some of them, by their indices in
+/// ascending order, and is asked once for each set.
+fn shares(causes: usize, times: impl Fn(&[usize]) -> Vec<f64>) -> Shares {
+    let mut known: BTreeMap<Vec<usize>, Vec<f64>> = BTreeMap::new();
+    let mut of = |set: &[usize]| known.entry(set.to_vec()).or_insert_with(|| times(set)).clone();
+    let without = of(&[]);
+    let with = of(&(0..causes).collect::<Vec<usize>>());
+    let mut each = vec![vec![0.0; without.len()]; causes];
+    let orders = orders(causes);
+    for order in &orders {
+        let mut set: Vec<usize> = Vec::new();
+        let mut before = without.clone();
+        for cause in order {
+            set.insert(set.partition_point(|other| other < cause), *cause);
+            let after = of(&set);
+            for (share, (after, before)) in each[*cause].iter_mut().zip(after.iter().zip(&before)) {
+                *share += (after - before) / orders.len() as f64;
+            }
+            before = after;
+        }
+    }
+    Shares { without, each, with }
+}
+
+/// The orders of causes over which the mean is taken.
+fn orders(causes: usize) -> Vec<Vec<usize>> {
+    if causes <= ALL_ORDERS {
+        return permutations(causes);
+    }
+    vec![(0..causes).collect(), (0..causes).rev().collect()]
+}
+
+/// All orders of the numbers below `count`.
+fn permutations(count: usize) -> Vec<Vec<usize>> {
+    let Some(last) = count.checked_sub(1) else { return vec![Vec::new()] };
+    let with_last = |order: Vec<usize>| {
+        (0..count).map(move |place| {
+            let mut order = order.clone();
+            order.insert(place, last);
+            order
+        })
+    };
+    permutations(last).into_iter().flat_map(with_last).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    /// The times of causes that add `alone`, with `pair` more for every two of them that act together.
+    fn in_pairs(alone: &[f64], pair: fn(usize, usize) -> f64, set: &[usize]) -> Vec<f64> {
+        let pairs = set.iter().flat_map(|a| set.iter().filter(move |b| a < b).map(move |b| pair(*a, *b)));
+        vec![10.0 + set.iter().map(|at| alone[*at]).sum::<f64>() + pairs.sum::<f64>()]
+    }
+
+    #[test]
+    fn what_two_do_only_together_is_halved_whatever_the_number_of_causes() {
+        let pair = |a: usize, b: usize| 0.01 * (a + 1) as f64 * (b + 1) as f64;
+        for count in 0..9 {
+            let alone: Vec<f64> = (0..count).map(|at| at as f64 - 2.5).collect();
+            let Shares { each, .. } = shares(count, |set| in_pairs(&alone, pair, set));
+            for (at, own) in each.iter().enumerate() {
+                let others = (0..count).filter(|other| *other != at);
+                let wanted = alone[at] + others.map(|other| 0.5 * pair(at, other)).sum::<f64>();
+                assert!((own[0] - wanted).abs() < 1e-12, "{at} of {count}: {} is not {wanted}", own[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn what_three_do_only_together_falls_to_each_alike() {
+        let times = |set: &[usize]| vec![if set.len() == 3 { 0.9 } else { 0.0 }];
+        let Shares { each, .. } = shares(3, times);
+        assert!(each.iter().all(|own| (own[0] - 0.3).abs() < 1e-12), "{each:?}");
+    }
+
+    #[test]
+    fn shares_sum_up_and_each_set_is_simulated_once() {
+        for count in 0..8 {
+            let asked: RefCell<Vec<Vec<usize>>> = RefCell::default();
+            let times = |set: &[usize]| {
+                asked.borrow_mut().push(set.to_vec());
+                // The largest of them alone counts, and less in the second run.
+                let most = set.iter().map(|at| 1.0 + *at as f64).fold(0.0, f64::max);
+                vec![5.0 + most, 5.0 + 0.3 * most.sqrt()]
+            };
+            let Shares { without, each, with } = shares(count, times);
+            for run in 0..2 {
+                let sum: f64 = each.iter().map(|own| own[run]).sum();
+                assert!((without[run] + sum - with[run]).abs() < 1e-12, "{count} causes");
+            }
+            let mut asked = asked.into_inner();
+            let all = asked.len();
+            asked.sort();
+            asked.dedup();
+            assert_eq!(asked.len(), all, "{count} causes: none is simulated twice");
+            assert_eq!(all, if count <= ALL_ORDERS { 1 << count } else { 2 * count }, "{count} causes");
+        }
+    }
+}
