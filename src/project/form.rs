@@ -267,7 +267,7 @@ mod tests {
     #[test]
     fn an_edit_of_the_motion_takes_the_error_of_the_calibration_away() {
         let form = Value::Object(values(&presets()[0].machine)).to_string();
-        let [error_key, tolerances_key] = CALIBRATION;
+        let [error_key, .., tolerances_key] = CALIBRATION;
         let error = |key: &str, value: &str| {
             let form: Value = serde_json::from_str(&edited(&form, key, value).expect("JSON")).expect("JSON");
             assert_eq!(form[error_key].is_null(), form[tolerances_key].is_null(), "{key}");
