@@ -28,9 +28,9 @@ mod path;
 mod quoted;
 #[cfg(not(first_visit))]
 mod recorded;
-mod settings;
 #[cfg(not(first_visit))]
 mod tabled;
+mod terms;
 mod text;
 mod theme;
 #[cfg(not(first_visit))]
@@ -41,10 +41,25 @@ mod traced;
 use wasm_bindgen::prelude::*;
 
 use crate::identification::recording;
-use crate::machine::{USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
+use crate::machine::{Machine, USUAL_TOLERANCES, deviation_label, tolerance_from_text, tolerance_label};
 use crate::plot::PALETTE;
 use crate::project::{self, FileKind, faults_to_json, machine_from_form, motion_of_machine};
 use crate::quote;
+use crate::simulation::gcode::Options;
+use crate::simulation::toolpath::{self, Toolpath};
+
+/// The path of a program on a machine.
+#[cfg(not(first_visit))]
+fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Toolpath> {
+    Some(toolpath::trace_text(program, options, machine))
+}
+
+/// The path of a program that goes straight on, as most do; what jumps, calls and computes is left to the whole module,
+/// and so is what cannot be read but as a whole.
+#[cfg(first_visit)]
+fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Toolpath> {
+    toolpath::trace_straight(&program, options, machine, toolpath::LINES_OF_A_PART)
+}
 
 /// Makes panics readable in the console.
 #[wasm_bindgen(start)]

@@ -1,7 +1,7 @@
 // Runs simulations, comparisons, calibrations and diagnoses in a worker, one at a time. Cancelling ends the worker; the next run
 // starts a fresh one. A worker begins with the module of the first visit; what that one leaves out is fetched when it is first
-// asked for, and then a worker with the whole module takes its place, which does all. A worker that dies at work is replaced,
-// and the work begun again, once: what kills a second one is in the work.
+// asked for, or when a program turns out to need it, and then a worker with the whole module takes its place, which does all. A
+// worker that dies at work is replaced, and the work begun again, once: what kills a second one is in the work.
 
 /** @import { StageName } from "./texts.js" */
 /** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run, Trail } from "./types.js" */
@@ -49,7 +49,7 @@ export function unlessCancelled(error) {
 
 /** Why a run ended early. */
 export class Ended extends Error {
-  /** @param {"cancelled" | "died" | "failed"} kind @param {string} message */
+  /** @param {"cancelled" | "died" | "failed" | "left"} kind @param {string} message */
   constructor(kind, message) {
     super(message)
     this.kind = kind
@@ -166,6 +166,17 @@ export class Engine {
       else if (LARGE_BYTES < sizeOf(request)) await this.#load().catch(unlessCancelled)
     }
     try {
+      await this.#attemptTwice(verb, request, hear)
+    } catch (error) {
+      if (!(error instanceof Ended) || error.kind !== 'left') throw error
+      await this.#load()
+      await this.#attemptTwice(verb, request, hear)
+    }
+  }
+
+  /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
+  async #attemptTwice(verb, request, hear) {
+    try {
       await this.#attempt(verb, request, hear)
     } catch (error) {
       if (!(error instanceof Ended) || error.kind !== 'died' || !this.#isPatient) throw error
@@ -181,7 +192,7 @@ export class Engine {
       this.#reject = reject
       worker.onerror = (event) => this.#end('died', event.message ?? '')
       worker.onmessage = ({ data }) => {
-        if (data.type === 'failure') this.#end(data.bug ? 'died' : 'failed', data.message)
+        if (data.type === 'failure') this.#end(data.left ? 'left' : data.bug ? 'died' : 'failed', data.message)
         else if (data.type === 'done') {
           this.#settle()
           resolve(undefined)
@@ -262,7 +273,7 @@ export class Engine {
     this.#end('cancelled', 'cancelled')
   }
 
-  /** @param {"cancelled" | "died" | "failed"} kind @param {string} message */
+  /** @param {Ended["kind"]} kind @param {string} message */
   #end(kind, message) {
     this.#replace()
     this.#reject?.(new Ended(kind, message))

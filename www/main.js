@@ -9,8 +9,6 @@ import init, {
   mostCurves,
   motionOf,
   setNumbers,
-  settingsFromText,
-  settingsText,
   termFaults,
   termsForm,
   toleranceLabel,
@@ -309,14 +307,16 @@ export const actions = {
     return undo
   },
   /** The settings as text. */
-  settings() {
+  async settings() {
+    const { settingsText } = await whole()
     const { machine, tolerances, programmed, terms } = state
     const preset = form.presets[machine.preset].name
     const full = { truefeed: 1, preset, machine: machine.values, tolerances_mm: tolerances, programmed, terms: terms.values }
     return settingsText(JSON.stringify(full))
   },
   /** Takes the settings of a text; throws why they are none. @param {string} text */
-  takeSettings(text) {
+  async takeSettings(text) {
+    const { settingsFromText } = await whole()
     const { preset, machine, tolerances_mm: tolerances, programmed, terms } = JSON.parse(settingsFromText(text))
     // Of several in a row, the user's own are those from before the first.
     state.beforeSettings ??= { ...now(), programmed: state.programmed, terms: state.terms.values, start: form.presets[state.machine.preset].name }
@@ -615,7 +615,7 @@ function update() {
 
 if (state.programs.length + state.recordings.length > 0) changed()
 update()
-exchange.fromAddress()
+await exchange.fromAddress()
 document.documentElement.dataset.ready = 'true'
 // Who has read the page so far has a program at hand.
 whenIdle(() => engine.warm())

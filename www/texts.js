@@ -291,6 +291,7 @@ export const say = {
     exactStops: 'exact stops',
     ofMachine: (label) => `${label}, the machine’s`,
     atMost: (label) => `at most ${label}`,
+    unsure: (bound, isAll) => (isAll || bound === '?' ? `± ${bound}` : `at least ± ${bound}`),
     price: 'Price of the cycle',
     ofBeforeFault: ' These are the results of the machine before: the form has a fault.',
     ofBefore: ' These are the results of the machine before.',

@@ -27,6 +27,7 @@
  * @property {Place[]} beyond_tolerance
  * @property {number} price  0 where there is no hourly rate
  * @property {string} [in_doubt]  what of the cycle time is in doubt and why; absent where nothing is
+ * @property {{seconds_in_doubt: number, bounded: boolean}} trust  by how much it may be off, as far as that has a bound
  */
 
 /** @typedef {{value: number, line: number, distance_mm: number}} CutPeak */

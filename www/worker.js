@@ -54,7 +54,7 @@ self.onmessage = async ({ data: { module, isWhole, verb, request } }) => {
     post({ type: 'done' }, [])
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error)
-    post({ type: 'failure', message, bug: error instanceof WebAssembly.RuntimeError }, [])
+    post({ type: 'failure', message, bug: error instanceof WebAssembly.RuntimeError, left: error instanceof Left }, [])
   }
 }
 
@@ -70,7 +70,7 @@ async function begin(module, isWhole) {
 async function simulate({ program, machine, dialect, columns, labels, runsOnly }) {
   const of = columns.length + 1
   stage('readingProgram', 0, of)
-  const job = new glue.Job(await textOf(program), machine, dialect ?? undefined)
+  const job = await jobOf(program, machine, dialect)
   const held = job.tolerances()
   if (!runsOnly) {
     const steps = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
@@ -84,7 +84,8 @@ async function simulate({ program, machine, dialect, columns, labels, runsOnly }
     progress(0)
     const run = job.simulate(column ?? undefined, progress)
     const curve = plain(run.columns, [...CURVE])
-    post({ type: 'run', column, summary: run.summary.runs[0], columns: curve, note: run.note }, Object.values(curve))
+    const { runs, trust } = run.summary
+    post({ type: 'run', column, summary: { ...runs[0], trust }, columns: curve, note: run.note }, Object.values(curve))
     run.free()
   }
   job.free()
@@ -155,9 +156,19 @@ async function cycleTimes({ program, dialect, machines }) {
 
 /** @param {TimesOverRequest} request */
 async function timesOver({ program, machine, dialect, columns }) {
-  const job = new glue.Job(await textOf(program), machine, dialect ?? undefined)
+  const job = await jobOf(program, machine, dialect)
   for (const column of columns) post({ type: 'time', column, time: job.cycleTime(column ?? undefined) }, [])
   job.free()
+}
+
+/** What the module here leaves to the whole one. */
+class Left extends Error {}
+
+/** A program on a machine. @param {SimulateRequest["program"]} program @param {string} machine @param {string | null} dialect */
+async function jobOf(program, machine, dialect) {
+  const job = glue.Job.of(await textOf(program), machine, dialect ?? undefined)
+  if (!job) throw new Left()
+  return job
 }
 
 /** All runs of a machine, read. @param {string} machine @param {CalibrateRequest["runs"]} runs @param {number} of */

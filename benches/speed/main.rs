@@ -111,7 +111,7 @@ impl Work {
             Work::Yardstick => parsed_elsewhere(&text) as f64,
             Work::Read => {
                 let (options, mut blocks) = (Options::default(), 0);
-                let mut parts = Parts::new(&text, &options);
+                let mut parts = Parts::new(&text, &options).expect("an ISO program");
                 while parts.next_part(1_000) {
                     blocks += parts.part().blocks.len();
                 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use lexopt::prelude::*;
 use truefeed::identification::calibration::calibrate as fitted;
+use truefeed::identification::diagnosis::ModelError;
 use truefeed::identification::fit::{Recorded, Run};
 use truefeed::project::{CalibrationReport, toml_from_machine};
 
@@ -42,7 +43,9 @@ pub fn calibrate(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
     }
     let runs: Vec<Run> = recorded.iter().map(Recorded::run).collect();
     let names: Vec<String> = pairs.iter().map(Pair::name).collect();
-    let report = CalibrationReport::new(&machine, &fitted(&machine, &runs, &mut |_| {}), &names);
+    let calibration = fitted(&machine, &runs, &mut |_| {});
+    let error = ModelError::of(&calibration.machine, &runs);
+    let report = CalibrationReport::new(&machine, &calibration, error, &names);
     let machine = report.machine().map_err(|faults| {
         let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
         format!("the fit left the bounds of the machine file: {}", faults.join("; "))

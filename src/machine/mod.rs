@@ -27,7 +27,7 @@ pub use handle::Handle;
 pub use junction::Junction;
 pub use parameter::{Access, Parameter};
 pub use parameters::{PARAMETERS, parameter};
-pub use planner::PLANNER_FILTER_S;
+pub use planner::{PLANNER_FILTER_S, Planner};
 pub use presets::{Preset, presets};
 pub use supply::PlannedBy;
 pub use times::{Direction, Function, Spin, SpindleTimes, Times};
@@ -48,6 +48,10 @@ pub struct Machine {
     pub provenance: String,
     /// How far off the cycle time was where these numbers were calibrated, as a part of it; none where nobody knows.
     pub cycle_time_error: Option<f64>,
+    /// Lost time, by region and nothing set off, that calibration left unexplained, as a part of the recorded time.
+    pub unexplained_time: Option<f64>,
+    /// Distance of recorded from simulated positions at equal times that calibration left, rms, mm.
+    pub form_error: Option<f64>,
     /// The contour tolerances it was so far off at, mm; none named: that of the interpolator.
     pub calibrated_at: Vec<f64>,
     /// How feed pulses become motion.
@@ -387,6 +391,8 @@ impl Default for Machine {
             name: "Machining centre".to_string(),
             provenance: String::new(),
             cycle_time_error: None,
+            unexplained_time: None,
+            form_error: None,
             calibrated_at: Vec::new(),
             interpolator: Interpolator {
                 filters: 3,

@@ -57,7 +57,7 @@ fn jerk(constants: &TimeConstants) -> Option<f64> {
     }
 }
 
-const GENERAL: [Parameter; 29] = [
+const GENERAL: [Parameter; 31] = [
     Parameter {
         key: "name",
         label: "Name",
@@ -75,6 +75,18 @@ const GENERAL: [Parameter; 29] = [
         label: "Error of the cycle time",
         doc: "How far off the cycle time was where these numbers were calibrated: the uncertainty of a quote; empty: unknown. An edit of the motion empties it.",
         access: number(Unit::Percent, (0.0, 100.0), |m| m.cycle_time_error, |m, v| m.cycle_time_error = v),
+    },
+    Parameter {
+        key: "calibration.unexplained_percent",
+        label: "Time left unexplained",
+        doc: "Lost time, place by place and nothing set off, that these numbers left unexplained where they were calibrated: what a diagnosis takes for the model's own error; empty: unknown.",
+        access: number(Unit::Percent, (0.0, 1000.0), |m| m.unexplained_time, |m, v| m.unexplained_time = v),
+    },
+    Parameter {
+        key: "calibration.form_error_mm",
+        label: "Error of the form",
+        doc: "Root mean square distance of recorded from simulated positions at equal times where these numbers were calibrated; empty: unknown.",
+        access: number(Unit::Millimetre, (0.0, 1000.0), |m| m.form_error, |m, v| m.form_error = v),
     },
     Parameter {
         key: "calibration.tolerances_mm",

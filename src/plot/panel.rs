@@ -13,7 +13,8 @@ use crate::plot::Theme;
 /// What drawing on a backend can fail with.
 pub(crate) type Failure<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
-pub(crate) const FONT: &str = "system-ui, sans-serif";
+/// By its kind, as plotters looks through letters of all languages to tell a name from a kind.
+pub(crate) const FONT: FontFamily = FontFamily::Name("system-ui, sans-serif");
 pub(crate) const FONT_SIZE: f64 = 12.0;
 /// Width of a character against the font's size, on the wide side.
 const CHARACTER: f64 = 0.62;

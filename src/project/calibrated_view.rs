@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::identification::calibration::{Calibration, Estimate, RunResult, Verdict};
 use crate::identification::comparison::{Comparison, Durations};
+use crate::identification::diagnosis::ModelError;
 use crate::machine::{Access, Machine, parameter};
 use crate::project::Fault;
 use crate::project::comparison::{feedrate, percent};
@@ -69,12 +70,19 @@ struct RunRow {
 }
 
 impl CalibrationReport {
-    /// Of the calibration of `before` from runs with these names.
-    pub fn new(before: &Machine, calibration: &Calibration, names: &[String]) -> CalibrationReport {
+    /// Of the calibration of `before` from runs with these names, and the error that the calibrated machine leaves on them.
+    pub fn new(
+        before: &Machine,
+        calibration: &Calibration,
+        error: ModelError,
+        names: &[String],
+    ) -> CalibrationReport {
         let mut machine = calibration.machine.clone();
         machine.provenance = provenance(calibration, names);
         machine.cycle_time_error = Some(worst(calibration, |side| side.whole));
         machine.calibrated_at = tolerances(calibration);
+        machine.unexplained_time = Some(error.unexplained_time);
+        machine.form_error = error.form;
         if !before.name.ends_with(CALIBRATED) {
             machine.name = format!("{}{CALIBRATED}", before.name);
         }

@@ -299,7 +299,14 @@ pub fn extended(machine: &Machine, names: &[String]) -> Machine {
         before => format!("{before}; {provenance}"),
     };
     // What it was off by before is not what it is off by now.
-    Machine { provenance, cycle_time_error: None, calibrated_at: Vec::new(), ..machine.clone() }
+    Machine {
+        provenance,
+        cycle_time_error: None,
+        unexplained_time: None,
+        form_error: None,
+        calibrated_at: Vec::new(),
+        ..machine.clone()
+    }
 }
 
 fn word(verdict: Verdict) -> &'static str {

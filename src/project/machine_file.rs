@@ -100,6 +100,8 @@ pub fn motion_of_machine(machine: &Machine) -> String {
         name: neutral.name,
         provenance: neutral.provenance,
         cycle_time_error: neutral.cycle_time_error,
+        unexplained_time: neutral.unexplained_time,
+        form_error: neutral.form_error,
         calibrated_at: neutral.calibrated_at,
         rates: neutral.rates,
         ..machine.clone()

@@ -47,7 +47,12 @@ use crate::units::Unit;
 pub const VERSION: &str = env!("TRUEFEED_VERSION");
 
 /// How far off a machine was when it was calibrated, and at which tolerances.
-const CALIBRATION: [&str; 2] = ["calibration.cycle_time_error_percent", "calibration.tolerances_mm"];
+const CALIBRATION: [&str; 4] = [
+    "calibration.cycle_time_error_percent",
+    "calibration.unexplained_percent",
+    "calibration.form_error_mm",
+    "calibration.tolerances_mm",
+];
 
 /// Keys without which a machine says too little; every other number is neutral when left out.
 const REQUIRED: [&str; 3] =

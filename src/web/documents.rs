@@ -1,9 +1,9 @@
-//! What is given away as a file: charts as SVG, the machine; and the machine of a file.
+//! What is given away as a file: charts as SVG, the machine, the settings; and what such files hold.
 
 use wasm_bindgen::prelude::*;
 
 use crate::plot::{Theme, svg, svg_of_view};
-use crate::project::{machine_from_form, machine_from_toml, machine_values, toml_from_machine};
+use crate::project::{self, machine_from_form, machine_from_toml, machine_values, toml_from_machine};
 use crate::web::chart::Chart;
 use crate::web::theme::theme;
 
@@ -31,4 +31,16 @@ pub fn machine_file(machine: &str) -> Option<String> {
 #[wasm_bindgen(js_name = valuesOfFile)]
 pub fn values_of_file(text: &str) -> Result<String, String> {
     machine_from_toml(text).map(|machine| machine_values(&machine)).map_err(|fault| fault.to_string())
+}
+
+/// The text of settings given with filled forms; throws why there is none.
+#[wasm_bindgen(js_name = settingsText)]
+pub fn settings_text(full: &str) -> Result<String, String> {
+    project::settings_text(full).map_err(|error| error.to_string())
+}
+
+/// Settings with filled forms, as JSON, from their text; throws why there are none.
+#[wasm_bindgen(js_name = settingsFromText)]
+pub fn settings_from_text(text: &str) -> Result<String, String> {
+    project::settings_from_text(text).map_err(|error| error.to_string())
 }

@@ -15,6 +15,7 @@ use crate::simulation::gcode::Options;
 use crate::simulation::profile::Profile;
 use crate::simulation::simulate;
 use crate::simulation::toolpath::Toolpath;
+use crate::web::path_of;
 use crate::web::text::ProgramText;
 
 /// A program traced on a machine, ready to be simulated.
@@ -27,13 +28,12 @@ pub struct Job {
 #[wasm_bindgen]
 impl Job {
     /// Reads a program for a machine given as a filled form, in the dialect of this word or in the
-    /// one the program shows; throws the form's faults as JSON.
-    #[wasm_bindgen(constructor)]
-    pub fn new(program: ProgramText, machine: &str, dialect: Option<String>) -> Result<Job, String> {
+    /// one the program shows; none where that needs the whole module. Throws the form's faults as JSON.
+    pub fn of(program: ProgramText, machine: &str, dialect: Option<String>) -> Result<Option<Job>, String> {
         let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
         let options = Options::from_words(&dialect.unwrap_or_default());
-        let toolpath = program.toolpath(&options, &machine);
-        Ok(Job { machine, toolpath })
+        let toolpath = path_of(program.bytes, &options, &machine);
+        Ok(toolpath.map(|toolpath| Job { machine, toolpath }))
     }
 
     /// What is known before any simulation: a prediction without runs.

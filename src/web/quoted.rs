@@ -7,6 +7,7 @@ use crate::project::{Prediction, QuoteRequest, RequestError};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::gcode::Options;
 use crate::simulation::simulate;
+use crate::simulation::toolpath::trace_text;
 use crate::web::job::object;
 use crate::web::text::ProgramText;
 
@@ -23,7 +24,7 @@ pub fn quote_text(program: ProgramText, request: &str, progress: &Function) -> R
     let refused = |error: RequestError| JsValue::from(error.to_json());
     let QuoteRequest { name, machine, tolerances, dialect } =
         QuoteRequest::from_json(request).map_err(refused)?;
-    let toolpath = program.toolpath(&Options { dialect, ..Options::default() }, &machine);
+    let toolpath = trace_text(program.bytes, &Options { dialect, ..Options::default() }, &machine);
     let of = tolerances.len() as f64;
     let quotes = tolerances.iter().enumerate().map(|(index, &tolerance)| {
         // What a listener throws is its own affair.

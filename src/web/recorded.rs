@@ -5,6 +5,7 @@ use wasm_bindgen::prelude::*;
 
 use crate::identification::calibration::calibrate;
 use crate::identification::comparison::{Course, Pointwise, compare, course, pointwise};
+use crate::identification::diagnosis::ModelError;
 use crate::identification::fit::{Recorded, Run};
 use crate::machine::Machine;
 use crate::project::{CalibrationReport, ComparisonReport, Refusal, faults_to_json, machine_from_form};
@@ -139,6 +140,7 @@ impl Runs {
         let runs: Vec<Run> = self.aligned.iter().map(Recorded::run).collect();
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let calibration = calibrate(&self.machine, &runs, &mut tell);
-        object(&CalibrationReport::new(&self.machine, &calibration, &self.names))
+        let error = ModelError::of(&calibration.machine, &runs);
+        object(&CalibrationReport::new(&self.machine, &calibration, error, &self.names))
     }
 }

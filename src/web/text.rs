@@ -2,14 +2,10 @@
 
 use wasm_bindgen::prelude::*;
 
-use crate::machine::Machine;
-use crate::simulation::gcode::Options;
-use crate::simulation::toolpath::{Toolpath, trace_text};
-
 /// The bytes of a program that have come so far.
 #[wasm_bindgen]
 pub struct ProgramText {
-    bytes: Vec<u8>,
+    pub(super) bytes: Vec<u8>,
 }
 
 #[wasm_bindgen]
@@ -31,12 +27,5 @@ impl ProgramText {
 impl From<Vec<u8>> for ProgramText {
     fn from(bytes: Vec<u8>) -> ProgramText {
         ProgramText { bytes }
-    }
-}
-
-impl ProgramText {
-    /// The path of the program on a machine.
-    pub(super) fn toolpath(self, options: &Options, machine: &Machine) -> Toolpath {
-        trace_text(self.bytes, options, machine)
     }
 }

@@ -17,6 +17,7 @@ const standing = (page) =>
 
 async function copied(page) {
   await page.click('#settings .copy')
+  await page.waitForFunction(() => document.querySelector('#settings .said').textContent !== '')
   return page.inputValue('#settings .link')
 }
 
@@ -111,6 +112,7 @@ pageTest('a broken or hostile link is told and changes nothing', async ({ page, 
     const hash = text.startsWith('%') ? text : encodeURIComponent(text)
     await page.evaluate((part) => (location.hash = `settings=${part}`), hash)
     await page.waitForFunction(() => location.hash === '')
+    await page.waitForSelector('#notice .refused', { state: 'visible' })
     assert.match(await page.textContent('#notice .refused span'), /cannot be used: .*Nothing was changed/s, text.slice(0, 80))
     assert.deepEqual(await standing(page), own)
     await page.click('#notice .dismiss')

@@ -1,8 +1,9 @@
 // The page does its job in a real browser: programs in, the command line's cycle times out, curves on the canvas.
 
 import assert from 'node:assert/strict'
-import { existsSync } from 'node:fs'
-import { basename, join } from 'node:path'
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs'
+import { tmpdir } from 'node:os'
+import { basename, dirname, join } from 'node:path'
 import {
   assertAsPredicted,
   atEverySize,
@@ -27,6 +28,7 @@ const REAL = [
 ]
 /** The lower panel, as a part of the canvas. */
 const CONTOUR_ERRORS_BELOW = 0.65
+const WHOLE = '/pkg/truefeed_whole_bg.wasm'
 const PHONE = { width: 390, height: 844 }
 
 /** A program of many short blocks, which takes long enough to be cancelled. */
@@ -83,6 +85,37 @@ for (const program of REAL) {
     { skip, viewport: PHONE },
   )
 }
+
+// Neither goes straight on, so that the module of the first visit leaves them to the whole one.
+const LOOP = ['%', 'O1 (STEPS)', '#1=3', 'WHILE [#1 GT 0] DO1', 'G1 X[#1*10.] F500.', 'Y[#1*4.]', '#1=#1-1', 'END1', 'M30', '%']
+const KLARTEXT = ['0 BEGIN PGM STEPS MM', '1 L X+0 Y+0 R0 FMAX', '2 L X+30 F500', '3 L Y+20', '4 END PGM STEPS MM']
+for (const [name, lines] of /** @type {[string, string[]][]} */ ([['loop.nc', LOOP], ['steps.h', KLARTEXT]])) {
+  pageTest(`${name}, the first program of a visit, waits for the whole module and is quoted by it`, async ({ page, requests }) => {
+    const program = join(mkdtempSync(join(tmpdir(), 'truefeed-left-')), name)
+    writeFileSync(program, lines.join('\n'))
+    assert.ok(!requests.some((url) => url.endsWith(WHOLE)), 'the whole module is there before it is needed')
+    await page.setInputFiles('#files', program)
+    await computed(page)
+    await assertAsPredicted(page, program)
+    assert.ok(requests.some((url) => url.endsWith(WHOLE)))
+    rmSync(dirname(program), { recursive: true })
+  })
+}
+
+pageTest('what is in doubt of a cycle time stands beside it, and why below', async ({ page }) => {
+  const file = (/** @type {string} */ name, /** @type {string} */ text) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(text) })
+  await page.setInputFiles('#files', file('sure.nc', 'G21 G90\nG1 X50 F500\nY30'))
+  await computed(page)
+  assert.deepEqual([await page.$$('#results .unsure'), await page.$$('#results .doubt')], [[], []])
+  await page.setInputFiles('#files', file('no-feed.nc', 'G21 G90\nG1 X50\nY30\nX0 F500\nY0'))
+  await page.waitForSelector('#results .unsure')
+  await computed(page)
+  const beside = await page.$$eval('#results .unsure', (all) => all.map(({ textContent }) => textContent))
+  assert.equal(beside.length, TOLERANCES_MM.length)
+  for (const text of beside) assert.match(text, /^± [1-9][0-9.]* s$/)
+  assert.match(await page.textContent('#results .doubt'), /^In doubt: .* feedrate is missing, at line 2/)
+  await shot(page, 'in-doubt')
+})
 
 pageTest('a bad program is answered line by line, and the rest is quoted', async ({ page }) => {
   const text = 'G21 G90\nG1 X10 F600\nG1 X\nG2 X20\nG1 X30 &?!\nG1 X40\n'
@@ -455,8 +488,12 @@ pageTest('the machine form refuses at the field, recomputes, prices, is kept and
   await page.waitForTimeout(600)
   assert.deepEqual(await page.evaluate(() => window.busy), { stale: false })
 
+  await page.fill(field('times.tool_change_s'), '')
+  assert.match(await page.textContent(`${field('times.tool_change_s')}-fault`), /expected a number from 0 to/)
+  await page.fill(field('times.tool_change_s'), '4')
+  // A rapid along the path may be missing where each axis has one of its own.
   await page.fill(field('rapid.feed_mm_min'), '')
-  assert.match(await page.textContent(`${field('rapid.feed_mm_min')}-fault`), /expected a number from 1 to/)
+  assert.match(await page.textContent(`${field('rapid.feed_mm_min')}-fault`), /give it, or axis\.x\.rapid_mm_min, axis\.y/)
   await page.fill(field('rapid.feed_mm_min'), '20000')
   await computed(page)
 

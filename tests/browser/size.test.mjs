@@ -9,17 +9,21 @@ import { computed } from './steps.mjs'
 const MOST_BYTES = 400_000
 const WHOLE = '/pkg/truefeed_whole_bg.wasm'
 
+/** What came over the wire for a request, and when it began. @param {import('playwright-core').Request} request */
+async function weighed(request) {
+  const { responseBodySize, responseHeadersSize } = await request.sizes()
+  const { startTime: start } = request.timing()
+  return { path: new URL(request.url()).pathname, start, bytes: responseBodySize + responseHeadersSize }
+}
+
 test('a first visit is small up to its charts, and the rest comes when they stand', { timeout: 180_000 }, async (context) => {
   const { page, origin, errors, close } = await openPage({ path: '/icon.svg' })
   try {
     // What the service worker fetches beside the visit, to keep it, is not among them.
-    /** @type {{path: string, start: number, bytes: number}[]} */
-    const received = []
-    page.on('requestfinished', async (request) => {
-      const { responseBodySize, responseHeadersSize } = await request.sizes()
-      const { startTime: start } = request.timing()
-      received.push({ path: new URL(request.url()).pathname, start, bytes: responseBodySize + responseHeadersSize })
-    })
+    /** @type {Promise<{path: string, start: number, bytes: number}>[]} */
+    const coming = []
+    const note = (/** @type {import('playwright-core').Request} */ request) => coming.push(weighed(request))
+    page.on('requestfinished', note)
     await page.goto(`${origin}/`)
     await page.waitForSelector('html[data-ready]')
     // Notes when the first time of the table and a chart were there: the one or the other comes last.
@@ -37,7 +41,11 @@ test('a first visit is small up to its charts, and the rest comes when they stan
     })
     await page.click('#welcome .sample')
     await computed(page)
+    await page.waitForSelector('html[data-whole]')
     await page.waitForLoadState('networkidle')
+    // The page may fetch on until it is closed, when no request can be asked any more.
+    page.off('requestfinished', note)
+    const received = await Promise.all(coming)
     const at = await page.evaluate(() => window.firstChart)
     assert.ok(at, 'no chart is drawn')
     const sum = (/** @type {typeof received} */ all) => all.reduce((sum, { bytes }) => sum + bytes, 0)

@@ -100,6 +100,13 @@ export function mount(root, form, actions) {
   }
 }
 
+/** By how much a cycle time may be off; why stands below the table. @param {RunSummary} run */
+function unsure({ trust, in_doubt: why }) {
+  if (!why) return []
+  const bound = trust.seconds_in_doubt > 0 ? seconds(trust.seconds_in_doubt) : '?'
+  return [' ', make('span', { className: 'unsure', title: why }, say.results.unsure(bound, trust.bounded))]
+}
+
 /** What of a cycle time is in doubt and why, each sentence once. @param {Column[]} columns @param {Outcome} outcome */
 function inDoubt(columns, outcome) {
   const sentences = new Set(columns.flatMap((column) => outcome.runs.get(column)?.summary.in_doubt ?? []))
@@ -144,7 +151,7 @@ function table(outcome, columns, machine) {
     const longer = run.cycle_time_s - programmed
     const cells = [
       make('data', { value: String(run.cycle_time_s) }, clock(run.cycle_time_s)),
-      seconds(run.cycle_time_s),
+      make('span', {}, seconds(run.cycle_time_s), ...unsure(run)),
       ...(priced ? [make('b', { className: 'price' }, money(priceOf(run)))] : []),
       seconds(programmed),
       difference(longer),

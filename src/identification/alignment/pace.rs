@@ -4,6 +4,8 @@
 //! is simulated, which is a wrong unit of time, units being a thousand apart; and to cut in less than half of the
 //! programmed time, length over F, which is a wrong program: dials of the feed override end at 200 %.
 //!
+//! A tool that cuts corners goes a shorter way than the program; where positions were recorded it is timed by the way it went.
+//!
 //! Times are known to within a poll, so that places are taken so far apart that their programmed times are
 //! [`RESOLVED_POLLS`] polls and more. Rapids, dwells and M-words say nothing here.
 
@@ -11,7 +13,7 @@ use crate::identification::alignment::place::{Place, times};
 use crate::identification::alignment::{Alignment, AlignmentError};
 use crate::machine::Machine;
 use crate::simulation::simulate;
-use crate::simulation::toolpath::{Motion, Toolpath};
+use crate::simulation::toolpath::{Motion, Point, Toolpath};
 
 /// Recorded over simulated time, or the inverse, beyond which the unit of time is another.
 const MAX_TIME_RATIO: f64 = 100.0;
@@ -74,6 +76,7 @@ fn checked_feed(alignment: &Alignment, toolpath: &Toolpath) -> Result<(), Alignm
     let interval = alignment.track.as_ref().map_or(0.0, |track| track.interval);
     let poll = alignment.poll.unwrap_or(interval);
     let clock = CuttingClock::new(toolpath);
+    let odometer = Odometer::new(alignment);
     let (mut timed, mut too_fast) = (0.0, 0.0);
     let (mut stretches, mut contradictions) = (0, 0);
     let mut worst: Option<TooFast> = None;
@@ -84,7 +87,9 @@ fn checked_feed(alignment: &Alignment, toolpath: &Toolpath) -> Result<(), Alignm
             anchor = Some((reading, mark.time));
             continue;
         };
-        let programmed = reading.seconds - from.seconds;
+        let length = reading.distance - from.distance;
+        let part = odometer.between(began, mark.time).map_or(1.0, |way| (way / length).min(1.0));
+        let programmed = part * (reading.seconds - from.seconds);
         if programmed < RESOLVED_POLLS * poll {
             continue;
         }
@@ -119,6 +124,37 @@ pub struct TooFast {
     pub programmed: f64,
 }
 
+/// The way that the recorded tool went, by time.
+struct Odometer {
+    /// When (s) it had gone how far (mm); empty where no positions were recorded.
+    readings: Vec<(f64, f64)>,
+}
+
+impl Odometer {
+    fn new(alignment: &Alignment) -> Odometer {
+        let Some(track) = &alignment.track else { return Odometer { readings: Vec::new() } };
+        let mut gone = 0.0;
+        let mut last: Option<Point> = None;
+        let moved = alignment.fixes.iter().filter_map(|fix| Some((fix.time, track.position[fix.sample?])));
+        let readings = moved.map(|(time, position)| {
+            gone += last.map_or(0.0, |last| (position - last).norm());
+            last = Some(position);
+            (time, gone)
+        });
+        Odometer { readings: readings.collect() }
+    }
+
+    /// The way between two times, mm.
+    fn between(&self, from: f64, to: f64) -> Option<f64> {
+        let at = |time: f64| -> Option<f64> {
+            let next = self.readings.partition_point(|reading| reading.0 < time);
+            let last = self.readings.len().checked_sub(1)?;
+            Some(self.readings[next.min(last)].1)
+        };
+        Some(at(to)? - at(from)?)
+    }
+}
+
 /// Programmed time of cutting along the path.
 struct CuttingClock<'a> {
     toolpath: &'a Toolpath,
@@ -132,6 +168,8 @@ struct CuttingClock<'a> {
 #[derive(Clone, Copy)]
 struct Reading {
     seconds: f64,
+    /// Along the path, mm.
+    distance: f64,
     /// Rapids and stops so far: between two places with as many there is nothing but cutting.
     pause: usize,
     line: u32,
@@ -164,12 +202,17 @@ impl<'a> CuttingClock<'a> {
         let (seconds, pause) = self.before[index];
         let line = segment.line.0;
         match (segment.motion, place) {
-            (Motion::Feed { feedrate }, _) => {
-                Reading { seconds: seconds + (distance - self.distances[index]) / feedrate, pause, line }
-            }
+            (Motion::Feed { feedrate }, _) => Reading {
+                seconds: seconds + (distance - self.distances[index]) / feedrate,
+                distance,
+                pause,
+                line,
+            },
             // On a rapid nothing is timed; where one begins cutting is over.
-            (Motion::Rapid, _) if distance <= self.distances[index] => Reading { seconds, pause, line },
-            (Motion::Rapid, _) => Reading { seconds, pause: pause + 1, line },
+            (Motion::Rapid, _) if distance <= self.distances[index] => {
+                Reading { seconds, distance, pause, line }
+            }
+            (Motion::Rapid, _) => Reading { seconds, distance, pause: pause + 1, line },
         }
     }
 }

@@ -19,7 +19,7 @@ use crate::identification::alignment::registration::shifts;
 use crate::identification::alignment::{Alignment, AlignmentError, Fix, Mark, Method, checked, is_of_units};
 use crate::identification::recording::{Measure, Recording, Scale, closure_of};
 use crate::machine::Machine;
-use crate::simulation::toolpath::{Toolpath, Vector};
+use crate::simulation::toolpath::{Blending, Toolpath, Vector};
 
 /// Of the recording, or of the path, a pass must be so much.
 const LEAST_PART: f64 = 0.5;
@@ -28,14 +28,90 @@ const MAX_SHIFTS: usize = 3;
 const REFINEMENTS: usize = 3;
 /// The recorded way and the way along the path must agree within this ratio.
 const SAME_WAY: f64 = 1.25;
+/// How far a control leaves the path that blends as widely as its speed asks for, mm: a corner of 90° between two ways at
+/// 3000 mm/min is rounded so far at some 500 mm/s².
+const WIDE_BLEND: f64 = 1.0;
+/// Away from the ends of a line is so many times as far. So many samples there are enough to tell, of which so many are on it.
+const LONG_LINE: f64 = 4.0;
+const MIN_ON_LINES: usize = 20;
+const MOSTLY_KEPT: f64 = 0.95;
 /// Marks of positions a run at most.
 const MOST_MARKS: usize = 4000;
 
+/// Lays the positions of a recording on a program. What is off the path by the stated tolerance is tried with wide blends,
+/// which leave the path at its corners alone.
 pub fn by_positions(
     recording: &Recording,
     run: Range<f64>,
     toolpath: &Toolpath,
     machine: &Machine,
+) -> Result<Alignment, AlignmentError> {
+    let tolerance = widest_tolerance(toolpath, machine);
+    let laid = within(recording, run.clone(), toolpath, tolerance);
+    if !matches!(laid, Err(AlignmentError::OffPath { .. } | AlignmentError::NowhereNear)) {
+        return laid;
+    }
+    let wide = within(recording, run, toolpath, WIDE_BLEND);
+    match wide.ok().filter(|wide| keeps_to_lines(wide, toolpath, tolerance)) {
+        Some(wide) => Ok(wide),
+        None => laid.map_err(|error| with_hint(error, recording, toolpath, tolerance)),
+    }
+}
+
+/// A refusal with what would fit, where something would.
+fn with_hint(
+    refusal: AlignmentError,
+    recording: &Recording,
+    toolpath: &Toolpath,
+    tolerance: f64,
+) -> AlignmentError {
+    let Some(track) = Track::new(recording.positions()) else { return refusal };
+    let hint = what_would_fit(&track, toolpath, track.recorded, tolerance);
+    match (refusal, hint) {
+        (AlignmentError::OffPath { part, .. }, hint) => AlignmentError::OffPath { part, hint },
+        (_, Some(hint)) => AlignmentError::OffPath { part: 100.0, hint: Some(hint) },
+        (refusal, None) => refusal,
+    }
+}
+
+/// The widest tolerance that machine or program state, mm.
+fn widest_tolerance(toolpath: &Toolpath, machine: &Machine) -> f64 {
+    let stated = toolpath.path_modes.iter().filter_map(|mode| match mode.blending {
+        Blending::Within(tolerance) => Some(machine.path_modes.tolerance_override.unwrap_or(tolerance)),
+        Blending::Distance(distance) => Some(0.5 * distance),
+        Blending::ExactStop | Blending::Machine => None,
+    });
+    stated.fold(machine.interpolator.contour_tolerance, f64::max).min(WIDE_BLEND)
+}
+
+/// Whether the tool kept to long lines, away from their ends, as closely as a `tolerance` (mm) asks for.
+fn keeps_to_lines(alignment: &Alignment, toolpath: &Toolpath, tolerance: f64) -> bool {
+    let Some(track) = &alignment.track else { return false };
+    let scale = scale(track, tolerance);
+    let path = Path::new(toolpath, track.recorded);
+    let distances = toolpath.distances();
+    let (mut kept, mut seen) = (0, 0);
+    for fix in &alignment.fixes {
+        let index = distances.partition_point(|at| *at <= fix.distance).saturating_sub(1);
+        let is_away = |from: f64| LONG_LINE * WIDE_BLEND < (fix.distance - from).abs();
+        let is_inside =
+            index + 1 < distances.len() && is_away(distances[index]) && is_away(distances[index + 1]);
+        let Some(((foot, _), sample)) = path.at(fix.distance).zip(fix.sample).filter(|_| is_inside) else {
+            continue;
+        };
+        let away = track.position[sample] - foot;
+        let recorded = (0..3).filter(|axis| track.recorded[*axis]);
+        seen += 1;
+        kept += usize::from(recorded.map(|axis| away[axis].powi(2)).sum::<f64>().sqrt() <= scale);
+    }
+    MIN_ON_LINES <= seen && MOSTLY_KEPT * seen as f64 <= kept as f64
+}
+
+fn within(
+    recording: &Recording,
+    run: Range<f64>,
+    toolpath: &Toolpath,
+    tolerance: f64,
 ) -> Result<Alignment, AlignmentError> {
     let recorded = recording.positions().each_ref().map(Option::is_some);
     let path = Path::new(toolpath, recorded);
@@ -48,8 +124,7 @@ pub fn by_positions(
         Err(_) => {}
     }
     let track = Track::new(settled.positions()).ok_or(AlignmentError::StandsStill)?;
-    let tolerance = machine.interpolator.contour_tolerance;
-    let Laid { track, shift, matched } = laid(track, &path, toolpath, tolerance)?;
+    let Laid { track, shift, matched } = laid(track, &path, tolerance)?;
     if shift != Vector::zeros() {
         remarks.push(format!(
             "positions are shifted by X {:.3}, Y {:.3}, Z {:.3} mm against the program, as by a zero point",
@@ -146,7 +221,7 @@ impl Laid {
 }
 
 /// The track on the path as it is, or else shifted as by a zero point to where most of it fits.
-fn laid(track: Track, path: &Path, toolpath: &Toolpath, tolerance: f64) -> Result<Laid, AlignmentError> {
+fn laid(track: Track, path: &Path, tolerance: f64) -> Result<Laid, AlignmentError> {
     let as_is = match Laid::new(&track, Vector::zeros(), path, tolerance) {
         Ok(laid) if laid.is_accepted(path) => return Ok(laid),
         Err(AlignmentError::StandsStill) => return Err(AlignmentError::StandsStill),
@@ -167,15 +242,9 @@ fn laid(track: Track, path: &Path, toolpath: &Toolpath, tolerance: f64) -> Resul
     if let Some(best) = best {
         return Ok(best);
     }
-    let hint = what_would_fit(&track, toolpath, track.recorded, tolerance);
-    match (as_is, hint) {
-        (Err(error), None) => Err(error),
-        (Err(_), hint) => Err(AlignmentError::OffPath { part: 100.0, hint }),
-        (Ok(laid), hint) => {
-            let part = laid.matched.off_path.max(1.0 - laid.matched.part(path.recorded_length()));
-            Err(AlignmentError::OffPath { part: 100.0 * part, hint })
-        }
-    }
+    let laid = as_is?;
+    let part = laid.matched.off_path.max(1.0 - laid.matched.part(path.recorded_length()));
+    Err(AlignmentError::OffPath { part: 100.0 * part, hint: None })
 }
 
 /// The track shifted by about `shift` (mm), which is improved until it changes little.

@@ -2,7 +2,7 @@
 //!
 //! What is fitted, each where the runs show it: order and constant of the filters, contour tolerance,
 //! rapid feedrate, and the time of each kind of stop; of planners, which have no filters, instead of these the
-//! accelerations of axes (with the junctions of LinuxCNC, `planner`) or what ramps and corners are planned by
+//! accelerations of axes or path and the law of corners (`families`) or what ramps and corners are planned by
 //! (`steps`). The fit is of [`crate::identification::fit`]; what belongs here is the judgement of its result:
 //!
 //! - a parameter that the runs say nothing of, or less than ±`UNKNOWN` of, stays at its value, and the
@@ -17,9 +17,10 @@
 //!   first guess of each. So it is with the other laws there: one that is taken in is not put back. Another family
 //!   must be better by `BETTER_FAMILY` or `BETTER_STEPS`, beside the filters with all laws that they need.
 
+mod families;
 mod laws;
 mod motion;
-mod planner;
+mod rapids;
 mod spindle;
 mod steps;
 mod waits;
@@ -55,6 +56,10 @@ const DOUBTFUL: f64 = 5.0;
 const ROUGHLY: f64 = 3e-3;
 /// Orders of filters tried.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
+
+/// Fits are repeated at the noise they leave while that falls below this part of what it was, so many times at most.
+const LESS_NOISE: f64 = 0.8;
+const MAX_NOISE_ROUNDS: usize = 6;
 
 /// What became of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,13 +173,14 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
     });
     if shows_ramps {
-        let start = planner::guess(machine, &plain, runs, &whitenings);
-        let found = run_fit(&start, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
-        if found.cost < (1.0 - BETTER_FAMILY) * best.cost {
-            // At the noise that the planner leaves, which is less.
-            whitenings = whitened(&found.machine, runs);
-            order = 1;
-            best = run_fit(&found.machine, runs, &parameters(1, &start), &whitenings, ROUGHLY, &mut share);
+        for start in families::guesses(machine, &plain, runs, &whitenings) {
+            let (found, own) = at_own_noise(&start, runs, |machine, whitenings| {
+                run_fit(machine, runs, &parameters(1, machine), whitenings, HARDLY, &mut share)
+            });
+            // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
+            if found.cost < (1.0 - BETTER_FAMILY) * cost_of(&best.machine, runs, &own) {
+                (best, whitenings, order) = (found, own, 1);
+            }
         }
     }
     share.part = 0.03;
@@ -184,9 +190,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         .map(|start| run_fit(start, runs, &parameters(order, start), &whitenings, ROUGHLY, &mut share));
     let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
     if let Some(found) = found.filter(|found| found.cost < (1.0 - BETTER_STEPS) * best.cost) {
-        whitenings = whitened(&found.machine, runs);
-        let all = parameters(order, &found.machine);
-        best = run_fit(&found.machine, runs, &all, &whitenings, ROUGHLY, &mut share);
+        (best, whitenings) = at_own_noise(&found.machine, runs, |machine, whitenings| {
+            run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
+        });
     }
     let all = parameters(order, &best.machine);
     let are_polled = runs.iter().all(|run| polled(run).is_some());
@@ -207,6 +213,21 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         .collect();
     share.part = 0.04;
     let mut last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+    // Of two waits one after another neither is known, but their sum is: what goes back may not contradict it.
+    if best.cost + CONTRADICTED < last.cost {
+        let unknown: Vec<usize> = (0..all.len()).filter(|at| verdicts[*at] == Verdict::Unknown).collect();
+        unknown.iter().for_each(|at| verdicts[*at] = Verdict::Fitted);
+        last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+        for at in unknown.into_iter().rev() {
+            verdicts[at] = Verdict::Unknown;
+            let without = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+            if without.cost < last.cost + CONTRADICTED {
+                last = without;
+            } else {
+                verdicts[at] = Verdict::Fitted;
+            }
+        }
+    }
     // The least contradicted first; what is put back stays there while the others are looked at.
     let mut doubtful: Vec<usize> = (0..all.len())
         .filter(|at| verdicts[*at] == Verdict::Fitted)
@@ -327,6 +348,27 @@ fn with_laws(
         *best = fitted(&best.machine, &whitenings);
     }
     whitenings
+}
+
+/// A fit from a machine at the noise that it leaves, again and again while that falls: at the noise of a wrong law hardly
+/// anything tells the values of the right one. With the noise of the last.
+fn at_own_noise(
+    start: &Machine,
+    runs: &[Run],
+    mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
+) -> (Fit, Vec<Whitening>) {
+    let wander = |whitenings: &[Whitening]| whitenings.iter().map(|own| own.wander).sum::<f64>();
+    let mut whitenings = whitened(start, runs);
+    let mut best = fitted(start, &whitenings);
+    for _ in 1..MAX_NOISE_ROUNDS {
+        let less = whitened(&best.machine, runs);
+        if LESS_NOISE * wander(&whitenings) < wander(&less) {
+            break;
+        }
+        whitenings = less;
+        best = fitted(&best.machine, &whitenings);
+    }
+    (best, whitenings)
 }
 
 /// Progress of one of several fits.

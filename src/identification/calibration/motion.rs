@@ -4,11 +4,14 @@
 //! |---|---|
 //! | filters | time constants, contour tolerance, and of the laws taken in theirs |
 //! | acceleration blends | accelerations of axes, contour tolerance |
+//! | junction deviations | accelerations of axes, the deviation |
+//! | square-corner velocities | accelerations of path and axes, the velocity, minimum cruise ratio |
 //! | steps of velocity | the step, slowing angle, wait for position, path acceleration |
 //!
 //! Jerk along the path, centripetal acceleration and what rapids are run by are freed in all of them, where they are not
 //! neutral. What the machine had before is infinite where it had no such limit.
 
+use crate::identification::calibration::rapids::RapidPlateaus;
 use crate::identification::fit::{Freed, Run, Scale};
 use crate::machine::{Handle, Junction, Machine, TimeConstants};
 
@@ -16,15 +19,21 @@ use crate::machine::{Handle, Junction, Machine, TimeConstants};
 const ACCELERATIONS: [&str; 3] =
     ["axis.x.acceleration_mm_s2", "axis.y.acceleration_mm_s2", "axis.z.acceleration_mm_s2"];
 
+/// The key of the rapid of each axis.
+const RAPIDS: [&str; 3] = ["axis.x.rapid_mm_min", "axis.y.rapid_mm_min", "axis.z.rapid_mm_min"];
+
 /// How far, as a ratio, they may be from what they are in the machine file, or are guessed to be.
 const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
 /// Least and largest time constant, s, and tolerance, mm.
 const CONSTANT_BOUNDS: (f64, f64) = (5e-4, 0.5);
-const TOLERANCE_BOUNDS: (f64, f64) = (2e-4, 1.0);
+const TOLERANCE_BOUNDS: (f64, f64) = (2e-4, 10.0);
 /// Least and largest jerk of positioning and along the path, mm/s³, and acceleration, mm/s².
 const POSITIONING_BOUNDS: (f64, f64) = (5e3, 5e6);
 const JERK_BOUNDS: (f64, f64) = (1e3, 1e6);
 const ACCELERATION_BOUNDS: (f64, f64) = (10.0, 1e5);
+/// Least and largest junction deviation, mm, and minimum cruise ratio.
+const DEVIATION_BOUNDS: (f64, f64) = (1e-5, 5.0);
+const CRUISE_BOUNDS: (f64, f64) = (0.0, 0.95);
 /// Least and largest step of velocity, mm/s, slowing angle, rad, and wait for position, s.
 const STEP_BOUNDS: (f64, f64) = (0.1, 1e3);
 const ANGLE_BOUNDS: (f64, f64) = (0.05, 3.0);
@@ -59,6 +68,9 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
         all.push(from("interpolator.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
     }
     all.extend(limit("interpolator.axis_velocity_step_mm_min", STEP_BOUNDS));
+    all.extend(limit("interpolator.junction_deviation_mm", DEVIATION_BOUNDS));
+    all.extend(limit("interpolator.square_corner_velocity_mm_min", STEP_BOUNDS));
+    all.extend(cruise_ratio(before, guess));
     if has_filters || guess.interpolator.junction == Junction::AccelerationBlend {
         all.extend(limit("interpolator.contour_tolerance_mm", TOLERANCE_BOUNDS));
     }
@@ -76,8 +88,7 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
     }
     all.extend(limit("path.jerk_mm_s3", JERK_BOUNDS));
     if has_rapid {
-        let (own, start) = (before.fastest_rapid(), guess.fastest_rapid());
-        all.push(from("rapid.feed_mm_min", own, start, (0.02 * own, 10.0 * own)));
+        all.extend(rapid_rates(before, guess, runs));
         let own = before.rapid.time_constants.as_ref().unwrap_or(constants);
         let start = guess.rapid.time_constants.as_ref().and_then(constant);
         if let Some((own, start)) = constant(own).zip(start).filter(|_| has_filters) {
@@ -86,6 +97,40 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
         all.extend(limit("rapid.positioning_jerk_mm_s3", POSITIONING_BOUNDS));
     }
     all
+}
+
+/// The rates of rapids, along the path or of axes. Planners have those that plateaus show, and no others.
+fn rapid_rates(before: &Machine, guess: &Machine, runs: &[Run]) -> Vec<(Freed, f64)> {
+    let plateaus = if guess.has_filters() { None } else { RapidPlateaus::of(runs) };
+    let is_seen = |plateau: fn(&RapidPlateaus) -> Option<f64>| {
+        plateaus.as_ref().is_none_or(|all| plateau(all).is_some())
+    };
+    let from = |key: &str, own: f64, start: f64, bounds: (f64, f64)| {
+        (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
+    };
+    let mut all = Vec::new();
+    if guess.rapid.feedrate.is_finite() && is_seen(|all| all.path) {
+        let own = before.fastest_rapid();
+        all.push(from("rapid.feed_mm_min", own, guess.rapid.feedrate, (0.02 * own, 10.0 * own)));
+    }
+    let of_axis: [fn(&RapidPlateaus) -> Option<f64>; 3] =
+        [|all| all.axes[0], |all| all.axes[1], |all| all.axes[2]];
+    for (axis, plateau) in of_axis.into_iter().enumerate() {
+        let start = guess.axes[axis].rapid;
+        if start.is_finite() && is_seen(plateau) {
+            // A machine file that has no rapids of axes has that of all of them.
+            let own = before.axes[axis].rapid.min(before.rapid.feedrate);
+            all.push(from(RAPIDS[axis], own, start, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own)));
+        }
+    }
+    all
+}
+
+/// The minimum cruise ratio of the family that has one.
+fn cruise_ratio(before: &Machine, guess: &Machine) -> Option<(Freed, f64)> {
+    let (own, start) = (before.interpolator.minimum_cruise_ratio, guess.interpolator.minimum_cruise_ratio);
+    let key = Handle::number("interpolator.minimum_cruise_ratio");
+    (0.0 < start).then(|| (Freed::new(key, start, CRUISE_BOUNDS, Scale::Difference), own))
 }
 
 /// The ramp of a spindle that words wait for, with the value it has before.

@@ -20,6 +20,8 @@ const SEARCHED: (f64, f64) = (2.5, 2e-3);
 const WORTH: f64 = 0.35;
 /// And what it takes away be larger than this, by squares, mm.
 const LEAST: f64 = 2e-3;
+/// How many times the form error that calibration left on its own runs a model may leave on others.
+const ELSEWHERE: f64 = 1.5;
 /// Rounds of golden sections, and sections in each.
 const ROUNDS: (usize, usize) = (3, 7);
 /// Parts of a recording that are independent, and the step at which it is seen what each says of a value.
@@ -76,7 +78,7 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     }
     let floor = floor(runs, if whole { WHOLE } else { SEARCHED });
     let before = rms(&forms, machine);
-    if before < floor {
+    if before < floor.max(machine.form_error.map_or(0.0, |left| ELSEWHERE * left)) {
         return Vec::new();
     }
     let mut current = machine.clone();

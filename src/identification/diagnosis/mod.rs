@@ -38,6 +38,7 @@ pub use pulsation::Pulsation;
 pub use regions::{Region, regions};
 pub use rests::feed_holds;
 
+use crate::identification::calibration::calibrate;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::confidence::weighed;
@@ -46,7 +47,7 @@ use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::search::Looked;
 use crate::identification::diagnosis::verdict::Left;
-use crate::identification::effects::{self, Effect, Hypothesis, library};
+use crate::identification::effects::{self, Effect, Hypothesis, Nature, library};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -54,6 +55,10 @@ use crate::machine::Machine;
 const LEAST: f64 = 0.015;
 /// Causes named at most.
 const MOST: usize = 4;
+/// A calibration that leaves more than this part of the lost time explains no more than the machine file.
+const CLEARLY_LESS: f64 = 0.5;
+/// Settings and limits of machine and control that may have changed at once.
+const AT_ONCE: usize = 2;
 /// How often one of them may give way to another.
 const RECONSIDERED: usize = 2;
 /// The part of the time that is taken for finding them first.
@@ -108,6 +113,8 @@ pub struct Diagnosis {
     pub is_of_form: bool,
     /// How the pace rises and falls with time, which nothing in the library does.
     pub pulsation: Option<Pulsation>,
+    /// The machine as it was calibrated from the runs first; `None` where the machine file was right enough.
+    pub calibrated: Option<Machine>,
     /// The machine with the causes.
     pub machine: Machine,
     /// Against the machine believed in, run by run.
@@ -124,8 +131,61 @@ pub struct Diagnosis {
     pub messages: Vec<String>,
 }
 
-/// Diagnoses runs against the machine believed in. `progress` is told the part that is done.
+/// What a machine leaves unexplained of runs that it was calibrated on: the error of the model itself, which is no cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModelError {
+    /// Lost time by region, nothing set off, as a part of the recorded time.
+    pub unexplained_time: f64,
+    /// Root mean square distance of recorded from simulated positions at equal times, mm; `None` without positions.
+    pub form: Option<f64>,
+}
+
+impl ModelError {
+    /// Of a machine on the runs that it was calibrated on.
+    pub fn of(machine: &Machine, runs: &[Run]) -> ModelError {
+        let compared = compared(machine, runs);
+        let recorded: f64 = compared.iter().map(|comparison| comparison.whole.recorded).sum();
+        let left = regions::left(&compared, &located(&compared, runs, machine), runs);
+        ModelError { unexplained_time: left / recorded.max(1e-9), form: form::error(machine, runs) }
+    }
+}
+
+/// Diagnoses runs against the machine believed in. A machine that was never calibrated, and of which one or two causes do
+/// not explain the runs, is another machine than its file says: it is calibrated from the runs first. `progress` is told
+/// the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
+    let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
+    if machine.cycle_time_error.is_some() || as_it_is.verdict != Verdict::Unknown || as_it_is.is_of_form {
+        progress(1.0);
+        return as_it_is;
+    }
+    let mut calibrated = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part)).machine;
+    let error = ModelError::of(&calibrated, runs);
+    (calibrated.unexplained_time, calibrated.form_error) = (Some(error.unexplained_time), error.form);
+    let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
+    progress(1.0);
+    if CLEARLY_LESS * as_it_is.left.0 < own.left.0 {
+        return as_it_is;
+    }
+    let message = "the machine file does not describe this machine: it was calibrated from the recording first, and what \
+                   that changed is no cause";
+    Diagnosis {
+        before: as_it_is.before,
+        form: as_it_is.form.zip(own.form).map(|(before, after)| (before.0, after.1)),
+        messages: [message.to_string()].into_iter().chain(own.messages).collect(),
+        calibrated: Some(calibrated),
+        ..own
+    }
+}
+
+/// Diagnoses runs against the machine believed in, whatever it leaves. Where it was calibrated from the runs, `file` is the
+/// machine as it was before.
+fn diagnose_as_it_is(
+    machine: &Machine,
+    file: Option<&Machine>,
+    runs: &[Run],
+    progress: &mut dyn FnMut(f64),
+) -> Diagnosis {
     let mut library = library(machine, runs);
     let not_excited = not_excited(&library);
     // Drives come first where they explain the form of the path whole: they also blur its times. At times as they
@@ -157,7 +217,8 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         alike: Vec::new(),
         held_out: None,
     }));
-    let accounts = accounted(machine, &mut causes, runs, &after);
+    let steps = file.map_or((machine, None), |file| (file, Some(machine)));
+    let accounts = accounted(steps, &mut causes, runs, &after);
     let (regions, rest) = (located(&before, runs, machine), located(&after, runs, &fitted));
     let seconds = regions::left(&after, &rest, runs);
     // Where drives explain the form of the path whole, nothing is missing in time.
@@ -180,6 +241,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
         accounts,
         regions,
         pulsation,
+        calibrated: None,
         machine: fitted,
         before,
         after,
@@ -218,6 +280,10 @@ impl InTime {
         let (read_off, mut named) = read_off::read_off(start, &looked, library);
         let base = with_all(start, &candidates(&read_off));
         for round in 0..MOST {
+            // What the model itself may be off by is looked no cause for: any would only imitate it.
+            if !asks(start, &with_all(&base, &candidates(&named)), runs, !named.is_empty()) {
+                break;
+            }
             let mut progress = |part| progress(FIRST * (round as f64 + part) / MOST as f64);
             let Some(all) = search::with_next(&base, &looked, library, &named, &mut progress) else { break };
             named = all;
@@ -241,6 +307,7 @@ impl InTime {
             named.clear();
             pulsation = seen(&base);
         }
+        let named = without_story(start, &base, runs, named);
         InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation }
     }
 
@@ -263,11 +330,52 @@ impl InTime {
     }
 }
 
+/// Whether what a machine leaves of the runs asks for a cause, or for another one.
+fn asks(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
+    let left = |machine: &Machine| {
+        let compared = compared(machine, runs);
+        (regions::left(&compared, &located(&compared, runs, machine), runs), compared)
+    };
+    let (after, compared) = left(machine);
+    // A machine file without a calibration is taken at its word.
+    if believed.cycle_time_error.is_none() && !is_beside {
+        let whole: f64 = compared.iter().map(|comparison| comparison.whole.recorded).sum();
+        return LEAST.max(search::SIZE * whole) < after;
+    }
+    let before = if is_beside { left(believed).0 } else { after };
+    Left::of(believed, (before, after), None, &compared).asks(is_beside)
+}
+
+/// The causes without those that lie in machine and control, where these make a story: more of them than change at once,
+/// or much left beside them. A part of something unknown has no name.
+fn without_story(
+    start: &Machine,
+    base: &Machine,
+    runs: &[Run],
+    mut named: Vec<AcceptedCause>,
+) -> Vec<AcceptedCause> {
+    let is_of_machine = |cause: &AcceptedCause| {
+        let effect = cause.candidate.hypothesis.effect;
+        matches!(effect.nature, Nature::Limit | Nature::Setting)
+    };
+    let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
+    let leaves_much = || asks(start, &with_all(base, &candidates(&named)), runs, true);
+    if AT_ONCE < of_machine || 0 < of_machine && leaves_much() {
+        named.retain(|cause| !is_of_machine(cause));
+    }
+    named
+}
+
 /// The accounts of the runs. The causes, given as they act, get their seconds and are put in order, the one that
 /// explains most first.
-fn accounted(machine: &Machine, causes: &mut Vec<Cause>, runs: &[Run], after: &[Comparison]) -> Vec<Account> {
+fn accounted(
+    (believed, calibrated): (&Machine, Option<&Machine>),
+    causes: &mut Vec<Cause>,
+    runs: &[Run],
+    after: &[Comparison],
+) -> Vec<Account> {
     let acting: Vec<Candidate> = causes.iter().map(|cause| cause.candidate.clone()).collect();
-    let accounts = accounts(&Steps { believed: machine, calibrated: None, causes: &acting }, runs, after);
+    let accounts = accounts(&Steps { believed, calibrated, causes: &acting }, runs, after);
     for (cause, (_, seconds)) in causes.iter_mut().zip(Account::together(&accounts).causes) {
         cause.seconds = seconds;
     }

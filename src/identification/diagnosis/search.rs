@@ -27,7 +27,7 @@ use crate::identification::fit::{Run, Scale};
 use crate::machine::Machine;
 
 /// What a cause must explain, as a part of the cycle time.
-const SIZE: f64 = 3e-4;
+pub const SIZE: f64 = 3e-4;
 /// What a further cause must explain, as a part of what those before it do.
 const BESIDE: f64 = 0.02;
 /// What a cause moves back and forth counts by this part.
@@ -173,7 +173,12 @@ fn priced(runs: &[Run], together: &[&Candidate]) -> f64 {
 
 /// The price of all parameters of these causes.
 fn prices<'a>(runs: &[Run], causes: impl Iterator<Item = &'a Candidate>) -> f64 {
-    causes.map(|candidate| gates::price(runs, candidate.values.len())).sum()
+    causes.map(|candidate| price(runs, candidate)).sum()
+}
+
+/// The price of a cause: of its parameters, and of how rare it is.
+fn price(runs: &[Run], candidate: &Candidate) -> f64 {
+    gates::price(runs, candidate.values.len()) + candidate.hypothesis.effect.rarity
 }
 
 /// Of the pair that is best, and better than the best alone, the better one comes first.
@@ -208,7 +213,7 @@ fn passed(
 ) -> Option<(AcceptedCause, Vec<Candidate>)> {
     let runs = looked.runs;
     let current = &with_all(base, before);
-    let price = gates::price(runs, candidate.values.len());
+    let price = price(runs, candidate);
     if fine.cost(current) - candidate.cost <= price {
         return None;
     }

@@ -22,8 +22,16 @@ use crate::machine::Machine;
 const LEFT: f64 = 2e-3;
 /// What is left of what there was, from which on it is not explained.
 const MUCH: f64 = 0.25;
+/// How many times what calibration left on its own runs a model may leave on others.
+const ELSEWHERE: f64 = 1.5;
 /// A confidence from which on a cause is certain.
 const CERTAIN: f64 = 0.9;
+
+/// What the machine file is known to be off by, as a part of the time.
+fn known_error(machine: &Machine) -> f64 {
+    let net = machine.cycle_time_error.map_or(0.0, f64::abs);
+    net.max(machine.unexplained_time.map_or(0.0, |left| ELSEWHERE * left))
+}
 
 /// Lost time that causes leave.
 pub struct Left {
@@ -50,7 +58,7 @@ impl Left {
         compared: &[Comparison],
     ) -> Left {
         let whole = compared.iter().map(|comparison| comparison.whole.recorded).sum();
-        let known = machine.cycle_time_error.map_or(0.0, f64::abs);
+        let known = known_error(machine);
         Left { before, after, whole, known, pulsation, is_off_in_form: false }
     }
 
@@ -63,20 +71,20 @@ impl Left {
         self.after <= self.known * self.whole
     }
 
-    fn is_much_beside(&self, causes: &[Cause]) -> bool {
-        !causes.is_empty() && MUCH * self.before < self.after
+    fn is_much_beside(&self, is_beside: bool) -> bool {
+        is_beside && MUCH * self.before < self.after
     }
 
-    /// Whether it asks for a cause.
-    pub fn asks(&self, causes: &[Cause]) -> bool {
+    /// Whether it asks for a cause, or, beside others, for a further one.
+    pub fn asks(&self, is_beside: bool) -> bool {
         let is_seen = LEAST < self.after && !self.is_known();
-        let is_much = self.is_much_beside(causes) || LEFT * self.whole < self.after;
+        let is_much = self.is_much_beside(is_beside) || LEFT * self.whole < self.after;
         self.pulsation.is_some() || is_seen && is_much
     }
 
     /// Whether nothing but the form of the path asks for a cause.
     pub fn is_of_form(&self, causes: &[Cause]) -> bool {
-        causes.is_empty() && self.is_off_in_form && !self.asks(causes)
+        causes.is_empty() && self.is_off_in_form && !self.asks(false)
     }
 
     /// The verdict, of time that is looked for a cause of.
@@ -88,13 +96,13 @@ impl Left {
         };
         let sure = causes.iter().filter(is_done).filter(|cause| CERTAIN <= cause.confidence);
         let by_operator: f64 = sure.map(|cause| cause.seconds.abs()).sum();
-        match (causes.is_empty(), self.asks(causes)) {
+        match (causes.is_empty(), self.asks(!causes.is_empty())) {
             (true, true) => Verdict::Unknown,
             (true, false) if self.is_of_form(causes) => Verdict::Unknown,
             (true, false) => Verdict::NothingMissing,
             _ if causes.iter().any(|cause| !cause.alike.is_empty()) => Verdict::Ambiguous,
             (false, true) if self.pulsation.is_some() => Verdict::Unknown,
-            (false, true) if by_operator < self.after && self.is_much_beside(causes) => Verdict::Unknown,
+            (false, true) if by_operator < self.after && self.is_much_beside(true) => Verdict::Unknown,
             _ => Verdict::Explained,
         }
     }
@@ -102,7 +110,7 @@ impl Left {
     /// What to know of it, for people.
     pub fn message(&self, causes: &[Cause]) -> Option<String> {
         let Left { after, known, .. } = self;
-        if self.asks(causes) && !causes.is_empty() {
+        if !causes.is_empty() && self.asks(true) {
             Some(format!("{after:.2} s of lost time are left that nothing in the library explains"))
         } else if LEFT * self.whole < *after && self.is_known() {
             Some(format!(

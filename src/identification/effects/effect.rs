@@ -53,6 +53,8 @@ pub struct Row {
     pub nature: Nature,
     /// Who brings it about.
     pub origin: Origin,
+    /// How much rarer it is than what is met most, as a price in cost: twice the logarithm of the odds.
+    pub rarity: f64,
     /// What vendors call the setting; may be empty.
     pub vendors: &'static str,
     /// Why no program brings it out, and what to do instead; `None` where a program does.

@@ -8,7 +8,7 @@ use crate::identification::effects::report::{
     ACCELERATION, AT, AXIS, CONTOUR_TOLERANCE, JERK, PLANNER, RAPID, Reported, TIME_CONSTANT, VELOCITY,
 };
 use crate::identification::fit::{Freed, Run, Scale};
-use crate::machine::{AXES, Handle, Junction, Machine, TimeConstants};
+use crate::machine::{AXES, Handle, Junction, Machine, Planner, TimeConstants};
 use crate::units::mm_per_min;
 
 /// Jerks along the path tried first, mm/s³.
@@ -45,8 +45,13 @@ pub fn axis_accelerations(effect: Effect, context: &Context) -> Vec<Hypothesis> 
 /// Another family of controls: no filters, trapezoids within the acceleration of the axes.
 fn planner(effect: Effect, by_axis: bool) -> Hypothesis {
     let handle = Handle::row("interpolator.junction_rule");
-    let freed = Freed::new(handle, 500.0, (10.0, 1e5), Scale::Ratio)
-        .with(move |machine, value| machine.become_planner(value, by_axis));
+    let freed = Freed::new(handle, 500.0, (10.0, 1e5), Scale::Ratio).with(move |machine, value| {
+        machine.become_planner(Planner::AccelerationBlend, value);
+        if by_axis {
+            machine.axes.iter_mut().for_each(|axis| axis.rapid = axis.rapid.min(machine.rapid.feedrate));
+            machine.rapid.feedrate = f64::INFINITY;
+        }
+    });
     let variant =
         if by_axis { "planner of trapezoids" } else { "planner of trapezoids, rapid along the path" };
     let report = |value| {

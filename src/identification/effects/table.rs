@@ -7,6 +7,11 @@ use crate::identification::effects::effect::{Context, Effect, Hypothesis, Nature
 use crate::identification::effects::report::{self as of, Finding, three_digits};
 use crate::identification::effects::{corners, drives, filters, limits, overrides, stops, supply};
 
+/// Rarity of what changes only with the software of the control: once where settings and switches change twenty times.
+const OF_SOFTWARE: f64 = 6.0;
+/// Rarity of a clock that is off by more than quartz is, 2e-4: it is built in, and nobody sets it.
+const OF_CLOCKS: f64 = 6.0;
+
 /// Declares the effects with their rows.
 macro_rules! effects {
     ($($(#[$doc:meta])* $name:ident { $($row:tt)* })*) => {
@@ -27,6 +32,7 @@ const USUAL: Row = Row {
     id: "",
     nature: Nature::Setting,
     origin: Origin::Machine,
+    rarity: 0.0,
     vendors: "",
     unprovoked: None,
     offered: none,
@@ -100,7 +106,7 @@ effects! {
     }
     /// There are more or fewer filters.
     FILTER_ORDER {
-        id: "filter_order", offered: filters::orders,
+        id: "filter_order", rarity: OF_SOFTWARE, offered: filters::orders,
         vendors: "AX_JERK_MODE (Siemens MD32402), triangle or HSC filter (Heidenhain)",
         sentence: |f| format!(
             "The control filters {} times, not as often as the machine file says{}.", f.number(of::FILTERS), f.costs()
@@ -123,7 +129,7 @@ effects! {
     }
     /// Another law limits the feedrate at corners.
     JUNCTION_RULE {
-        id: "junction_rule", offered: corners::junctions,
+        id: "junction_rule", rarity: OF_SOFTWARE, offered: corners::junctions,
         vendors: "$11 (grbl), square_corner_velocity (Klipper), No. 1783 (Fanuc)",
         sentence: |f| format!(
             "Corners follow another rule, {} of {}{}.",
@@ -149,19 +155,19 @@ effects! {
     }
     /// No block is run in less time.
     BLOCK_PROCESSING_TIME {
-        id: "block_processing_time", offered: supply::block_times,
+        id: "block_processing_time", rarity: OF_SOFTWARE, offered: supply::block_times,
         vendors: "block cycle time",
         sentence: |f| format!("The control needs {} s for every block{}.", f.number(of::SECONDS), f.costs()),
     }
     /// The control sees a number of blocks ahead.
     LOOK_AHEAD {
-        id: "look_ahead", offered: supply::look_aheads,
+        id: "look_ahead", rarity: OF_SOFTWARE, offered: supply::look_aheads,
         vendors: "look-ahead buffer, G103 P (Haas), BLOCK_BUFFER_SIZE (grbl)",
         sentence: |f| format!("The control looks {} blocks ahead{}.", f.number(of::BLOCKS), f.costs()),
     }
     /// The control merges short blocks or rounds corners.
     PATH_SMOOTHING {
-        id: "path_smoothing", offered: corners::smoothings,
+        id: "path_smoothing", rarity: OF_SOFTWARE, offered: corners::smoothings,
         vendors: "COMPCAD (Siemens), G5.1 Q1 (Fanuc), G64 Q (LinuxCNC)",
         sentence: |f| {
             let does = if f.get(of::AT).is_some() { "rounds corners" } else { "merges short blocks" };
@@ -250,7 +256,7 @@ effects! {
     }
     /// The recorder's clock is fast or slow.
     RECORDER_CLOCK {
-        id: "recorder_clock", nature: Nature::Switch, origin: Origin::Recorder, offered: overrides::recorder_clock,
+        id: "recorder_clock", rarity: OF_CLOCKS, nature: Nature::Switch, origin: Origin::Recorder, offered: overrides::recorder_clock,
         sentence: |f| format!("The recorder's clock runs at {} of the true rate.", f.number(of::RATIO)),
     }
     /// The recording is of another program.

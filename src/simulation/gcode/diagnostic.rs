@@ -4,7 +4,6 @@
 //! which bounds the list: a million bad lines make a few hundred messages and one count.
 
 use crate::simulation::gcode::{Cause, Doubt, Effect, LineNumber};
-use std::collections::HashMap;
 use std::fmt::Display;
 use std::mem::{Discriminant, discriminant};
 
@@ -33,7 +32,7 @@ pub struct Diagnostic {
 }
 
 /// Where in the program a remark belongs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
     /// Line of the program.
     pub line: LineNumber,
@@ -80,8 +79,8 @@ pub struct Remarks<R> {
     /// How often each kind came up, and where in the list its first unlisted one stands.
     kinds: Vec<(Discriminant<R>, usize, usize)>,
     said_once: Vec<R>,
-    /// Those of the list by their places, with how often each came up.
-    listed: HashMap<Place, Vec<Listed<R>>>,
+    /// Those of the list by ascending place, with how often each came up.
+    listed: Vec<Listed<R>>,
     /// How many blocks or segments come before what is looked at.
     after: usize,
     /// What the remarks leave in doubt, in order; unlike the list, all of it.
@@ -91,6 +90,7 @@ pub struct Remarks<R> {
 /// A remark of the list.
 #[derive(Debug)]
 struct Listed<R> {
+    place: Place,
     remark: R,
     index: usize,
     times: usize,
@@ -102,7 +102,7 @@ impl<R> Default for Remarks<R> {
             diagnostics: Vec::new(),
             kinds: Vec::new(),
             said_once: Vec::new(),
-            listed: HashMap::new(),
+            listed: Vec::new(),
             after: 0,
             doubts: Vec::new(),
         }
@@ -122,9 +122,9 @@ impl<R: Remark> Remarks<R> {
             }
             return;
         }
-        let at_place = self.listed.get_mut(&place);
-        let known = at_place.and_then(|listed| listed.iter_mut().find(|listed| listed.remark == remark));
-        if let Some(known) = known {
+        let next = self.listed.partition_point(|listed| listed.place <= place);
+        let mut at_place = self.listed[..next].iter_mut().rev().take_while(|listed| listed.place == place);
+        if let Some(known) = at_place.find(|listed| listed.remark == remark) {
             known.times += 1;
             return;
         }
@@ -141,8 +141,7 @@ impl<R: Remark> Remarks<R> {
         if *seen <= LISTED + 1 {
             let index = self.diagnostics.len();
             self.list(place, &remark);
-            let listed = self.listed.entry(place).or_default();
-            listed.push(Listed { remark, index, times: 1 });
+            self.listed.insert(next, Listed { place, remark, index, times: 1 });
         }
     }
 
@@ -179,9 +178,7 @@ impl<R: Remark> Remarks<R> {
 
     /// The list in line order, with one line for those of a kind that were too many.
     pub fn finish(mut self) -> Vec<Diagnostic> {
-        for Listed { index, times, .. } in
-            self.listed.into_values().flatten().filter(|listed| 1 < listed.times)
-        {
+        for Listed { index, times, .. } in self.listed.into_iter().filter(|listed| 1 < listed.times) {
             self.diagnostics[index].message += &format!(" ({times} times)");
         }
         for (_, seen, first_unlisted) in self.kinds {

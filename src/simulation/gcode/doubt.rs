@@ -162,11 +162,14 @@ fn is_lost_address(text: &[u8], at: usize) -> bool {
 /// Whether the letter at `at` is an address: alone, or before a number.
 fn is_address(text: &[u8], at: usize) -> bool {
     let is_letter = |at: usize| text.get(at).is_some_and(u8::is_ascii_alphabetic);
-    let is_last = is_letter(at) && !is_letter(at + 1);
+    // What follows is looked at behind letters alone: a line may be a million blanks.
+    if !is_letter(at) || is_letter(at + 1) {
+        return false;
+    }
     let is_alone = at == 0 || !is_letter(at - 1);
     let rest = text.get(at + 1..).unwrap_or_default().trim_ascii_start();
     let is_number = rest.first().is_some_and(|sign| matches!(sign, b'0'..=b'9' | b'.' | b'+' | b'-'));
-    is_last && (is_alone || is_number)
+    is_alone || is_number
 }
 
 /// What a G word may be by the text behind its letter: without a number a motion word.

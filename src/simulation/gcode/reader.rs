@@ -48,7 +48,7 @@ pub fn read(bytes: &[u8]) -> Program {
 
 /// Reads a program.
 pub fn read_with(bytes: &[u8], options: &Options) -> Program {
-    let mut parts = Parts::new(bytes, options);
+    let mut parts = Parts::by(bytes, options, |dialect| Some(line_reader(dialect))).expect("all are read");
     if parts.read_on(FIRST_LINES) {
         parts.make_room();
         parts.read_on(u32::MAX);
@@ -68,12 +68,22 @@ pub struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Nothing of the program is read yet.
-    pub fn new(bytes: &'a [u8], options: &'a Options) -> Parts<'a> {
+    /// Nothing of the program is read yet; none in a dialect whose programs hardly ever go straight on.
+    pub fn new(bytes: &'a [u8], options: &'a Options) -> Option<Parts<'a>> {
+        Parts::by(bytes, options, straight_line_reader)
+    }
+
+    /// The same, where there is a reader of the dialect's lines.
+    fn by(
+        bytes: &'a [u8],
+        options: &'a Options,
+        reader_of: impl Fn(Dialect) -> Option<LineReader>,
+    ) -> Option<Parts<'a>> {
         let (text, is_utf16) = encoding::text(bytes);
         let (text, dash) = encoding::in_plain_signs(text);
-        let reader = Reader::new(options, &text);
-        Parts { text, is_utf16, dash, read: 0, reader }
+        let dialect = options.dialect.unwrap_or_else(|| detect(&text));
+        let reader = Reader::new(options, dialect, reader_of(dialect)?);
+        Some(Parts { text, is_utf16, dash, read: 0, reader })
     }
 
     /// Reads the next part of so many lines, and forgets words and blocks of the one before; false at the end of
@@ -182,8 +192,30 @@ const MOST_TEXTS: usize = 100_000;
 /// After so many lines it is known what the others need.
 const FIRST_LINES: u32 = 2_000;
 
+/// Reads one line by the rules of a dialect. Handed over as a function, so that a module that reads nothing of a
+/// dialect does not carry its reader.
+type LineReader = fn(&mut Reader, &[u8], &mut Line) -> Result<(), Refusal>;
+
+/// Of the dialects whose programs may go straight on. Heidenhain's have parameters, cycles or labels nearly always.
+fn straight_line_reader(dialect: Dialect) -> Option<LineReader> {
+    match dialect {
+        Dialect::Klartext | Dialect::HeidenhainIso => None,
+        Dialect::Siemens => Some(|reader, text, line| reader.siemens_line(text, line)),
+        _ => Some(|reader, text, line| reader.iso_line(text, line)),
+    }
+}
+
+/// Of all dialects.
+fn line_reader(dialect: Dialect) -> LineReader {
+    straight_line_reader(dialect).unwrap_or(match dialect {
+        Dialect::Klartext => |reader, text, line| reader.klartext_line(text, line),
+        _ => |reader, text, line| reader.heidenhain_iso_line(text, line),
+    })
+}
+
 pub(super) struct Reader<'a> {
     pub(super) options: &'a Options,
+    read_line: LineReader,
     pub(super) line: LineNumber,
     pub(super) program: Program,
     pub(super) names: Names,
@@ -208,10 +240,10 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(options: &'a Options, text: &[u8]) -> Reader<'a> {
-        let dialect = options.dialect.unwrap_or_else(|| detect(text));
+    fn new(options: &'a Options, dialect: Dialect, read_line: LineReader) -> Reader<'a> {
         Reader {
             options,
+            read_line,
             line: LineNumber(0),
             program: Program { dialect, arc_centers: options.arc_centers, ..Program::default() },
             names: Names::default(),
@@ -342,12 +374,7 @@ impl<'a> Reader<'a> {
         let mut line = Line::default();
         self.remarks.look_behind(self.index() as usize);
         let known_doubts = self.remarks.doubts.len();
-        let outcome = match self.program.dialect {
-            Dialect::Siemens => self.siemens_line(text, &mut line),
-            Dialect::HeidenhainIso => self.heidenhain_iso_line(text, &mut line),
-            Dialect::Klartext => self.klartext_line(text, &mut line),
-            _ => self.iso_line(text, &mut line),
-        };
+        let outcome = (self.read_line)(self, text, &mut line);
         if let Err((remark, columns)) = outcome.and_then(|()| self.check_length()) {
             self.drop_block();
             if remark.doubt().is_none() {

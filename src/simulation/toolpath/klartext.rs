@@ -37,7 +37,7 @@ use crate::simulation::toolpath::remark::{Code, Untraced};
 use crate::simulation::toolpath::trace::{Family, Tracer};
 use crate::simulation::toolpath::turning::Sign;
 use crate::simulation::toolpath::words::Mode;
-use crate::simulation::toolpath::{Point, StopCause, Vector};
+use crate::simulation::toolpath::{Curve, Point, StopCause, Vector};
 use crate::units::MM_PER_INCH;
 use std::collections::BTreeMap;
 
@@ -80,17 +80,41 @@ const SILENT: &[u32] = &[
     150, 197,
 ];
 
+/// What is done otherwise in Heidenhain programs. Handed over as functions, so that a module that runs none of them does
+/// not carry what they need.
+pub(super) struct Heidenhain {
+    /// Runs one block.
+    pub(super) block: fn(&mut Tracer, Block),
+    /// Takes notice of a move before it is made.
+    pub(super) before_move: fn(&mut Tracer, Point, &Curve, f64),
+    /// Does what is left at the end of the program.
+    pub(super) end: fn(&mut Tracer),
+}
+
+impl Heidenhain {
+    /// What holds for a dialect; none for those of other controls.
+    pub(super) fn of(dialect: Dialect) -> Option<Heidenhain> {
+        matches!(dialect, Dialect::Klartext | Dialect::HeidenhainIso).then_some(Heidenhain {
+            block: |tracer, block| tracer.klartext_block(block),
+            before_move: |tracer, end, curve, length| tracer.klartext_before_move(end, curve, length),
+            end: |tracer| {
+                tracer.run_pattern();
+                tracer.settle_approach();
+            },
+        })
+    }
+}
+
 impl Tracer<'_> {
     pub(super) fn is_heidenhain(&self) -> bool {
-        matches!(self.dialect, Dialect::Klartext | Dialect::HeidenhainIso)
+        self.heidenhain.is_some()
     }
 
     pub(super) fn remark(&mut self, place: Place, remark: KlartextRemark) {
         self.remarks.add(place, Untraced::Klartext(remark));
     }
 
-    /// Runs one block.
-    pub(super) fn klartext_block(&mut self, block: Block) {
+    fn klartext_block(&mut self, block: Block) {
         self.given.clear();
         let mut name = "";
         for word in block.words {
@@ -291,14 +315,6 @@ impl Tracer<'_> {
             109 => Some(self.modal.plane.axes()[2] as f64),
             113 => Some(if self.modal.unit == MM_PER_INCH { 1.0 } else { 0.0 }),
             _ => None,
-        }
-    }
-
-    /// What is left to do at the end of the program.
-    pub(super) fn end_klartext(&mut self) {
-        if self.is_heidenhain() {
-            self.run_pattern();
-            self.settle_approach();
         }
     }
 

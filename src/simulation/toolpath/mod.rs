@@ -75,7 +75,7 @@ pub use motion::ASSUMED_FEEDRATE;
 pub use operations::{MOST_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
 pub use segments::Segments;
-pub use straight::{trace_straight, trace_text};
+pub use straight::{LINES_OF_A_PART, trace_straight, trace_text};
 pub use trace::{trace, trace_within};
 
 use crate::machine::Spin;

@@ -337,7 +337,9 @@ impl Tracer<'_> {
             self.turn_alone(block, motion == Motion::Rapid);
             return;
         }
-        self.klartext_before_move(end, &curve, length);
+        if let Some(before_move) = self.heidenhain.as_ref().map(|own| own.before_move) {
+            before_move(self, end, &curve, length);
+        }
         let (start, exact_stop, line) = (self.position, self.exact_stop, block.line);
         let rotation = self.turned_along().map_or(Rotation::NONE, Rotation::from);
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, line };

@@ -17,7 +17,7 @@ use crate::simulation::toolpath::center::Centers;
 use crate::simulation::toolpath::trace::{Tracer, trace};
 
 /// Lines of a part: what is read of them stays near the processor until it is run.
-const LINES_OF_A_PART: u32 = 1_000;
+pub const LINES_OF_A_PART: u32 = 1_000;
 
 /// Reads a program and runs it on the geometry of `machine`; the text is given back before a path takes room beside
 /// all its words.
@@ -47,9 +47,9 @@ fn run_straight<'a>(
     lines: u32,
     centers: Option<Centers>,
 ) -> Option<(Tracer<'a>, Program)> {
-    let mut parts = Parts::new(text, options);
+    let mut parts = Parts::new(text, options)?;
     let dialect = parts.part().dialect;
-    if matches!(dialect, Dialect::Klartext | Dialect::HeidenhainIso) || goes_back_at_its_end(text, dialect) {
+    if goes_back_at_its_end(text, dialect) {
         return None;
     }
     parts.next_part(lines);
@@ -103,7 +103,12 @@ const END: usize = 1_000;
 fn goes_back_at_its_end(text: &[u8], dialect: Dialect) -> bool {
     let end = &text[text.len().saturating_sub(END)..];
     let whole_lines = end.iter().position(|byte| *byte == b'\n').map_or(end, |at| &end[at..]);
-    !read_with(whole_lines, &Options { dialect: Some(dialect), ..Options::default() }).flow.is_empty()
+    let options = Options { dialect: Some(dialect), ..Options::default() };
+    let read = Parts::new(whole_lines, &options).map(|mut parts| {
+        parts.next_part(u32::MAX);
+        parts.finish()
+    });
+    read.is_some_and(|end| !end.flow.is_empty())
 }
 
 #[cfg(test)]

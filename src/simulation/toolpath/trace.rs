@@ -13,7 +13,7 @@ use crate::simulation::toolpath::feed_mode::Feed;
 use crate::simulation::toolpath::frame::{Frame, Polar};
 use crate::simulation::toolpath::functions::Functions;
 use crate::simulation::toolpath::increment::Points;
-use crate::simulation::toolpath::klartext::Klartext;
+use crate::simulation::toolpath::klartext::{Heidenhain, Klartext};
 use crate::simulation::toolpath::motion::has_dwell_by_feed;
 use crate::simulation::toolpath::own::{self, OwnState};
 use crate::simulation::toolpath::parameters::{Parameters, Values};
@@ -48,6 +48,7 @@ pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) 
 /// Runs all blocks of `program`.
 fn run<'a>(program: &Program, machine: &'a Machine, most_repeated: usize, centers: Centers) -> Tracer<'a> {
     let mut tracer = Tracer::new(machine, program, centers);
+    tracer.heidenhain = Heidenhain::of(program.dialect);
     let mut parameters = Parameters::new(program.dialect);
     tracer.compensation.known.hear(&program.comments);
     tracer.look_for_points(program);
@@ -185,6 +186,7 @@ pub(super) struct Tracer<'a> {
     pub(super) own: OwnState,
     pub(super) spline: SplineState,
     pub(super) klartext: Klartext,
+    pub(super) heidenhain: Option<Heidenhain>,
     /// Ask for a full stop at the end of the block's moves.
     pub(super) exact_stop: bool,
     /// As long as nothing else is run than plain blocks; none where it is to be looked for.
@@ -233,6 +235,7 @@ impl<'a> Tracer<'a> {
             own: OwnState::default(),
             spline: SplineState::default(),
             klartext: Klartext::default(),
+            heidenhain: None,
             exact_stop: false,
             plain: None,
             functions: Functions::default(),
@@ -261,7 +264,9 @@ impl<'a> Tracer<'a> {
     /// The toolpath, once all blocks of the program are run.
     pub(super) fn finish(mut self, program: &Program) -> Toolpath {
         self.forget_nurbs();
-        self.end_klartext();
+        if let Some(end) = self.heidenhain.as_ref().map(|own| own.end) {
+            end(&mut self);
+        }
         self.end_contour();
         self.find_operations(&program.comments);
         self.remarks.look_behind(self.toolpath.segments.len());
@@ -283,8 +288,8 @@ impl<'a> Tracer<'a> {
     }
 
     fn run_block(&mut self, block: Block) {
-        if self.is_heidenhain() {
-            return self.klartext_block(block);
+        if let Some(block_of_heidenhain) = self.heidenhain.as_ref().map(|own| own.block) {
+            return block_of_heidenhain(self, block);
         }
         if self.plain_block(block) {
             return;

@@ -140,15 +140,7 @@ impl Tracer<'_> {
     }
 
     /// Takes notice of a move before it is made: it tells an approach where to go.
-    pub(in crate::simulation::toolpath) fn klartext_before_move(
-        &mut self,
-        end: Point,
-        curve: &Curve,
-        length: f64,
-    ) {
-        if !self.is_heidenhain() {
-            return;
-        }
+    pub(super) fn klartext_before_move(&mut self, end: Point, curve: &Curve, length: f64) {
         let segment = Segment {
             start: self.position,
             end,

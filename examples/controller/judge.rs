@@ -1,0 +1,272 @@
+//! The judge: asks the tool under test about every recording of a folder, and holds what it says against the answers.
+//!
+//! Each machine is calibrated on the clean run of one program, from a preset and nothing else. With that machine file
+//! the clean run itself is diagnosed, and so are the runs with a change and the clean runs of the other programs of the
+//! same machine, whose cycle times are predicted too.
+//!
+//! What can be seen is laid down here, before anything is run: a change counts as visible where it changes the time of
+//! the run by [`VISIBLE_SHARE`] and [`VISIBLE_S`], or bends the recorded path by [`VISIBLE_MM`].
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use serde_json::{Value, json};
+use truefeed::machine::presets;
+use truefeed::project::toml_from_machine;
+
+use crate::changes;
+use crate::figures;
+use crate::names::{is_right, is_right_id};
+use crate::trial::ask;
+use crate::{Refusal, side_by_side};
+
+/// Of the time of the clean run.
+const VISIBLE_SHARE: f64 = 0.003;
+/// Of the time of the run, s.
+const VISIBLE_S: f64 = 0.1;
+/// Of the recorded path, mm.
+const VISIBLE_MM: f64 = 0.01;
+
+/// What is judged, and how.
+pub struct Bench {
+    pub truefeed: PathBuf,
+    /// The machine file to begin with; the preset of the project where none is given.
+    pub preset: Option<PathBuf>,
+    /// Trials at a time.
+    pub jobs: usize,
+}
+
+/// One diagnosis that is asked for.
+struct Trial<'a> {
+    /// The program whose clean run the machine file is calibrated on.
+    of: &'a str,
+    /// The program that was run.
+    program: &'a Value,
+    /// The recording of it.
+    file: String,
+    /// What is concealed in it.
+    change: Option<&'a Value>,
+}
+
+/// Asks about everything in `folder`, prints the figures and writes them to `reports`.
+pub fn score(bench: &Bench, folder: &Path, reports: &Path) -> Result<(), Refusal> {
+    let answers: Value = serde_json::from_slice(&std::fs::read(folder.join("answers.json"))?)?;
+    let programs = answers["programs"].as_array().ok_or("the answers name no programs")?;
+    let preset = reports.join("preset.toml");
+    std::fs::create_dir_all(reports)?;
+    std::fs::write(&preset, begin_with(bench)?)?;
+    let refused: Mutex<Vec<Value>> = Mutex::new(Vec::new());
+    side_by_side(bench.jobs, programs.len(), |number| {
+        let said = calibrate(bench, folder, reports, &preset, name(&programs[number]))?;
+        if said["report"].is_null() {
+            let why = json!({ "program": programs[number]["name"], "refused": said["refused"] });
+            refused.lock().map_err(|_| "a thread panicked")?.push(why);
+        }
+        Ok(())
+    })?;
+    let refused = refused.into_inner().map_err(|_| "a thread panicked")?;
+    let calibrated = |program: &Value| !refused.iter().any(|one| one["program"] == program["name"]);
+    let trials = trials(programs, &calibrated);
+    let cases: Mutex<Vec<(usize, Value)>> = Mutex::new(Vec::new());
+    side_by_side(bench.jobs, trials.len(), |number| {
+        let case = case(bench, folder, reports, &trials[number])?;
+        eprintln!("{} {}: {} {}", case["case"], case["kind"], case["outcome"], case["named"]);
+        cases.lock().map_err(|_| "a thread panicked")?.push((number, case));
+        Ok(())
+    })?;
+    let mut cases = cases.into_inner().map_err(|_| "a thread panicked")?;
+    cases.sort_by_key(|(number, _)| *number);
+    let cases: Vec<Value> = cases.into_iter().map(|(_, case)| case).collect();
+    let transfers = transfers(bench, folder, reports, &preset, programs, &calibrated)?;
+    let mut results = figures::results(&answers, cases, transfers);
+    results["calibrations"] = json!({ "of": programs.len(), "refused": refused });
+    let version = std::process::Command::new(&bench.truefeed).arg("--version").output()?;
+    results["truefeed"] = json!(String::from_utf8_lossy(&version.stdout).trim());
+    std::fs::write(reports.join("results.json"), serde_json::to_string_pretty(&results)?)?;
+    let page = figures::page(&results);
+    std::fs::write(reports.join("figures.md"), &page)?;
+    print!("{page}");
+    Ok(())
+}
+
+fn name(program: &Value) -> &str {
+    program["name"].as_str().unwrap_or_default()
+}
+
+/// The machine file as a user has it before any calibration. Only that a tool is changed in no time is told: this
+/// simulation has no changer, and a program without a change could not show it.
+fn begin_with(bench: &Bench) -> Result<String, Refusal> {
+    if let Some(file) = &bench.preset {
+        return Ok(std::fs::read_to_string(file)?);
+    }
+    let all = presets();
+    let of = |word: &str| all.iter().find(|preset| preset.machine.name.contains(word));
+    let preset =
+        of("LinuxCNC").or_else(|| of("mid-range")).ok_or("the project has no preset to begin with")?;
+    let mut machine = preset.machine.clone();
+    machine.times.tool_change = 0.0;
+    Ok(toml_from_machine(&machine))
+}
+
+/// The machine file calibrated on the clean run of a program; the preset where that is refused.
+fn calibrate(
+    bench: &Bench,
+    folder: &Path,
+    reports: &Path,
+    preset: &Path,
+    name: &str,
+) -> Result<Value, Refusal> {
+    let place = reports.join(name);
+    std::fs::create_dir_all(&place)?;
+    let [program, run] = ["program.ngc", "clean.csv.gz"].map(|file| folder.join(name).join(file));
+    let out = place.join("machine.toml");
+    let words = [
+        "calibrate",
+        "--machine",
+        &text(preset),
+        "--run",
+        &text(&program),
+        &text(&run),
+        "--out",
+        &text(&out),
+    ];
+    let said = ask(&bench.truefeed, &words, &place.join("calibrate.json"))?;
+    if !out.exists() {
+        std::fs::copy(preset, &out)?;
+    }
+    Ok(said)
+}
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Every clean run and every change with the machine file of its program, and the clean runs of the other programs
+/// of its machine, unless the calibration was refused.
+fn trials<'a>(programs: &'a [Value], calibrated: &dyn Fn(&Value) -> bool) -> Vec<Trial<'a>> {
+    let mut trials = Vec::new();
+    for program in programs {
+        let of = name(program);
+        let clean = |program| Trial { of, program, file: "clean.csv.gz".into(), change: None };
+        trials.push(clean(program));
+        for change in program["changes"].as_array().into_iter().flatten() {
+            if change["refused"].is_null() {
+                let file = change["file"].as_str().unwrap_or_default().to_string();
+                trials.push(Trial { of, program, file, change: Some(change) });
+            }
+        }
+        if calibrated(program) {
+            trials.extend(others(programs, program).map(clean));
+        }
+    }
+    trials
+}
+
+/// The other programs of the same machine.
+fn others<'a>(programs: &'a [Value], program: &'a Value) -> impl Iterator<Item = &'a Value> {
+    programs
+        .iter()
+        .filter(move |other| other["machine"] == program["machine"] && name(other) != name(program))
+}
+
+/// Asks for one diagnosis and judges it.
+fn case(bench: &Bench, folder: &Path, reports: &Path, trial: &Trial) -> Result<Value, Refusal> {
+    let (ran, stem) = (name(trial.program), trial.file.trim_end_matches(".csv.gz"));
+    let [program, run] = ["program.ngc", &trial.file].map(|file| folder.join(ran).join(file));
+    let place = reports.join(trial.of);
+    let kept =
+        place.join(if ran == trial.of { format!("{stem}.json") } else { format!("{stem}-of-{ran}.json") });
+    let machine = place.join("machine.toml");
+    let words = ["diagnose", &text(&program), &text(&run), "--machine", &text(&machine)];
+    let said = ask(&bench.truefeed, &words, &kept)?;
+    let role = match (trial.change, ran == trial.of) {
+        (Some(_), _) => "change",
+        (None, true) => "clean",
+        (None, false) => "other",
+    };
+    let mut case = judged(&said, trial.change);
+    case["case"] = json!(format!("{ran}/{stem}"));
+    case["calibrated_on"] = json!(trial.of);
+    case["role"] = json!(role);
+    case["program_kind"] = trial.program["kind"].clone();
+    case["visible"] = json!(trial.change.is_some_and(|change| is_visible(change, trial.program)));
+    Ok(case)
+}
+
+/// Whether a change does enough that a recording could show it, by the answers alone.
+fn is_visible(change: &Value, program: &Value) -> bool {
+    let number = |value: &Value| value.as_f64().unwrap_or(0.0).abs();
+    let bends = change["kind"].as_str().and_then(changes::named).is_some_and(|kind| kind.bends_path);
+    if bends {
+        return number(&change["effect_mm"]) >= VISIBLE_MM;
+    }
+    number(&change["effect_s"]) >= (VISIBLE_SHARE * number(&program["clean_seconds"])).max(VISIBLE_S)
+}
+
+/// What was said beside what is true.
+fn judged(said: &Value, change: Option<&Value>) -> Value {
+    let report = &said["report"];
+    let causes: Vec<&Value> = report["causes"].as_array().into_iter().flatten().collect();
+    let kind = change.and_then(|change| change["kind"].as_str()).unwrap_or("none");
+    let value = change.map_or(&Value::Null, |change| &change["value"]);
+    let rights: Vec<bool> = causes.iter().map(|cause| is_right(kind, value, cause)).collect();
+    let alike = |cause: &&Value| {
+        let set = cause["indistinguishable_from"].as_array().into_iter().flatten();
+        set.filter_map(|other| other.as_str().or(other["id"].as_str())).any(|id| is_right_id(kind, id))
+    };
+    let refused = report.is_null() || report["verdict"] == "not_comparable";
+    let outcome = match (refused, rights.first(), report["verdict"].as_str()) {
+        (true, ..) => "refused",
+        (_, None, Some("nothing_missing")) => "silent",
+        (_, None, _) => "unknown",
+        (_, Some(_), _) if change.is_none() => "named",
+        (_, Some(true), _) => "first",
+        _ if rights.contains(&true) || causes.first().is_some_and(alike) => "later",
+        _ => "wrong",
+    };
+    let named: Vec<Value> = causes
+        .iter()
+        .zip(&rights)
+        .map(|(cause, right)| {
+            json!({ "id": cause["id"], "parameters": cause["parameters"], "seconds": cause["seconds"],
+                    "confidence": cause["confidence"], "right": right })
+        })
+        .collect();
+    json!({
+        "kind": kind, "truth": value, "effect_s": change.map(|change| &change["effect_s"]),
+        "effect_mm": change.map(|change| &change["effect_mm"]), "outcome": outcome, "verdict": report["verdict"],
+        "named": named, "seconds": said["seconds"], "refused": said["refused"], "said": report["sentence"],
+        "exit_status": said["exit_status"],
+        "cycle_time_error_s": report["fit"]["cycle_time_error_s"],
+    })
+}
+
+/// The predicted cycle times of each program by every machine file that was calibrated on a program of its machine,
+/// itself included, and by the preset.
+fn transfers(
+    bench: &Bench,
+    folder: &Path,
+    reports: &Path,
+    preset: &Path,
+    programs: &[Value],
+    calibrated: &dyn Fn(&Value) -> bool,
+) -> Result<Vec<Value>, Refusal> {
+    let mut all = Vec::new();
+    for program in programs {
+        let ran = name(program);
+        let recorded = program["clean_seconds"].as_f64().unwrap_or(f64::NAN);
+        let path = text(&folder.join(ran).join("program.ngc"));
+        let error = |machine: &Path, kept: PathBuf| -> Result<Option<f64>, Refusal> {
+            let said = ask(&bench.truefeed, &["predict", &path, "--machine", &text(machine)], &kept)?;
+            Ok(said["report"]["runs"][0]["cycle_time_s"].as_f64().map(|time| time / recorded - 1.0))
+        };
+        let before = error(preset, reports.join(ran).join("predict-preset.json"))?;
+        for of in others(programs, program).chain([program]).filter(|of| calibrated(of)).map(name) {
+            let place = reports.join(of);
+            let after = error(&place.join("machine.toml"), place.join(format!("predict-{ran}.json")))?;
+            all.push(json!({ "program": ran, "program_kind": program["kind"], "calibrated_on": of,
+                             "own": of == ran, "error": after, "error_of_preset": before }));
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,123 @@
+//! A factory of truth from a real controller: programs as shops have them, run by an unmodified LinuxCNC, once as
+//! declared and again with exactly one thing changed, and the scoring of what `truefeed` says about them.
+//!
+//! Programs, machines, changes and strengths follow from the seed. LinuxCNC itself repeats a recording to the period,
+//! but for some 20 ms wherever a word empties its queue. `record` needs root and the recorder that it is pointed to.
+//! The answers lie in one file beside the programs, which the tool under test never opens.
+//!
+//! ```text
+//! cargo run --release --example controller -- record --seed 1 --programs 12 --changes 3 --out DIR
+//!     [--recorder ../shared/recorders/linuxcnc/record.py --jobs 2 --nice 10]
+//! cargo run --release --example controller -- score DIR --out REPORTS
+//!     [--truefeed target/release/truefeed --preset M.toml --jobs 2]
+//! ```
+//!
+//! `score` keeps the report of each case in REPORTS and passes over those it finds there, so that a run that was cut
+//! off goes on where it was; another folder begins anew.
+
+mod changes;
+mod factory;
+mod figures;
+mod geometry;
+mod interval;
+mod judge;
+#[allow(dead_code, reason = "the corpus writes these moves in every dialect")]
+#[path = "../corpus/jobs.rs"]
+mod jobs;
+mod kinds;
+mod machine;
+mod names;
+#[allow(dead_code, reason = "the stand-in draws more from it")]
+#[path = "../standin/random.rs"]
+mod random;
+mod recorder;
+mod trace;
+mod trial;
+mod words;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use lexopt::prelude::*;
+
+/// What is wrong with a request, in one line.
+type Refusal = Box<dyn std::error::Error + Send + Sync>;
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(refusal) => {
+            eprintln!("controller: {refusal}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run() -> Result<(), Refusal> {
+    let mut order = factory::Order {
+        seed: 1,
+        programs: 12,
+        changes: 3,
+        recorder: recorder::Recorder {
+            script: "../shared/recorders/linuxcnc/record.py".into(),
+            nice: 0,
+            speed: 8.0,
+        },
+        jobs: 2,
+    };
+    let mut bench = judge::Bench { truefeed: "target/release/truefeed".into(), preset: None, jobs: 2 };
+    let mut out = None;
+    let mut words: Vec<PathBuf> = Vec::new();
+    let mut arguments = lexopt::Parser::from_env();
+    while let Some(argument) = arguments.next()? {
+        match argument {
+            Value(word) => words.push(word.into()),
+            Long("seed") => order.seed = arguments.value()?.parse()?,
+            Long("programs") => order.programs = arguments.value()?.parse()?,
+            Long("changes") => order.changes = arguments.value()?.parse()?,
+            Long("recorder") => order.recorder.script = arguments.value()?.into(),
+            Long("nice") => order.recorder.nice = arguments.value()?.parse()?,
+            Long("speed") => order.recorder.speed = arguments.value()?.parse()?,
+            Long("truefeed") => bench.truefeed = arguments.value()?.into(),
+            Long("preset") => bench.preset = Some(arguments.value()?.into()),
+            Long("jobs") => {
+                order.jobs = arguments.value()?.parse()?;
+                bench.jobs = order.jobs;
+            }
+            Long("out") => out = Some(PathBuf::from(arguments.value()?)),
+            other => return Err(other.unexpected().into()),
+        }
+    }
+    let command = words.first().and_then(|word| word.to_str()).unwrap_or_default();
+    match (command, out, &words[words.len().min(1)..]) {
+        ("record", Some(folder), []) => factory::record(&order, &folder),
+        ("score", Some(reports), [folder]) => judge::score(&bench, folder, &reports),
+        _ => Err("say `record --out DIR` or `score DIR --out REPORTS`".into()),
+    }
+}
+
+/// Runs `work` for each number below `count` on `jobs` threads; the first refusal ends it.
+fn side_by_side(
+    jobs: usize,
+    count: usize,
+    work: impl Fn(usize) -> Result<(), Refusal> + Sync,
+) -> Result<(), Refusal> {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let next = AtomicUsize::new(0);
+    let one = || {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= count {
+                return Ok(());
+            }
+            if let Err(refusal) = work(number) {
+                next.store(count, Ordering::Relaxed);
+                return Err(refusal);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(one)).collect();
+        threads.into_iter().try_for_each(|thread| thread.join().map_err(|_| "a thread panicked")?)
+    })
+}
