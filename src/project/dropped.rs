@@ -1,6 +1,6 @@
 //! Bytes of a file → what it is, by the first of them: so that the page takes what it knows and names what it does not.
 
-use crate::identification::recording::is_recording;
+use crate::identification::recording::{is_packed_log, is_recording};
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,11 +38,13 @@ const OWN: [(&str, FileKind); 3] = [
 
 /// What a file is, from its beginning.
 pub fn file_kind(head: &[u8]) -> FileKind {
-    let is_recording = is_recording(head);
-    if let Some((_, name)) = BEGINNINGS.iter().find(|(bytes, _)| !is_recording && head.starts_with(bytes)) {
+    if is_packed_log(head) {
+        return FileKind::Recording;
+    }
+    if let Some((_, name)) = BEGINNINGS.iter().find(|(bytes, _)| head.starts_with(bytes)) {
         return FileKind::Other(name);
     }
-    if is_recording {
+    if is_recording(head) {
         let says = |key: &str| head.windows(key.len()).any(|bytes| bytes == key.as_bytes());
         return OWN.iter().find(|(key, _)| says(key)).map_or(FileKind::Recording, |(_, kind)| *kind);
     }
@@ -73,8 +75,9 @@ mod tests {
         let stl: Vec<u8> =
             [0.0f32, 1.0, -2.5, 3.25].iter().cycle().take(400).flat_map(|v| v.to_le_bytes()).collect();
         let stl = [[b' '; 80].as_slice(), &100u32.to_le_bytes(), &stl].concat();
-        let files: [(&[u8], FileKind); 13] = [
+        let files: [(&[u8], FileKind); 14] = [
             (b"PK\x03\x04\x14\0", FileKind::Other("a ZIP archive or an Office document")),
+            (b"\x1f\x8b\x08\0", FileKind::Recording),
             (b"\x89PNG\r\n\x1a\n", FileKind::Other("a picture")),
             (b"%PDF-1.7\n", FileKind::Other("a PDF")),
             (b"ISO-10303-21;\nHEADER;\n", FileKind::Other("a STEP model")),

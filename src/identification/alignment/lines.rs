@@ -32,6 +32,9 @@ const STEADY: f64 = 0.005;
 /// Of the lines it names that move or wait, so many at least must be in order.
 const ENOUGH: f64 = 0.9;
 
+/// A program may end in so many lines that do nothing.
+const BEHIND_END: i64 = 10;
+
 /// What the line numbers say.
 pub struct Followed {
     /// Beginnings of visits.
@@ -71,7 +74,10 @@ pub fn follow(
         }
     }
     let count = COUNTS[best];
-    let known = line.values.iter().filter(|value| places.contains_key(&(i64::from(**value) + count)));
+    // Lines behind the end of the program are none of it; those between that do nothing are.
+    let end = visits.iter().map(|visit| i64::from(visit.line.0)).max().unwrap_or(0) + BEHIND_END;
+    let known = line.values.iter().map(|value| i64::from(*value) + count);
+    let known = known.filter(|value| places.contains_key(value) || end < *value);
     let in_order = tried[best].len() as f64 / known.count().max(1) as f64;
     if tried[best].len() < 3 || in_order < ENOUGH {
         return Err(AlignmentError::LinesDoNotFit { in_order });

@@ -143,10 +143,11 @@ pub struct ModelError {
 impl ModelError {
     /// Of a machine on the runs that it was calibrated on.
     pub fn of(machine: &Machine, runs: &[Run]) -> ModelError {
-        let compared = compared(machine, runs);
-        let recorded: f64 = compared.iter().map(|comparison| comparison.whole.recorded).sum();
-        let left = regions::left(&compared, &located(&compared, runs, machine), runs);
-        ModelError { unexplained_time: left / recorded.max(1e-9), form: form::error(machine, runs) }
+        let left = Remainder::of(machine, runs);
+        ModelError {
+            unexplained_time: left.seconds / left.recorded().max(1e-9),
+            form: form::error(machine, runs),
+        }
     }
 }
 
@@ -281,7 +282,7 @@ impl InTime {
         let base = with_all(start, &candidates(&read_off));
         for round in 0..MOST {
             // What the model itself may be off by is looked no cause for: any would only imitate it.
-            if !asks(start, &with_all(&base, &candidates(&named)), runs, !named.is_empty()) {
+            if !is_worth_a_search(start, &with_all(&base, &candidates(&named)), runs, !named.is_empty()) {
                 break;
             }
             let mut progress = |part| progress(FIRST * (round as f64 + part) / MOST as f64);
@@ -330,20 +331,38 @@ impl InTime {
     }
 }
 
-/// Whether what a machine leaves of the runs asks for a cause, or for another one.
-fn asks(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
-    let left = |machine: &Machine| {
-        let compared = compared(machine, runs);
-        (regions::left(&compared, &located(&compared, runs, machine), runs), compared)
-    };
-    let (after, compared) = left(machine);
-    // A machine file without a calibration is taken at its word.
-    if believed.cycle_time_error.is_none() && !is_beside {
-        let whole: f64 = compared.iter().map(|comparison| comparison.whole.recorded).sum();
-        return LEAST.max(search::SIZE * whole) < after;
+/// Whether what a machine leaves of the runs is worth a search for a cause. A machine file without a calibration is taken at
+/// its word: nothing is known of an error of its own.
+fn is_worth_a_search(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
+    let left = Remainder::of(machine, runs);
+    match believed.cycle_time_error {
+        Some(_) => left.asks(believed, runs, is_beside),
+        None => LEAST.max(search::SIZE * left.recorded()) < left.seconds,
     }
-    let before = if is_beside { left(believed).0 } else { after };
-    Left::of(believed, (before, after), None, &compared).asks(is_beside)
+}
+
+/// What a machine leaves of the runs.
+struct Remainder {
+    /// Lost time, s.
+    seconds: f64,
+    compared: Vec<Comparison>,
+}
+
+impl Remainder {
+    fn of(machine: &Machine, runs: &[Run]) -> Remainder {
+        let compared = compared(machine, runs);
+        Remainder { seconds: regions::left(&compared, &located(&compared, runs, machine), runs), compared }
+    }
+
+    fn recorded(&self) -> f64 {
+        self.compared.iter().map(|comparison| comparison.whole.recorded).sum()
+    }
+
+    /// Whether it asks for a cause, or, beside others, for a further one.
+    fn asks(&self, believed: &Machine, runs: &[Run], is_beside: bool) -> bool {
+        let before = if is_beside { Remainder::of(believed, runs).seconds } else { self.seconds };
+        Left::of(believed, (before, self.seconds), None, &self.compared).asks(is_beside)
+    }
 }
 
 /// The causes without those that lie in machine and control, where these make a story: more of them than change at once,
@@ -359,7 +378,7 @@ fn without_story(
         matches!(effect.nature, Nature::Limit | Nature::Setting)
     };
     let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
-    let leaves_much = || asks(start, &with_all(base, &candidates(&named)), runs, true);
+    let leaves_much = || Remainder::of(&with_all(base, &candidates(&named)), runs).asks(start, runs, true);
     if AT_ONCE < of_machine || 0 < of_machine && leaves_much() {
         named.retain(|cause| !is_of_machine(cause));
     }

@@ -28,6 +28,9 @@ const WAITS: usize = 3;
 /// A range that explains less than this part more than the whole program is the whole program.
 const WORTH_A_RANGE: f64 = 1.1;
 
+/// The shortest override, s: nobody turns a switch to another rate and back in less.
+const SHORTEST_OVERRIDE: f64 = 0.5;
+
 /// Hypotheses placed by the residuals of the first run; those of an override only if that is open.
 pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open: bool) -> Vec<Hypothesis> {
     let Some(run) = runs.first() else { return Vec::new() };
@@ -85,12 +88,13 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
         return None;
     }
     let (from, to) = (best.0, best.1);
+    let mark = |bin: usize| run.alignment.marks[(bin * part).min(run.alignment.marks.len() - 1)];
+    if mark(to).time - mark(from).time < SHORTEST_OVERRIDE {
+        return None;
+    }
     let slope = (sums[to].0 - sums[from].0) / (sums[to].1 - sums[from].1);
     let ratio = (1.0 / (1.0 + slope)).clamp(0.05, 2.0) * machine.overrides.feed;
-    let line_of = |bin: usize| {
-        let mark = &run.alignment.marks[(bin * part).min(run.alignment.marks.len() - 1)];
-        line_at(run, mark.place)
-    };
+    let line_of = |bin: usize| line_at(run, mark(bin).place);
     let first = if from == 0 { 0 } else { line_of(from) };
     let last = if to == bins { u32::MAX } else { line_of(to) };
     // Ratio and edges lean on each other: one after the other, a few times.

@@ -60,6 +60,7 @@ pub use channel::{Channel, Sampling, Scale};
 pub use closure::{Closure, ClosureError, Measure, TOLERANCE, closure, closure_of, closure_on, path_length};
 pub use diagnostic::{RecordingError, Remark, Remarks, Severity};
 pub use field::Side;
+pub use packed::is_packed_log;
 pub use sniff::{SNIFFED_BYTES, is_recording};
 pub use switches::Switches;
 

@@ -50,7 +50,7 @@ pub(super) fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
 
 /// Whether a file that begins so is a packed log: of an archive the name of its first file tells, so that nothing is
 /// unpacked for it. A program is never read from gzip.
-pub(super) fn is_packed_log(head: &[u8]) -> bool {
+pub fn is_packed_log(head: &[u8]) -> bool {
     head.starts_with(GZIP)
         || number(head, 26, 2)
             .filter(|_| head.starts_with(LOCAL_HEADER))
