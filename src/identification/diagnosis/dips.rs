@@ -17,13 +17,14 @@
 //! than the machine file says is one too, and is told apart by what else explains it.
 
 use crate::identification::alignment::Method;
+use crate::identification::diagnosis;
 use crate::identification::diagnosis::rests::{Rest, lost_between, rest_at};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
 
-/// The least that is lost in a dip, s.
-const LEAST: f64 = 0.05;
+/// The least that is lost in a dip, s: each half of it, by which its place is known, is as much as a cause must explain.
+const LEAST: f64 = 2.0 * diagnosis::LEAST;
 /// It loses so many times as much as any other window.
 const ALONE: f64 = 4.0;
 

@@ -156,12 +156,15 @@ impl ModelError {
 /// the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
-    if machine.cycle_time_error.is_some() || as_it_is.verdict != Verdict::Unknown || as_it_is.is_of_form {
+    let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
+    let is_story = AT_ONCE < of_machine || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
+    if machine.cycle_time_error.is_some() || !is_story || as_it_is.pulsation.is_some() {
         progress(1.0);
         return as_it_is;
     }
     let mut calibrated = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part)).machine;
     let error = ModelError::of(&calibrated, runs);
+    calibrated.cycle_time_error = Some(error.unexplained_time);
     (calibrated.unexplained_time, calibrated.form_error) = (Some(error.unexplained_time), error.form);
     let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
     progress(1.0);
@@ -308,7 +311,10 @@ impl InTime {
             named.clear();
             pulsation = seen(&base);
         }
-        let named = without_story(start, &base, runs, named);
+        let named = match start.cycle_time_error {
+            Some(_) => without_story(start, &base, runs, named),
+            None => named,
+        };
         InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation }
     }
 
@@ -365,6 +371,11 @@ impl Remainder {
     }
 }
 
+/// Whether a cause is a limit or a setting of machine or control.
+fn is_of_machine(candidate: &Candidate) -> bool {
+    matches!(candidate.hypothesis.effect.nature, Nature::Limit | Nature::Setting)
+}
+
 /// The causes without those that lie in machine and control, where these make a story: more of them than change at once,
 /// or much left beside them. A part of something unknown has no name.
 fn without_story(
@@ -373,10 +384,7 @@ fn without_story(
     runs: &[Run],
     mut named: Vec<AcceptedCause>,
 ) -> Vec<AcceptedCause> {
-    let is_of_machine = |cause: &AcceptedCause| {
-        let effect = cause.candidate.hypothesis.effect;
-        matches!(effect.nature, Nature::Limit | Nature::Setting)
-    };
+    let is_of_machine = |cause: &AcceptedCause| is_of_machine(&cause.candidate);
     let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
     let leaves_much = || Remainder::of(&with_all(base, &candidates(&named)), runs).asks(start, runs, true);
     if AT_ONCE < of_machine || 0 < of_machine && leaves_much() {

@@ -44,6 +44,8 @@ const IN_PLACE: f64 = 0.1;
 /// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
 /// known to be exactly 1.
 const BELIEVED: f64 = 6e-3;
+/// Half of the smallest step of an override switch.
+const HALF_A_STEP: f64 = 5e-3;
 /// A cause gives way to another where that leaves less than this part of the cost: what is nearly as good may be either.
 const GIVES_WAY: f64 = 0.5;
 /// Candidates that are refined by least squares.
@@ -284,6 +286,10 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
         return true;
     }
     let believed = freed.handle.get(machine).filter(|value| 0.0 < *value);
+    // Override switches have steps of a whole percent and more.
+    if hypothesis.effect.is_by_operator() && hypothesis.effect.nature == Nature::Switch {
+        return believed.is_some_and(|believed| (candidate.values[0] - believed).abs() < HALF_A_STEP);
+    }
     hypothesis.effect.nature != Nature::Switch
         && hypothesis.is_continuous
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
