@@ -18,13 +18,15 @@
 
 use crate::identification::alignment::Method;
 use crate::identification::diagnosis;
-use crate::identification::diagnosis::rests::{Rest, lost_between, rest_at};
+use crate::identification::diagnosis::rests::{Rest, lost_between, rest_at, stops_within};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
 
 /// The least that is lost in a dip, s: each half of it, by which its place is known, is as much as a cause must explain.
 const LEAST: f64 = 2.0 * diagnosis::LEAST;
+/// A stop is in a window, or so near to its ends, mm.
+const STOP_NEAR: f64 = 0.1;
 /// It loses so many times as much as any other window.
 const ALONE: f64 = 4.0;
 
@@ -40,7 +42,13 @@ pub fn dip(machine: &Machine, run: &Run) -> Option<Rest> {
     let lost_between = lost_between(run, &machine, &profile);
     let window = 2.0 * plan.longest_delay();
     let end = |from: usize| fixes.partition_point(|fix| fix.time <= fixes[from].time + window) - 1;
-    let losses: Vec<f64> = (0..fixes.len()).map(|from| lost_between(from, end(from))).collect();
+    // Over a stop the tool stands at one distance for a while, and which of its samples is later there noise decides.
+    let has_stop = |from: usize| {
+        let part = fixes[from].distance - STOP_NEAR..=fixes[end(from)].distance + STOP_NEAR;
+        !stops_within(run, &profile, part).is_empty()
+    };
+    let loss = |from: usize| if has_stop(from) { 0.0 } else { lost_between(from, end(from)) };
+    let losses: Vec<f64> = (0..fixes.len()).map(loss).collect();
     let from = (0..fixes.len()).max_by(|a, b| losses[*a].total_cmp(&losses[*b]))?;
     let (to, lost) = (end(from), losses[from]);
     let before = fixes.partition_point(|fix| fix.time < fixes[from].time - window);

@@ -186,7 +186,7 @@ fn halts(mut found: Vec<Rest>) -> Vec<Rest> {
 }
 
 /// The stops of the program within a part of the path, mm.
-fn stops_within<'a>(run: &Run<'a>, profile: &Profile, part: RangeInclusive<f64>) -> &'a [Stop] {
+pub fn stops_within<'a>(run: &Run<'a>, profile: &Profile, part: RangeInclusive<f64>) -> &'a [Stop] {
     let Toolpath { segments, stops, .. } = run.toolpath;
     let at = |stop: &Stop| profile.distance_before(stop.after.min(segments.len()));
     let first = stops.partition_point(|stop| at(stop) < *part.start());
