@@ -187,6 +187,20 @@ fn a_run_at_half_the_feed_is_one_and_one_at_five_times_is_not() {
     assert!(matches!(refusal, AlignmentError::TooFast { .. }), "{refusal}");
 }
 
+/// Corners rounded far wider than the machine file says are those of the program; a sibling's lines are not.
+#[test]
+fn wide_blends_are_aligned_and_siblings_are_not() {
+    let mut wide = machine();
+    wide.interpolator.contour_tolerance = 0.4;
+    for program in [roughing(4.5), pocket(2.9)] {
+        let run = recorded(&program, &wide, 100.0);
+        let alignment = aligned(&run, &program).unwrap_or_else(|e| panic!("{e}"));
+        assert!(0.95 < part(&alignment), "{} of the path", part(&alignment));
+    }
+    let refusal = aligned(&recorded(&roughing(4.5), &wide, 100.0), &roughing(4.9));
+    assert!(refusal.is_err(), "rows that lie millimetres beside those of the program");
+}
+
 /// Each run on each program, as it is and in machine coordinates: its own fits, and no other.
 #[test]
 fn runs_find_their_programs_among_others() {

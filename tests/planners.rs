@@ -1,14 +1,19 @@
 //! Planners of hobby controls: cycle times of recorded runs, clean and with one setting changed, with the true settings in
 //! the machine file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use truefeed::machine::Machine;
+use truefeed::identification::alignment::align;
+use truefeed::identification::calibration::calibrate;
+use truefeed::identification::diagnosis::{ModelError, Verdict, diagnose};
+use truefeed::identification::fit::Run;
+use truefeed::identification::recording::{self, Recording};
+use truefeed::machine::{Junction, Machine};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::toolpath::{Toolpath, trace};
 
 use crate::shared::corpus;
 
@@ -118,5 +123,70 @@ fn true_settings_give_the_recorded_cycle_times() {
             checked += 1;
         }
         assert!(0 < checked);
+    }
+}
+
+/// What an estimator knows of a machine before its first recording.
+const GENERIC: &str = r#"
+name = "a machine"
+[interpolator]
+filters = 3
+time_constant_s = 0.02
+contour_tolerance_mm = 0.02
+[rapid]
+feed_mm_min = 12000
+[times]
+tool_change_s = 4
+"#;
+
+/// How far off motion may be on programs that the calibration did not see, as a part.
+const ELSEWHERE: f64 = 0.015;
+
+/// The clean runs of a control: program and recording.
+fn clean_runs(control: &Control) -> Vec<(Toolpath, Recording, PathBuf)> {
+    let folder = corpus::recordings().join(control.folder);
+    let answers = std::fs::read_to_string(folder.join("answers.json")).expect("it has answers");
+    let answers: serde_json::Value = serde_json::from_str(&answers).expect("they are JSON");
+    let clean = answers.as_object().expect("by run").iter().filter(|(_, answer)| answer["effect"].is_null());
+    let read_run = |(run, answer): (&String, &serde_json::Value)| {
+        let program = std::fs::read(folder.join(answer["program"].as_str().expect("a name")));
+        let toolpath = trace(&read(&program.expect("the program is there")), &Machine::default());
+        let log =
+            recording::read(&std::fs::read(folder.join(run)).expect("the run is there")).expect("a log");
+        (toolpath, log.recordings.into_iter().next().expect("a recording"), folder.join(run))
+    };
+    clean.map(read_run).collect()
+}
+
+/// Calibrated from a generic file on one clean run, each control is found to be what it is, predicts the motion of its
+/// other programs, and leaves nothing to explain of its own run.
+#[test]
+fn a_calibration_finds_the_planner_and_predicts_other_programs() {
+    let generic = machine_from_toml(GENERIC).expect("a machine file");
+    for control in &CONTROLS {
+        let runs = clean_runs(control);
+        let (toolpath, recording, _) = &runs[0];
+        let alignment = align(recording, toolpath, &generic).expect("it is of that program");
+        let run = [Run { toolpath, alignment: &alignment, overrides: (None, None) }];
+        let mut machine = calibrate(&generic, &run, &mut |_| {}).machine;
+        match (control.folder, machine.interpolator.junction) {
+            ("grbl", Junction::Deviation(value)) => assert!((value / 0.01 - 1.0).abs() < 0.1, "{value} mm"),
+            ("klipper", Junction::SquareCorner(value)) => {
+                assert!((value / 5.0 - 1.0).abs() < 0.05, "{value} mm/s")
+            }
+            ("linuxcnc", Junction::AccelerationBlend) => {}
+            (folder, junction) => panic!("{folder}: {junction:?}"),
+        }
+        for (other, _, file) in &runs {
+            let error = simulate(other, &machine).cycle_time() / motion_time(file) - 1.0;
+            println!("{} {}: {:+.2} %", control.folder, file.display(), 100.0 * error);
+            assert!(error.abs() < ELSEWHERE, "{}: {error}", file.display());
+        }
+        let error = ModelError::of(&machine, &run);
+        machine.cycle_time_error = Some(error.unexplained_time);
+        machine.unexplained_time = Some(error.unexplained_time);
+        machine.form_error = error.form;
+        let diagnosis = diagnose(&machine, &run, &mut |_| {});
+        assert_eq!(diagnosis.verdict, Verdict::NothingMissing, "{}: {:?}", control.folder, diagnosis.causes);
     }
 }
