@@ -197,7 +197,7 @@ fn wide_blends_are_aligned_and_siblings_are_not() {
         let alignment = aligned(&run, &program).unwrap_or_else(|e| panic!("{e}"));
         assert!(0.95 < part(&alignment), "{} of the path", part(&alignment));
     }
-    let refusal = aligned(&recorded(&roughing(4.5), &wide, 100.0), &roughing(4.9));
+    let refusal = aligned(&recorded(&roughing(4.5), &wide, 100.0), &roughing(3.5));
     assert!(refusal.is_err(), "rows that lie millimetres beside those of the program");
 }
 
