@@ -102,25 +102,20 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
 /// The rates of rapids, along the path or of axes. Planners have those that plateaus show, and no others.
 fn rapid_rates(before: &Machine, guess: &Machine, runs: &[Run]) -> Vec<(Freed, f64)> {
     let plateaus = if guess.has_filters() { None } else { RapidPlateaus::of(runs) };
-    let is_seen = |plateau: fn(&RapidPlateaus) -> Option<f64>| {
-        plateaus.as_ref().is_none_or(|all| plateau(all).is_some())
-    };
     let from = |key: &str, own: f64, start: f64, bounds: (f64, f64)| {
         (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
     };
     let mut all = Vec::new();
-    if guess.rapid.feedrate.is_finite() && is_seen(|all| all.path) {
+    if guess.rapid.feedrate.is_finite() && plateaus.is_none_or(|seen| seen.path.is_some()) {
         let own = before.fastest_rapid();
         all.push(from("rapid.feed_mm_min", own, guess.rapid.feedrate, (0.02 * own, 10.0 * own)));
     }
-    let of_axis: [fn(&RapidPlateaus) -> Option<f64>; 3] =
-        [|all| all.axes[0], |all| all.axes[1], |all| all.axes[2]];
-    for (axis, plateau) in of_axis.into_iter().enumerate() {
+    for (axis, key) in RAPIDS.into_iter().enumerate() {
         let start = guess.axes[axis].rapid;
-        if start.is_finite() && is_seen(plateau) {
+        if start.is_finite() && plateaus.is_none_or(|seen| seen.axes[axis].is_some()) {
             // A machine file that has no rapids of axes has that of all of them.
             let own = before.axes[axis].rapid.min(before.rapid.feedrate);
-            all.push(from(RAPIDS[axis], own, start, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own)));
+            all.push(from(key, own, start, (AXIS_BOUNDS.0 * own, AXIS_BOUNDS.1 * own)));
         }
     }
     all

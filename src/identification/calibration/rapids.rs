@@ -87,3 +87,31 @@ impl RapidPlateaus {
         [by_axis, along_path]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(velocities: [[f64; 3]; 3]) -> RapidPlateaus {
+        let mut seen = RapidPlateaus::default();
+        seen.add(velocities.map(|[x, y, z]| Vector::new(x, y, z)));
+        seen
+    }
+
+    #[test]
+    fn a_velocity_that_stays_is_that_of_the_path_and_of_its_fastest_axis() {
+        let diagonal = seen([[-80.0, 60.0, 0.0], [-80.1, 60.0, 0.0], [-80.0, 60.1, 0.0]]);
+        assert_eq!(diagonal.axes, [Some(80.1), None, None]);
+        assert!(diagonal.path.is_some_and(|path| (path - 100.1).abs() < 0.1), "{diagonal:?}");
+    }
+
+    #[test]
+    fn ramps_that_meet_are_no_plateau() {
+        let peak = [[90.0, 0.0, 0.0], [95.0, 0.0, 0.0], [90.0, 0.0, 0.0]];
+        let ramp = [[80.0, 0.0, 0.0], [90.0, 0.0, 0.0], [100.0, 0.0, 0.0]];
+        let stand = [[0.0; 3]; 3];
+        for velocities in [peak, ramp, stand] {
+            assert_eq!(seen(velocities), RapidPlateaus::default());
+        }
+    }
+}
