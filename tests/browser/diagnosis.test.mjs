@@ -61,7 +61,7 @@ async function addsUp(page) {
   )
   const [simulated, ...steps] = rows
   const recorded = steps.pop()
-  assert.deepEqual([simulated.name, steps[0].name, steps.at(-1).name, recorded.name], ['simulated', 'feed override', 'unexplained', 'recorded'])
+  assert.deepEqual([simulated.name, steps[0].name, steps.at(-1).name, recorded.name], ['simulated', 'feed override (on some lines)', 'unexplained', 'recorded'])
   assert.equal(steps.reduce((sum, { hundredths }) => sum + hundredths, simulated.hundredths), recorded.hundredths)
   assert.ok(Math.abs(steps[0].left - simulated.right) < 1, 'the first cause begins where the simulated time ends')
   assert.ok(100 < steps[0].right - steps[0].left, 'its bar can be seen')
