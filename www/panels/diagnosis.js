@@ -271,7 +271,7 @@ function causeOf({ name, sentence, told, lines, confidence, sections, vendors, i
 function accountOf({ account }) {
   if (!account) return []
   const rows = account.steps.map(({ name, text, kind, bar: [from, to] }) => {
-    const bar = make('i', { className: kind })
+    const bar = make('i', { className: `is-${kind}` })
     Object.assign(bar.style, { left: `${100 * from}%`, width: `${100 * (to - from)}%` })
     const place = make('td', { className: 'bar' }, bar)
     place.setAttribute('aria-hidden', 'true')
