@@ -184,8 +184,7 @@ fn a_calibration_finds_the_planner_and_predicts_other_programs() {
         }
         let error = ModelError::of(&machine, &run);
         machine.cycle_time_error = Some(error.unexplained_time);
-        machine.unexplained_time = Some(error.unexplained_time);
-        machine.form_error = error.form;
+        error.keep_in(&mut machine);
         let diagnosis = diagnose(&machine, &run, &mut |_| {});
         assert_eq!(diagnosis.verdict, Verdict::NothingMissing, "{}: {:?}", control.folder, diagnosis.causes);
     }

@@ -81,8 +81,7 @@ impl CalibrationReport {
         machine.provenance = provenance(calibration, names);
         machine.cycle_time_error = Some(worst(calibration, |side| side.whole));
         machine.calibrated_at = tolerances(calibration);
-        machine.unexplained_time = Some(error.unexplained_time);
-        machine.form_error = error.form;
+        error.keep_in(&mut machine);
         if !before.name.ends_with(CALIBRATED) {
             machine.name = format!("{}{CALIBRATED}", before.name);
         }

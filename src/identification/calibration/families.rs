@@ -3,8 +3,7 @@
 //! Filters ramp in a constant time, whatever the step; planners that are limited in acceleration ramp in Δv/a. Each
 //! family of [`Planner`] has its own law of corners ([`crate::simulation::feed::junction`]). The guess of a family is the
 //! nearest of a grid: first of accelerations, the same for all axes, with rapids limited by each axis or along the path,
-//! then of the value of its law of corners. Rapids are as fast as
-//! their plateaus (`rapids`).
+//! then of the value of its law of corners. Rapids are as fast as their plateaus (`rapids`).
 
 use crate::identification::calibration::nearest;
 use crate::identification::calibration::rapids::RapidPlateaus;
@@ -20,10 +19,15 @@ const FREE_BLEND: f64 = 10.0;
 
 /// The machine of each family that is nearest to the runs, before any fit. `machine` is as it was, `fitted` has the waits
 /// and the rapid feed that filters need.
-pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
+pub fn guesses(
+    machine: &Machine,
+    fitted: &Machine,
+    runs: &[Run],
+    whitenings: &[Whitening],
+    plateaus: Option<RapidPlateaus>,
+) -> Vec<Machine> {
     let mut plain = fitted.clone();
     plain.interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
-    let seen = RapidPlateaus::of(runs);
     let guess = |planner: Planner| {
         let at = |acceleration: f64| {
             let mut of = plain.clone();
@@ -37,7 +41,7 @@ pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[
             [of].into_iter().chain(free)
         };
         let ramps = ACCELERATIONS.into_iter().flat_map(at);
-        let grid = ramps.flat_map(|of| with_rapids(&of, machine, fitted, seen));
+        let grid = ramps.flat_map(|of| with_rapids(&of, machine, fitted, plateaus));
         let nearest_ramps = nearest(grid, runs, whitenings)?;
         let corners = CORNER_RATIOS.map(|ratio| nearest_ramps.with_scaled_junction(ratio));
         nearest(corners, runs, whitenings)

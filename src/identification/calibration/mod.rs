@@ -31,6 +31,7 @@ pub use waits::guesses;
 
 use crate::identification::alignment::Method;
 use crate::identification::calibration::motion::{motion, spindle_ramp};
+use crate::identification::calibration::rapids::RapidPlateaus;
 use crate::identification::comparison::{Comparison, compare};
 use crate::identification::fit::{Exactness, Fit, Freed, HARDLY, Run, Scale, Whitening, cost_of, fit};
 use crate::machine::{Handle, Machine, TimeConstants};
@@ -135,8 +136,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         freed.apply(&mut guess, seconds);
         waits.push((freed, machine.times.start));
     }
+    let plateaus = RapidPlateaus::of(runs);
     let parameters = |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
-        let mut all = motion(machine, guess, order, runs);
+        let mut all = motion(machine, guess, order, runs, plateaus);
         all.extend(spindle_ramp(machine, guess));
         all.extend(waits.iter().map(|(freed, value)| {
             (freed.starting_at(freed.handle.get(guess).unwrap_or(freed.start)), *value)
@@ -173,7 +175,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
     });
     if shows_ramps {
-        for start in families::guesses(machine, &plain, runs, &whitenings) {
+        for start in families::guesses(machine, &plain, runs, &whitenings, plateaus) {
             let (found, own) = at_own_noise(&start, runs, |machine, whitenings| {
                 run_fit(machine, runs, &parameters(1, machine), whitenings, HARDLY, &mut share)
             });
@@ -213,20 +215,26 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
         .collect();
     share.part = 0.04;
     let mut last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
+    // Puts one more back, with this verdict, unless that is contradicted.
+    let last_without =
+        |at: usize, verdict: Verdict, verdicts: &mut Vec<Verdict>, last: &mut Fit, share: &mut Share| {
+            verdicts[at] = verdict;
+            let without = put_back(&best, &all, verdicts, runs, &whitenings, share);
+            if without.cost < last.cost + CONTRADICTED {
+                *last = without;
+            } else {
+                verdicts[at] = Verdict::Fitted;
+            }
+        };
     // Of two waits one after another neither is known, but their sum is: what goes back may not contradict it.
     if best.cost + CONTRADICTED < last.cost {
         let unknown: Vec<usize> = (0..all.len()).filter(|at| verdicts[*at] == Verdict::Unknown).collect();
         unknown.iter().for_each(|at| verdicts[*at] = Verdict::Fitted);
         last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
-        for at in unknown.into_iter().rev() {
-            verdicts[at] = Verdict::Unknown;
-            let without = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
-            if without.cost < last.cost + CONTRADICTED {
-                last = without;
-            } else {
-                verdicts[at] = Verdict::Fitted;
-            }
-        }
+        unknown
+            .into_iter()
+            .rev()
+            .for_each(|at| last_without(at, Verdict::Unknown, &mut verdicts, &mut last, &mut share));
     }
     // The least contradicted first; what is put back stays there while the others are looked at.
     let mut doubtful: Vec<usize> = (0..all.len())
@@ -236,15 +244,9 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let doubt = |at: &usize| (best.values[*at] - all[*at].1).abs() / best.deviations[*at];
     doubtful.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
     share.part = 0.1 / doubtful.len().max(1) as f64;
-    for at in doubtful {
-        verdicts[at] = Verdict::Agrees;
-        let without = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
-        if without.cost < last.cost + CONTRADICTED {
-            last = without;
-        } else {
-            verdicts[at] = Verdict::Fitted;
-        }
-    }
+    doubtful
+        .into_iter()
+        .for_each(|at| last_without(at, Verdict::Agrees, &mut verdicts, &mut last, &mut share));
     if are_polled {
         settle_waits(&mut last, &all, &verdicts, runs);
     }

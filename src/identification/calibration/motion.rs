@@ -39,8 +39,15 @@ const STEP_BOUNDS: (f64, f64) = (0.1, 1e3);
 const ANGLE_BOUNDS: (f64, f64) = (0.05, 3.0);
 const POSITION_BOUNDS: (f64, f64) = (1e-4, 0.5);
 
-/// The parameters of motion of the family of `guess`, each with the value it has `before`.
-pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> Vec<(Freed, f64)> {
+/// The parameters of motion of the family of `guess`, each with the value it has `before`. Planners have the rates of rapids
+/// that `plateaus` show.
+pub fn motion(
+    before: &Machine,
+    guess: &Machine,
+    order: usize,
+    runs: &[Run],
+    plateaus: Option<RapidPlateaus>,
+) -> Vec<(Freed, f64)> {
     let mut all = Vec::new();
     let from = |key: &'static str, own: f64, start: f64, bounds: (f64, f64)| {
         (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
@@ -88,7 +95,7 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
     }
     all.extend(limit("path.jerk_mm_s3", JERK_BOUNDS));
     if has_rapid {
-        all.extend(rapid_rates(before, guess, runs));
+        all.extend(rapid_rates(before, guess, plateaus.filter(|_| !has_filters)));
         let own = before.rapid.time_constants.as_ref().unwrap_or(constants);
         let start = guess.rapid.time_constants.as_ref().and_then(constant);
         if let Some((own, start)) = constant(own).zip(start).filter(|_| has_filters) {
@@ -99,9 +106,8 @@ pub fn motion(before: &Machine, guess: &Machine, order: usize, runs: &[Run]) -> 
     all
 }
 
-/// The rates of rapids, along the path or of axes. Planners have those that plateaus show, and no others.
-fn rapid_rates(before: &Machine, guess: &Machine, runs: &[Run]) -> Vec<(Freed, f64)> {
-    let plateaus = if guess.has_filters() { None } else { RapidPlateaus::of(runs) };
+/// The rates of rapids, along the path or of axes; where there are `plateaus`, those that they show, and no others.
+fn rapid_rates(before: &Machine, guess: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<(Freed, f64)> {
     let from = |key: &str, own: f64, start: f64, bounds: (f64, f64)| {
         (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
     };

@@ -5,6 +5,7 @@
 //! sections.
 
 use crate::identification::comparison::Form;
+use crate::identification::diagnosis::ELSEWHERE;
 use crate::identification::diagnosis::evidence::Candidate;
 use crate::identification::effects::{Hypothesis, Trace};
 use crate::identification::fit::{Run, golden_section};
@@ -20,8 +21,6 @@ const SEARCHED: (f64, f64) = (2.5, 2e-3);
 const WORTH: f64 = 0.35;
 /// And what it takes away be larger than this, by squares, mm.
 const LEAST: f64 = 2e-3;
-/// How many times the form error that calibration left on its own runs a model may leave on others.
-const ELSEWHERE: f64 = 1.5;
 /// Rounds of golden sections, and sections in each.
 const ROUNDS: (usize, usize) = (3, 7);
 /// Parts of a recording that are independent, and the step at which it is seen what each says of a value.

@@ -55,6 +55,8 @@ use crate::machine::Machine;
 const LEAST: f64 = 0.015;
 /// Causes named at most.
 const MOST: usize = 4;
+/// How many times what calibration left on its own runs a model may leave on others.
+const ELSEWHERE: f64 = 1.5;
 /// A calibration that leaves more than this part of the lost time explains no more than the machine file.
 const CLEARLY_LESS: f64 = 0.5;
 /// Settings and limits of machine and control that may have changed at once.
@@ -149,6 +151,12 @@ impl ModelError {
             form: form::error(machine, runs),
         }
     }
+
+    /// Writes it into the machine that leaves it.
+    pub fn keep_in(self, machine: &mut Machine) {
+        machine.unexplained_time = Some(self.unexplained_time);
+        machine.form_error = self.form;
+    }
 }
 
 /// Diagnoses runs against the machine believed in. A machine that was never calibrated, and of which one or two causes do
@@ -165,7 +173,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     let mut calibrated = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part)).machine;
     let error = ModelError::of(&calibrated, runs);
     calibrated.cycle_time_error = Some(error.unexplained_time);
-    (calibrated.unexplained_time, calibrated.form_error) = (Some(error.unexplained_time), error.form);
+    error.keep_in(&mut calibrated);
     let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
     progress(1.0);
     if CLEARLY_LESS * as_it_is.left.0 < own.left.0 {

@@ -14,7 +14,7 @@
 //! lost there: it has one ratio, and what it leaves speaks against it, as for a place that is slow on parts of them.
 
 use crate::identification::comparison::Comparison;
-use crate::identification::diagnosis::{Cause, LEAST, Pulsation, Verdict};
+use crate::identification::diagnosis::{Cause, ELSEWHERE, LEAST, Pulsation, Verdict};
 use crate::identification::effects::FEED_OVERRIDE;
 use crate::machine::Machine;
 
@@ -22,8 +22,6 @@ use crate::machine::Machine;
 const LEFT: f64 = 2e-3;
 /// What is left of what there was, from which on it is not explained.
 const MUCH: f64 = 0.25;
-/// How many times what calibration left on its own runs a model may leave on others.
-const ELSEWHERE: f64 = 1.5;
 /// A confidence from which on a cause is certain.
 const CERTAIN: f64 = 0.9;
 
