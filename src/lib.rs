@@ -14,7 +14,7 @@
 //! ```
 //! use truefeed::machine::Machine;
 //! use truefeed::quote::programmed_time;
-//! use truefeed::simulation::{gcode::read, profile::Profile, simulate, toolpath::trace};
+//! use truefeed::simulation::{gcode::read, interpreter::trace, profile::Profile, simulate};
 //!
 //! let machine = Machine::default();
 //! let toolpath = trace(&read(b"G21 G90 G1 X40 F3000\nY40\nX0"), &machine);

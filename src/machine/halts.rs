@@ -1,72 +1,72 @@
-//! Halts that the program does not ask for: waits at lines, feed holds, and waits for position.
+//! Halts that the program does not request: waits at lines, feed holds, and in-position waits.
 //!
-//! - A wait stands before everything else that the control does for a line: at the line's first function,
-//!   where there is one before its first move, else at a full stop before that move.
-//! - A feed hold takes the command away somewhere in the middle of a line's path and gives it back after so many seconds;
-//!   the filters run empty meanwhile, as far as the time is enough for it.
-//! - A wait for position is one at each full stop that motion makes by itself, until the axes are
-//!   within their windows. Functions and dwells wait for the motion anyway and do not have it.
+//! - A wait comes before everything else that the control does for a line: at the line's first function if
+//!   that comes before its first move, else at a full stop before that move.
+//! - A feed hold interrupts the command somewhere in the middle of a line's path for a time; the filters run
+//!   empty meanwhile, as far as the time allows.
+//! - An in-position wait occurs at each full stop of the motion until the axes are within their windows.
+//!   Functions and dwells wait for the motion anyway and do not have it.
 //!
-//! Lines count as often as they are run. Limits: a wait at a line that neither moves nor does anything is
-//! none; all waits for position last equally long.
+//! Lines count as often as they are run. Limits: a wait at a line without moves and functions has no effect;
+//! all in-position waits last equally long.
 
 use std::collections::BTreeMap;
 
-use crate::machine::words::word_of;
+use crate::machine::keyword::keyword_of;
 
-/// Halts that the program does not ask for; neutral none.
+/// Halts that the program does not request; none when neutral.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Halts {
-    /// How long the machine stands before a line, s, by line of the program.
+    /// Wait before each line, s, by line of the program.
     pub waits: BTreeMap<u32, f64>,
-    /// How long the command is held within a line, s, by line of the program.
+    /// Duration of the feed hold within each line, s, by line of the program.
     pub feed_holds: BTreeMap<u32, f64>,
-    /// Which part of the line's path is run before its feed hold, 0 to 1, by line; half where none is given.
+    /// Part of the line's path before its feed hold, 0 to 1, by line; half if not given.
     pub feed_hold_places: BTreeMap<u32, f64>,
-    /// How long the axes need at a full stop to be in position, s; neutral 0.
+    /// In-position wait at a full stop, s; neutral 0.
     pub in_position: f64,
-    /// At which stops they have to be.
+    /// Stops with an in-position wait.
     pub in_position_at: InPosition,
 }
 
-/// Stops at which the control waits for the axes.
+/// Full stops at which the control waits for the axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InPosition {
-    /// At the end of each rapid move, which is a full stop where the wait is not neutral.
+    /// The end of each rapid move, which is a full stop if the wait is not neutral.
     RapidEnds,
-    /// At exact stops: of the program, and at corners sharper than the exact-stop angle.
+    /// Exact stops: of the program, and at corners sharper than the exact-stop angle.
     ExactStops,
-    /// At both.
+    /// Both.
     #[default]
     Both,
 }
 
 impl InPosition {
-    /// All with the word they are written with.
+    /// All variants with their keywords.
     pub const WORDS: [(&'static str, InPosition); 3] = [
         ("both", InPosition::Both),
         ("rapid ends", InPosition::RapidEnds),
         ("exact stops", InPosition::ExactStops),
     ];
 
-    /// The word it is written with.
+    /// Returns the keyword in a machine file.
     pub fn word(self) -> &'static str {
-        word_of(&InPosition::WORDS, self)
+        keyword_of(&InPosition::WORDS, self)
     }
 
-    /// Whether rapid moves end in it.
+    /// Returns `true` if the axes wait to be in position at the end of a rapid move.
     pub fn has_rapid_ends(self) -> bool {
         self != InPosition::ExactStops
     }
 
-    /// Whether exact stops have it.
+    /// Returns `true` if the axes wait to be in position at an exact stop.
     pub fn has_exact_stops(self) -> bool {
         self != InPosition::RapidEnds
     }
 }
 
 impl Halts {
-    /// Which part of a line's path is run before its feed hold.
+    /// Returns the part of a line's path before its feed hold, 0 to 1.
     pub fn place(&self, line: u32) -> f64 {
         self.feed_hold_places.get(&line).copied().unwrap_or(0.5)
     }

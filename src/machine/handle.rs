@@ -2,7 +2,7 @@
 
 use crate::machine::{Access, Machine, Parameter, parameter};
 
-/// A parameter of a machine: a row of the table of parameters, or an entry of a row that is a table by number.
+/// A machine parameter: a row of the parameter table, or an entry of a row that is a table by number.
 #[derive(Clone, Copy)]
 pub struct Handle {
     row: &'static Parameter,
@@ -10,37 +10,37 @@ pub struct Handle {
 }
 
 impl Handle {
-    /// The number with this key.
+    /// Returns the handle of the number with this key.
     ///
     /// # Panics
     ///
-    /// If the table has no number under the key, which is a slip of whoever wrote the key.
+    /// Panics if the table has no number under the key.
     pub fn number(key: &str) -> Handle {
         let row = parameter(key).filter(|row| matches!(row.access, Access::Number { .. }));
         Handle { row: row.unwrap_or_else(|| panic!("{key} is a number of the table")), entry: None }
     }
 
-    /// The entry of the table by number with this key.
+    /// Returns the handle of an entry of the table by number with this key.
     ///
     /// # Panics
     ///
-    /// If there is no such table under the key.
+    /// Panics if there is no such table under the key.
     pub fn entry(key: &str, number: u32) -> Handle {
         let row = parameter(key).filter(|row| matches!(row.access, Access::Codes { .. }));
         let row = row.unwrap_or_else(|| panic!("{key} is a table by number"));
         Handle { row, entry: Some(number) }
     }
 
-    /// The row with this key, of which a value is more than a number: a list, or a choice that it goes with.
+    /// Returns the handle of the row with this key, whose value is not a number but a list or a choice.
     ///
     /// # Panics
     ///
-    /// If the table has no such row.
+    /// Panics if the table has no such row.
     pub fn row(key: &str) -> Handle {
         Handle { row: parameter(key).unwrap_or_else(|| panic!("{key} is a row of the table")), entry: None }
     }
 
-    /// Its key in the machine file, of an entry with the word, as in `times.m_codes.M8`.
+    /// Returns the key in the machine file, of an entry with its word, such as `times.m_codes.M8`.
     pub fn key(&self) -> String {
         match (&self.row.access, self.entry) {
             (Access::Codes { letter, .. }, Some(number)) => format!("{}.{letter}{number}", self.row.key),
@@ -48,12 +48,12 @@ impl Handle {
         }
     }
 
-    /// The table of the machine file that it lies in, as `path` or `times`.
+    /// Returns the table of the machine file that contains it, such as `path` or `times`.
     pub fn table(&self) -> &'static str {
         self.row.key.split('.').next().unwrap_or_default()
     }
 
-    /// The value that a machine has, core units; `None` where it has none.
+    /// Returns the value of a machine, core units; `None` if it has none.
     pub fn get(&self, machine: &Machine) -> Option<f64> {
         match (&self.row.access, self.entry) {
             (Access::Number { get, .. }, _) => get(machine),
@@ -62,7 +62,7 @@ impl Handle {
         }
     }
 
-    /// Gives a machine the value, core units.
+    /// Sets the value of a machine, core units.
     pub fn set(&self, machine: &mut Machine, value: f64) {
         match (&self.row.access, self.entry) {
             (Access::Number { set, .. }, _) => set(machine, Some(value)),

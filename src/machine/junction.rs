@@ -1,15 +1,19 @@
-//! The law by which a control limits the feedrate at corners, and its rows in the table of parameters.
+//! Junction laws, by which a control limits the feedrate at corners, and their rows in the parameter table.
 
-use crate::machine::parameter::{Access, Parameter, finite, number};
+use crate::machine::parameter::{Access, Parameter, number, row};
 use crate::units::Unit;
 
-/// What limits the feedrate at a corner beside the contour tolerance.
+/// The law that limits the feedrate at a corner in addition to the contour tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Junction {
-    /// Nothing.
+    /// No law.
     Tolerance,
-    /// The acceleration on a circle within the contour tolerance, as in LinuxCNC.
+    /// A circle within the contour tolerance that the acceleration allows, or a parabola, as in LinuxCNC.
     AccelerationBlend,
+    /// A parabola alone, as in LinuxCNC without arc blends.
+    ParabolicBlend,
+    /// A stop wherever the acceleration does not allow the corner itself, as in LinuxCNC's exact path mode.
+    ExactPath,
     /// The acceleration on a circle that passes the corner at this distance, mm, as in grbl.
     Deviation(f64),
     /// This feedrate at a corner of 90°, mm/s, and the same circle at others, as in Klipper.
@@ -18,21 +22,44 @@ pub enum Junction {
     AxisStep(f64),
 }
 
-const RULES: [&str; 2] = ["tolerance", "acceleration_blend"];
+impl Junction {
+    /// The laws that a keyword selects, with their keywords.
+    const KEYWORDS: [(&'static str, Junction); 4] = [
+        ("tolerance", Junction::Tolerance),
+        ("acceleration_blend", Junction::AccelerationBlend),
+        ("parabolic_blend", Junction::ParabolicBlend),
+        ("exact_path", Junction::ExactPath),
+    ];
 
-/// The rows of the law. Each law with a value has a row of its own, so that the value carries its
-/// unit; giving it chooses the law, and taking it away takes back that law alone.
-pub(super) const JUNCTION: [Parameter; 7] = [
+    /// Returns `true` if corners are those of LinuxCNC: circles, parabolas, or exact.
+    pub fn blends_in_time(self) -> bool {
+        matches!(self, Junction::AccelerationBlend | Junction::ParabolicBlend | Junction::ExactPath)
+    }
+}
+
+/// The rows of the law. Each law with a value has a row, so that the value carries its unit; setting the
+/// value selects the law, and clearing it clears that law alone.
+pub(super) const JUNCTION: [Parameter; 8] = [
     Parameter {
         key: "interpolator.junction_rule",
         label: "Junctions",
-        doc: "tolerance: corners by the contour tolerance alone; acceleration_blend: also by the acceleration on a circle within it, as LinuxCNC.",
+        doc: "tolerance: the contour tolerance alone limits corners; acceleration_blend: also the acceleration on a circle within it, as in LinuxCNC; parabolic_blend: both legs run at once, as in LinuxCNC without arc blends; exact_path: every program runs as after G61 of LinuxCNC, with a stop at each corner that the acceleration of the axes does not allow as programmed.",
         access: Access::Choice {
-            words: &RULES,
-            get: |m| RULES[usize::from(m.interpolator.junction == Junction::AccelerationBlend)],
+            words: &[
+                Junction::KEYWORDS[0].0,
+                Junction::KEYWORDS[1].0,
+                Junction::KEYWORDS[2].0,
+                Junction::KEYWORDS[3].0,
+            ],
+            get: |m| {
+                let rule =
+                    Junction::KEYWORDS.iter().find(|(_, junction)| *junction == m.interpolator.junction);
+                rule.unwrap_or(&Junction::KEYWORDS[0]).0
+            },
             set: |m, v| {
-                if v == RULES[1] {
-                    m.interpolator.junction = Junction::AccelerationBlend
+                let rule = Junction::KEYWORDS.iter().find(|(word, _)| *word == v);
+                if let Some((_, junction)) = rule.filter(|(_, junction)| *junction != Junction::Tolerance) {
+                    m.interpolator.junction = *junction
                 }
             },
         },
@@ -40,7 +67,7 @@ pub(super) const JUNCTION: [Parameter; 7] = [
     Parameter {
         key: "interpolator.junction_deviation_mm",
         label: "Junction deviation",
-        doc: "Corners also by the acceleration on a circle that passes at this distance, as grbl; empty: not so.",
+        doc: "The acceleration on a circle that passes the corner at this distance limits its feedrate, as in grbl. Empty: no such limit.",
         access: number(
             Unit::Millimetre,
             (1e-6, 10.0),
@@ -58,7 +85,7 @@ pub(super) const JUNCTION: [Parameter; 7] = [
     Parameter {
         key: "interpolator.square_corner_velocity_mm_min",
         label: "Square-corner velocity",
-        doc: "Feedrate at a corner of 90° is at most this, at others that of the same circle, as Klipper; empty: not so.",
+        doc: "Highest feedrate at a corner of 90°; other corners follow from the same circle, as in Klipper. Empty: no such limit.",
         access: number(
             Unit::MillimetrePerMinute,
             (0.01, 1e6),
@@ -76,7 +103,7 @@ pub(super) const JUNCTION: [Parameter; 7] = [
     Parameter {
         key: "interpolator.axis_velocity_step_mm_min",
         label: "Velocity step of axes",
-        doc: "No axis changes its velocity by more than this at a corner; empty: not so.",
+        doc: "Largest step of an axis velocity at a corner. Empty: no such limit.",
         access: number(
             Unit::MillimetrePerMinute,
             (0.01, 1e6),
@@ -91,37 +118,12 @@ pub(super) const JUNCTION: [Parameter; 7] = [
             },
         ),
     },
-    Parameter {
-        key: "interpolator.slowing_angle_deg",
-        label: "Corners slow to a stop at",
-        doc: "Corners are slowed by the fourth power of their turn, down to a full stop from this angle on; empty: not so.",
-        access: number(
-            Unit::Degree,
-            (1.0, 3600.0),
-            |m| finite(m.interpolator.slowing_angle),
-            |m, v| m.interpolator.slowing_angle = v.unwrap_or(f64::INFINITY),
-        ),
-    },
-    Parameter {
-        key: "interpolator.path_smoothing_mm",
-        label: "Path smoothing",
-        doc: "Lines within this of one line are run as that; 0: none; empty: with acceleration_blend by Q or P of G64.",
-        access: number(
-            Unit::Millimetre,
-            (0.0, 10.0),
-            |m| m.interpolator.path_smoothing,
-            |m, v| m.interpolator.path_smoothing = v,
-        ),
-    },
-    Parameter {
-        key: "interpolator.corner_smoothing_mm",
-        label: "Corner smoothing",
-        doc: "Corners between lines that a curve passes within this are not slowed; 0: all are.",
-        access: number(
-            Unit::Millimetre,
-            (0.0, 10.0),
-            |m| Some(m.interpolator.corner_smoothing),
-            |m, v| m.interpolator.corner_smoothing = v.unwrap_or(0.0),
-        ),
-    },
+    row!("interpolator.max_override_percent", "Override planned for", value Percent (100.0, 1000.0) [interpolator.max_override] or 1.0,
+        "Largest feed override that the control plans blends for, which makes them wider than the programmed feedrate needs, as in LinuxCNC (MAX_FEED_OVERRIDE)."),
+    row!("interpolator.slowing_angle_deg", "Corners slow to a stop at", limit Degree (1.0, 3600.0) [interpolator.slowing_angle],
+        "The control slows corners by the fourth power of their angle, down to a full stop from this angle on. Empty: it does not."),
+    row!("interpolator.path_smoothing_mm", "Path smoothing", optional Millimetre (0.0, 10.0) [interpolator.path_smoothing],
+        "The control merges lines that deviate from one line by no more than this. 0: it does not; empty: with acceleration_blend, by Q or P of G64."),
+    row!("interpolator.corner_smoothing_mm", "Corner smoothing", value Millimetre (0.0, 10.0) [interpolator.corner_smoothing] or 0.0,
+        "Corners that a curve can pass within this distance do not slow the motion. 0: all do."),
 ];

@@ -1,99 +1,99 @@
-//! One row of the table of machine parameters: a key with a label, a sentence, and access to a machine.
+//! A row of the parameter table: a key with a label, a sentence, and access to a machine.
 
 use std::collections::BTreeMap;
 
 use crate::machine::Machine;
 use crate::units::Unit;
 
-/// One machine parameter as people write it.
+/// A machine parameter as files and forms show it.
 pub struct Parameter {
     /// Key in the machine file, for example `rapid.feed_mm_min`.
     pub key: &'static str,
     /// Short name for forms.
     pub label: &'static str,
-    /// What it does, one sentence.
+    /// One sentence on its effect.
     pub doc: &'static str,
-    /// Its kind, and how to reach it in a machine.
+    /// Type and access.
     pub access: Access,
 }
 
-/// How a parameter is read from a machine and written to it. Numbers are in core units.
+/// Type and access of a parameter. Numbers are in core units.
 pub enum Access {
     /// A number within bounds.
     Number {
-        /// Unit at the borders.
+        /// Unit in files and forms.
         unit: Unit,
         /// Least value allowed, in that unit.
         min: f64,
         /// Largest value allowed, in that unit.
         max: f64,
-        /// Only whole numbers.
+        /// `true` for whole numbers.
         whole: bool,
-        /// Its value; none where the machine does not have it.
+        /// Returns the value; `None` if the machine has none.
         get: fn(&Machine) -> Option<f64>,
-        /// Gives it a value; none takes it back to neutral.
+        /// Sets the value; `None` restores the neutral one.
         set: fn(&mut Machine, Option<f64>),
     },
     /// A list of numbers within bounds, as [`Access::Number`].
     List {
-        /// Unit at the borders.
+        /// Unit in files and forms.
         unit: Unit,
         /// Least value allowed, in that unit.
         min: f64,
         /// Largest value allowed, in that unit.
         max: f64,
-        /// Only whole numbers.
+        /// `true` for whole numbers.
         whole: bool,
-        /// How many values there can be.
+        /// Largest number of values.
         most: usize,
-        /// Its values; none where the machine does not have them.
+        /// Returns the values; `None` if the machine has none.
         get: fn(&Machine) -> Option<Vec<f64>>,
-        /// Gives it values.
+        /// Sets the values.
         set: fn(&mut Machine, Vec<f64>),
     },
-    /// One word of several.
+    /// One of several keywords.
     Choice {
-        /// The words.
+        /// Keywords.
         words: &'static [&'static str],
-        /// The word it has.
+        /// Returns the current keyword.
         get: fn(&Machine) -> &'static str,
-        /// Gives it one of the words.
+        /// Sets a keyword.
         set: fn(&mut Machine, &str),
     },
     /// Yes or no.
     Flag {
-        /// Whether it is set.
+        /// Returns the value.
         get: fn(&Machine) -> bool,
-        /// Sets it.
+        /// Sets the value.
         set: fn(&mut Machine, bool),
     },
     /// Any text.
     Text {
-        /// The text.
+        /// Returns the text.
         get: fn(&Machine) -> &str,
-        /// Gives it a text.
+        /// Sets the text.
         set: fn(&mut Machine, &str),
     },
     /// A table of numbers by word, for example `M8 = 3.0`.
     Codes {
         /// The letter of the words.
         letter: char,
-        /// Unit at the borders and inside.
+        /// Unit, in files as in the core.
         unit: Unit,
         /// Least value allowed.
         min: f64,
         /// Largest value allowed.
         max: f64,
-        /// The values by number.
+        /// Returns the values by number.
         get: fn(&Machine) -> &BTreeMap<u32, f64>,
-        /// The same, to be changed.
+        /// Returns the values by number, mutably.
         get_mut: fn(&mut Machine) -> &mut BTreeMap<u32, f64>,
     },
     /// The tool table: diameters in mm by tool number.
     Tools,
 }
 
-/// An infinite limit is written by leaving the key out.
+/// Returns the written form of a limit; `None`, a missing key, means infinity.
 pub(in crate::machine) fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
@@ -116,5 +116,31 @@ pub(in crate::machine) const fn whole(
 }
 
 /// Bounds of jerks, and of contour tolerances.
-pub(in crate::machine) const JERK_MM_S3: (f64, f64) = (1.0, 1e9);
-pub(in crate::machine) const TOLERANCE_MM: (f64, f64) = (1e-6, 10.0);
+pub(in crate::machine) const JERK_BOUNDS_MM_S3: (f64, f64) = (1.0, 1e9);
+pub(in crate::machine) const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-6, 10.0);
+
+/// A row of the table whose parameter is one field of the machine: key, label, access, sentence on its effect.
+///
+/// `optional` is a field that may be missing, `limit` one that is infinite when neutral, and `value` one with
+/// the neutral value behind `or`. Unit and bounds are those of files and forms.
+macro_rules! row {
+    ($key:expr, $label:expr, optional $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
+        row!($key, $label, $unit $bounds, |m| m.$($field)+, |m, v| m.$($field)+ = v, $doc)
+    };
+    ($key:expr, $label:expr, limit $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
+        row!($key, $label, $unit $bounds, |m| $crate::machine::parameter::finite(m.$($field)+),
+            |m, v| m.$($field)+ = v.unwrap_or(f64::INFINITY), $doc)
+    };
+    ($key:expr, $label:expr, value $unit:ident $bounds:tt [$($field:tt)+] or $neutral:expr, $doc:expr) => {
+        row!($key, $label, $unit $bounds, |m| Some(m.$($field)+), |m, v| m.$($field)+ = v.unwrap_or($neutral), $doc)
+    };
+    ($key:expr, $label:expr, $unit:ident $bounds:tt, $get:expr, $set:expr, $doc:expr) => {
+        $crate::machine::parameter::Parameter {
+            key: $key,
+            label: $label,
+            doc: $doc,
+            access: $crate::machine::parameter::number($crate::units::Unit::$unit, $bounds, $get, $set),
+        }
+    };
+}
+pub(in crate::machine) use row;

@@ -2,13 +2,13 @@
 
 use crate::machine::{ArcChords, Junction, Machine, TimeConstants};
 
-/// The filter that is left to a planner, s: half a servo period, which rounds nothing.
+/// Time constant of the filter that a planner keeps, s: half a servo period, which has no visible effect.
 pub const PLANNER_FILTER_S: f64 = 5e-4;
 
-/// A machine file has a constant with few digits.
-const FEW_DIGITS: f64 = 0.999;
+/// Rounding of a constant in a machine file with few digits.
+const MIN_ROUNDING_RATIO: f64 = 0.999;
 
-/// A family of controls whose planner ramps in trapezoids, by its law of corners.
+/// A family of controls whose planner ramps in trapezoids, by its junction law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Planner {
     /// Axes are limited in acceleration, and corners are blended at it, as in LinuxCNC.
@@ -19,11 +19,22 @@ pub enum Planner {
     SquareCorner,
 }
 
-/// Junction deviation, mm, distance of the chords of arcs, mm, and blocks planned ahead that grbl has unless it is told
-/// otherwise.
-const GRBL: (f64, f64, f64) = (0.01, 0.002, 15.0);
-/// Square-corner velocity, mm/s, chords of arcs, mm, and minimum cruise ratio that Klipper has unless it is told otherwise.
-const KLIPPER: (f64, f64, f64) = (5.0, 0.1, 0.5);
+/// Contour tolerance of a LinuxCNC planner if the program sets none, mm: no blend reaches it.
+pub const FREE_BLEND_MM: f64 = 10.0;
+/// Lines and circles that LinuxCNC plans ahead by default (`ARC_BLEND_OPTIMIZATION_DEPTH`).
+const LINUXCNC_LOOK_AHEAD: f64 = 50.0;
+/// Default junction deviation of grbl, mm.
+const GRBL_JUNCTION_DEVIATION_MM: f64 = 0.01;
+/// Default distance between an arc and its chords in grbl, mm.
+const GRBL_CHORD_ERROR_MM: f64 = 0.002;
+/// Blocks that grbl plans ahead by default.
+const GRBL_LOOK_AHEAD: f64 = 15.0;
+/// Default square-corner velocity of Klipper, mm/s.
+const KLIPPER_SQUARE_CORNER_MM_S: f64 = 5.0;
+/// Default length of the chords of arcs in Klipper, mm.
+const KLIPPER_CHORD_MM: f64 = 0.1;
+/// Default minimum cruise ratio of Klipper.
+const KLIPPER_MIN_CRUISE_RATIO: f64 = 0.5;
 
 impl Planner {
     /// All families.
@@ -32,59 +43,64 @@ impl Planner {
 }
 
 impl Machine {
-    /// Returns `true` if its ramps are those of filters. Planners have some that are shorter than their period.
+    /// Returns `true` if filters shape the ramps. A planner's machine file may name a filter no longer than
+    /// [`PLANNER_FILTER_S`], which counts as none.
     pub fn has_filters(&self) -> bool {
         let interpolator = &self.interpolator;
         match (interpolator.junction, &interpolator.time_constants) {
-            (Junction::AccelerationBlend, _) => false,
+            (Junction::AccelerationBlend | Junction::ParabolicBlend | Junction::ExactPath, _) => false,
             (Junction::Tolerance, _) => true,
             (_, TimeConstants::Equal(constant)) => {
-                PLANNER_FILTER_S < interpolator.filters as f64 * constant * FEW_DIGITS
+                PLANNER_FILTER_S < interpolator.filters as f64 * constant * MIN_ROUNDING_RATIO
             }
             _ => true,
         }
     }
 
-    /// Makes the machine one of a family of planners, with this acceleration (mm/s²) of what the family limits, or the lower
-    /// one that it has, and with what else controls of the family are delivered with.
+    /// Turns the machine into one of a family of planners, with this acceleration (mm/s²) as the limit of the
+    /// family's kind, unless it has a lower one, and with the family's default settings.
     pub fn become_planner(&mut self, planner: Planner, acceleration: f64) {
         self.interpolator.filters = 1;
         self.interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S);
-        // The planners of grbl and Klipper plan rapids and feed moves as one; the others stop between them.
+        // The planners of grbl and Klipper plan rapids and feed moves together; the others stop between them.
         let stops = planner == Planner::AccelerationBlend;
         self.rapid.time_constants = stops.then_some(TimeConstants::Equal(PLANNER_FILTER_S));
         let limit = |own: &mut f64| *own = own.min(acceleration);
         match planner {
             Planner::AccelerationBlend => {
                 self.interpolator.junction = Junction::AccelerationBlend;
+                self.interpolator.contour_tolerance = FREE_BLEND_MM;
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(LINUXCNC_LOOK_AHEAD);
                 self.axes.iter_mut().for_each(|axis| limit(&mut axis.acceleration));
             }
             Planner::JunctionDeviation => {
-                self.interpolator.junction = Junction::Deviation(GRBL.0);
-                self.interpolator.arc_chords = ArcChords::Within(GRBL.1);
-                self.interpolator.look_ahead = self.interpolator.look_ahead.min(GRBL.2);
+                self.interpolator.junction = Junction::Deviation(GRBL_JUNCTION_DEVIATION_MM);
+                self.interpolator.arc_chords = ArcChords::Within(GRBL_CHORD_ERROR_MM);
+                self.interpolator.look_ahead = self.interpolator.look_ahead.min(GRBL_LOOK_AHEAD);
                 self.axes.iter_mut().for_each(|axis| limit(&mut axis.acceleration));
             }
             Planner::SquareCorner => {
-                self.interpolator.junction = Junction::SquareCorner(KLIPPER.0);
-                self.interpolator.arc_chords = ArcChords::Long(KLIPPER.1);
-                self.interpolator.minimum_cruise_ratio = KLIPPER.2;
+                self.interpolator.junction = Junction::SquareCorner(KLIPPER_SQUARE_CORNER_MM_S);
+                self.interpolator.arc_chords = ArcChords::Long(KLIPPER_CHORD_MM);
+                self.interpolator.minimum_cruise_ratio = KLIPPER_MIN_CRUISE_RATIO;
                 limit(&mut self.path.acceleration);
                 limit(&mut self.axes[2].acceleration);
             }
         }
     }
 
-    /// Returns the machine with so many times the value of its law of corners; of blends that is the contour tolerance.
+    /// Returns the machine with the value of its junction law multiplied by `ratio`; for blends that is the
+    /// contour tolerance.
     pub fn with_scaled_junction(&self, ratio: f64) -> Machine {
         let mut machine = self.clone();
         match &mut machine.interpolator.junction {
             Junction::Deviation(value) | Junction::SquareCorner(value) | Junction::AxisStep(value) => {
                 *value *= ratio
             }
-            Junction::Tolerance | Junction::AccelerationBlend => {
-                machine.interpolator.contour_tolerance *= ratio
-            }
+            Junction::Tolerance
+            | Junction::AccelerationBlend
+            | Junction::ParabolicBlend
+            | Junction::ExactPath => machine.interpolator.contour_tolerance *= ratio,
         }
         machine
     }

@@ -1,22 +1,22 @@
-//! Machines to begin with. Each says where its numbers come from and what they are not.
+//! Presets: machines to begin with. Each states the source of its numbers and their limits.
 
-use crate::machine::{Interpolator, Machine, Rapid, TimeConstants};
+use crate::machine::{Interpolator, Machine, RapidMoves, TimeConstants};
 
-/// A machine to begin with, and what to know about its numbers.
+/// A machine to begin with, and notes on its numbers.
 pub struct Preset {
     /// The machine.
     pub machine: Machine,
-    /// Where the numbers come from.
+    /// Source of the numbers.
     pub source: &'static str,
-    /// What they are not.
+    /// Limits of the numbers.
     pub caveat: &'static str,
 }
 
-/// The largest miss of the model's cycle times against those the paper measured on its machine, in the last column of
-/// Table 1 of `docs/paper.md`.
-const LARGEST_MISS_OF_PAPER: f64 = 0.079;
+/// Largest error of the model's cycle times against the paper's measurements, in the last column of Table 1
+/// of `docs/paper.md`.
+const MAX_ERROR_OF_PAPER: f64 = 0.079;
 
-/// The presets, the default first.
+/// Returns the presets, the default first.
 pub fn presets() -> Vec<Preset> {
     let with = |name: &str, time_constant: f64, tolerance: f64, rapid_feedrate: f64, tool_change: f64| {
         let mut machine = Machine { name: name.to_string(), ..Machine::default() };
@@ -25,17 +25,14 @@ pub fn presets() -> Vec<Preset> {
             contour_tolerance: tolerance,
             ..machine.interpolator
         };
-        machine.rapid = Rapid { feedrate: rapid_feedrate, ..machine.rapid };
+        machine.rapid = RapidMoves { feedrate: rapid_feedrate, ..machine.rapid };
         machine.times.tool_change = tool_change;
         machine
     };
     let mut measured = with("5-axis machining centre (DMG Mori eVo 40, TNC 640)", 0.0255, 0.010, 500.0, 4.0);
-    measured.cycle_time_error = Some(LARGEST_MISS_OF_PAPER);
+    measured.cycle_time_error = Some(MAX_ERROR_OF_PAPER);
     measured.calibrated_at = vec![0.010, 0.050];
-    measured.provenance =
-        "the eight pockets that Ward et al. 2021 measured (docs/paper.md, Table 1), whose paths had \
-                           to be reconstructed: the largest miss"
-            .to_string();
+    measured.provenance = "eight test pockets (Ward et al. 2021, Table 1)".to_string();
     let typical = "Typical values, not of a particular machine.";
     vec![
         Preset {
@@ -56,7 +53,7 @@ pub fn presets() -> Vec<Preset> {
         Preset {
             machine: with("Router or light gantry", 0.060, 0.100, 250.0, 20.0),
             source: typical,
-            caveat: "Tool changes are taken as manual. Calibrate before quoting.",
+            caveat: "Assumes manual tool changes. Calibrate before quoting.",
         },
     ]
 }
@@ -80,7 +77,7 @@ mod tests {
             .unzip();
         assert_eq!(misses.len(), 8);
         let largest = misses.into_iter().fold(0.0, f64::max);
-        assert_eq!(largest, LARGEST_MISS_OF_PAPER);
+        assert_eq!(largest, MAX_ERROR_OF_PAPER);
         let measured = &presets()[0].machine;
         assert_eq!(measured.cycle_time_error, Some(largest));
         assert!(tolerances.iter().all(|tolerance| measured.calibrated_at.contains(tolerance)));

@@ -1,6 +1,6 @@
-//! Times that are not motion: what the machine's functions take once the axes stand.
+//! Times without motion: durations of the machine's functions once the axes are at rest.
 //!
-//! An M-word belongs to a group by what it does. Its time is the first of these that is given: its
+//! An M-word belongs to a group by its function. Its time is the first of these that is given: its
 //! own entry in the table by M-word, the time of its group, the time of all other M-words. A
 //! spindle that goes from n1 to n2 (signed by its direction, rpm) takes
 //!
@@ -9,44 +9,47 @@
 //!
 //! with k in s per rpm. Speeds are in revolutions per minute, as programs and machines give them.
 //!
-//! A drive whose torque falls with its speed takes more than in proportion: with the exponent p the ramp is
-//! k N |f(n2) − f(n1)|, f(n) = ± (|n| / N)^p and N = 10 000 rpm. Constant torque gives p = 1, constant power
-//! p = 2, and where even power falls, above the nominal speed of most spindles, p comes near 3.
+//! A drive whose torque falls with its speed takes more than in proportion: with the exponent p the ramp is k
+//! N |f(n2) − f(n1)|, f(n) = ± (|n| / N)^p and N = 10 000 rpm. Constant torque gives p = 1, constant power p
+//! = 2; if even power falls, above the nominal speed of most spindles, p approaches 3.
 //!
-//! Some controls go on while the spindle ramps, and only a later word waits for it: the ramp is then part of
-//! the first of these words that follows.
+//! Some controls continue while the spindle ramps, and only a later word waits for it: the ramp is then part
+//! of the first of these words that follows.
 //!
-//! Limits: functions do not overlap with each other or with motion; a ramp that no word waits for takes
-//! nothing, and an S word alone starts none where words wait.
+//! Limits: functions do not overlap with each other or with motion; a ramp that no word waits for takes no
+//! time, and an S word alone starts none if words wait.
 
 use std::collections::BTreeMap;
 
-/// Times that are not motion.
+/// Times without motion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Times {
+pub struct FunctionTimes {
     /// From the start of the program to its first block, s; neutral 0.
     pub start: f64,
     /// Tool change at M6, s.
     pub tool_change: f64,
-    /// The first of a program, which may find nothing in the spindle to put back, s; neutral none: as others.
+    /// First tool change of a program, which may find no tool in the spindle, s; neutral `None`: as others.
     pub first_tool_change: Option<f64>,
-    /// Tools with a time of their own, s, by number.
+    /// Times of single tools, s, by number.
     pub tools: BTreeMap<u32, f64>,
-    /// The spindle.
+    /// Times of the spindle.
     pub spindle: SpindleTimes,
-    /// The M-words that wait for the spindle's ramp; neutral none: its own words do.
+    /// The M-words that wait for the spindle's ramp; neutral `None`: the words that start it.
     pub spindle_awaited_by: Vec<u32>,
-    /// How long feed moves wait at an S word among them until the spindle has its speed, s; neutral 0: they go on.
+    /// Wait of feed moves at an S word among them until the spindle has its speed, s; neutral 0.
     pub spindle_change: f64,
-    /// M7 and M8, s; neutral none: as other M-words. So are all times here that can be none.
+    /// Wait of the first feed move after the spindle started, or changed its speed, s; rapid moves do not
+    /// wait; neutral 0.
+    pub spindle_at_feed: f64,
+    /// M7 and M8, s; neutral `None`: as other M-words. The same applies to every optional time here.
     pub coolant_on: Option<f64>,
     /// M9, s.
     pub coolant_off: Option<f64>,
     /// M0, s.
     pub program_stop: Option<f64>,
-    /// Whether M1 stops the program; neutral false.
+    /// `true` if M1 stops the program; neutral `false`.
     pub takes_optional_stop: bool,
-    /// M1 where it is taken, s; none: as M0.
+    /// M1 if it stops the program, s; `None`: as M0.
     pub optional_stop: Option<f64>,
     /// Pallet change, s.
     pub pallet_change: Option<f64>,
@@ -56,61 +59,61 @@ pub struct Times {
     pub clamp: Option<f64>,
     /// The M-words that clamp and unclamp.
     pub clamp_words: Vec<u32>,
-    /// Any other M-word without an entry of its own, s; neutral 0.
+    /// Any M-word without an entry, s; neutral 0.
     pub m_code: f64,
-    /// M-words with a time of their own, s, by number.
+    /// Times of single M-words, s, by number.
     pub m_codes: BTreeMap<u32, f64>,
 }
 
-/// What the spindle takes.
+/// Times of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpindleTimes {
-    /// From standstill to running, without the ramp, s; neutral none: as other M-words.
+    /// From standstill to running, without the ramp, s; neutral `None`: as other M-words.
     pub start: Option<f64>,
-    /// From running to standstill, without the ramp, s; neutral none: as other M-words.
+    /// From running to standstill, without the ramp, s; neutral `None`: as other M-words.
     pub stop: Option<f64>,
-    /// For each rpm of a change of speed, s; neutral 0.
+    /// Per rpm of a change of speed, s; neutral 0.
     pub ramp: f64,
-    /// By what power of the speed the ramp grows; neutral none: 1, in proportion.
+    /// Power of the speed by which the ramp grows; neutral `None`: 1, in proportion.
     pub exponent: Option<f64>,
 }
 
-/// The speed at which ramps of all exponents are as long, rpm.
-const NOMINAL_SPEED: f64 = 10_000.0;
+/// Speed at which ramps of all exponents are equally long, rpm.
+const NOMINAL_SPEED_RPM: f64 = 10_000.0;
 
 impl SpindleTimes {
-    /// How long a change between two speeds (rpm, signed by the direction) takes, s.
+    /// Returns the duration of a change between two speeds (rpm, signed by the direction), s.
     pub fn ramp(&self, from: f64, to: f64) -> f64 {
         let Some(exponent) = self.exponent else { return self.ramp * (to - from).abs() };
-        let grown = |speed: f64| speed.signum() * (speed.abs() / NOMINAL_SPEED).powf(exponent);
-        self.ramp * NOMINAL_SPEED * (grown(to) - grown(from)).abs()
+        let grown = |speed: f64| speed.signum() * (speed.abs() / NOMINAL_SPEED_RPM).powf(exponent);
+        self.ramp * NOMINAL_SPEED_RPM * (grown(to) - grown(from)).abs()
     }
 }
 
-/// Which way the spindle runs.
+/// The direction of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Direction {
-    /// It stands.
+pub enum SpindleDirection {
+    /// At rest.
     #[default]
     Standing,
-    /// As M3 has it.
+    /// As by M3.
     Clockwise,
-    /// As M4 has it.
+    /// As by M4.
     Counterclockwise,
 }
 
-/// What the spindle does.
+/// The state of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spin {
-    /// Which way it runs.
-    pub direction: Direction,
-    /// How fast, rpm, not negative; 0 where it stands or where no program has said.
+pub struct SpindleState {
+    /// Direction.
+    pub direction: SpindleDirection,
+    /// Speed, rpm, not negative; 0 at rest or if no program has set it.
     pub speed: f64,
 }
 
-/// What an M-word does, as far as times tell M-words apart.
+/// The groups of M-words that times distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Function {
+pub enum MCodeGroup {
     /// M7, M8 and M9.
     Coolant,
     /// M0 and M1.
@@ -123,24 +126,24 @@ pub enum Function {
     Other,
 }
 
-impl Spin {
-    /// The spindle at rest.
-    pub const STANDING: Spin = Spin { direction: Direction::Standing, speed: 0.0 };
+impl SpindleState {
+    /// A spindle at rest.
+    pub const AT_REST: SpindleState = SpindleState { direction: SpindleDirection::Standing, speed: 0.0 };
 
-    /// Speed, rpm; positive as M3 has it.
+    /// Returns the speed, rpm; positive as by M3.
     pub fn signed_speed(self) -> f64 {
         match self.direction {
-            Direction::Standing => 0.0,
-            Direction::Clockwise => self.speed,
-            Direction::Counterclockwise => -self.speed,
+            SpindleDirection::Standing => 0.0,
+            SpindleDirection::Clockwise => self.speed,
+            SpindleDirection::Counterclockwise => -self.speed,
         }
     }
 }
 
-/// Neutral but for the tool change.
-impl Default for Times {
-    fn default() -> Times {
-        Times {
+/// Neutral except for the tool change.
+impl Default for FunctionTimes {
+    fn default() -> FunctionTimes {
+        FunctionTimes {
             start: 0.0,
             tool_change: 4.0,
             first_tool_change: None,
@@ -148,6 +151,7 @@ impl Default for Times {
             spindle: SpindleTimes::default(),
             spindle_awaited_by: Vec::new(),
             spindle_change: 0.0,
+            spindle_at_feed: 0.0,
             coolant_on: None,
             coolant_off: None,
             program_stop: None,
@@ -163,46 +167,46 @@ impl Default for Times {
     }
 }
 
-impl Times {
-    /// How long a change to a tool takes, s.
+impl FunctionTimes {
+    /// Returns the duration of a change to a tool, s.
     pub fn of_tool_change(&self, tool: Option<u32>) -> f64 {
         let own = tool.and_then(|tool| self.tools.get(&tool));
         own.copied().unwrap_or(self.tool_change)
     }
 
-    /// What M`code` does. The words that are the machine's own choice come first.
-    pub fn function(&self, code: u32) -> Function {
+    /// Returns the group of M`code`. Words that the machine assigns come first.
+    pub fn function(&self, code: u32) -> MCodeGroup {
         match code {
-            _ if self.pallet_words.contains(&code) => Function::Pallet,
-            _ if self.clamp_words.contains(&code) => Function::Clamp,
-            7..=9 => Function::Coolant,
-            0 | 1 => Function::Stop,
-            _ => Function::Other,
+            _ if self.pallet_words.contains(&code) => MCodeGroup::Pallet,
+            _ if self.clamp_words.contains(&code) => MCodeGroup::Clamp,
+            7..=9 => MCodeGroup::Coolant,
+            0 | 1 => MCodeGroup::Stop,
+            _ => MCodeGroup::Other,
         }
     }
 
-    /// How long M`code` takes, s, other than tool changes and the spindle's words.
+    /// Returns the duration of M`code`, s, other than tool changes and the spindle's words.
     pub fn of_m_code(&self, code: u32) -> f64 {
         let of_group = || match (self.function(code), code) {
-            (Function::Pallet, _) => self.pallet_change,
-            (Function::Clamp, _) => self.clamp,
-            (Function::Coolant, 9) => self.coolant_off,
-            (Function::Coolant, _) => self.coolant_on,
-            (Function::Stop, 0) => self.program_stop,
-            (Function::Stop, _) if self.takes_optional_stop => self.optional_stop.or(self.program_stop),
-            (Function::Stop | Function::Other, _) => None,
+            (MCodeGroup::Pallet, _) => self.pallet_change,
+            (MCodeGroup::Clamp, _) => self.clamp,
+            (MCodeGroup::Coolant, 9) => self.coolant_off,
+            (MCodeGroup::Coolant, _) => self.coolant_on,
+            (MCodeGroup::Stop, 0) => self.program_stop,
+            (MCodeGroup::Stop, _) if self.takes_optional_stop => self.optional_stop.or(self.program_stop),
+            (MCodeGroup::Stop | MCodeGroup::Other, _) => None,
         };
         self.m_codes.get(&code).copied().or_else(of_group).unwrap_or(self.m_code)
     }
 
-    /// How long the spindle takes, s, besides a ramp for which another word waits; `code` is the M-word that
-    /// asks for it, or none for an S word alone.
-    pub fn of_spindle(&self, from: Spin, to: Spin, code: Option<u32>) -> f64 {
+    /// Returns the time of a spindle change, s, without a ramp that another word waits for; `code` is the
+    /// M-word that requests it, `None` for an S word alone.
+    pub fn of_spindle(&self, from: SpindleState, to: SpindleState, code: Option<u32>) -> f64 {
         if let Some(own) = code.and_then(|code| self.m_codes.get(&code)) {
             return *own;
         }
         let SpindleTimes { start, stop, .. } = self.spindle;
-        let runs = |spin: Spin| spin.direction != Direction::Standing;
+        let runs = |spin: SpindleState| spin.direction != SpindleDirection::Standing;
         let of_step = match (runs(from), runs(to)) {
             (false, true) => start,
             (true, false) => stop,
@@ -216,8 +220,8 @@ impl Times {
         of_step.unwrap_or(of_word) + ramp
     }
 
-    /// How long the spindle's ramp takes, s, whatever waits for it.
-    pub fn of_spindle_ramp(&self, from: Spin, to: Spin) -> f64 {
+    /// Returns the duration of the spindle's ramp, s, whatever waits for it.
+    pub fn of_spindle_ramp(&self, from: SpindleState, to: SpindleState) -> f64 {
         self.spindle.ramp(from.signed_speed(), to.signed_speed())
     }
 }
@@ -226,21 +230,21 @@ impl Times {
 mod tests {
     use super::*;
 
-    const fn clockwise(speed: f64) -> Spin {
-        Spin { direction: Direction::Clockwise, speed }
+    const fn clockwise(speed: f64) -> SpindleState {
+        SpindleState { direction: SpindleDirection::Clockwise, speed }
     }
 
     #[test]
     fn a_start_takes_its_own_time_and_the_ramp() {
         let spindle = SpindleTimes { start: Some(1.0), stop: Some(0.5), ramp: 2e-4, exponent: None };
-        let times = Times { spindle, m_code: 7.0, ..Times::default() };
-        let left = Spin { direction: Direction::Counterclockwise, speed: 5000.0 };
+        let times = FunctionTimes { spindle, m_code: 7.0, ..FunctionTimes::default() };
+        let left = SpindleState { direction: SpindleDirection::Counterclockwise, speed: 5000.0 };
         for (from, to, expected) in [
-            (Spin::STANDING, clockwise(5000.0), 2.0),
-            (clockwise(5000.0), Spin::STANDING, 1.5),
+            (SpindleState::AT_REST, clockwise(5000.0), 2.0),
+            (clockwise(5000.0), SpindleState::AT_REST, 1.5),
             (clockwise(5000.0), clockwise(8000.0), 0.6 + 7.0),
             (clockwise(5000.0), left, 3.5),
-            (Spin::STANDING, Spin::STANDING, 7.0),
+            (SpindleState::AT_REST, SpindleState::AT_REST, 7.0),
         ] {
             let found = times.of_spindle(from, to, Some(3));
             assert!((found - expected).abs() < 1e-12, "{from:?} {to:?}: {found} s");
@@ -261,27 +265,32 @@ mod tests {
 
     #[test]
     fn neutral_times_are_those_of_other_words() {
-        let times = Times { m_code: 1.7, ..Times::default() };
+        let times = FunctionTimes { m_code: 1.7, ..FunctionTimes::default() };
         for code in 0..200 {
             assert_eq!(times.of_m_code(code), 1.7);
         }
-        assert_eq!(times.of_spindle(Spin::STANDING, clockwise(9000.0), Some(3)), 1.7);
+        assert_eq!(times.of_spindle(SpindleState::AT_REST, clockwise(9000.0), Some(3)), 1.7);
         assert_eq!(times.of_spindle(clockwise(9000.0), clockwise(100.0), None), 0.0);
     }
 
     #[test]
     fn the_word_comes_before_its_group_and_the_group_before_the_rest() {
-        let mut times = Times { coolant_on: Some(2.0), clamp: Some(0.8), m_code: 0.1, ..Times::default() };
+        let mut times = FunctionTimes {
+            coolant_on: Some(2.0),
+            clamp: Some(0.8),
+            m_code: 0.1,
+            ..FunctionTimes::default()
+        };
         times.m_codes = [(8, 3.0), (3, 4.0)].into();
         times.tools = [(5, 9.0)].into();
         assert_eq!([7, 8, 9, 10, 11, 12].map(|code| times.of_m_code(code)), [2.0, 3.0, 0.1, 0.8, 0.8, 0.1]);
-        assert_eq!(times.of_spindle(Spin::STANDING, clockwise(9000.0), Some(3)), 4.0);
+        assert_eq!(times.of_spindle(SpindleState::AT_REST, clockwise(9000.0), Some(3)), 4.0);
         assert_eq!([None, Some(4), Some(5)].map(|tool| times.of_tool_change(tool)), [4.0, 4.0, 9.0]);
     }
 
     #[test]
     fn an_optional_stop_takes_time_only_where_it_is_taken() {
-        let mut times = Times { program_stop: Some(60.0), ..Times::default() };
+        let mut times = FunctionTimes { program_stop: Some(60.0), ..FunctionTimes::default() };
         assert_eq!([0, 1].map(|code| times.of_m_code(code)), [60.0, 0.0]);
         times.takes_optional_stop = true;
         assert_eq!(times.of_m_code(1), 60.0);

@@ -1,4 +1,4 @@
-//! A contour tolerance as people choose and read it: in µm unless they say mm.
+//! Contour tolerances as people enter and read them: in µm unless they write mm.
 //!
 //! ```text
 //! tolerance = number, [ "um" | "µm" | "μm" | "mm" ]      decimal point or comma
@@ -7,22 +7,22 @@
 use crate::machine::{Access, parameter};
 use crate::units::{micrometres, mm_of_micrometres};
 
-/// Where the machine file and the page keep the tolerance.
-const KEY: &str = "interpolator.contour_tolerance_mm";
+/// Key of the tolerance in the machine file and on the page.
+const TOLERANCE_KEY: &str = "interpolator.contour_tolerance_mm";
 
-/// The tolerances a quote is made for unless others are chosen, mm.
-pub const USUAL_TOLERANCES: [f64; 3] = [0.010, 0.020, 0.050];
+/// Default tolerances of a quote, mm.
+pub const USUAL_TOLERANCES_MM: [f64; 3] = [0.010, 0.020, 0.050];
 
-/// Why a text is no tolerance.
+/// The reason why a text is no tolerance.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ToleranceError {
     /// There is no number, or an unknown unit.
     #[error("“{0}” is not a tolerance. Type a number of micrometres, for example 15, or 0.015 mm.")]
     NotANumber(String),
-    /// It is outside the bounds that hold for machines.
+    /// The value is outside the bounds of machines.
     #[error("{} is out of range: a tolerance lies between {} and {}.", tolerance_label(*.value), tolerance_label(*.min), tolerance_label(*.max))]
     OutOfRange {
-        /// What was asked for, mm.
+        /// The value, mm.
         value: f64,
         /// Least tolerance, mm.
         min: f64,
@@ -31,7 +31,11 @@ pub enum ToleranceError {
     },
 }
 
-/// The tolerance (mm) that a text names.
+/// Returns the tolerance (mm) that a text names.
+///
+/// # Errors
+///
+/// Returns an error if the text is no number, or no tolerance that a machine can have.
 pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
     let trimmed = text.trim();
     let number = trimmed.trim_end_matches(|c: char| c.is_alphabetic() || c.is_whitespace());
@@ -42,14 +46,18 @@ pub fn tolerance_from_text(text: &str) -> Result<f64, ToleranceError> {
         _ => return Err(not_a_number()),
     };
     if number.split_once(',').is_some_and(|(whole, rest)| !whole.starts_with('0') && rest.len() == 3) {
-        // Thousands or thousandths: nobody knows.
+        // A separator of thousands or of decimals: ambiguous.
         return Err(not_a_number());
     }
     let typed: f64 = number.replace(',', ".").parse().map_err(|_| not_a_number())?;
     checked_tolerance(mm(typed))
 }
 
-/// The tolerance (mm), where it is one that a machine can have.
+/// Returns the tolerance (mm) if a machine can have it.
+///
+/// # Errors
+///
+/// Returns an error if no machine can have it.
 pub fn checked_tolerance(value: f64) -> Result<f64, ToleranceError> {
     let (min, max) = bounds();
     if value.is_nan() || value < min || max < value {
@@ -58,20 +66,20 @@ pub fn checked_tolerance(value: f64) -> Result<f64, ToleranceError> {
     Ok(value)
 }
 
-/// How a tolerance (mm) is shown, for example `10 µm`.
+/// Formats a tolerance (mm), for example `10 µm`.
 pub fn tolerance_label(tolerance: f64) -> String {
     let digits = format!("{:.3}", micrometres(tolerance));
     format!("{} µm", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// How a measured distance from the path (mm) is shown, for example `21.4 µm`.
+/// Formats a measured distance from the path (mm), for example `21.4 µm`.
 pub fn deviation_label(deviation: f64) -> String {
     format!("{:.1} µm", micrometres(deviation))
 }
 
-/// Least and largest tolerance, mm.
+/// Returns the least and the largest tolerance, mm.
 fn bounds() -> (f64, f64) {
-    match parameter(KEY).map(|row| &row.access) {
+    match parameter(TOLERANCE_KEY).map(|row| &row.access) {
         Some(Access::Number { unit, min, max, .. }) => (unit.to_core(*min), unit.to_core(*max)),
         _ => (0.0, f64::INFINITY),
     }
@@ -115,7 +123,7 @@ mod tests {
 
     #[test]
     fn what_is_shown_reads_back() {
-        for tolerance in USUAL_TOLERANCES {
+        for tolerance in USUAL_TOLERANCES_MM {
             let read = tolerance_from_text(&tolerance_label(tolerance)).expect("a label is a tolerance");
             assert!((read - tolerance).abs() < 1e-12);
         }

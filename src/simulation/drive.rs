@@ -5,32 +5,51 @@
 //! ```text
 //! servo lag         τ ẏ + y = x                      τ = 1/Kv, s
 //! structural mode   z̈ + 2ζω ż + ω² z = ω² y           ω = 2π f, rad/s; ζ damping ratio
-//! backlash          the table stands while the drive crosses the play b, mm:
+//! backlash          the table rests while the drive crosses the backlash b, mm:
 //!                   w stays, until |z − w| would exceed b/2
 //! ```
 //!
-//! None of them changes the cycle time. Between two rows of the profile the command is taken as
-//! the cubic through position and velocity at both, for which the two differential equations are
-//! solved in closed form; rows are first added so that a time constant or a radian of vibration
-//! spans at least two, until what was before has died away: from there the motion bends no more than its
-//! command, and a dwell or a slow move costs the same however long it lasts. The cubic's error falls with the fourth power of the spacing; over steps that are
-//! very short against the time constant, where its higher terms are rounding alone, it is its mean. An axis with
-//! nothing to follow through keeps its columns bit for bit.
+//! None of them changes the cycle time. Between two rows of the profile the command is taken as the cubic through
+//! position and velocity at both, for which the two differential equations are solved in closed form; rows are
+//! first added so that a time constant or a radian of vibration spans at least two, until what was before has died
+//! away: from there the motion bends no more than its command, and a dwell or a slow move costs the same however
+//! long it lasts. The cubic's error falls with the fourth power of the spacing; over steps that are very short
+//! against the time constant, where its higher terms are rounding alone, it is its mean. An axis with nothing to
+//! follow through keeps its columns bit for bit.
 //!
 //! Source: the usual models, as in the comment on each in the vendors' manuals; limits: no
 //! friction, no cross-talk between axes, no feedforward.
 
-use crate::machine::{Axis, Machine, Mode};
+use crate::machine::{Axis, Machine, StructuralMode};
 use crate::simulation::profile::Samples;
 
-/// The actual motion on a machine, from the profile it is commanded.
+/// Returns the actual motion on a machine, from the profile it is commanded.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::machine::Machine;
+/// use truefeed::simulation::profile::{Profile, Resolution};
+/// use truefeed::simulation::{drive::actual_motion, gcode::read, simulate, interpreter::trace};
+///
+/// let mut machine = Machine::default();
+/// machine.axes[0].servo_lag = 0.01;
+/// let toolpath = trace(&read(b"G21 G90 G1 X100 F6000"), &machine);
+/// let plan = simulate(&toolpath, &machine);
+/// let samples = Profile::new(&toolpath, &plan).samples(Resolution::CHART);
+/// let actual = actual_motion(&samples, &machine);
+/// let half = 0.5 * plan.cycle_time();
+/// let row = actual.time.partition_point(|time| *time < half);
+/// let commanded = 50.0 + 100.0 * (actual.time[row] - half);
+/// assert!((commanded - actual.position[0][row] - 0.01 * 100.0).abs() < 1e-6, "mm: the lag at 100 mm/s");
+/// ```
 pub fn actual_motion(commanded: &Samples, machine: &Machine) -> Samples {
     let finest = machine.axes.iter().map(longest_spacing).fold(f64::INFINITY, f64::min);
     if finest == f64::INFINITY && machine.axes.iter().all(|axis| axis.backlash == 0.0) {
         return commanded.clone();
     }
-    let longest = machine.axes.iter().map(memory).fold(0.0, f64::max);
-    let mut actual = refined(commanded, finest, SETTLED * longest);
+    let longest = machine.axes.iter().map(sum_of_time_constants).fold(0.0, f64::max);
+    let mut actual = refined(commanded, finest, SETTLING_TIME_CONSTANTS * longest);
     for (axis, machine_axis) in machine.axes.iter().enumerate() {
         let position = &mut actual.position[axis];
         let velocity = &mut actual.velocity[axis];
@@ -51,26 +70,27 @@ pub fn actual_motion(commanded: &Samples, machine: &Machine) -> Samples {
     actual
 }
 
-/// The widest spacing of rows that shows what an axis does, s.
+/// Returns the widest spacing of rows that resolves the lag and the vibration of an axis, s.
 fn longest_spacing(axis: &Axis) -> f64 {
     let lag = if 0.0 < axis.servo_lag { 0.5 * axis.servo_lag } else { f64::INFINITY };
     let mode = axis.mode.map_or(f64::INFINITY, |mode| 0.5 / angular(mode));
     lag.min(mode)
 }
 
-/// Of so many time constants together a 10¹³th of what was before is left.
-const SETTLED: f64 = 30.0;
+/// Time constants after which an axis has settled: of any earlier motion e⁻³⁰, a 10¹³th, is left.
+const SETTLING_TIME_CONSTANTS: f64 = 30.0;
 
-/// The time constants with which an axis forgets, one after the other, s.
-fn memory(axis: &Axis) -> f64 {
+/// Returns the sum of the time constants of the lag and of the vibration of an axis, s.
+fn sum_of_time_constants(axis: &Axis) -> f64 {
     axis.servo_lag + axis.mode.map_or(0.0, |mode| 1.0 / (mode.damping * angular(mode)))
 }
 
-fn angular(mode: Mode) -> f64 {
+fn angular(mode: StructuralMode) -> f64 {
     2.0 * std::f64::consts::PI * mode.frequency
 }
 
-/// The same profile with rows added where they lie farther apart than `spacing` (s), until `settling` (s) after a row.
+/// Returns the profile with rows inserted where they are farther apart than `spacing` (s), until `settling`
+/// (s) after a row.
 fn refined(samples: &Samples, spacing: f64, settling: f64) -> Samples {
     let mut refined = Samples::default();
     for row in 0..samples.time.len() {
@@ -113,7 +133,7 @@ fn refined(samples: &Samples, spacing: f64, settling: f64) -> Samples {
 struct Cubic([f64; 4]);
 
 impl Cubic {
-    /// Through the positions p (mm) and velocities v (mm/s) at both ends of `duration` (s).
+    /// Returns the cubic through the positions p (mm) and velocities v (mm/s) at both ends of `duration` (s).
     fn new(duration: f64, p: [f64; 2], v: [f64; 2]) -> Cubic {
         if duration <= 0.0 {
             return Cubic([p[1], v[1], 0.0, 0.0]);
@@ -143,8 +163,8 @@ impl Cubic {
         c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
     }
 
-    /// The cubic p with p + a ṗ + b p̈ = this one.
-    fn steady(&self, a: f64, b: f64) -> Cubic {
+    /// Returns the steady response to this cubic c: the cubic p with p + a ṗ + b p̈ = c, a in s and b in s².
+    fn steady_response(&self, a: f64, b: f64) -> Cubic {
         let c = &self.0;
         let p3 = c[3];
         let p2 = c[2] - 3.0 * a * p3;
@@ -154,8 +174,8 @@ impl Cubic {
     }
 }
 
-/// Steps shorter than this part of a time constant see the mean of the command alone.
-const SHORT: f64 = 5e-3;
+/// Steps shorter than this part of a time constant use the mean of the command.
+const SHORT_STEP_RATIO: f64 = 5e-3;
 
 /// Runs `step(state, command, duration) -> state` from row to row, beginning at rest, and
 /// replaces the columns by the states (position, velocity). `constant` is the time constant, s.
@@ -171,7 +191,7 @@ fn follow(
     let mut before = (position[0], velocity[0]);
     for row in 1..time.len() {
         let duration = time[row] - time[row - 1];
-        let command = match duration < SHORT * constant {
+        let command = match duration < SHORT_STEP_RATIO * constant {
             true => {
                 let bulge = duration * (before.1 - velocity[row]) / 12.0;
                 Cubic([0.5 * (before.0 + position[row]) + bulge, 0.0, 0.0, 0.0])
@@ -188,19 +208,19 @@ fn follow(
 /// First-order lag of time constant `constant`, s: y = p + (y0 − p0) e^(−t/τ).
 fn lag(time: &[f64], position: &mut [f64], velocity: &mut [f64], constant: f64) {
     follow(time, position, velocity, constant, |(y, _), command, duration| {
-        let steady = command.steady(constant, 0.0);
+        let steady = command.steady_response(constant, 0.0);
         let left = (y - steady.at(0.0)) * (-duration / constant).exp();
         (steady.at(duration) + left, steady.slope_at(duration) - left / constant)
     });
 }
 
 /// Damped oscillator: z = p + e^(−ζωt) (A cos ω't + B sin ω't), ω' = ω √(1 − ζ²).
-fn vibrate(time: &[f64], position: &mut [f64], velocity: &mut [f64], mode: Mode) {
+fn vibrate(time: &[f64], position: &mut [f64], velocity: &mut [f64], mode: StructuralMode) {
     let omega = angular(mode);
     let decay = mode.damping * omega;
     let damped = omega * (1.0 - mode.damping * mode.damping).sqrt();
     follow(time, position, velocity, 1.0 / omega, |(z, slope), command, duration| {
-        let steady = command.steady(2.0 * mode.damping / omega, 1.0 / (omega * omega));
+        let steady = command.steady_response(2.0 * mode.damping / omega, 1.0 / (omega * omega));
         let a = z - steady.at(0.0);
         let b = (slope - steady.slope_at(0.0) + decay * a) / damped;
         let (sin, cos) = (damped * duration).sin_cos();
@@ -211,7 +231,7 @@ fn vibrate(time: &[f64], position: &mut [f64], velocity: &mut [f64], mode: Mode)
     });
 }
 
-/// Play of width `width`, mm, centred at the start; the table stands within it.
+/// Backlash of width `width`, mm, centred at the start; the table rests while the drive crosses it.
 fn cross_play(position: &mut [f64], velocity: &mut [f64], width: f64) {
     let Some(&start) = position.first() else { return };
     let mut table = start;
@@ -270,7 +290,7 @@ mod tests {
         assert!(misfit(&actual_motion(&sine(f), &machine), f, lag) < 1e-6);
 
         machine.axes[0].servo_lag = 0.0;
-        machine.axes[0].mode = Some(Mode { frequency: 11.0, damping: 0.3 });
+        machine.axes[0].mode = Some(StructuralMode { frequency: 11.0, damping: 0.3 });
         let own = 2.0 * std::f64::consts::PI * 11.0;
         let (a, b) = (own * own - omega * omega, 2.0 * 0.3 * own * omega);
         let mode = (own * own * a / (a * a + b * b), -own * own * b / (a * a + b * b));
@@ -306,7 +326,7 @@ mod tests {
         }
         let mut machine = Machine::default();
         machine.axes[0].servo_lag = 0.03;
-        machine.axes[0].mode = Some(Mode { frequency: 11.0, damping: 0.3 });
+        machine.axes[0].mode = Some(StructuralMode { frequency: 11.0, damping: 0.3 });
         let (wide, close) = (actual_motion(&wide, &machine), actual_motion(&close, &machine));
         let last = |samples: &Samples| samples.position[0][samples.position[0].len() - 7];
         let at = wide.time.len() - 1;
@@ -346,7 +366,7 @@ mod tests {
         samples.time[251] = 20.0;
         let mut machine = Machine::default();
         machine.axes[0].servo_lag = 0.05;
-        machine.axes[0].mode = Some(Mode { frequency: 20.0, damping: 0.05 });
+        machine.axes[0].mode = Some(StructuralMode { frequency: 20.0, damping: 0.05 });
         let actual = actual_motion(&samples, &machine);
         let last = actual.time.len() - 1;
         assert!((actual.position[0][last] - 2.0).abs() < 1e-9);
@@ -357,8 +377,8 @@ mod tests {
     fn what_settles_needs_no_more_rows_and_loses_nothing() {
         let mut machine = Machine::default();
         machine.axes[0].servo_lag = 0.05;
-        machine.axes[0].mode = Some(Mode { frequency: 20.0, damping: 0.05 });
-        // It runs to where it stands for so long (s), creeps on for as long, and stops.
+        machine.axes[0].mode = Some(StructuralMode { frequency: 20.0, damping: 0.05 });
+        // It runs to a rest of this duration (s), creeps for as long, and stops.
         let ended = |seconds: f64| {
             let mut samples = sine(2.0);
             for column in [&mut samples.time, &mut samples.distance, &mut samples.feedrate] {

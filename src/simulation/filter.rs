@@ -13,7 +13,7 @@
 //!        0        D/2          D  = T1 + … + Tn, the filter delay
 //! ```
 //!
-//! What the interpolator needs are its integrals, each 0 before t = 0:
+//! The interpolator needs its integrals, each 0 before t = 0:
 //!
 //! ```text
 //! V = ∫h   answer of the velocity to a step of velocity       after D: 1
@@ -22,7 +22,7 @@
 //! ```
 //!
 //! with σ² = Σ Ti²/12, the variance of the bell. For n equal constants T this is Eq. 5 and 31 of
-//! Ward et al. 2021 (with the misprints mended):
+//! Ward et al. 2021 (with the misprints corrected):
 //!
 //! ```text
 //! V(t) = Σ_{k=0..n} (−1)^k C(n,k) (t − kT)₊ⁿ / (n! Tⁿ)
@@ -32,7 +32,7 @@
 //! loses no digits where constants differ by orders of magnitude, as the sum above would.
 
 /// Two knots closer than this part of the delay are one: they differ by rounding alone.
-const SAME_KNOT: f64 = 1e-12;
+const KNOT_MERGE_RATIO: f64 = 1e-12;
 
 /// Filters in series.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,34 +40,45 @@ pub struct FilterChain {
     time_constants: Vec<f64>,
     delay: f64,
     variance: f64,
-    pieces: Vec<Piece>,
+    pieces: Vec<BellPiece>,
 }
 
 /// The responses from one knot to the next, as polynomials of the time since the knot.
 #[derive(Clone, Debug, PartialEq)]
-struct Piece {
+struct BellPiece {
     /// Time of the knot, s.
     start: f64,
     /// Coefficients of h, the constant first.
     h: [f64; 4],
     /// V, S and Q at the knot.
     integrals: [f64; 3],
-    /// What the coefficients of V and S have of h: h1/2 and h2/3; h0/2, h1/6 and h2/12.
+    /// Coefficients of V and S that derive from h: h1/2 and h2/3; h0/2, h1/6 and h2/12.
     of_step: [f64; 2],
     of_displacement: [f64; 3],
 }
 
 impl FilterChain {
-    /// Filters with these time constants, s; each positive and finite, one to four of them.
+    /// Returns the chain of one to four filters with these time constants, s, each positive and finite.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use truefeed::simulation::filter::FilterChain;
+    ///
+    /// let filters = FilterChain::new(&[0.02, 0.01]);
+    /// assert_eq!(filters.delay(), 0.03, "s");
+    /// assert_eq!(filters.step(0.015), 0.5, "halfway through the delay half of a step has arrived");
+    /// assert_eq!(filters.step(0.03), 1.0);
+    /// ```
     pub fn new(time_constants: &[f64]) -> FilterChain {
         let mut largest_first = time_constants.to_vec();
         largest_first.sort_by(f64::total_cmp);
         largest_first.reverse();
         let delay: f64 = largest_first.iter().sum();
-        let mut bell = vec![Piece::new(0.0, [1.0 / largest_first[0], 0.0, 0.0, 0.0])];
+        let mut bell = vec![BellPiece::new(0.0, [1.0 / largest_first[0], 0.0, 0.0, 0.0])];
         let mut support = largest_first[0];
         for &constant in &largest_first[1..] {
-            bell = averaged(&bell, support, constant, SAME_KNOT * delay);
+            bell = convolved_with_box(&bell, support, constant, KNOT_MERGE_RATIO * delay);
             support += constant;
         }
         let variance = largest_first.iter().map(|constant| constant * constant / 12.0).sum();
@@ -77,92 +88,93 @@ impl FilterChain {
         chain
     }
 
-    /// `order` filters of the same time constant, s.
+    /// Returns `order` filters of one time constant, s.
     pub fn equal(order: usize, time_constant: f64) -> FilterChain {
         FilterChain::new(&vec![time_constant; order])
     }
 
-    /// The time constants, s.
+    /// Returns the time constants, s.
     pub fn time_constants(&self) -> &[f64] {
         &self.time_constants
     }
 
-    /// Filter delay D = Σ Ti, s: how long a step takes to arrive in full.
+    /// Returns the filter delay D = Σ Ti, s: how long a step takes to arrive in full.
     pub fn delay(&self) -> f64 {
         self.delay
     }
 
-    /// Half the delay, s: how much later the filtered motion is, on average.
+    /// Returns half the filter delay, s: the mean lag of the filtered motion.
     pub fn half_delay(&self) -> f64 {
         0.5 * self.delay
     }
 
-    /// Sum of the squares of the time constants, s².
+    /// Returns the sum of the squares of the time constants, s².
     pub fn sum_of_squares(&self) -> f64 {
         12.0 * self.variance
     }
 
-    /// Knots of the bell, s, from 0 to D.
+    /// Returns the knots of the bell, s, from 0 to D.
     pub fn knots(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.start).chain([self.delay])
     }
 
-    /// h, 1/s.
+    /// Returns h at the age `t` (s), 1/s.
     pub fn impulse(&self, t: f64) -> f64 {
         match self.piece(t) {
-            Place::Before | Place::After => 0.0,
-            Place::In(piece, x) => polynomial(&piece.h, x),
+            PieceAtAge::Before | PieceAtAge::After => 0.0,
+            PieceAtAge::In(piece, x) => polynomial(&piece.h, x),
         }
     }
 
-    /// Derivative of h, 1/s²; for a single filter the two Dirac pulses at 0 and D are left out.
+    /// Returns the derivative of h at the age `t` (s), 1/s². The two Dirac pulses of a single filter at 0 and
+    /// D are left out.
     pub fn impulse_slope(&self, t: f64) -> f64 {
         match self.piece(t) {
-            Place::Before | Place::After => 0.0,
-            Place::In(piece, x) => piece.slope(x),
+            PieceAtAge::Before | PieceAtAge::After => 0.0,
+            PieceAtAge::In(piece, x) => piece.slope(x),
         }
     }
 
-    /// V, without unit.
+    /// Returns V at the age `t` (s), dimensionless.
     pub fn step(&self, t: f64) -> f64 {
         match self.piece(t) {
-            Place::Before => 0.0,
-            Place::After => 1.0,
-            Place::In(piece, x) => piece.step(x),
+            PieceAtAge::Before => 0.0,
+            PieceAtAge::After => 1.0,
+            PieceAtAge::In(piece, x) => piece.step(x),
         }
     }
 
-    /// S, s.
+    /// Returns S at the age `t` (s), s.
     pub fn displacement(&self, t: f64) -> f64 {
         match self.piece(t) {
-            Place::Before => 0.0,
-            Place::After => t - self.half_delay(),
-            Place::In(piece, x) => piece.displacement(x),
+            PieceAtAge::Before => 0.0,
+            PieceAtAge::After => t - self.half_delay(),
+            PieceAtAge::In(piece, x) => piece.displacement(x),
         }
     }
 
-    /// V and S together.
+    /// Returns V and S at the age `t` (s).
     pub fn step_and_displacement(&self, t: f64) -> (f64, f64) {
         match self.piece(t) {
-            Place::Before => (0.0, 0.0),
-            Place::After => (1.0, t - self.half_delay()),
-            Place::In(piece, x) => (piece.step(x), piece.displacement(x)),
+            PieceAtAge::Before => (0.0, 0.0),
+            PieceAtAge::After => (1.0, t - self.half_delay()),
+            PieceAtAge::In(piece, x) => (piece.step(x), piece.displacement(x)),
         }
     }
 
-    /// Q, s².
+    /// Returns Q at the age `t` (s), s².
     pub fn ramp_displacement(&self, t: f64) -> f64 {
         match self.piece(t) {
-            Place::Before => 0.0,
-            Place::After => 0.5 * ((t - self.half_delay()).powi(2) + self.variance),
-            Place::In(piece, x) => piece.ramp_displacement(x),
+            PieceAtAge::Before => 0.0,
+            PieceAtAge::After => 0.5 * ((t - self.half_delay()).powi(2) + self.variance),
+            PieceAtAge::In(piece, x) => piece.ramp_displacement(x),
         }
     }
 
-    /// The responses from one age to another as polynomials of the age beyond the first (s), where no knot lies
-    /// between them; both within the delay.
+    /// Returns the responses between two ages within the delay as polynomials of the age beyond the first
+    /// (s); `None` if a knot lies between the ages.
     pub fn expansion(&self, from: f64, to: f64) -> Option<Expansion> {
-        let Place::In(piece, x) = self.piece(from) else { return None };
+        let PieceAtAge::In(piece, x) = self.piece(from) else { return None };
         let is_in_piece =
             to < self.delay && !self.pieces.iter().any(|next| from < next.start && next.start < to);
         is_in_piece.then(|| {
@@ -172,7 +184,7 @@ impl FilterChain {
         })
     }
 
-    /// The ages from `from` to `to` (s), within the delay, between the knots.
+    /// Returns the parts of the ages from `from` to `to` (s), within the delay, that lie between the knots.
     pub fn spans(&self, from: f64, to: f64) -> impl Iterator<Item = Span<'_>> {
         let ends = self.pieces[1..].iter().map(|piece| piece.start).chain([self.delay]);
         self.pieces.iter().zip(ends).filter_map(move |(piece, end)| {
@@ -181,12 +193,12 @@ impl FilterChain {
         })
     }
 
-    /// Largest value of h, 1/s: the bell peaks at half the delay.
+    /// Returns the largest value of h, 1/s: the bell peaks at half the delay.
     pub fn peak_impulse(&self) -> f64 {
         self.impulse(self.half_delay())
     }
 
-    /// Largest slope of h, 1/s²; infinite for a single filter, whose acceleration steps.
+    /// Returns the largest slope of h, 1/s²; infinite for a single filter, whose acceleration steps.
     pub fn peak_impulse_slope(&self) -> f64 {
         if self.time_constants.len() == 1 {
             return f64::INFINITY;
@@ -203,15 +215,15 @@ impl FilterChain {
         slopes.fold(0.0, f64::max)
     }
 
-    fn piece(&self, t: f64) -> Place<'_> {
+    fn piece(&self, t: f64) -> PieceAtAge<'_> {
         if t.is_nan() || t <= 0.0 {
-            return Place::Before;
+            return PieceAtAge::Before;
         }
         if t >= self.delay {
-            return Place::After;
+            return PieceAtAge::After;
         }
         let piece = self.pieces.iter().rev().find(|piece| piece.start <= t).expect("the first knot is 0");
-        Place::In(piece, t - piece.start)
+        PieceAtAge::In(piece, t - piece.start)
     }
 
     /// Continues V, S and Q from knot to knot.
@@ -225,48 +237,48 @@ impl FilterChain {
     }
 }
 
-/// Ages between two knots.
+/// A range of ages between two knots.
 pub struct Span<'a> {
-    /// The least, s.
+    /// Least age, s.
     pub begin: f64,
-    /// The greatest, s.
+    /// Greatest age, s.
     pub end: f64,
-    piece: &'a Piece,
+    piece: &'a BellPiece,
 }
 
 impl Span<'_> {
-    /// V at an age within it.
+    /// Returns V at an age (s) within the span.
     pub fn step(&self, age: f64) -> f64 {
         self.piece.step(age - self.piece.start)
     }
 
-    /// h at an age within it, 1/s.
+    /// Returns h at an age (s) within the span, 1/s.
     pub fn impulse(&self, age: f64) -> f64 {
         polynomial(&self.piece.h, age - self.piece.start)
     }
 }
 
-/// V and h around an age, as coefficients of the powers of the age beyond it (s), the constant first.
+/// V and h near an age, as coefficients of the powers of the age beyond it (s), the constant first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expansion {
-    /// Of V.
+    /// Coefficients of V.
     pub step: [f64; 5],
-    /// Of h.
+    /// Coefficients of h.
     pub impulse: [f64; 4],
 }
 
-enum Place<'a> {
+enum PieceAtAge<'a> {
     Before,
-    In(&'a Piece, f64),
+    In(&'a BellPiece, f64),
     After,
 }
 
-impl Piece {
-    /// The piece that begins at `start` (s), with the coefficients `h`; its integrals begin at 0.
-    fn new(start: f64, h: [f64; 4]) -> Piece {
+impl BellPiece {
+    /// Returns the piece that begins at `start` (s) with the coefficients `h`; its integrals begin at 0.
+    fn new(start: f64, h: [f64; 4]) -> BellPiece {
         let of_step = [h[1] / 2.0, h[2] / 3.0];
         let of_displacement = [h[0] / 2.0, h[1] / 6.0, h[2] / 12.0];
-        Piece { start, h, integrals: [0.0; 3], of_step, of_displacement }
+        BellPiece { start, h, integrals: [0.0; 3], of_step, of_displacement }
     }
 
     fn slope(&self, x: f64) -> f64 {
@@ -280,7 +292,7 @@ impl Piece {
 
     fn displacement(&self, x: f64) -> f64 {
         let ([v, s, _], [zeroth, first, second]) = (self.integrals, self.of_displacement);
-        // Up to three filters have no cubic part, and a division is dear.
+        // Up to three filters have no cubic part, and a division is slow.
         let third = if self.h[3] == 0.0 { 0.0 } else { x * self.h[3] / 20.0 };
         s + x * (v + x * (zeroth + x * (first + x * (second + third))))
     }
@@ -298,14 +310,14 @@ fn polynomial(coefficients: &[f64; 4], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
-/// Coefficients of the same polynomial about `x` instead of 0.
+/// Returns the coefficients of the polynomial about `x` instead of 0.
 fn moved(c: &[f64; 4], x: f64) -> [f64; 4] {
     [polynomial(c, x), c[1] + x * (2.0 * c[2] + x * 3.0 * c[3]), c[2] + 3.0 * x * c[3], c[3]]
 }
 
 /// The bell `bell` on 0 … `support` averaged over `constant`: its slope is
 /// (h(t) − h(t − constant)) / constant, and it begins at 0.
-fn averaged(bell: &[Piece], support: f64, constant: f64, same_knot: f64) -> Vec<Piece> {
+fn convolved_with_box(bell: &[BellPiece], support: f64, constant: f64, same_knot: f64) -> Vec<BellPiece> {
     let around = |t: f64| -> [f64; 4] {
         if t < -same_knot || support - same_knot <= t {
             return [0.0; 4];
@@ -325,7 +337,7 @@ fn averaged(bell: &[Piece], support: f64, constant: f64, same_knot: f64) -> Vec<
         let slope = [0, 1, 2].map(|k| (now[k] - before[k]) / constant);
         let h = [value, slope[0], slope[1] / 2.0, slope[2] / 3.0];
         value = polynomial(&h, pair[1] - pair[0]);
-        pieces.push(Piece::new(pair[0], h));
+        pieces.push(BellPiece::new(pair[0], h));
     }
     pieces
 }

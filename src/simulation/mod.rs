@@ -1,9 +1,12 @@
-//! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile; [`simulate`](simulate()) is its front door.
+//! The simulation, stage by stage: bytes → blocks → toolpath → feed plan → profile; [`simulate`](simulate()) is
+//! its front door.
 
-pub mod compact;
+pub mod packed;
+pub mod ordered;
 pub mod running_sum;
 pub mod sampled;
 pub mod gcode;
+pub mod interpreter;
 pub mod toolpath;
 pub mod filter;
 pub mod feed;

@@ -17,14 +17,14 @@ impl RunningSum {
         *self = Self { sum: next, lost: lost + change };
     }
 
-    /// What it is so far.
+    /// Returns the sum of the values added.
     #[inline]
     pub fn value(self) -> f64 {
         self.sum + self.lost
     }
 }
 
-/// The sums of the first 1, 2, 3 … values, each a [`RunningSum`].
+/// Returns the sums of the first 1, 2, 3 … values, each a [`RunningSum`].
 pub fn running_sum(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
     values.scan(RunningSum::default(), |sum, value| {
         sum.add(value);

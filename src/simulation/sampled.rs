@@ -5,38 +5,68 @@ use std::ops::Index;
 /// The rows of an ascending column around a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowsAround {
-    /// The last row before the place; the first row where there is none.
+    /// The last row before the place; the first row if there is none.
     pub before: usize,
-    /// The row behind that, or the same one at the end of the column.
+    /// The next row, or `before` at the end of the column.
     pub after: usize,
     /// The part of the way from one to the other, 0 to 1; 1 where both have one value.
     pub fraction: f64,
 }
 
-/// The rows of an ascending column around a place: at equal rows before the first of them, and beyond the ends of
-/// the column the end. `row` is where the last place was found, from which the next is found the sooner. Returns
-/// `None` for an empty column.
+/// Returns the rows of an ascending column around a place. A place equal to several rows is before the first
+/// of them; a place beyond the column is at its end. `row` holds the row of the last search and speeds up the
+/// next one nearby. Returns `None` for an empty column.
 pub fn rows_around(column: &[f64], place: f64, row: &mut usize) -> Option<RowsAround> {
-    let last = column.len().checked_sub(1)?;
+    rows_around_by(column.len(), |row| column[row], place, row)
+}
+
+/// Returns the rows around a place, as [`rows_around`], in a table of `rows` rows that holds its column in `value`.
+#[inline]
+pub fn rows_around_by(
+    rows: usize,
+    value: impl Fn(usize) -> f64,
+    place: f64,
+    row: &mut usize,
+) -> Option<RowsAround> {
+    let last = rows.checked_sub(1)?;
     let is_before = |row: usize| {
-        (row == 0 || row < last && column[row] < place) && (last <= row + 1 || place <= column[row + 1])
+        (row == 0 || row < last && value(row) < place) && (last <= row + 1 || place <= value(row + 1))
     };
     if !is_before(*row) {
         *row += 1;
     }
     if !is_before(*row) {
-        *row = column.partition_point(|value| *value < place).clamp(1, last.max(1)) - 1;
+        *row = rows_before(rows, &value, place).clamp(1, last.max(1)) - 1;
     }
     let (before, after) = (*row, (*row + 1).min(last));
-    let span = column[after] - column[before];
-    let fraction = if 0.0 < span { ((place - column[before]) / span).clamp(0.0, 1.0) } else { 1.0 };
+    let span = value(after) - value(before);
+    let fraction = if 0.0 < span { ((place - value(before)) / span).clamp(0.0, 1.0) } else { 1.0 };
     Some(RowsAround { before, after, fraction })
 }
 
+/// Returns the number of rows of an ascending column before a place.
+fn rows_before(rows: usize, value: impl Fn(usize) -> f64, place: f64) -> usize {
+    let (mut before, mut end) = (0, rows);
+    while before < end {
+        let middle = before + (end - before) / 2;
+        if value(middle) < place {
+            before = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    before
+}
+
 impl RowsAround {
-    /// The value of another column on the straight line between both rows.
+    /// Returns the value of another column on the straight line between both rows.
     pub fn between(&self, values: &(impl Index<usize, Output = f64> + ?Sized)) -> f64 {
-        values[self.before] + self.fraction * (values[self.after] - values[self.before])
+        self.between_by(|row| values[row])
+    }
+
+    /// Returns the value of another column, as [`RowsAround::between`], that is held in `value`.
+    pub fn between_by(&self, value: impl Fn(usize) -> f64) -> f64 {
+        value(self.before) + self.fraction * (value(self.after) - value(self.before))
     }
 }
 
@@ -53,5 +83,19 @@ mod tests {
         assert_eq!([2.0, 0.25, -3.0].map(&mut at), [40.0, 12.5, 10.0]);
         assert_eq!(rows_around(&[1.0], 5.0, &mut 3).expect("one row").between(&[7.0]), 7.0);
         assert_eq!(rows_around(&[], 5.0, &mut 0), None);
+    }
+
+    #[test]
+    fn pairs_are_read_as_columns_are() {
+        let pairs = [(0.0, 10.0), (1.0, 20.0), (1.0, 30.0), (3.0, 50.0)];
+        let (column, values) = (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1));
+        for place in [-1.0, 0.0, 0.5, 1.0, 1.5, 3.0, 4.0] {
+            for start in 0..4 {
+                let (mut own, mut other) = (start, start);
+                let rows = rows_around_by(4, |row| pairs[row].0, place, &mut own).expect("four rows");
+                assert_eq!(Some(rows), rows_around(&column, place, &mut other), "{place} from {start}");
+                assert_eq!(rows.between_by(|row| pairs[row].1), rows.between(&values));
+            }
+        }
     }
 }

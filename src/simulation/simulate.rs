@@ -1,23 +1,38 @@
 //! Toolpath and machine → [`FeedPlan`]: the front door of the simulation.
 //!
 //! The command is planned as in [`feed`](crate::simulation::feed), corrected until its path holds the contour
-//! tolerance where the corner mode asks for that, and scaled in time where acceleration limits act behind the
+//! tolerance if the corner mode requires it, and scaled in time where acceleration limits act behind the
 //! filters. A plan that leaves this module is complete: nothing has to be added to it before its times are read.
 
 use crate::machine::{CornerMode, Machine};
 use crate::simulation::contour::{ContourErrors, contour_errors, guaranteed};
-use crate::simulation::feed::{FeedPlan, Rule, Tolerances, command};
+use crate::simulation::feed::{CornerPolicy, FeedPlan, Tolerances, command};
 use crate::simulation::profile::{Profile, time_scaled};
 use crate::simulation::toolpath::Toolpath;
 
-/// The plan of a program on a machine, at the tolerances of the program or else the machine's.
+/// Returns the plan of a program on a machine, at the tolerances of the program or else the machine's.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::machine::Machine;
+/// use truefeed::simulation::{gcode::read, simulate, interpreter::trace};
+///
+/// let mut machine = Machine::default();
+/// let toolpath = trace(&read(b"G21 G90 G1 X40 F3000\nY40\nX0"), &machine);
+/// let corners_at_full_feed = 120.0 / 50.0;
+/// let precise = simulate(&toolpath, &machine).cycle_time();
+/// machine.interpolator.contour_tolerance = 0.1;
+/// let quick = simulate(&toolpath, &machine).cycle_time();
+/// assert!(corners_at_full_feed < quick && quick < precise, "s");
+/// ```
 pub fn simulate(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
     planned(toolpath, machine, Tolerances::Programmed, &mut |_| {}).0
 }
 
-/// The plan of a toolpath that holds a contour tolerance (mm), or the program's own, in the machine's corner
-/// mode, with the contour errors of its profile. `progress` is called with the completed fraction, from 0 up to
-/// but never reaching 1.
+/// Returns the plan of a toolpath that holds a contour tolerance (mm), or the program's own, in the machine's
+/// corner mode, with the contour errors of its profile. Calls `progress` with the completed fraction, which
+/// stays below 1.
 pub fn within(
     toolpath: &Toolpath,
     machine: &Machine,
@@ -30,7 +45,8 @@ pub fn within(
     (plan, errors)
 }
 
-/// The cycle time (s) of [`within`], without the contour errors where the corner mode needs none.
+/// Returns the cycle time (s) of [`within`]; does not measure contour errors unless the corner mode needs
+/// them.
 pub fn cycle_time_within(
     toolpath: &Toolpath,
     machine: &Machine,
@@ -40,12 +56,12 @@ pub fn cycle_time_within(
     planned(toolpath, machine, tolerances.into(), progress).0.cycle_time()
 }
 
-/// The plan of a toolpath whose corners and arcs are commanded by a rule, whatever the corner mode.
-pub fn by_rule(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
-    time_scaled(toolpath, machine, command(toolpath, machine, rule))
+/// Returns the plan of a toolpath whose corners and arcs follow a policy, whatever the corner mode.
+pub fn with_policy(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
+    time_scaled(toolpath, machine, command(toolpath, machine, policy))
 }
 
-/// The plan in the machine's corner mode, with the contour errors where the mode measures them.
+/// Returns the plan in the machine's corner mode, with the contour errors if the mode measures them.
 fn planned(
     toolpath: &Toolpath,
     machine: &Machine,

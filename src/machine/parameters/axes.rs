@@ -1,68 +1,32 @@
-//! Rows of single axes, rotary axes and work offsets.
+//! Rows of linear axes, rotary axes and work offsets.
 
-use crate::machine::Mode;
-use crate::machine::parameter::{Parameter, finite, number};
+use crate::machine::StructuralMode;
+use crate::machine::parameter::{Parameter, finite, number, row};
 use crate::units::Unit;
 
-/// Rows of one axis; the compiler needs a literal index and literal keys.
+/// The rows of one axis; the compiler needs a literal index and literal keys.
 macro_rules! axis {
     ($name:literal, $index:literal) => {
         [
-            Parameter {
-                key: concat!("axis.", $name, ".velocity_mm_min"),
-                label: concat!("Velocity limit ", $name),
-                doc: "Fastest the axis moves, in feed and rapid; empty: no limit.",
-                access: number(Unit::MillimetrePerMinute, (1.0, 1e6), |m| finite(m.axes[$index].velocity), |m, v| {
-                    m.axes[$index].velocity = v.unwrap_or(f64::INFINITY)
-                }),
-            },
-            Parameter {
-                key: concat!("axis.", $name, ".rapid_mm_min"),
-                label: concat!("Rapid ", $name),
-                doc: "Fastest the axis moves in rapid: a rapid along several axes is as fast as none of them exceeds its own; empty: no limit.",
-                access: number(Unit::MillimetrePerMinute, (1.0, 1e6), |m| finite(m.axes[$index].rapid), |m, v| {
-                    m.axes[$index].rapid = v.unwrap_or(f64::INFINITY)
-                }),
-            },
-            Parameter {
-                key: concat!("axis.", $name, ".acceleration_mm_s2"),
-                label: concat!("Acceleration limit ", $name),
-                doc: "Largest acceleration of the axis, on ramps and at corners; empty: no limit.",
-                access: number(Unit::MillimetrePerSecond2, (1.0, 1e6), |m| finite(m.axes[$index].acceleration), |m, v| {
-                    m.axes[$index].acceleration = v.unwrap_or(f64::INFINITY)
-                }),
-            },
-            Parameter {
-                key: concat!("axis.", $name, ".jerk_mm_s3"),
-                label: concat!("Jerk limit ", $name),
-                doc: "Largest jerk of the axis at corners; empty: no limit.",
-                access: number(Unit::MillimetrePerSecond3, (1.0, 1e9), |m| finite(m.axes[$index].jerk), |m, v| {
-                    m.axes[$index].jerk = v.unwrap_or(f64::INFINITY)
-                }),
-            },
-            Parameter {
-                key: concat!("axis.", $name, ".servo_lag_s"),
-                label: concat!("Servo lag ", $name),
-                doc: "Time by which the axis trails its command, 1/Kv; 0: not at all. Does not change the cycle time.",
-                access: number(Unit::Second, (0.0, 1.0), |m| Some(m.axes[$index].servo_lag), |m, v| {
-                    m.axes[$index].servo_lag = v.unwrap_or(0.0)
-                }),
-            },
-            Parameter {
-                key: concat!("axis.", $name, ".backlash_mm"),
-                label: concat!("Backlash ", $name),
-                doc: "Play that the axis crosses at each reversal before the table follows; 0: none.",
-                access: number(Unit::Millimetre, (0.0, 5.0), |m| Some(m.axes[$index].backlash), |m, v| {
-                    m.axes[$index].backlash = v.unwrap_or(0.0)
-                }),
-            },
+            row!(concat!("axis.", $name, ".velocity_mm_min"), concat!("Velocity limit ", $name), limit MillimetrePerMinute (1.0, 1e6) [axes[$index].velocity],
+                "Highest velocity of the axis, in feed and rapid. Empty: no limit."),
+            row!(concat!("axis.", $name, ".rapid_mm_min"), concat!("Rapid ", $name), limit MillimetrePerMinute (1.0, 1e6) [axes[$index].rapid],
+                "Highest velocity of the axis in rapid. A rapid along several axes runs as fast as all their limits allow. Empty: no limit."),
+            row!(concat!("axis.", $name, ".acceleration_mm_s2"), concat!("Acceleration limit ", $name), limit MillimetrePerSecond2 (1.0, 1e6) [axes[$index].acceleration],
+                "Largest acceleration of the axis, on ramps and at corners; empty: no limit."),
+            row!(concat!("axis.", $name, ".jerk_mm_s3"), concat!("Jerk limit ", $name), limit MillimetrePerSecond3 (1.0, 1e9) [axes[$index].jerk],
+                "Largest jerk of the axis at corners; empty: no limit."),
+            row!(concat!("axis.", $name, ".servo_lag_s"), concat!("Servo lag ", $name), value Second (0.0, 1.0) [axes[$index].servo_lag] or 0.0,
+                "Time by which the axis lags its command, 1/Kv. 0: no lag. Does not change the cycle time."),
+            row!(concat!("axis.", $name, ".backlash_mm"), concat!("Backlash ", $name), value Millimetre (0.0, 5.0) [axes[$index].backlash] or 0.0,
+                "Play that the axis crosses at each reversal before the table follows. 0: none."),
             Parameter {
                 key: concat!("axis.", $name, ".vibration_hz"),
                 label: concat!("Vibration frequency ", $name),
                 doc: "First structural mode of the axis, undamped frequency; empty: rigid.",
                 access: number(Unit::Hertz, (0.5, 1000.0), |m| m.axes[$index].mode.map(|mode| mode.frequency), |m, v| {
-                    let damping = m.axes[$index].mode.map_or(DAMPING, |mode| mode.damping);
-                    m.axes[$index].mode = v.map(|frequency| Mode { frequency, damping })
+                    let damping = m.axes[$index].mode.map_or(DEFAULT_DAMPING, |mode| mode.damping);
+                    m.axes[$index].mode = v.map(|frequency| StructuralMode { frequency, damping })
                 }),
             },
             Parameter {
@@ -71,16 +35,12 @@ macro_rules! axis {
                 doc: "Damping ratio of the structural mode; empty: 0.03.",
                 access: number(Unit::Number, (0.001, 0.9), |m| m.axes[$index].mode.map(|mode| mode.damping), |m, v| {
                     if let Some(mode) = &mut m.axes[$index].mode {
-                        mode.damping = v.unwrap_or(DAMPING)
+                        mode.damping = v.unwrap_or(DEFAULT_DAMPING)
                     }
                 }),
             },
-            Parameter {
-                key: concat!("axis.", $name, ".home_mm"),
-                label: concat!("Reference point ", $name),
-                doc: "Where G28 and G53 zero lie in the program's coordinates; empty: unknown, such moves are not timed.",
-                access: number(Unit::Millimetre, (-1e5, 1e5), |m| m.axes[$index].home, |m, v| m.axes[$index].home = v),
-            },
+            row!(concat!("axis.", $name, ".home_mm"), concat!("Reference point ", $name), optional Millimetre (-1e5, 1e5) [axes[$index].home],
+                "Position of G28 and of the machine zero (G53) in program coordinates. Empty: unknown; Truefeed does not time moves to them."),
         ]
     };
 }
@@ -91,7 +51,7 @@ macro_rules! rotary_axis {
         [Parameter {
             key: concat!("axis.", $name, ".velocity_deg_min"),
             label: concat!("Velocity limit ", $name),
-            doc: "Fastest the rotary axis turns, in feed and rapid; empty: no limit.",
+            doc: "Highest rate of the rotary axis, in feed and rapid. Empty: no limit.",
             access: number(
                 Unit::DegreePerMinute,
                 (1.0, 1e7),
@@ -102,7 +62,7 @@ macro_rules! rotary_axis {
     };
 }
 
-/// Rows of one work offset.
+/// The rows of one work offset.
 macro_rules! work_offset {
     ($name:literal, $index:literal) => {
         [
@@ -115,7 +75,7 @@ macro_rules! work_offset {
         Parameter {
             key: concat!("work_offsets.", $name, ".", $letter, "_mm"),
             label: concat!($name, " ", $letter),
-            doc: "Machine coordinate of the zero point; empty: zero. Matters to moves between zero points and to G53 and G28.",
+            doc: "Machine coordinate of the zero point. Empty: 0. Affects moves between zero points, G53 and G28.",
             access: number(Unit::Millimetre, (-1e5, 1e5), |m| m.work_offsets[$index].map(|point| point[$axis]), |m, v| {
                 if let Some(value) = v {
                     m.work_offsets[$index].get_or_insert_default()[$axis] = value
@@ -125,10 +85,10 @@ macro_rules! work_offset {
     };
 }
 
-/// Damping ratio of a structural mode for which none is given: typical of machine tools.
-const DAMPING: f64 = 0.03;
+/// Default damping ratio of a structural mode: typical of machine tools.
+const DEFAULT_DAMPING: f64 = 0.03;
 
-/// The rows of all axes.
+/// Returns the rows of all axes.
 pub(super) fn axes() -> impl Iterator<Item = Parameter> {
     let axes = axis!("x", 0).into_iter().chain(axis!("y", 1)).chain(axis!("z", 2));
     let rotary_axes =

@@ -1,54 +1,27 @@
-//! Rows of what is particular to arcs and to positioning: how closely arcs are followed, and how rapids ramp.
+//! Rows of arcs and of positioning: how closely arcs are followed, and how rapids ramp.
 
 use crate::machine::ArcChords;
-use crate::machine::parameter::{Access, JERK_MM_S3, Parameter, TOLERANCE_MM, finite, number};
+use crate::machine::parameter::{Access, JERK_BOUNDS_MM_S3, Parameter, TOLERANCE_BOUNDS_MM, number, row};
 use crate::units::Unit;
 
 /// The rows.
 pub(super) const CURVES: [Parameter; 7] = [
-    Parameter {
-        key: "interpolator.arc_tolerance_mm",
-        label: "Contour tolerance of arcs",
-        doc: "How far the motion may run inside an arc; empty: the contour tolerance.",
-        access: number(
-            Unit::Millimetre,
-            TOLERANCE_MM,
-            |m| m.interpolator.arc_tolerance,
-            |m, v| m.interpolator.arc_tolerance = v,
-        ),
-    },
-    Parameter {
-        key: "rapid.positioning_jerk_mm_s3",
-        label: "Jerk of positioning",
-        doc: "Each rapid runs from stand to stand, its ramps T1 = √(speed reached / this jerk) a filter, for the axis that moves furthest; empty: not so.",
-        access: number(
-            Unit::MillimetrePerSecond3,
-            JERK_MM_S3,
-            |m| finite(m.rapid.positioning_jerk),
-            |m, v| m.rapid.positioning_jerk = v.unwrap_or(f64::INFINITY),
-        ),
-    },
-    Parameter {
-        key: "path.jerk_mm_s3",
-        label: "Path jerk limit",
-        doc: "Largest jerk along the path: a change of feedrate by Δv takes 2 √(Δv / jerk) before the filters; empty: no limit.",
-        access: number(
-            Unit::MillimetrePerSecond3,
-            JERK_MM_S3,
-            |m| finite(m.path.jerk),
-            |m, v| m.path.jerk = v.unwrap_or(f64::INFINITY),
-        ),
-    },
+    row!("interpolator.arc_tolerance_mm", "Contour tolerance of arcs", optional Millimetre TOLERANCE_BOUNDS_MM [interpolator.arc_tolerance],
+        "How far inside an arc the motion may run. Empty: the contour tolerance."),
+    row!("rapid.positioning_jerk_mm_s3", "Jerk of positioning", limit MillimetrePerSecond3 JERK_BOUNDS_MM_S3 [rapid.positioning_jerk],
+        "Rapids start and stop at rest; each filter averages over T1 = √(top speed / jerk), for the axis that travels furthest. Empty: rapids are blended."),
+    row!("path.jerk_mm_s3", "Path jerk limit", limit MillimetrePerSecond3 JERK_BOUNDS_MM_S3 [path.jerk],
+        "Largest jerk along the path: before the filters, a change of feedrate by Δv takes 2 √(Δv / jerk). Empty: no limit."),
     Parameter {
         key: "path.acceleration_limits_command",
         label: "Acceleration before the filters",
-        doc: "Acceleration limits shape the command before the filters, so that a ramp takes both; else what leaves the filters is run slower where it is beyond them.",
+        doc: "The control applies acceleration limits before its filters, so a ramp takes the time of both; otherwise Truefeed slows the filtered motion where it exceeds them.",
         access: Access::Flag { get: |m| m.path.limits_command, set: |m, v| m.path.limits_command = v },
     },
     Parameter {
         key: "interpolator.arc_chord_error_mm",
         label: "Chords of arcs within",
-        doc: "An arc is planned as chords that lie within this of it, each a block, as grbl ($12); empty: not so.",
+        doc: "The control divides arcs into chords within this distance, each a block, as grbl ($12). Empty: it does not.",
         access: number(
             Unit::Millimetre,
             (1e-5, 10.0),
@@ -66,7 +39,7 @@ pub(super) const CURVES: [Parameter; 7] = [
     Parameter {
         key: "interpolator.arc_chord_mm",
         label: "Chords of arcs of",
-        doc: "An arc is planned as chords of this length, each a block, as Klipper (resolution); empty: not so.",
+        doc: "The control divides arcs into chords of this length, each a block, as Klipper (resolution). Empty: it does not.",
         access: number(
             Unit::Millimetre,
             (1e-3, 100.0),
@@ -81,15 +54,6 @@ pub(super) const CURVES: [Parameter; 7] = [
             },
         ),
     },
-    Parameter {
-        key: "interpolator.minimum_cruise_ratio",
-        label: "Minimum cruise ratio",
-        doc: "Moves that speed up and slow down get no faster than with this part less acceleration, as Klipper; only where acceleration limits shape the command; 0: no such limit.",
-        access: number(
-            Unit::Number,
-            (0.0, 0.99),
-            |m| Some(m.interpolator.minimum_cruise_ratio),
-            |m, v| m.interpolator.minimum_cruise_ratio = v.unwrap_or(0.0),
-        ),
-    },
+    row!("interpolator.minimum_cruise_ratio", "Minimum cruise ratio", value Number (0.0, 0.99) [interpolator.minimum_cruise_ratio] or 0.0,
+        "Limits the speed of moves that only accelerate and brake, as Klipper does, by lowering their acceleration by this part. Needs acceleration before the filters. 0: no such limit."),
 ];

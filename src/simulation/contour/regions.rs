@@ -5,34 +5,34 @@
 //! pass is one region and not a hundred, and one bad pass after the other are as many.
 
 use crate::simulation::contour::ContourErrors;
-use crate::simulation::feed::Bound;
+use crate::simulation::feed::ToleranceBound;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::Toolpath;
 
-/// A part of the program in which the contour error is above what holds there.
+/// A part of the program in which the contour error is above its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Region {
+pub struct ErrorRegion {
     /// First and last line of the program.
     pub lines: (LineNumber, LineNumber),
-    /// Distance along the path where it begins and ends, mm.
+    /// Distance along the path at which the region begins and ends, mm.
     pub distance: (f64, f64),
     /// Largest contour error in it, mm.
     pub largest: f64,
 }
 
-/// There is room for a region in so many segments from the beginning on.
-const SEGMENTS_OF_A_REGION: usize = 16;
+/// Capacity reserved in advance: one region per this number of segments.
+const SEGMENTS_PER_REGION: usize = 16;
 
-/// The regions in which the contour error is above `ratio` times what holds there, in program order.
+/// Returns the regions in which the contour error is above `ratio` times its bound, in program order.
 pub fn regions_beyond(
     toolpath: &Toolpath,
     errors: &ContourErrors,
-    bounds: impl Iterator<Item = Bound>,
+    bounds: impl Iterator<Item = ToleranceBound>,
     ratio: f64,
-) -> Vec<Region> {
+) -> Vec<ErrorRegion> {
     let mut beyond = errors.beyond(bounds, ratio).peekable();
-    // A list that grows from nothing leaves pieces of memory behind, together as large as itself.
-    let mut regions: Vec<Region> = Vec::with_capacity(toolpath.segments.len() / SEGMENTS_OF_A_REGION);
+    // A list that grows from nothing leaves freed memory behind, together as large as itself.
+    let mut regions: Vec<ErrorRegion> = Vec::with_capacity(toolpath.segments.len() / SEGMENTS_PER_REGION);
     let mut begin = 0.0;
     // Length of the bad segments since the last good one, mm.
     let mut run = 0.0;
@@ -50,7 +50,7 @@ pub fn regions_beyond(
                 _ => {
                     run = segment.length;
                     let lines = (segment.line, segment.line);
-                    regions.push(Region { lines, distance: (begin, end), largest: error });
+                    regions.push(ErrorRegion { lines, distance: (begin, end), largest: error });
                 }
             }
         }
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
     use crate::machine::Machine;
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
     #[test]
     fn bad_segments_close_together_are_one_region() {
@@ -74,7 +74,7 @@ mod tests {
         let corner = vec![0.3, 0.0, 0.2, 0.0, 0.0, 0.4];
         let errors = ContourErrors { corner, ..ContourErrors::default() };
         let above = |bound: f64| {
-            let bounds = [Bound { along: bound, corner: bound, near: bound }; 6].into_iter();
+            let bounds = [ToleranceBound { along: bound, corner: bound, near: bound }; 6].into_iter();
             regions_beyond(&toolpath, &errors, bounds, 1.0)
         };
         let regions = above(0.1);

@@ -1,63 +1,88 @@
-//! The pulses of a stretch whose corners are circles.
+//! The pulses of a rest-to-rest motion whose corners are circles or parabolas.
 //!
 //! A circle of radius R that turns by φ leaves one leg d = R tan(φ/2) before the corner and joins the
-//! other d after it. It is only Rφ long, not 2d, and has a feedrate limit and an acceleration of its
-//! own. A segment of length L is so three pieces, each run as a trapezoid of path speed v:
+//! other d after it. It is only Rφ long, not 2d, with another feedrate limit and another acceleration. A segment of length L is so three pieces, each run as a trapezoid of path speed v:
 //!
 //! ```text
 //!   half a circle        line           half a circle
 //!  |<-- κ1 d1 -->|<-- L − d1 − d2 -->|<-- κ2 d2 -->|        κ = ½ φ / tan(φ/2) ≤ 1
 //! ```
 //!
-//! Along the whole stretch v² changes by no more than 2 A s over a piece of acceleration A (mm/s²)
+//! Along the whole rest-to-rest motion v² changes by no more than 2 A s over a piece of acceleration A (mm/s²)
 //! and length s (mm), forwards and backwards. Distance is measured along the programmed path, where a
-//! circle at v is passed at v/κ, but never faster than the segment is asked for.
+//! circle at v is passed at v/κ, but never faster than the requested feedrate.
 //!
 //! A line between two circles that the second, at its fastest, would pass in less than four servo
 //! periods becomes part of that.
 //!
-//! Limits: a circle belongs to both legs in equal parts, and each is run at no more than the feedrate
-//! of its own leg. Source: derived; the division, and the gap of four periods, are those of LinuxCNC
+//! The planner sees no more than N lines and circles ahead, and stops within them: where the one numbered k begins,
+//!
+//! ```text
+//! v² ≤ Σ 2 A s   over k, k+1, …, k+N−1          N look-ahead; where the rest-to-rest motion ends earlier, up to its end
+//! ```
+//!
+//! A parabola is the time in which one leg is run up while the other brakes: its speed along the path goes from
+//! that at its beginning to that at its end, with one acceleration.
+//!
+//! Limits: where a circle takes other lengths of both legs, it is shorter than each in the same ratio. Source:
+//! derived; the division, the gap of four periods and the look-ahead (`tpRunOptimization`) are those of LinuxCNC
 //! (src/emc/tp, tp.c and blendmath.c).
 
 use crate::simulation::feed::Pulse;
-use crate::simulation::feed::block::{End, parts};
+use crate::simulation::feed::block::{BlockEnd, parts};
 
-/// A circle in place of a corner.
+/// A circle, or a parabola, in place of a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
-    /// Fastest command along it, mm/s; 0 at a full stop.
+    /// Largest command at the corner, mm/s; 0 at a full stop.
     pub feedrate: f64,
-    /// The same if legs were run as fast as axes allow, mm/s.
+    /// Largest command where the blend begins and where it ends, mm/s.
+    pub ends: [f64; 2],
+    /// Largest command at the corner if axes and overrides alone limited the legs, mm/s.
     pub fastest: f64,
-    /// How far before the corner it begins, and after it ends, mm.
-    pub distance: f64,
+    /// Distance before the corner at which the blend begins, and after it at which it ends, mm.
+    pub distances: [f64; 2],
     /// κ, its length over that of the legs it replaces.
     pub shortening: f64,
     /// Acceleration along it, mm/s².
     pub acceleration: f64,
-    /// Share of the acceleration of both legs that the turn takes all along them.
+    /// Share of the acceleration of both legs that the turn uses along all of them.
     pub taken: f64,
+    /// Tolerance (mm) of a parabola, during which both legs run at once, each with half of its acceleration.
+    pub parabola_within: Option<f64>,
 }
 
 impl Blend {
-    /// No circle: the corner itself, passed at `feedrate`, mm/s.
+    /// Returns the corner without a blend, passed at `feedrate`, mm/s.
     pub fn none(feedrate: f64) -> Blend {
         Blend {
             feedrate,
+            ends: [feedrate; 2],
             fastest: feedrate,
-            distance: 0.0,
+            distances: [0.0; 2],
             shortening: 1.0,
             acceleration: f64::INFINITY,
             taken: 0.0,
+            parabola_within: None,
         }
     }
 
-    /// The part of the circle that stands for `length` (mm) of a leg run at `feedrate`, mm/s.
-    fn piece(&self, length: f64, feedrate: f64) -> Piece {
-        let slower = feedrate.min(self.feedrate);
-        let shortening = self.shortening;
-        Piece { length, shortening, feedrate: slower, acceleration: self.acceleration }
+    /// Returns `true` if the blend is a parabola.
+    pub fn is_parabola(&self) -> bool {
+        self.parabola_within.is_some()
+    }
+
+    /// Returns the blend with the command at the corner limited to `feedrate`, mm/s.
+    pub fn no_faster_than(self, feedrate: f64) -> Blend {
+        let most = |own: f64| own.min(feedrate);
+        Blend { feedrate: most(self.feedrate), ends: self.ends.map(most), ..self }
+    }
+
+    /// Returns the part of the blend that replaces `length` (mm) of a leg.
+    fn piece(&self, length: f64, joins_next: bool) -> BlendPiece {
+        let feedrate = self.ends[0].max(self.ends[1]);
+        let Blend { shortening, acceleration, .. } = *self;
+        BlendPiece { length, shortening, feedrate, acceleration, joins_next }
     }
 }
 
@@ -66,61 +91,110 @@ impl Blend {
 pub struct Leg {
     /// Length, mm.
     pub length: f64,
-    /// Feedrate asked for, mm/s.
+    /// Requested feedrate, mm/s.
     pub feedrate: f64,
     /// Acceleration along it, mm/s².
     pub acceleration: f64,
+    /// `true` for a line.
+    pub is_line: bool,
 }
 
-/// What is run as one trapezoid.
+/// A piece that is run as one trapezoid.
 #[derive(Clone, Copy)]
-struct Piece {
+struct BlendPiece {
     /// Length along the programmed path, mm.
     length: f64,
-    /// Length of the path over that.
+    /// Length of the path over `length`.
     shortening: f64,
-    /// Fastest path speed, mm/s.
+    /// Largest path speed, mm/s.
     feedrate: f64,
-    /// mm/s².
+    /// Acceleration along the path, mm/s².
     acceleration: f64,
+    /// `true` if the piece is run as one with the next.
+    joins_next: bool,
 }
 
-/// A line left between two circles becomes part of the second where this, at its fastest, would take
-/// less time for it, s.
-const SHORTEST_LINE: f64 = 4e-3;
+impl BlendPiece {
+    /// Returns the largest change of v² along the piece, mm²/s².
+    fn braked(&self) -> f64 {
+        2.0 * self.acceleration * self.shortening * self.length
+    }
+}
 
-/// The circle that ends a leg, the line before it and the circle that begins the leg.
-fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [Piece; 3] {
-    let half = 0.5 * leg.length;
-    let (begin, end) = (first.distance.min(half), last.distance.min(half));
+/// A line between two circles becomes part of the second if that circle, at its fastest, would pass it in
+/// less than this time, s.
+const MIN_LINE_DURATION_S: f64 = 4e-3;
+
+/// Returns the blend that begins a leg, the line behind it and the blend that ends the leg.
+fn pieces(leg: &Leg, first: &Blend, last: &Blend) -> [BlendPiece; 3] {
+    let begin = first.distances[1].min(leg.length);
+    let end = last.distances[0].min(leg.length - begin);
     let acceleration = leg.acceleration * (1.0 - first.taken.max(last.taken));
+    let length = leg.length - begin - end;
     let mut line =
-        Piece { length: leg.length - begin - end, shortening: 1.0, feedrate: leg.feedrate, acceleration };
-    if 0.0 < end && line.length < SHORTEST_LINE * last.fastest {
+        BlendPiece { length, shortening: 1.0, feedrate: leg.feedrate, acceleration, joins_next: false };
+    let is_circle = !last.is_parabola() && 0.0 < end;
+    if is_circle && leg.is_line && line.length < MIN_LINE_DURATION_S * last.fastest {
         line.feedrate = line.feedrate.min(last.feedrate);
         line.acceleration = line.acceleration.min(last.acceleration);
+        line.joins_next = true;
     }
-    [first.piece(begin, leg.feedrate), line, last.piece(end, leg.feedrate)]
+    [first.piece(begin, false), line, last.piece(end, true)]
 }
 
-/// The pulses of a stretch of legs, and the path speed at its corners (mm/s). There is one more corner
-/// than there are legs; those at the ends are full stops. Segments count from `segment`.
-pub fn pulses(legs: &[Leg], corners: &[Blend], segment: usize) -> (Vec<Pulse>, Vec<f64>) {
-    let pieces: Vec<[Piece; 3]> =
+/// Lowers the speeds (mm/s) at which lines and circles begin to those from which the motion stops within the
+/// next `look_ahead` of them.
+fn see_ahead(chain: &[BlendPiece], look_ahead: f64, speeds: &mut [f64]) {
+    if look_ahead == f64::INFINITY {
+        return;
+    }
+    // The beginning of each piece in the chain, and the change of v² up to its end.
+    let (mut begins, mut braked) = (Vec::new(), vec![0.0]);
+    let mut goes_on = false;
+    for (i, piece) in chain.iter().enumerate().filter(|(_, piece)| 0.0 < piece.length) {
+        let mut up_to: f64 = braked.last().copied().unwrap_or(0.0);
+        if goes_on {
+            braked.pop();
+        } else {
+            begins.push(i);
+        }
+        up_to += piece.braked();
+        braked.push(up_to);
+        goes_on = piece.joins_next;
+    }
+    let seen = look_ahead as usize;
+    for (k, &i) in begins.iter().enumerate().skip(1) {
+        if let Some(end) = braked.get(k + seen).filter(|end| k + seen < begins.len() && end.is_finite()) {
+            speeds[i] = speeds[i].min((end - braked[k]).max(0.0).sqrt());
+        }
+    }
+}
+
+/// Returns the pulses of a rest-to-rest motion and the path speed at its corners (mm/s). `corners` has one
+/// more entry than `legs`; its first and last are full stops. The planner sees `look_ahead` lines and
+/// circles; `segment` is the index of the first leg in the toolpath.
+pub fn pulses(legs: &[Leg], corners: &[Blend], look_ahead: f64, segment: usize) -> (Vec<Pulse>, Vec<f64>) {
+    let pieces: Vec<[BlendPiece; 3]> =
         legs.iter().zip(corners.windows(2)).map(|(leg, ends)| pieces(leg, &ends[0], &ends[1])).collect();
     let chain = pieces.as_flattened();
     let mut speeds: Vec<f64> = vec![f64::INFINITY; chain.len() + 1];
     for (i, corner) in corners.iter().enumerate() {
         speeds[3 * i] = corner.feedrate;
+        let is_blended = corner.distances != [0.0; 2];
+        if is_blended && 0 < i {
+            speeds[3 * i - 1] = corner.ends[0];
+        }
+        if is_blended && let Some(end) = speeds.get_mut(3 * i + 1) {
+            *end = corner.ends[1];
+        }
     }
     for (i, piece) in chain.iter().enumerate().filter(|(_, piece)| 0.0 < piece.length) {
         speeds[i] = speeds[i].min(piece.feedrate);
         speeds[i + 1] = speeds[i + 1].min(piece.feedrate);
     }
-    let reach = |from: f64, piece: &Piece| {
-        (from * from + 2.0 * piece.acceleration * piece.shortening * piece.length).sqrt()
-    };
-    let moving = |piece: &Piece| 0.0 < piece.length;
+    see_ahead(chain, look_ahead, &mut speeds);
+    let reach = |from: f64, piece: &BlendPiece| (from * from + piece.braked()).sqrt();
+    let moving = |piece: &BlendPiece| 0.0 < piece.length;
     for (i, piece) in chain.iter().enumerate() {
         let most = if moving(piece) { reach(speeds[i], piece) } else { speeds[i] };
         speeds[i + 1] = speeds[i + 1].min(most);
@@ -131,7 +205,7 @@ pub fn pulses(legs: &[Leg], corners: &[Blend], segment: usize) -> (Vec<Pulse>, V
     }
     let mut pulses = Vec::with_capacity(2 * legs.len());
     for (i, piece) in chain.iter().enumerate().filter(|(_, piece)| moving(piece)) {
-        let end = |feedrate: f64| End { feedrate, hold: 0.0 };
+        let end = |feedrate: f64| BlockEnd { feedrate, hold: 0.0 };
         let (first, last) = (end(speeds[i]), end(speeds[i + 1]));
         let path = piece.shortening * piece.length;
         let mut offset = match i % 3 {
@@ -149,4 +223,43 @@ pub fn pulses(legs: &[Leg], corners: &[Blend], segment: usize) -> (Vec<Pulse>, V
     }
     let at_corners = speeds.into_iter().step_by(3).skip(1).collect();
     (pulses, at_corners)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lines of 1 mm that go straight on, at 100 mm/s and 500 mm/s².
+    fn line(count: usize) -> (Vec<Leg>, Vec<Blend>) {
+        let leg = Leg { length: 1.0, feedrate: 100.0, acceleration: 500.0, is_line: true };
+        let mut corners = vec![Blend::none(f64::INFINITY); count + 1];
+        (corners[0], corners[count]) = (Blend::none(0.0), Blend::none(0.0));
+        (vec![leg; count], corners)
+    }
+
+    #[test]
+    fn the_motion_stops_within_what_is_in_sight() {
+        let (legs, corners) = line(40);
+        let (_, all) = pulses(&legs, &corners, f64::INFINITY, 0);
+        let (_, seen) = pulses(&legs, &corners, 4.0, 0);
+        let fastest = |speeds: &[f64]| speeds.iter().copied().fold(0.0, f64::max);
+        assert!((fastest(&all) - 100.0).abs() < 1e-9);
+        assert!((fastest(&seen) - (2.0f64 * 500.0 * 4.0).sqrt()).abs() < 1e-9, "{seen:?}");
+        // Whoever sees the end stops there all the same.
+        let (legs, corners) = line(5);
+        let both = [f64::INFINITY, 5.0].map(|seen| pulses(&legs, &corners, seen, 0).1);
+        assert_eq!(both[0], both[1]);
+    }
+
+    #[test]
+    fn both_halves_of_a_circle_are_one() {
+        let (legs, mut corners) = line(40);
+        for corner in &mut corners[1..40] {
+            *corner = Blend { distances: [0.5; 2], acceleration: 500.0, ..Blend::none(90.0) };
+        }
+        let (_, seen) = pulses(&legs, &corners, 4.0, 0);
+        let fastest = seen.iter().copied().fold(0.0, f64::max);
+        // In the middle of a circle its second half counts in addition to the look-ahead of four.
+        assert!((fastest - (2.0f64 * 500.0 * 4.5).sqrt()).abs() < 1e-9, "{fastest}");
+    }
 }

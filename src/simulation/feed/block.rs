@@ -15,7 +15,7 @@
 //!
 //! 1. the ramps meet below F (only with a finite A);
 //! 2. where there is no room for both holds either, **the slower corner wins**: its hold keeps
-//!    its length, up to the whole block, and the faster corner's hold takes what is left. This is
+//!    its length, up to the whole block, and the faster corner's hold takes the rest. This is
 //!    continuous with Eq. 17, and a corner that becomes faster never makes the block slower;
 //!    shrinking both holds in proportion would, because a faster corner's shorter hold leaves
 //!    more of the block to the slower one.
@@ -24,21 +24,28 @@
 
 /// One end of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
-    /// Commanded feedrate at the corner, mm/s; 0 at a full stop.
+pub struct BlockEnd {
+    /// Command at the corner, mm/s; 0 at a full stop.
     pub feedrate: f64,
-    /// How long the block should hold it, s; 0 at a full stop.
+    /// Duration of that command if the block has the room, s; 0 at a full stop.
     pub hold: f64,
 }
 
 /// A part of a block: its duration (s) and the command at its beginning and end (mm/s).
-pub type Part = (f64, f64, f64);
+pub type BlockPart = (f64, f64, f64);
 
-/// The parts of a block of `length` (mm) at `feedrate` (mm/s) and `acceleration` (mm/s², may be
-/// infinite) in order: hold, ramp, cruise, ramp, hold. Parts that are not needed last 0 s.
+/// Returns the parts of a block of `length` (mm) at `feedrate` (mm/s) and `acceleration` (mm/s², may be
+/// infinite) in order: hold, ramp, cruise, ramp, hold. A part that is not needed lasts 0 s. Eq. 17 of Ward et
+/// al. 2021 where there is room for both holds.
 #[inline]
-pub fn parts(length: f64, feedrate: f64, acceleration: f64, first: End, last: End) -> [Part; 5] {
-    // Without a limit a ramp takes neither room nor time, and divisions are dear.
+pub fn parts(
+    length: f64,
+    feedrate: f64,
+    acceleration: f64,
+    first: BlockEnd,
+    last: BlockEnd,
+) -> [BlockPart; 5] {
+    // Without a limit a ramp takes neither room nor time, and divisions are slow.
     let is_limited = acceleration != f64::INFINITY;
     let over = |change: f64, acceleration: f64| if is_limited { change / acceleration } else { 0.0 };
     let ramp_length = |a: f64, b: f64| over(((a - b) * (a + b)).abs(), 2.0 * acceleration);
@@ -76,11 +83,11 @@ pub fn parts(length: f64, feedrate: f64, acceleration: f64, first: End, last: En
 mod tests {
     use super::*;
 
-    fn area(parts: &[Part]) -> f64 {
+    fn area(parts: &[BlockPart]) -> f64 {
         parts.iter().map(|(time, a, b)| time * 0.5 * (a + b)).sum()
     }
 
-    fn time(parts: &[Part]) -> f64 {
+    fn time(parts: &[BlockPart]) -> f64 {
         parts.iter().map(|(time, ..)| time).sum()
     }
 
@@ -103,8 +110,8 @@ mod tests {
         }
     }
 
-    fn block(length: f64, f: f64, a: f64, h: f64, c1: f64, c2: f64) -> [Part; 5] {
-        let end = |c: f64| End { feedrate: c, hold: h * (1.0 - c / f) };
+    fn block(length: f64, f: f64, a: f64, h: f64, c1: f64, c2: f64) -> [BlockPart; 5] {
+        let end = |c: f64| BlockEnd { feedrate: c, hold: h * (1.0 - c / f) };
         parts(length, f, a, end(c1), end(c2))
     }
 
@@ -146,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_block_without_corners_at_full_stops_is_one_pulse() {
-        let stop = End { feedrate: 0.0, hold: 0.0 };
+        let stop = BlockEnd { feedrate: 0.0, hold: 0.0 };
         let parts = parts(6.0, 50.0, f64::INFINITY, stop, stop);
         assert_eq!(parts[2], (0.12, 50.0, 50.0));
         assert_eq!(time(&parts), 0.12);

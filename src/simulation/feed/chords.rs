@@ -11,21 +11,22 @@
 //! acceleration of its direction; what the machine sets for arcs (contour tolerance of arcs, centripetal acceleration)
 //! holds for none.
 //!
-//! Source: grbl 1.1, motion_control.c, mc_arc; Klipper, gcode_arcs.py. Limits: n is at least 1, and where the chords of a
-//! program would be more than [`MOST_CHORDS`] and [`MOST_PER_SEGMENT`] for each of its segments they are made longer, all in
-//! proportion; grbl rounds the ends of chords to whole steps, here they lie on the arc.
+//! Source: grbl 1.1, motion_control.c, mc_arc; Klipper, gcode_arcs.py. Limits: n is at least 1, and where the
+//! chords of a program would be more than [`MAX_ARC_CHORDS`] and [`MAX_CHORDS_PER_SEGMENT`] for each of its
+//! segments they are made longer, all in proportion; grbl rounds the ends of chords to whole steps, here they lie
+//! on the arc.
 
 use crate::machine::{ArcChords, Machine};
 use crate::simulation::feed::substitute::{Cover, Substitute};
 use crate::simulation::toolpath::{Arc, Curve, Rotation, Segment, Toolpath};
 
-/// The most chords of all arcs of a program, beside those by its segments.
-const MOST_CHORDS: f64 = 1e6;
+/// Most chords of all arcs of a program, in addition to [`MAX_CHORDS_PER_SEGMENT`].
+const MAX_ARC_CHORDS: f64 = 1e6;
 
-/// The most chords a segment of the program, on average.
-const MOST_PER_SEGMENT: f64 = 64.0;
+/// Most chords for each segment of the program, on average.
+const MAX_CHORDS_PER_SEGMENT: f64 = 64.0;
 
-/// Returns the toolpath with its arcs as chords; `None` where arcs are run whole, or there are none.
+/// Returns the toolpath with its arcs as chords; `None` if arcs are run whole or there are none.
 pub fn chorded(toolpath: &Toolpath, machine: &Machine) -> Option<Substitute> {
     let rule = machine.interpolator.arc_chords;
     if rule == ArcChords::Whole {
@@ -35,23 +36,14 @@ pub fn chorded(toolpath: &Toolpath, machine: &Machine) -> Option<Substitute> {
     if all == 0.0 {
         return None;
     }
-    let most = MOST_CHORDS + MOST_PER_SEGMENT * toolpath.segments.len() as f64;
+    let most = MAX_ARC_CHORDS + MAX_CHORDS_PER_SEGMENT * toolpath.segments.len() as f64;
     let share = (most / all).min(1.0);
     let mut chorded = Substitute::default();
-    let mut modes = toolpath.path_modes.iter().peekable();
-    let mut spins = toolpath.spins.iter().peekable();
     for (number, segment) in toolpath.segments.iter().enumerate() {
-        while let Some(mode) = modes.next_if(|mode| mode.from <= number) {
-            chorded.take_path_mode(mode);
-        }
-        while let Some((_, spin)) = spins.next_if(|(from, _)| *from <= number) {
-            chorded.take_spin(*spin);
-        }
-        chorded.take_stops(toolpath, number);
+        chorded.take_before(toolpath, number);
         let chords = (share * count(&segment, rule)).floor().max(1.0) as usize;
         if segment.curve == Curve::Line {
-            let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
-            chorded.push(segment, cover);
+            chorded.push_whole(number, segment);
         } else {
             add_chords(&mut chorded, number, &segment, chords);
         }
@@ -60,7 +52,7 @@ pub fn chorded(toolpath: &Toolpath, machine: &Machine) -> Option<Substitute> {
     Some(chorded)
 }
 
-/// How many chords a segment has by the rule; none for a line.
+/// Returns the number of chords of an arc by the rule; 0 for a line.
 fn count(segment: &Segment, rule: ArcChords) -> f64 {
     let Curve::Arc(arc) = &segment.curve else { return 0.0 };
     let count = match rule {
@@ -73,7 +65,7 @@ fn count(segment: &Segment, rule: ArcChords) -> f64 {
 
 fn by_distance(arc: &Arc, distance: f64) -> f64 {
     let radius = arc.start_radius;
-    // Half a chord, squared; an arc that lies within the distance of its centre has a single one.
+    // Half a chord, squared; an arc that lies within the distance of its centre is a single chord.
     let square = distance * (2.0 * radius - distance);
     if 0.0 < square { 0.5 * arc.sweep * radius / square.sqrt() } else { 1.0 }
 }
@@ -102,7 +94,7 @@ mod tests {
     use crate::machine::TimeConstants;
     use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
     use std::f64::consts::TAU;
 
     fn machine(arc_chords: ArcChords) -> Machine {
@@ -175,6 +167,6 @@ mod tests {
     fn there_is_a_bound_on_all_chords() {
         let (_, chorded) = chords_of("G1 F2000 X10\nG2 X10 Y0 I-50000 J0\n", ArcChords::Long(1e-3))
             .expect("there is an arc");
-        assert!((chorded.covers.len() as f64) <= 1.0 + MOST_CHORDS + 2.0 * MOST_PER_SEGMENT);
+        assert!((chorded.covers.len() as f64) <= 1.0 + MAX_ARC_CHORDS + 2.0 * MAX_CHORDS_PER_SEGMENT);
     }
 }

@@ -1,4 +1,4 @@
-//! How fast an isolated corner may be taken so that the filtered path stays within tolerance.
+//! The corner law: the largest command at an isolated corner whose filtered path stays within tolerance.
 //!
 //! Two straight legs with unit directions u1, u2 are commanded at F; around the corner the
 //! command drops to c = αF for Tb = h (1 − α) on each side (Eq. 14; h = D/2, half the delay):
@@ -20,9 +20,9 @@
 //!
 //! G rises from 0 to S(h), so the largest α within tolerance is G⁻¹(ε / (F ‖u2 − u1‖)), and 1
 //! where that is beyond S(h). For n = 2 and 3 equal constants T, G/T is the polynomial g of the
-//! paper with its misprints mended.
+//! paper with its misprints corrected.
 //!
-//! Where the feedrates of the legs differ, each leg keeps c for h (1 − c/F) of its own F, and c is
+//! Where the feedrates of the legs differ, each leg keeps c for h (1 − c/F) with its F, and c is
 //! the smaller one of what the law gives for each: both sides then see a pulse that holds the
 //! tolerance. That is nearly always the law for the slower leg, as c hardly depends on F; a leg
 //! that is little faster than a corner at full feedrate needs the other.
@@ -31,28 +31,28 @@
 //! arc the hold is then a little longer than published; were it to grow with the arc's own limit,
 //! a wider tolerance could make a crowded arc slower.
 //!
-//! G⁻¹ is Newton's method, begun at a cubic in u = √(1 − G/S(h)), of which α is a smooth function though G is level at
-//! α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α) begins with −√(2 S(h)/h). That takes some three
-//! steps, each of which waits for the one before. A stretch of many corners tabulates α(u) on 128 parts, each the polynomial
-//! through six points of it; where that is off by no more than roundings are, which is all but where G is pieced together
-//! and where α is nearly nought, it is the answer.
+//! G⁻¹ is Newton's method, begun at a cubic in u = √(1 − G/S(h)), of which α is a smooth function though G is
+//! level at α = 1: G'(1) = 0 and G''(1) = −h, so that dα/du = −2u S(h)/G'(α) begins with −√(2 S(h)/h). That takes
+//! some three steps, each of which waits for the one before. A rest-to-rest motion of many corners tabulates α(u)
+//! on 128 parts, each the polynomial through six points of it; where that is off by no more than roundings are,
+//! which is all but where G is pieced together and where α is nearly nought, it is the answer.
 //!
 //! Source: Ward et al. 2021, Sect. 3.3 and Appendix C, from the definition.
 
 use crate::simulation::filter::FilterChain;
 
-/// A step of Newton's method that changes α by less than this part of it is the last: the next one would
-/// change it by a rounding error.
-const LAST_STEP: f64 = 1e-8;
+/// Newton's method ends with a step that changes α by less than this part of it: the next one would change it
+/// by a rounding error.
+const MIN_NEWTON_STEP_RATIO: f64 = 1e-8;
 
-/// Parts of a table: fewer are off by more, and to make more takes longer.
-const PARTS: usize = 128;
+/// Parts of a table: fewer are less accurate, more take longer to compute.
+const TABLE_PARTS: usize = 128;
 
-/// Points of a part, the ends among them.
-const POINTS: usize = 6;
+/// Points of a part, both ends included.
+const POINTS_PER_PART: usize = 6;
 
-/// By so much of α a table may be off between its points.
-const EXACT: f64 = 5e-13;
+/// Largest error of a table between its points, as a part of α.
+const MAX_TABLE_ERROR: f64 = 5e-13;
 
 /// The law of an isolated corner for one filter chain.
 #[derive(Clone, Debug)]
@@ -61,89 +61,94 @@ pub struct CornerLaw<'a> {
     half_delay: f64,
     /// S(h) = G(1), s.
     full: f64,
-    /// α on equal parts of u from 0 to 1; of few corners none.
-    table: Vec<Part>,
+    /// α on equal parts of u from 0 to 1; empty if the law serves few corners.
+    table: Vec<TablePart>,
 }
 
 /// α on a part of u, through points at equal distances.
 #[derive(Clone, Copy, Debug)]
-struct Part {
-    /// The divided differences of its points, over the place in the part from 0 to 1.
-    differences: [f64; POINTS],
-    /// It is α, and not only near it.
+struct TablePart {
+    /// Divided differences of the points, over the place in the part from 0 to 1.
+    differences: [f64; POINTS_PER_PART],
+    /// `true` if the polynomial is α to within [`MAX_TABLE_ERROR`] and not only a first guess.
     is_exact: bool,
 }
 
-impl Part {
-    /// The part through these values.
-    fn through(values: [f64; POINTS]) -> Part {
+impl TablePart {
+    /// Returns the part through these values of α.
+    fn through(values: [f64; POINTS_PER_PART]) -> TablePart {
         let mut differences = values;
-        for order in 1..POINTS {
-            for i in (order..POINTS).rev() {
+        for order in 1..POINTS_PER_PART {
+            for i in (order..POINTS_PER_PART).rev() {
                 differences[i] =
-                    (differences[i] - differences[i - 1]) / (Part::point(order) - Part::point(0));
+                    (differences[i] - differences[i - 1]) / (TablePart::point(order) - TablePart::point(0));
             }
         }
-        Part { differences, is_exact: false }
+        TablePart { differences, is_exact: false }
     }
 
-    /// Where a point of it lies.
+    /// Returns the place of a point in the part, 0 to 1.
     fn point(index: usize) -> f64 {
-        index as f64 / (POINTS - 1) as f64
+        index as f64 / (POINTS_PER_PART - 1) as f64
     }
 
-    /// α at a place from 0 to 1.
+    /// Returns α at a place in the part, 0 to 1.
     #[inline]
     fn alpha(&self, place: f64) -> f64 {
-        let last = self.differences[POINTS - 1];
-        (0..POINTS - 1).rev().fold(last, |sum, i| self.differences[i] + (place - Part::point(i)) * sum)
+        let last = self.differences[POINTS_PER_PART - 1];
+        (0..POINTS_PER_PART - 1)
+            .rev()
+            .fold(last, |sum, i| self.differences[i] + (place - TablePart::point(i)) * sum)
     }
 }
 
 impl<'a> CornerLaw<'a> {
-    /// The law for this filter chain.
+    /// Returns the law for a filter chain.
     pub fn new(filter: &'a FilterChain) -> CornerLaw<'a> {
         let half_delay = filter.half_delay();
         let full = filter.displacement(half_delay);
         CornerLaw { filter, half_delay, full, table: Vec::new() }
     }
 
-    /// The same law, which takes a while to be made and is then quicker.
+    /// Returns the law with a table of α, which takes time to compute and makes each corner faster.
     pub fn for_many_corners(filter: &'a FilterChain) -> CornerLaw<'a> {
         let law = CornerLaw::new(filter);
-        let mut table = Vec::with_capacity(PARTS);
-        // From the last two points it is known about where the next one lies.
-        let (mut before, mut last) = (law.cubic(-Part::point(1) / PARTS as f64), 1.0);
-        for k in 0..PARTS {
-            let deviation = |place: f64| law.full * (1.0 - ((k as f64 + place) / PARTS as f64).powi(2));
-            let mut values = [last; POINTS];
+        let mut table = Vec::with_capacity(TABLE_PARTS);
+        // The last two points predict the next one.
+        let (mut before, mut last) = (law.cubic(-TablePart::point(1) / TABLE_PARTS as f64), 1.0);
+        for k in 0..TABLE_PARTS {
+            let deviation = |place: f64| law.full * (1.0 - ((k as f64 + place) / TABLE_PARTS as f64).powi(2));
+            let mut values = [last; POINTS_PER_PART];
             for (i, value) in values.iter_mut().enumerate().skip(1) {
-                *value = law.newton(deviation(Part::point(i)), 2.0 * last - before);
+                *value = law.newton(deviation(TablePart::point(i)), 2.0 * last - before);
                 (before, last) = (last, *value);
             }
-            let part = Part::through(values);
-            // Half-way between its points it is off by most.
+            let part = TablePart::through(values);
+            // The polynomial deviates most half-way between its points.
             let is_off = |i: usize| {
-                let place = 0.5 * (Part::point(i) + Part::point(i + 1));
+                let place = 0.5 * (TablePart::point(i) + TablePart::point(i + 1));
                 let alpha = part.alpha(place);
                 let (reached, slope) = law.deviation_and_slope(alpha);
-                EXACT * alpha * slope < (reached - deviation(place)).abs()
+                MAX_TABLE_ERROR * alpha * slope < (reached - deviation(place)).abs()
             };
-            table.push(Part { is_exact: k + 1 < PARTS && !(0..POINTS - 1).any(is_off), ..part });
+            table.push(TablePart {
+                is_exact: k + 1 < TABLE_PARTS && !(0..POINTS_PER_PART - 1).any(is_off),
+                ..part
+            });
         }
         CornerLaw { table, ..law }
     }
 
-    /// About the α of a deviation from 0 to G(1), s, and whether it is that α.
+    /// Returns an approximate α of a deviation from 0 to G(1), s, and `true` if it is exact.
     #[inline]
     fn start(&self, deviation: f64) -> (f64, bool) {
         let part_of_full = deviation / self.full;
-        // There G is straight, and u would lose its digits.
+        // G is straight there, and u would lose its digits.
         if part_of_full < 1e-6 {
             return (part_of_full, false);
         }
         let u = (1.0 - part_of_full).sqrt();
-        let place = u * PARTS as f64;
+        let place = u * TABLE_PARTS as f64;
         let number = place as u32;
         match self.table.get(number as usize) {
             Some(part) => (part.alpha(place - f64::from(number)), part.is_exact),
@@ -151,26 +156,26 @@ impl<'a> CornerLaw<'a> {
         }
     }
 
-    /// The cubic that has the values and the slopes of α over u at 0, where G is level, and at 1.
+    /// Returns the cubic that has the values and slopes of α over u at 0, where G is level, and at 1.
     fn cubic(&self, u: f64) -> f64 {
         let (first, last) = (-(2.0 * self.full / self.half_delay).sqrt(), -2.0);
         let (square, cubic) = (-3.0 - 2.0 * first - last, 2.0 + first + last);
         1.0 + u * (first + u * (square + u * cubic))
     }
 
-    /// G(α), s: the deviation for F ‖u2 − u1‖ = 1 mm/s.
+    /// Returns G(α), s: the deviation for F ‖u2 − u1‖ = 1 mm/s.
     pub fn deviation(&self, alpha: f64) -> f64 {
         self.deviation_and_slope(alpha).0
     }
 
-    /// G(α), s, and its slope.
+    /// Returns G(α), s, and its slope.
     fn deviation_and_slope(&self, alpha: f64) -> (f64, f64) {
         let (step, displacement) = self.filter.step_and_displacement(alpha * self.half_delay);
         let deviation = alpha * self.full + (1.0 - alpha) * displacement;
         (deviation, self.full - displacement + (1.0 - alpha) * self.half_delay * step)
     }
 
-    /// The largest α whose deviation is at most `deviation`, s.
+    /// Returns the largest α whose deviation is at most `deviation`, s.
     pub fn alpha(&self, deviation: f64) -> f64 {
         if self.full <= deviation || deviation.is_nan() {
             return 1.0;
@@ -182,9 +187,10 @@ impl<'a> CornerLaw<'a> {
         if is_exact { alpha } else { self.newton(deviation, alpha) }
     }
 
-    /// The α of a deviation from 0 to G(1), s, from one that is near it.
+    /// Returns the α of a deviation from 0 to G(1), s, by Newton's method from a value near it.
     fn newton(&self, deviation: f64, mut alpha: f64) -> f64 {
-        // Each step of Newton's method squares what is missing. A step that leaves the bracket is replaced by halving it.
+        // Each step of Newton's method squares the error. A step that leaves the bracket is replaced by
+        // halving it.
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
             let (reached, slope) = self.deviation_and_slope(alpha);
@@ -195,7 +201,7 @@ impl<'a> CornerLaw<'a> {
                 high = alpha;
             }
             let newton = alpha - excess / slope;
-            if (newton - alpha).abs() <= LAST_STEP * alpha {
+            if (newton - alpha).abs() <= MIN_NEWTON_STEP_RATIO * alpha {
                 return newton;
             }
             alpha = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
@@ -203,8 +209,8 @@ impl<'a> CornerLaw<'a> {
         alpha
     }
 
-    /// The fastest command at a corner between legs run at `before` and `after` (mm/s) that keeps
-    /// the deviation over ‖u2 − u1‖ at most `distance`, mm.
+    /// Returns the largest command at a corner between legs run at `before` and `after` (mm/s) that keeps the
+    /// deviation over ‖u2 − u1‖ at most `distance`, mm.
     #[inline]
     pub fn feedrate(&self, distance: f64, before: f64, after: f64) -> f64 {
         let of_leg = |feedrate: f64| feedrate * self.alpha(distance / feedrate);
@@ -213,8 +219,8 @@ impl<'a> CornerLaw<'a> {
         if slower == faster { corner } else { corner.min(of_leg(faster)) }
     }
 
-    /// How long a leg keeps the corner's command `corner` (mm/s), s; `feedrate` (mm/s) is that of
-    /// the leg without the limit of the tolerance.
+    /// Returns how long a leg holds the corner's command `corner` (mm/s), s; `feedrate` (mm/s) is the leg's
+    /// without the limit of the tolerance (Eq. 14).
     #[inline]
     pub fn hold(&self, corner: f64, feedrate: f64) -> f64 {
         self.half_delay * (1.0 - corner / feedrate)
@@ -283,7 +289,7 @@ mod tests {
             let filter = FilterChain::new(constants);
             let law = CornerLaw::for_many_corners(&filter);
             let inexact = law.table.iter().filter(|part| !part.is_exact).count();
-            assert!(inexact < 16, "{constants:?}: {inexact} of {PARTS}");
+            assert!(inexact < 16, "{constants:?}: {inexact} of {TABLE_PARTS}");
         }
     }
 }

@@ -1,8 +1,8 @@
-//! A least part of cruising: how Klipper keeps short moves from speeding up only to slow down.
+//! A minimum share of cruising: how Klipper keeps short moves from speeding up only to slow down.
 //!
 //! A move, or a run of moves that speeds up and slows down without cruising, gets no faster than it would with the
-//! acceleration a' = A (1 − ρ) in place of its own a, where ρ is the minimum cruise ratio and A the acceleration along the
-//! path. With j² the limits of corners, squared, and L the lengths,
+//! acceleration a' = A (1 − ρ) instead of its acceleration a, where ρ is the minimum cruise ratio and A the acceleration
+//! along the path. With j² the limits of corners, squared, and L the lengths,
 //!
 //! ```text
 //! forwards     m_0 = 0,    m_i = min( j_i²,  m_(i−1) + 2 a' L_(i−1) )       before move i
@@ -10,51 +10,52 @@
 //! peak         p² = ( min(m_i, r_i) + r_i ) / 2                              where move i can speed up
 //! ```
 //!
-//! A move that can speed up, min(m_i, r_i) < r_i, and can slow down as well, or follows by moves that only slow down, sets
-//! the peak p for itself and for the moves before it that do not. Moves that only slow down are no faster than the one before.
-//! Ramps keep the acceleration a, so that what is left of the length is cruised.
+//! A move that can speed up, min(m_i, r_i) < r_i, and can slow down as well, or follows by moves that only slow
+//! down, sets the peak p for itself and for the moves before it that do not. Moves that only slow down are no
+//! faster than the one before. Ramps keep the acceleration a, so that the rest of the length is cruised.
 //!
-//! Symbols: lengths in mm, speeds in mm/s, accelerations in mm/s², ρ without unit from 0 (no such limit) to 1. Source:
-//! Klipper, klippy/toolhead.py, `LookAheadQueue.flush` and `Move.calc_junction`. Limits: the whole stretch is known at once;
-//! Klipper knows 2 s of it, which ends at a peak.
+//! Symbols: lengths in mm, speeds in mm/s, accelerations in mm/s², ρ without unit from 0 (no such limit) to 1.
+//! Source: Klipper, klippy/toolhead.py, `LookAheadQueue.flush` and `Move.calc_junction`. Limits: the whole
+//! rest-to-rest motion is known at once; Klipper knows 2 s of it, which ends at a peak.
 
-/// What the limit needs to know of a move.
+/// A move as the limit sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Move {
-    /// mm.
+pub struct PlannedMove {
+    /// Length, mm.
     pub length: f64,
     /// Acceleration of its ramps, mm/s².
     pub acceleration: f64,
-    /// Acceleration that its peak is limited by, mm/s²; no more than the other.
-    pub of_peak: f64,
+    /// Acceleration that limits the peak speed, mm/s²; at most `acceleration`.
+    pub peak_acceleration: f64,
 }
 
-impl Move {
-    /// By how much v² changes within it at an acceleration, mm²/s².
+impl PlannedMove {
+    /// Returns the change of v² within the move at an acceleration, mm²/s².
     fn change(&self, acceleration: f64) -> f64 {
         2.0 * acceleration * self.length
     }
 }
 
-/// Lowers the feedrates of moves (mm/s) to what their least part of cruising leaves. `limits` are those of the corners after
-/// each move by themselves, `corners` those that can be reached from and left for their neighbours, mm/s; both end with 0.
-pub fn lower(moves: impl Fn(usize) -> Move, limits: &[f64], corners: &[f64], feedrates: &mut [f64]) {
+/// Lowers the feedrates of moves (mm/s) to those that leave the minimum share of cruising. `limits` are the
+/// limits of the corner after each move (mm/s), `corners` the feedrates there that both neighbours can reach
+/// (mm/s); both end with 0.
+pub fn lower(moves: impl Fn(usize) -> PlannedMove, limits: &[f64], corners: &[f64], feedrates: &mut [f64]) {
     let square = |corner: f64| corner * corner;
     let mut most = vec![0.0; feedrates.len()];
     for i in 1..feedrates.len() {
         let before = moves(i - 1);
-        most[i] = square(limits[i - 1]).min(most[i - 1] + before.change(before.of_peak));
+        most[i] = square(limits[i - 1]).min(most[i - 1] + before.change(before.peak_acceleration));
     }
-    // Squares of the peaks; those of moves that only slow down are infinite.
+    // Squares of the peak speeds; infinite for moves that only slow down.
     let mut peaks = vec![f64::INFINITY; feedrates.len()];
     let (mut next, mut peak, mut slowing) = (0.0, f64::INFINITY, 0);
     for i in (0..feedrates.len()).rev() {
         let run = moves(i);
-        let reachable = next + run.change(run.of_peak);
+        let reachable = next + run.change(run.peak_acceleration);
         let start = f64::min(most[i], reachable);
         slowing += 1;
         if start < reachable {
-            if next < start + run.change(run.of_peak) || 1 < slowing {
+            if next < start + run.change(run.peak_acceleration) || 1 < slowing {
                 peak = 0.5 * (start + reachable);
             }
             let first = if i == 0 { 0.0 } else { square(corners[i - 1]) };
@@ -81,7 +82,7 @@ mod tests {
     use crate::machine::{Junction, Machine, TimeConstants};
     use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
     const CONSTANT_S: f64 = 1e-4;
 
@@ -134,7 +135,7 @@ mod tests {
                 let acceleration = (pulse.feedrate[1] - pulse.feedrate[0]).abs() / pulse.duration;
                 assert!(acceleration <= 500.0 * (1.0 + 1e-6), "{ratio}: {acceleration} mm/s²");
             }
-            // The filter holds what is left of a corner for up to half of its 0.1 ms.
+            // The filter holds a corner for up to half of its 0.1 ms.
             assert!(before <= plan.cycle_time() * (1.0 + 1e-4), "{ratio}: {} s", plan.cycle_time());
             before = plan.cycle_time();
         }

@@ -1,21 +1,23 @@
-//! Halts that the program does not ask for, in the feed plan: pulses of no feedrate.
+//! Halts that the program does not request, in the feed plan: pulses of feedrate 0.
 //!
-//! A halt of t seconds is a pulse of feedrate 0 that lasts t, so that the command is taken away and given back
-//! as it was. The filters run empty meanwhile, the motion ramps down and up again as to and from a full
-//! stop, and what it costs is t exactly, however short it is: the command is later by t from there on, and
-//! its area is the same.
+//! A halt of t seconds is a pulse of feedrate 0 that lasts t, so that the command is interrupted and then
+//! continues unchanged. The filters run empty meanwhile, and the motion ramps down and up again as at a full
+//! stop. A halt costs t exactly, however short it is: the command is later by t from there on, and its area
+//! does not change.
 //!
 //! | halt | where its pulse lies |
 //! |---|---|
 //! | feed hold | within the pulse that sends its place, which it divides |
-//! | wait before a line that moves first | before the first pulse of its stretch |
-//! | wait at an S word in a block of motion | before the first pulse of its stretch |
-//! | wait for position | behind the last pulse of its stretch |
+//! | wait before a line that moves first | before the first pulse of its rest-to-rest motion |
+//! | wait at an S word in a block of motion | before the first pulse of its rest-to-rest motion |
+//! | wait of the first feed move for the spindle | before the first pulse of its rest-to-rest motion |
+//! | wait for position | behind the last pulse of its rest-to-rest motion |
 //!
 //! A wait before a line that begins with a function, a dwell or a turn of rotary axes adds to that.
 //!
 //! Limits: a feed hold takes the command away at once, whatever the acceleration limit before the filters.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -25,22 +27,39 @@ use crate::simulation::toolpath::{Motion, Segment, Segments, Toolpath};
 
 /// The halts of a toolpath on a machine.
 #[derive(Debug, Default)]
-pub(super) struct Halting {
-    /// Seconds before each stop that has a wait of its own, by index.
+pub(super) struct HaltSchedule {
+    /// Wait before each stop that has one, s, by index of the stop.
     stops: BTreeMap<usize, f64>,
-    /// Seconds before each segment that has one, by index.
+    /// Wait before each segment that has one, s, by index of the segment.
     segments: BTreeMap<usize, f64>,
-    /// Feed holds by segment: how far along it (mm) and how long (s).
+    /// Feed holds by index of the segment: distance along it (mm) and duration (s).
     holds: BTreeMap<usize, (f64, f64)>,
 }
 
-impl Halting {
-    /// Where the halts of a machine fall.
-    pub(super) fn of(toolpath: &Toolpath, machine: &Machine) -> Halting {
+/// Splits a machine into one without its feed holds and one with nothing but them; returns the machine itself
+/// and `None` if it has none.
+pub(super) fn feed_holds_apart(machine: &Machine) -> (Cow<'_, Machine>, Option<Machine>) {
+    if machine.halts.feed_holds.is_empty() {
+        return (Cow::Borrowed(machine), None);
+    }
+    let (mut without, mut holds) = (machine.clone(), Machine::default());
+    holds.halts.feed_holds = std::mem::take(&mut without.halts.feed_holds);
+    holds.halts.feed_hold_places = std::mem::take(&mut without.halts.feed_hold_places);
+    (Cow::Owned(without), Some(holds))
+}
+
+impl HaltSchedule {
+    /// Returns the halts of a toolpath on a machine.
+    pub(super) fn of(toolpath: &Toolpath, machine: &Machine) -> HaltSchedule {
         let halts = &machine.halts;
-        let mut found = Halting::default();
+        let mut found = HaltSchedule::default();
         if 0.0 < machine.times.spindle_change {
             found.segments.extend(toolpath.speed_changes().map(|next| (next, machine.times.spindle_change)));
+        }
+        if 0.0 < machine.times.spindle_at_feed {
+            for next in toolpath.feeds_at_new_speed() {
+                *found.segments.entry(next).or_default() += machine.times.spindle_at_feed;
+            }
         }
         if halts.waits.is_empty() && halts.feed_holds.is_empty() {
             return found;
@@ -67,7 +86,7 @@ impl Halting {
                 stop += 1;
                 continue;
             }
-            // A line's path goes on over its stops, up to the next line.
+            // The path of a line continues over its stops, up to the next line.
             let end = segment
                 + segments.range(segment..segments.len()).take_while(|next| next.line == line).count();
             let begins = segment == 0 || segments.at(segment - 1).line != line;
@@ -83,17 +102,17 @@ impl Halting {
         found
     }
 
-    /// Whether the machine stands before a segment.
+    /// Returns `true` if the machine halts before a segment.
     pub(super) fn stands_before(&self, segment: usize) -> bool {
         self.segments.contains_key(&segment)
     }
 
-    /// Whether the machine stands before any segment.
+    /// Returns `true` if the machine halts before any segment.
     pub(super) fn has_segments(&self) -> bool {
         !self.segments.is_empty()
     }
 
-    /// Puts the halts into a plan that stands where they do.
+    /// Inserts the halts into a plan that has full stops where they occur.
     pub(super) fn put_into(&self, plan: &mut FeedPlan, toolpath: &Toolpath, machine: &Machine) {
         let in_position = machine.halts.in_position;
         if self.stops.is_empty() && self.segments.is_empty() && self.holds.is_empty() && in_position <= 0.0 {
@@ -103,13 +122,13 @@ impl Halting {
         let mut stop = 0;
         let mut phases = plan.phases.iter_mut().peekable();
         while let Some(phase) = phases.next() {
-            let stretch = match phase {
+            let rest_to_rest = match phase {
                 Phase::Wait(wait) => {
                     wait.duration += self.stops.get(&stop).copied().unwrap_or(0.0);
                     stop += 1;
                     continue;
                 }
-                Phase::Motion(stretch) => stretch,
+                Phase::Motion(rest_to_rest) => rest_to_rest,
             };
             let first = plan.pulses.len();
             let halt = |segment: usize, offset: f64, duration: f64| Pulse {
@@ -118,16 +137,16 @@ impl Halting {
                 offset,
                 feedrate: [0.0, 0.0],
             };
-            if let Some(&seconds) = self.segments.get(&stretch.segments.start) {
-                plan.pulses.push(halt(stretch.segments.start, 0.0, seconds));
+            if let Some(&seconds) = self.segments.get(&rest_to_rest.segments.start) {
+                plan.pulses.push(halt(rest_to_rest.segments.start, 0.0, seconds));
             }
-            for own in pulses.by_segment(stretch.pulses.clone()) {
+            for own in pulses.by_segment(rest_to_rest.pulses.clone()) {
                 match self.holds.get(&pulses.segment(own.start)) {
                     Some(&(place, seconds)) => held(&pulses, own, place, seconds, &mut plan.pulses),
                     None => plan.pulses.extend(pulses.range(own)),
                 }
             }
-            let last = stretch.segments.end - 1;
+            let last = rest_to_rest.segments.end - 1;
             let goes_on = matches!(phases.peek(), Some(Phase::Motion(_)));
             if 0.0 < in_position
                 && goes_on
@@ -135,25 +154,32 @@ impl Halting {
             {
                 plan.pulses.push(halt(last, toolpath.segments.length(last), in_position));
             }
-            stretch.pulses = first..plan.pulses.len();
+            rest_to_rest.pulses = first..plan.pulses.len();
         }
     }
 }
 
-/// Whether rapid moves end in a full stop for the sake of position.
+/// Returns `true` if rapid moves end in a full stop to reach their position.
 pub(super) fn rapid_ends_stop(before: &Segment, machine: &Machine) -> bool {
     before.motion == Motion::Rapid
         && 0.0 < machine.halts.in_position
         && machine.halts.in_position_at.has_rapid_ends()
 }
 
-/// Whether the full stop between two segments is one that waits for position.
+/// Returns `true` if the corner law decides about the stop behind a segment although the program requests
+/// exact stops.
+pub(super) fn is_exact_path(before: &Segment, machine: &Machine) -> bool {
+    let waits = 0.0 < machine.halts.in_position && machine.halts.in_position_at.has_exact_stops();
+    before.exact_path && machine.interpolator.junction.blends_in_time() && !waits
+}
+
+/// Returns `true` if the machine waits for position at the full stop between two segments.
 fn waits_for_position(before: &Segment, after: &Segment, machine: &Machine) -> bool {
     let is_exact = before.exact_stop || exact_stop_by_turn(before, after, machine);
     rapid_ends_stop(before, machine) || (is_exact && machine.halts.in_position_at.has_exact_stops())
 }
 
-/// The segment, and how far along it (mm), at this part of the length of those in a range.
+/// Returns the segment and the distance along it (mm) at a part of the length of the segments in a range.
 fn place_on(segments: &Segments, range: Range<usize>, part: f64) -> (usize, f64) {
     let mut left = part * segments.range(range.clone()).map(|segment| segment.length).sum::<f64>();
     let last = range.end - 1;
@@ -167,8 +193,8 @@ fn place_on(segments: &Segments, range: Range<usize>, part: f64) -> (usize, f64)
     (last, left.min(segments.length(last)))
 }
 
-/// Adds the pulses of a segment, which are `own` of all, with the command taken away at a place (mm along it) for so many
-/// seconds.
+/// Adds the pulses of one segment, whose indices in `all` are `own`, with the command interrupted for
+/// `seconds` at `place` (mm along the segment).
 fn held(all: &Pulses, own: Range<usize>, place: f64, seconds: f64, pulses: &mut Pulses) {
     let divided = own.clone().rfind(|&index| all.at(index).offset <= place).unwrap_or(own.start);
     pulses.extend(all.range(own.start..divided));

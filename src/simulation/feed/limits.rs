@@ -13,7 +13,8 @@
 //! - √(a / κ): no more than the centripetal acceleration limit, and on an axis no more than its
 //!   acceleration limit;
 //!
-//! and, where blocks are short, before the corners or behind them, as [`PlannedBy`](crate::machine::PlannedBy) says,
+//! and, where blocks are short, before the corners or behind them, as
+//! [`CornerPlanning`](crate::machine::CornerPlanning) says,
 //!
 //! - L / t_block: no block in less than the block processing time;
 //! - look-ahead: from v the motion stops within v h + v²/(2A), which must lie within the N blocks
@@ -27,7 +28,7 @@ use crate::machine::Machine;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::toolpath::{Arc, Curve, Motion, Segment, Vector};
 
-/// The feedrate asked for, mm/s: programmed or rapid, with override and axis velocity limits.
+/// Returns the requested feedrate, mm/s: programmed or rapid, with override and axis velocity limits.
 pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let by_axes = axis_feedrate(segment, machine);
     let feedrate = match segment.motion {
@@ -39,12 +40,14 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
 }
 
-/// Whether of lines that are programmed alike the same is asked, wherever they lead and wherever they stand.
+/// Returns `true` if equal programmed feedrates always give equal requested feedrates: no axis has a velocity
+/// limit and no override depends on the line.
 pub fn are_lines_alike(machine: &Machine) -> bool {
     machine.overrides.is_even() && has_no_axis_limit(machine) && has_no_axis_rapid(machine)
 }
 
-/// The feedrate of a rapid segment, mm/s: that of the machine along the path, and no axis above its own.
+/// Returns the feedrate of a rapid segment, mm/s: the machine's along the path, with no axis above its own
+/// limit.
 pub fn rapid_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     if has_no_axis_rapid(machine) {
         return machine.rapid.feedrate;
@@ -52,17 +55,17 @@ pub fn rapid_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     machine.rapid_feedrate(largest_share(segment).into())
 }
 
-/// Whether no axis has a rapid of its own.
+/// Returns `true` if no axis has a rapid feedrate.
 fn has_no_axis_rapid(machine: &Machine) -> bool {
     machine.axes.iter().all(|axis| axis.rapid == f64::INFINITY)
 }
 
-/// Whether no axis has a velocity limit.
+/// Returns `true` if no axis has a velocity limit.
 fn has_no_axis_limit(machine: &Machine) -> bool {
     machine.axes.iter().all(|axis| axis.velocity == f64::INFINITY)
 }
 
-/// The feedrate at which no axis is above its velocity limit, mm/s.
+/// Returns the feedrate at which no axis exceeds its velocity limit, mm/s.
 pub fn axis_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     if has_no_axis_limit(machine) {
         return f64::INFINITY;
@@ -72,7 +75,7 @@ pub fn axis_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     limits.fold(f64::INFINITY, f64::min)
 }
 
-/// The feedrate at which no rotary axis that turns along is above its limit, mm/s.
+/// Returns the feedrate at which no rotary axis exceeds its limit, mm/s.
 fn rotary_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     if segment.rotation.is_none() {
         return f64::INFINITY;
@@ -80,36 +83,36 @@ fn rotary_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     segment.length / shortest_turn(&segment.rotation, segment.motion == Motion::Rapid, machine)
 }
 
-/// The time that rotary axes need for a turn (rad) within their limits, s.
+/// Returns the time that rotary axes need for a turn (rad) within their limits, s.
 fn shortest_turn(rotation: &Vector, is_rapid: bool, machine: &Machine) -> f64 {
     let rapid = if is_rapid { machine.rapid.rotary_rate * machine.overrides.rapid } else { f64::INFINITY };
     let axes = machine.rotary_axes.iter().enumerate();
     axes.map(|(k, axis)| rotation[k].abs() / axis.velocity.min(rapid)).fold(0.0, f64::max)
 }
 
-/// The time of a command that turns rotary axes (rad) alone, at `rate` (rad/s) along all of them or
-/// in rapid, s.
+/// Returns the duration of a command that turns only rotary axes (rad), s; `rate` is the rate along all of
+/// them (rad/s), `None` in rapid.
 pub fn rotary_time(rotation: &Vector, rate: Option<f64>, machine: &Machine) -> f64 {
     let programmed = rate.map_or(0.0, |rate| rotation.norm() / (rate * machine.overrides.feed));
     programmed.max(shortest_turn(rotation, rate.is_none(), machine))
 }
 
-/// The largest feedrate at which the filtered path stays within `tolerance` (mm) of an arc of `length` (mm) that
-/// goes on and on, mm/s; infinite along a line.
+/// Returns the largest feedrate at which the filtered path stays within `tolerance` (mm) of an unbounded arc
+/// of which `length` (mm) is programmed, mm/s; infinite along a line.
 pub fn arc_feedrate(curve: &Curve, length: f64, filter: &FilterChain, tolerance: f64) -> f64 {
     let Curve::Arc(arc) = curve else { return f64::INFINITY };
     (24.0 * tolerance / (filter.sum_of_squares() * curvature(arc, length))).sqrt()
 }
 
-/// The largest feedrate that centripetal acceleration allows, mm/s.
+/// Returns the largest feedrate that centripetal acceleration allows, mm/s.
 pub fn curve_feedrate(segment: &Segment, machine: &Machine) -> f64 {
     let Curve::Arc(arc) = &segment.curve else { return f64::INFINITY };
     let acceleration = machine.path.centripetal_acceleration.min(axis_centripetal(arc, machine));
     (acceleration / curvature(arc, segment.length)).sqrt()
 }
 
-/// How far along a segment of `length` (mm) a corner's command can be held, mm: on an arc to the end of the first of
-/// the chords that the control makes of it.
+/// Returns how far along a segment of `length` (mm) a corner's command can be held, mm: on an arc, to the end
+/// of its first chord.
 pub fn first_chord(curve: &Curve, length: f64, machine: &Machine) -> f64 {
     match curve {
         Curve::Line => f64::INFINITY,
@@ -117,7 +120,7 @@ pub fn first_chord(curve: &Curve, length: f64, machine: &Machine) -> f64 {
     }
 }
 
-/// The acceleration limit along a segment, mm/s².
+/// Returns the acceleration limit along a segment, mm/s².
 pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
     if machine.axes.iter().all(|axis| axis.acceleration == f64::INFINITY) {
         return machine.path.acceleration;
@@ -127,17 +130,29 @@ pub fn acceleration(segment: &Segment, machine: &Machine) -> f64 {
     limits.fold(machine.path.acceleration, f64::min)
 }
 
-/// The feedrate from which the motion stops within `visible` mm, mm/s.
+/// Returns the acceleration limit along a segment if corners are blends, mm/s²: on an arc, that of the weaker
+/// axis of its plane, however short the arc.
+pub fn blended_acceleration(segment: &Segment, machine: &Machine) -> f64 {
+    let Curve::Arc(arc) = &segment.curve else { return acceleration(segment, machine) };
+    let in_plane = |k: usize| MIN_PLANE_COMPONENT < arc.e1[k].hypot(arc.e2[k]);
+    let axes = machine.axes.iter().enumerate().filter(|(k, _)| in_plane(*k));
+    axes.map(|(_, axis)| axis.acceleration).fold(acceleration(segment, machine), f64::min)
+}
+
+/// Returns the feedrate from which the motion stops within `visible` mm, mm/s.
 pub fn stopping_feedrate(visible: f64, half_delay: f64, acceleration: f64) -> f64 {
     2.0 * visible / (half_delay + (half_delay * half_delay + 2.0 * visible / acceleration).sqrt())
 }
 
-/// Curvature of a helix, 1/mm.
+/// Least component of an arc's plane along an axis of the plane.
+const MIN_PLANE_COMPONENT: f64 = 1e-6;
+
+/// Returns the curvature of a helix, 1/mm.
 fn curvature(arc: &Arc, length: f64) -> f64 {
     arc.mean_radius() * (arc.sweep / length).powi(2)
 }
 
-/// Largest centripetal acceleration that no axis limit forbids, mm/s².
+/// Returns the largest centripetal acceleration that keeps every axis within its limit, mm/s².
 fn axis_centripetal(arc: &Arc, machine: &Machine) -> f64 {
     let limits = machine.axes.iter().enumerate().map(|(k, axis)| {
         // The normal is −(cos θ e1 + sin θ e2).
@@ -146,7 +161,7 @@ fn axis_centripetal(arc: &Arc, machine: &Machine) -> f64 {
     limits.fold(f64::INFINITY, f64::min)
 }
 
-/// Largest |u_k| along the segment for each axis k.
+/// Returns the largest |u_k| along the segment for each axis k.
 pub fn largest_share(segment: &Segment) -> Vector {
     match &segment.curve {
         Curve::Line => segment.tangent(0.0).abs(),
@@ -160,7 +175,7 @@ pub fn largest_share(segment: &Segment) -> Vector {
     }
 }
 
-/// The largest |a cos θ + b sin θ| for θ from 0 to `sweep`.
+/// Returns the largest |a cos θ + b sin θ| for θ from 0 to `sweep`.
 fn largest_on_arc(a: f64, b: f64, sweep: f64) -> f64 {
     let value = |angle: f64| (a * angle.cos() + b * angle.sin()).abs();
     let turning = b.atan2(a).rem_euclid(std::f64::consts::PI);

@@ -1,18 +1,19 @@
 //! Toolpath → feed plan: the pulse train that the control sends through its filters.
 //!
-//! Between two full stops lies a stretch. In it each segment becomes the pulses of [`block`], its
+//! Between two full stops lies a rest-to-rest motion. In it each segment becomes the pulses of [`block`], its
 //! corners taken as in [`corner`] and its feedrate limited as in [`limits`]. The plan is exact
-//! and needs no time step: a stretch lasts the sum of its pulses plus the filter delay D, because
-//! the filters have to run empty before the machine stands.
+//! and needs no time step: a rest-to-rest motion lasts the sum of its pulses plus the filter delay D, because
+//! the filters have to run empty before the machine is at rest.
 //!
 //! A turn of rotary axes alone has no length along the path: it is a wait of its time, and a chain of
 //! turns costs the filter delay once.
 //!
-//! Arcs may be planned as the chords that the control runs in place of them, as in the module of chords, and chains of
-//! nearly straight lines as one, as in the module of smoothing. With the junctions of LinuxCNC the segments of a stretch
-//! become pulses as in [`blend`]; with a minimum part of cruising, as in Klipper, short moves stay below their feedrate.
+//! Arcs may be planned as the chords that the control runs in place of them, as in the module of chords, and
+//! chains of nearly straight lines as one, as in the module of smoothing. With the junctions of LinuxCNC the
+//! segments of a rest-to-rest motion become pulses as in [`blend`]; with a minimum part of cruising, as in
+//! Klipper, short moves stay below their feedrate.
 //!
-//! What ends a stretch, each costing a full D:
+//! A rest-to-rest motion ends, at the cost of a full D, at
 //!
 //! - the beginning and the end of the program;
 //! - a dwell, a tool change or another M-word: machine functions wait for the motion to end;
@@ -21,7 +22,7 @@
 //! - a wait before a line, of `halts`;
 //! - a change from feed to rapid and back under the law of LinuxCNC, which blends no rapid with a feed move;
 //! - a change of the filters' constants, between feed and rapid, where rapids have their own:
-//!   filters can only be exchanged while the machine stands, or distance would be lost.
+//!   filters can only be exchanged at rest, or distance would be lost.
 //!
 //! Otherwise rapids are blended like feed moves, with the rapid feedrate along the path: that is
 //! the neutral setting of controls in contouring mode.
@@ -34,36 +35,38 @@
 //! Acceleration limits of axes and path act behind the filters, in [`time_scaling`]; where the machine says so, or
 //! junctions follow laws of acceleration, they shape the command itself.
 //!
-//! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest feedrate asked for in
-//! the stretch, so that the filters are constant while the machine moves; feed and rapid then
+//! With constants from the jerk limit (Eq. 8, T1 = √(F/J)) F is the largest requested feedrate of
+//! the rest-to-rest motion, so that the filters are constant while the machine moves; feed and rapid then
 //! differ, and are joined by a full stop.
 
 pub mod blend;
 pub mod block;
 mod chords;
 pub mod corner;
+mod corner_blend;
 mod cruise;
 mod halts;
 pub mod junction;
 pub mod limits;
+mod override_span;
 mod positioning;
 mod pulses;
 mod ramp;
 mod reach;
 pub mod time_scaling;
 mod smoothing;
-mod stretch;
+mod rest_to_rest;
 mod substitute;
 mod tolerances;
 
 pub use pulses::Pulses;
 pub use smoothing::rounding;
-pub use time_scaling::{Knot, Pace, TimeScaling};
-pub use tolerances::{Bound, Held, Limit, Tolerances};
+pub use time_scaling::{FilteredTime, Knot, TimeScaling};
+pub use tolerances::{SegmentTolerance, ToleranceBound, ToleranceRange, Tolerances};
 
-use crate::machine::{Machine, TimeConstants};
-use crate::simulation::feed::halts::Halting;
-use crate::simulation::feed::stretch::add_stretch;
+use crate::machine::{Junction, Machine, TimeConstants};
+use crate::simulation::feed::halts::HaltSchedule;
+use crate::simulation::feed::rest_to_rest::add_rest_to_rest;
 use crate::simulation::filter::FilterChain;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::running_sum::running_sum;
@@ -72,44 +75,44 @@ use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause, To
 /// A piece of command along one segment, linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulse {
-    /// Index of the segment.
+    /// Index of the segment in the toolpath.
     pub segment: u32,
     /// Duration, s; positive.
     pub duration: f64,
-    /// Distance from the start of the segment to where the pulse begins, mm.
+    /// Distance from the start of the segment to the beginning of the pulse, mm.
     pub offset: f64,
-    /// Commanded feedrate at its beginning and at its end, mm/s.
+    /// Commanded feedrate at the beginning and at the end, mm/s.
     pub feedrate: [f64; 2],
 }
 
-/// Motion from one full stop to the next.
+/// A motion from one full stop to the next.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
-    /// Its segments in the toolpath.
+pub struct RestToRest {
+    /// Indices of its segments in the toolpath.
     pub segments: std::ops::Range<usize>,
-    /// Its pulses in the plan.
+    /// Indices of its pulses in the plan.
     pub pulses: std::ops::Range<usize>,
-    /// Its filters in the plan.
+    /// Index of its filter chain in the plan.
     pub filter: usize,
 }
 
-/// Time that is not motion.
+/// Time without motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wait {
-    /// How long, s.
+    /// Duration, s.
     pub duration: f64,
-    /// Why.
+    /// Reason for the wait.
     pub cause: StopCause,
     /// Line of the program.
     pub line: LineNumber,
 }
 
-/// What the machine does next.
+/// A phase of the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase {
-    /// It moves.
-    Motion(Stretch),
-    /// It waits.
+    /// The machine moves.
+    Motion(RestToRest),
+    /// The machine waits.
     Wait(Wait),
 }
 
@@ -118,62 +121,62 @@ pub enum Phase {
 pub struct FeedPlan {
     /// Time before the first phase, s.
     pub start: f64,
-    /// Motion and waits in order.
+    /// Motions and waits in order.
     pub phases: Vec<Phase>,
     /// All pulses in order.
     pub pulses: Pulses,
-    /// The filter chains in use.
+    /// Filter chains in use.
     pub filters: Vec<FilterChain>,
     /// Command at the corner after each segment, mm/s; 0 at a full stop.
     pub corner_feedrates: Vec<f64>,
     /// Command along each segment between its corners, mm/s.
     pub segment_feedrates: Vec<f64>,
-    /// What acceleration limits behind the filters cost; none where they cost nothing.
+    /// Time lost behind the filters through acceleration limits; `None` if they cost nothing.
     pub time_scaling: Option<TimeScaling>,
 }
 
-/// By what the corners and arcs are commanded.
+/// The choice of the feedrates of corners and arcs.
 #[derive(Clone, Copy, Debug)]
-pub enum Rule<'a> {
+pub enum CornerPolicy<'a> {
     /// By the laws of [`corner`] and [`limits`] for this contour tolerance, mm.
     Isolated(f64),
-    /// By the same laws for the tolerances that the program sets, and the machine's where it sets none.
+    /// By the same laws for the tolerances of the program, and the machine's where the program sets none.
     Programmed,
-    /// By feedrates found elsewhere, mm/s, one entry a segment; every other limit still holds.
+    /// By given feedrates, mm/s, one entry per segment; every other limit still applies.
     Given {
         /// At the corner after each segment.
         corners: &'a [f64],
-        /// Along each segment, in place of the law for arcs.
+        /// Along each segment, instead of the law for arcs.
         segments: &'a [f64],
     },
 }
 
-impl Rule<'_> {
-    /// What the tolerances are taken from; where feedrates are given none is asked for.
+impl CornerPolicy<'_> {
+    /// Returns the source of the tolerances; given feedrates need none.
     fn tolerances(self) -> Tolerances {
         match self {
-            Rule::Isolated(tolerance) => Tolerances::One(tolerance),
-            Rule::Programmed | Rule::Given { .. } => Tolerances::Programmed,
+            CornerPolicy::Isolated(tolerance) => Tolerances::One(tolerance),
+            CornerPolicy::Programmed | CornerPolicy::Given { .. } => Tolerances::Programmed,
         }
     }
 }
 
-impl From<Tolerances> for Rule<'_> {
+impl From<Tolerances> for CornerPolicy<'_> {
     fn from(tolerances: Tolerances) -> Self {
         match tolerances {
-            Tolerances::One(tolerance) => Rule::Isolated(tolerance),
-            Tolerances::Programmed => Rule::Programmed,
+            Tolerances::One(tolerance) => CornerPolicy::Isolated(tolerance),
+            Tolerances::Programmed => CornerPolicy::Programmed,
         }
     }
 }
 
 impl Pulse {
-    /// Whether it is one of the halts that the program does not ask for.
+    /// Returns `true` if the pulse is a halt that the program does not request.
     pub fn is_halt(&self) -> bool {
         self.feedrate == [0.0, 0.0]
     }
 
-    /// How far along its segment the command is so long (s) after the pulse began, mm.
+    /// Returns the distance along the segment `elapsed` seconds after the pulse began, mm.
     pub fn offset_after(&self, elapsed: f64) -> f64 {
         let slope = (self.feedrate[1] - self.feedrate[0]) / self.duration;
         self.offset + elapsed * (self.feedrate[0] + 0.5 * slope * elapsed)
@@ -181,100 +184,117 @@ impl Pulse {
 }
 
 impl FeedPlan {
-    /// Cycle time, s: all pulses, the filter delay of every stretch and what it loses behind the filters,
-    /// and the waits. Exact but for the rounding of the last digit and what is lost.
+    /// Returns the cycle time, s: all pulses, the waits, and for each motion the filter delay and the time
+    /// lost behind the filters. Exact to rounding, except for that lost time.
     pub fn cycle_time(&self) -> f64 {
         let durations = self.phases.iter().flat_map(|phase| match phase {
             Phase::Wait(wait) => [wait.duration, 0.0, 0.0],
-            Phase::Motion(stretch) => {
-                let delay = self.filters[stretch.filter].delay();
-                [self.command_time(stretch), delay, time_scaling::lost(self.knots(stretch))]
+            Phase::Motion(rest_to_rest) => {
+                let delay = self.filters[rest_to_rest.filter].delay();
+                [self.command_time(rest_to_rest), delay, time_scaling::lost_time(self.knots(rest_to_rest))]
             }
         });
         running_sum([self.start].into_iter().chain(durations)).last().unwrap_or(0.0)
     }
 
-    /// The longest of the filter delays, s.
+    /// Returns the longest filter delay, s.
     pub fn longest_delay(&self) -> f64 {
         self.filters.iter().map(FilterChain::delay).fold(0.0, f64::max)
     }
 
-    /// The stretches of motion in order.
-    pub fn stretches(&self) -> impl Iterator<Item = &Stretch> {
+    /// Returns the rest-to-rest motions in order.
+    pub fn rest_to_rest_motions(&self) -> impl Iterator<Item = &RestToRest> {
         self.phases.iter().filter_map(|phase| match phase {
-            Phase::Motion(stretch) => Some(stretch),
+            Phase::Motion(rest_to_rest) => Some(rest_to_rest),
             Phase::Wait(_) => None,
         })
     }
 
-    /// The knots of a stretch where it loses time behind the filters; none where it does not.
-    pub fn knots(&self, stretch: &Stretch) -> &[Knot] {
-        self.time_scaling.as_ref().map_or(&[], |time_scaling| time_scaling.knots(stretch))
+    /// Returns the knots of a motion that loses time behind the filters; empty if it loses none.
+    pub fn knots(&self, rest_to_rest: &RestToRest) -> &[Knot] {
+        self.time_scaling.as_ref().map_or(&[], |time_scaling| time_scaling.knots(rest_to_rest))
     }
 
-    /// How long the pulses of a stretch last, s; the motion lasts the filter delay longer, and what it
-    /// loses behind the filters.
-    pub fn command_time(&self, stretch: &Stretch) -> f64 {
-        let durations = stretch.pulses.clone().map(|pulse| self.pulses.duration(pulse));
+    /// Returns the total duration of the pulses of a motion, s. The motion lasts longer by the filter delay
+    /// and by the time lost behind the filters.
+    pub fn command_time(&self, rest_to_rest: &RestToRest) -> f64 {
+        let durations = rest_to_rest.pulses.clone().map(|pulse| self.pulses.duration(pulse));
         running_sum(durations).last().unwrap_or(0.0)
     }
 }
 
-/// The command on a machine as a plan: complete but for the time that acceleration limits cost behind the filters, which
+/// Returns the plan of a toolpath on a machine without the time lost behind the filters, which
 /// [`simulate`](crate::simulation::simulate) adds.
-pub(crate) fn command(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
+pub(crate) fn command(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
+    match override_span::divided(toolpath, machine) {
+        Some((divided, machine)) => {
+            divided.planned(toolpath, policy, |toolpath, policy| plan_of_curves(toolpath, &machine, policy))
+        }
+        None => plan_of_curves(toolpath, machine, policy),
+    }
+}
+
+/// Returns the plan with arcs as the control runs them.
+fn plan_of_curves(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
     match chords::chorded(toolpath, machine) {
         Some(chorded) => {
-            chorded.planned(toolpath, rule, |toolpath, rule| plan_of_segments(toolpath, machine, rule))
+            chorded.planned(toolpath, policy, |toolpath, policy| plan_of_segments(toolpath, machine, policy))
         }
-        None => plan_of_segments(toolpath, machine, rule),
+        None => plan_of_segments(toolpath, machine, policy),
     }
 }
 
-/// The plan with each segment run as it is, but for lines that are merged.
-fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
-    match smoothing::merged(toolpath, machine, rule.tolerances()) {
+/// Returns the plan with each segment run as it is, except for lines that are merged.
+fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
+    match smoothing::merged(toolpath, machine, policy.tolerances()) {
         Some(merged) => {
-            merged.planned(toolpath, rule, |toolpath, rule| plan_as_written(toolpath, machine, rule))
+            // A feed hold has a place in the program, which merged lines may not have.
+            let (without, holds) = halts::feed_holds_apart(machine);
+            let mut plan = merged
+                .planned(toolpath, policy, |toolpath, policy| plan_as_written(toolpath, &without, policy));
+            if let Some(holds) = holds {
+                HaltSchedule::of(toolpath, &holds).put_into(&mut plan, toolpath, &holds);
+            }
+            plan
         }
-        None => plan_as_written(toolpath, machine, rule),
+        None => plan_as_written(toolpath, machine, policy),
     }
 }
 
-/// The plan with each block run as it is written.
-fn plan_as_written(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> FeedPlan {
+/// Returns the plan with each block run as written.
+fn plan_as_written(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
     plan.segment_feedrates.reserve_exact(toolpath.segments.len());
     plan.corner_feedrates.reserve_exact(toolpath.segments.len());
-    let halting = Halting::of(toolpath, machine);
+    let halts = HaltSchedule::of(toolpath, machine);
     let segments = &toolpath.segments;
     let mut stops = toolpath.stops.iter().peekable();
-    let mut left = Left::default();
+    let mut left = StopState::default();
     let mut begin = 0;
     while begin < segments.len() {
         while let Some(stop) = stops.next_if(|stop| stop.after <= begin) {
             add_wait(&mut plan, stop, machine, &mut left);
         }
         let next_stop = stops.peek().map_or(segments.len(), |stop| stop.after.min(segments.len()));
-        begin = add_stretch(&mut plan, begin..next_stop, toolpath, machine, &halting, rule);
+        begin = add_rest_to_rest(&mut plan, begin..next_stop, toolpath, machine, &halts, policy);
     }
     for stop in stops {
         add_wait(&mut plan, stop, machine, &mut left);
     }
-    halting.put_into(&mut plan, toolpath, machine);
+    halts.put_into(&mut plan, toolpath, machine);
     plan
 }
 
-/// What stops leave to those that follow.
+/// Spindle and tool state that one stop leaves to the next.
 #[derive(Default)]
-struct Left {
-    /// What the spindle still needs where a later word waits for it, s.
+struct StopState {
+    /// Time that the spindle still needs when a later word waits for it, s.
     ramp: f64,
-    /// Whether a tool was changed.
+    /// `true` after a tool change.
     has_changed: bool,
 }
 
-fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine, left: &mut Left) {
+fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine, left: &mut StopState) {
     let is_turn = |cause: &StopCause| matches!(cause, StopCause::Rotary { .. });
     let goes_on = matches!(plan.phases.last(), Some(Phase::Wait(wait)) if is_turn(&wait.cause));
     let mut wait = wait(stop, machine);
@@ -300,8 +320,8 @@ fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine, left: &mut Left
     plan.phases.push(Phase::Wait(wait));
 }
 
-/// How much longer than its command a turn of rotary axes alone lasts, s: the filters run empty. A
-/// jerk limit is one along X, Y and Z, and says nothing of it.
+/// Returns by how much a turn of rotary axes alone lasts longer than its command, s: the filters run empty. A
+/// jerk limit concerns X, Y and Z and does not lengthen it.
 fn turn_delay(machine: &Machine) -> f64 {
     match &machine.interpolator.time_constants {
         TimeConstants::Equal(constant) => machine.interpolator.filters as f64 * constant,
@@ -322,19 +342,19 @@ fn wait(stop: &Stop, machine: &Machine) -> Wait {
     Wait { duration, cause: stop.cause, line: stop.line }
 }
 
-/// Whether the machine stands before the segment `next` without being told to by a stop.
+/// Returns `true` if the machine stops before the segment `next` without a programmed stop.
 fn stands_before(segments: &Segments, next: usize, machine: &Machine) -> bool {
-    // Nearly all go on in feed, and then only a turn can stop the machine.
+    // Nearly all segments are feed moves after feed moves, and then only a turn can stop the machine.
     (turns_may_stop(machine) || !segments.goes_on(next))
         && stands_between(&segments.at(next - 1), &segments.at(next), machine)
 }
 
-/// The same, of two segments that follow one another.
+/// Returns `true` if the machine stops between two consecutive segments without a programmed stop.
 fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool {
     let rapid = |segment: &Segment| segment.motion == Motion::Rapid;
     let own_filters = machine.rapid.time_constants.is_some()
         || matches!(machine.interpolator.time_constants, TimeConstants::FromJerk(_));
-    before.exact_stop
+    before.exact_stop && !halts::is_exact_path(before, machine)
         || (rapid(before) != rapid(after) && (own_filters || junction::stops_at_rapids(machine)))
         || ((rapid(before) || rapid(after)) && machine.rapid.exact_stop)
         || halts::rapid_ends_stop(before, machine)
@@ -343,28 +363,37 @@ fn stands_between(before: &Segment, after: &Segment, machine: &Machine) -> bool 
         || exact_stop_by_turn(before, after, machine)
 }
 
-/// Whether the corner between two segments is sharper than the machine's exact-stop angle.
+/// Returns `true` if the corner between two segments is sharper than the machine's exact-stop angle.
 fn exact_stop_by_turn(before: &Segment, after: &Segment, machine: &Machine) -> bool {
-    turns_may_stop(machine) && machine.interpolator.stopping_angle() < turn(before, after)
+    stops_at_every_end(machine)
+        || turns_may_stop(machine) && machine.interpolator.stopping_angle() < turn(before, after)
 }
 
-/// Whether the machine stops at a corner for its angle, be it the sharpest.
+/// Returns `true` if the machine stops at the end of every block, even on a straight line, as after G61.1 of
+/// LinuxCNC.
+fn stops_at_every_end(machine: &Machine) -> bool {
+    machine.interpolator.stopping_angle() == 0.0
+}
+
+/// Returns `true` if any turn can make the machine stop.
 fn turns_may_stop(machine: &Machine) -> bool {
     machine.interpolator.stopping_angle() < std::f64::consts::PI
 }
 
-/// Whether the stop before segment `next` is one of the path mode, known before it is reached, and not
-/// the end of the program or a function that waits.
+/// Returns `true` if the stop before segment `next` is one of the path mode, which is known in advance, and
+/// neither the end of the program nor a function that waits.
 fn is_stopped_by_mode(toolpath: &Toolpath, next: usize, machine: &Machine) -> bool {
     let waits = toolpath.stops.binary_search_by_key(&next, |stop| stop.after).is_ok();
     let before = toolpath.segments.at(next - 1);
     before.exact_stop
+        || machine.interpolator.junction == Junction::ExactPath
+        || stops_at_every_end(machine)
         || (!waits && next < toolpath.segments.len() && stands_before(&toolpath.segments, next, machine))
 }
 
-/// The angle by which the path turns between two segments, rad.
+/// Returns the angle by which the path turns between two segments, rad.
 fn turn(before: &Segment, after: &Segment) -> f64 {
     let (u1, u2) = (before.tangent(before.length), after.tangent(0.0));
-    // Through the half angle: acos loses digits where the turn is small.
+    // By the half angle: acos loses digits for small turns.
     2.0 * (u2 - u1).norm().atan2((u2 + u1).norm())
 }

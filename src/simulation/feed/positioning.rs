@@ -1,8 +1,8 @@
-//! Rapids from stand to stand: ramps of constant jerk that grow with the speed that a move reaches.
+//! Rapids from rest to rest: ramps of constant jerk that grow with the speed that a move reaches.
 //!
 //! A control that positions runs each rapid by itself. The axis that moves furthest ramps with the jerk J,
 //! so that a change of speed by v takes t = n T with T = √(v/J) for n filters (Eq. 8 with the speed that is
-//! reached, not the one asked for). A move of length L reaches
+//! reached, not the requested one). A move of length L reaches
 //!
 //! ```text
 //! v = min( V,  (L √J / n)^(2/3) )
@@ -21,18 +21,18 @@ use crate::machine::Machine;
 use crate::simulation::feed::limits;
 use crate::simulation::toolpath::{Motion, Segment};
 
-/// Whether this segment is positioned from stand to stand.
+/// Returns `true` if the segment is positioned from rest to rest.
 pub fn applies(segment: &Segment, machine: &Machine) -> bool {
     segment.motion == Motion::Rapid && machine.rapid.positioning_jerk.is_finite()
 }
 
-/// Jerk along the path, mm/s³.
+/// Returns the jerk along the path, mm/s³.
 fn jerk(segment: &Segment, machine: &Machine) -> f64 {
     machine.rapid.positioning_jerk / limits::largest_share(segment).max()
 }
 
-/// The feedrate that a positioned segment reaches where `requested` is asked for, mm/s; any other
-/// segment's is what is asked for.
+/// Returns the feedrate that a positioned segment reaches at the requested feedrate `requested`, mm/s; for
+/// any other segment `requested` itself.
 pub fn feedrate(segment: &Segment, requested: f64, machine: &Machine) -> f64 {
     if !applies(segment, machine) {
         return requested;
@@ -41,12 +41,13 @@ pub fn feedrate(segment: &Segment, requested: f64, machine: &Machine) -> f64 {
     requested.min((segment.length * jerk(segment, machine).sqrt() / order).powf(2.0 / 3.0))
 }
 
-/// The acceleration limit of a segment whose `own` is that of path and axes, mm/s²: positioned, it has ramps of its own.
+/// Returns the acceleration limit of a segment, mm/s²; `own` is the limit of path and axes. A positioned
+/// segment has its own ramps instead.
 pub fn acceleration(segment: &Segment, own: f64, machine: &Machine) -> f64 {
     if applies(segment, machine) { f64::INFINITY } else { own }
 }
 
-/// The filters' time constant for a positioned segment that reaches `feedrate` (mm/s), s.
+/// Returns the filters' time constant for a positioned segment that reaches `feedrate` (mm/s), s.
 pub fn time_constant(segment: &Segment, feedrate: f64, machine: &Machine) -> f64 {
     (feedrate / jerk(segment, machine)).sqrt()
 }
@@ -56,7 +57,7 @@ mod tests {
     use super::*;
     use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
     fn seconds(program: &str, machine: &Machine) -> f64 {
         let toolpath = trace(&read(program.as_bytes()), machine);

@@ -1,73 +1,85 @@
-//! The pulses of a plan as they are kept: 20 bytes each.
+//! The packed pulses of a plan: 20 bytes each.
 //!
-//! A long program has one and a half pulses a segment, and the memory they take is what planning waits for. Two thirds of
-//! them begin where their segment does, nearly all others where the one pulse before them on it ends, and most are even, so
-//! that a single feedrate says all of them; what the others have, an offset or another feedrate at the end, lies in
-//! lists of its own. A pulse is put together whenever it is read, bit for bit as it was pushed.
+//! A long program has one and a half pulses per segment, and their memory bounds the speed of planning. Two
+//! thirds of the pulses begin where their segment does, and nearly all others where the only earlier pulse of
+//! the segment ends; most are even, so that a single feedrate describes them. Separate lists hold the offsets
+//! and end feedrates of the exceptions. Reading a pulse restores it bit for bit.
 //!
-//! Limits: no more than 2³² − 1 pulses that begin elsewhere or are not even.
+//! Limits: no more than 2³² − 1 exceptions.
 
-use crate::simulation::compact::{Compact, Keep};
 use crate::simulation::feed::Pulse;
+use crate::simulation::packed::{PackedVec, Packing};
 use std::collections::TryReserveError;
 use std::ops::Range;
 
 /// The pulses of a plan in order.
-pub type Pulses = Compact<KeptPulses>;
+pub type Pulses = PackedVec<PulsePacking>;
 
-/// How pulses are kept.
+/// The layout of packed pulses.
 #[derive(Clone, Default)]
-pub struct KeptPulses {
-    kept: Vec<Kept>,
-    /// Which pulses have something beside.
-    marks: Vec<Marks>,
-    /// Distances from the start of the segment, mm, of the pulses that have something beside, in their order.
+pub struct PulsePacking {
+    kept: Vec<PackedPulse>,
+    /// Marks of the exceptions among each [`PULSES_PER_MARK`] pulses.
+    marks: Vec<ExceptionMarks>,
+    /// Distances from the start of the segment, mm, of the exceptions in order.
     offsets: Vec<f64>,
-    /// The bits in which the feedrates at beginning and end differ, of the first of the same pulses: up to the last that is
-    /// not even, and so of none where commands have no ramps.
+    /// XOR of the bits of the feedrates at beginning and end, of the first exceptions in order: up to the
+    /// last that is not even, so the list is empty if commands have no ramps.
     changes: Vec<u64>,
 }
 
-/// One pulse without what few have, and with no room between its numbers.
+/// A pulse without offset and end feedrate, and without padding.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
-struct Kept {
+struct PackedPulse {
     segment: u32,
-    /// s.
+    /// Duration, s.
     duration: f64,
-    /// At its beginning, mm/s.
+    /// Feedrate at the beginning, mm/s.
     feedrate: f64,
 }
 
-const _: () = assert!(size_of::<Kept>() == 20);
+const _: () = assert!(size_of::<PackedPulse>() == 20);
 
-/// Which of so many pulses in a row have something beside.
+/// Marks the exceptions among consecutive pulses.
 #[derive(Clone, Copy)]
-struct Marks {
-    /// How many have before them.
+struct ExceptionMarks {
+    /// Number of exceptions before these pulses.
     before: u32,
-    /// One bit a pulse, the lowest for the first.
+    /// One bit per pulse, the lowest for the first.
     bits: u32,
 }
 
-/// Pulses whose marks are kept together.
-const MARKED: usize = u32::BITS as usize;
+/// Pulses whose marks share an entry.
+const PULSES_PER_MARK: usize = u32::BITS as usize;
 
-impl KeptPulses {
-    /// The index of the segment of the pulse with this index. This and those that follow are for where so many are looked at that
-    /// even to put a pulse together takes time. Panics beyond the end.
+impl PulsePacking {
+    /// Returns the index of the segment of a pulse without assembling the pulse, which takes time in long
+    /// loops.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `index` is out of bounds.
     #[inline]
     pub fn segment(&self, index: usize) -> usize {
         self.kept[index].segment as usize
     }
 
-    /// The duration of the pulse with this index, s. Panics beyond the end.
+    /// Returns the duration of a pulse, s.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `index` is out of bounds.
     #[inline]
     pub fn duration(&self, index: usize) -> f64 {
         self.kept[index].duration
     }
 
-    /// The feedrates at the beginning and at the end of the pulse with this index, mm/s. Panics beyond the end.
+    /// Returns the feedrates at the beginning and at the end of a pulse, mm/s.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `index` is out of bounds.
     #[inline]
     pub fn feedrates(&self, index: usize) -> [f64; 2] {
         let first = self.kept[index].feedrate;
@@ -77,19 +89,27 @@ impl KeptPulses {
         [first, self.beside(index).map_or(first, |beside| self.last_feedrate(first, beside))]
     }
 
-    /// Where the pulse with this index begins, mm from the start of the segment. Panics beyond the end.
+    /// Returns the distance from the start of the segment to the beginning of a pulse, mm.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `index` is out of bounds.
     #[inline]
     pub fn offset(&self, index: usize) -> f64 {
         let usual = || self.usual_offset(index, self.kept[index].segment);
         self.beside(index).map_or_else(usual, |beside| self.offsets[beside])
     }
 
-    /// How many pulses there are before those of a segment.
+    /// Returns the number of pulses before those of a segment.
     pub fn before(&self, segment: usize) -> usize {
         self.kept.partition_point(|kept| (kept.segment as usize) < segment)
     }
 
-    /// The pulses with these indices by their segments: the indices of each. Panics beyond the end.
+    /// Groups the pulses with these indices by their segments: returns the indices of each group.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the range is out of bounds.
     #[inline]
     pub fn by_segment(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
         let mut end = range.start;
@@ -100,21 +120,24 @@ impl KeptPulses {
         })
     }
 
-    /// Makes room for so many more, if they are like those that are there, and for no more than that. It is an error
-    /// where there is no such room.
+    /// Reserves memory for exactly `additional` more pulses with the same share of exceptions.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the allocation fails.
     pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
         let more = |of: usize| (of as f64 / self.count().max(1) as f64 * additional as f64) as usize;
         let (offsets, changes) = (more(self.offsets.len()), more(self.changes.len()));
         self.kept.try_reserve_exact(additional)?;
-        self.marks.try_reserve_exact(additional.div_ceil(MARKED))?;
+        self.marks.try_reserve_exact(additional.div_ceil(PULSES_PER_MARK))?;
         self.offsets.try_reserve_exact(offsets)?;
         self.changes.try_reserve_exact(changes)
     }
 
-    /// For how many there is room and how many there are, of all lists.
+    /// Returns capacity and length of all lists.
     #[cfg(test)]
     pub fn room(&self) -> [(usize, usize); 4] {
-        let KeptPulses { kept, marks, offsets, changes } = self;
+        let PulsePacking { kept, marks, offsets, changes } = self;
         [
             (kept.capacity(), kept.len()),
             (marks.capacity(), marks.len()),
@@ -123,8 +146,8 @@ impl KeptPulses {
         ]
     }
 
-    /// Where a pulse of a segment begins that has nothing beside, mm from the start of the segment: where the pulse before
-    /// it ends, if that is even and the first of the same segment.
+    /// Returns the distance from the start of the segment (mm) to the beginning of a pulse that is no
+    /// exception: the end of the pulse before it, if that is even and the first of the segment.
     #[inline]
     fn usual_offset(&self, index: usize, segment: u32) -> f64 {
         let before = index.wrapping_sub(1);
@@ -134,22 +157,23 @@ impl KeptPulses {
         }
     }
 
-    /// The index of what lies beside the pulse with this index; none where nothing does.
+    /// Returns the index of a pulse among the exceptions; `None` if it is no exception.
     #[inline]
     fn beside(&self, index: usize) -> Option<usize> {
-        let Marks { before, bits } = self.marks[index / MARKED];
-        let own = 1 << (index % MARKED);
+        let ExceptionMarks { before, bits } = self.marks[index / PULSES_PER_MARK];
+        let own = 1 << (index % PULSES_PER_MARK);
         (bits & own != 0).then(|| (before + (bits & (own - 1)).count_ones()) as usize)
     }
 
-    /// The feedrate at the end of a pulse that begins with `first` (mm/s) and has this beside it, mm/s.
+    /// Returns the feedrate at the end of a pulse that begins with `first` (mm/s) and has the index `beside`
+    /// among the exceptions, mm/s.
     #[inline]
     fn last_feedrate(&self, first: f64, beside: usize) -> f64 {
         f64::from_bits(first.to_bits() ^ self.changes.get(beside).copied().unwrap_or_default())
     }
 }
 
-impl Keep for KeptPulses {
+impl Packing for PulsePacking {
     type Item = Pulse;
 
     #[inline]
@@ -159,7 +183,7 @@ impl Keep for KeptPulses {
 
     #[inline]
     fn at(&self, index: usize) -> Pulse {
-        let Kept { segment, duration, feedrate } = self.kept[index];
+        let PackedPulse { segment, duration, feedrate } = self.kept[index];
         let (offset, last) = match self.beside(index) {
             Some(beside) => (self.offsets[beside], self.last_feedrate(feedrate, beside)),
             None => (self.usual_offset(index, segment), feedrate),
@@ -171,20 +195,20 @@ impl Keep for KeptPulses {
     fn push(&mut self, pulse: Pulse) {
         let Pulse { segment, duration, offset, feedrate: [feedrate, last] } = pulse;
         let (index, change) = (self.count(), feedrate.to_bits() ^ last.to_bits());
-        if index.is_multiple_of(MARKED) {
-            self.marks.push(Marks { before: self.offsets.len() as u32, bits: 0 });
+        if index.is_multiple_of(PULSES_PER_MARK) {
+            self.marks.push(ExceptionMarks { before: self.offsets.len() as u32, bits: 0 });
         }
-        // Also the offset by its bits, as −0.0 = 0.0.
+        // The offset is compared by its bits too, as −0.0 = 0.0.
         let usual = self.usual_offset(index, segment);
         if (offset.to_bits(), change) != (usual.to_bits(), 0) {
-            self.marks[index / MARKED].bits |= 1 << (index % MARKED);
+            self.marks[index / PULSES_PER_MARK].bits |= 1 << (index % PULSES_PER_MARK);
             if change != 0 {
                 self.changes.resize(self.offsets.len(), 0);
                 self.changes.push(change);
             }
             self.offsets.push(offset);
         }
-        self.kept.push(Kept { segment, duration, feedrate });
+        self.kept.push(PackedPulse { segment, duration, feedrate });
     }
 
     fn reserve(&mut self, additional: usize) {
@@ -196,7 +220,7 @@ impl Keep for KeptPulses {
 mod tests {
     use super::*;
 
-    /// So many pulses, each kind of offset with each kind of feedrates, and ever more of a segment.
+    /// Returns `count` pulses: each kind of offset with each kind of feedrates, and ever more per segment.
     fn pulses(count: u32) -> Vec<Pulse> {
         let mut end = 0.0_f64;
         let pulse = |number: u32| {
@@ -217,7 +241,7 @@ mod tests {
         (0..count).map(pulse).collect()
     }
 
-    /// All that a pulse is, with −0.0 told from 0.0.
+    /// Returns the fields of a pulse as bits, which distinguish −0.0 from 0.0.
     fn bits(pulse: Pulse) -> (u32, [u64; 4]) {
         let Pulse { segment, duration, offset, feedrate: [first, last] } = pulse;
         (segment, [duration, offset, first, last].map(f64::to_bits))

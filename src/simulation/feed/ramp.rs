@@ -7,20 +7,20 @@
 //!
 //! (Δv step of the feedrate, J jerk and A acceleration along the path.) A block then has the shape of [`block`]:
 //! holds at its corners, ramps, and F between them; where there is no room for F the ramps meet below it. The
-//! filters smooth what is left, so that corners keep their tolerance. A ramp is handed on as [`PIECES`] linear
+//! filters smooth the rest, so that corners keep their tolerance. A ramp becomes [`PIECES_PER_RAMP`] linear
 //! pieces whose ends lie on the curve; it is symmetric about its middle, so that its area is exact.
 //!
 //! Source: any text on jerk-limited motion, for example Siemens' SOFT and Heidenhain's law of the jerk alone. On two
 //! recorded mills rapids and feed moves both follow T = 2 √(Δv/J). Limits: the law is that of a whole step; a
-//! ramp that goes on through several blocks begins anew at each of their corners that slows it down.
+//! ramp through several blocks starts again at each corner that slows it down.
 //!
 //! [`block`]: crate::simulation::feed::block
 
 use crate::machine::Machine;
-use crate::simulation::feed::block::{End, Part};
+use crate::simulation::feed::block::{BlockEnd, BlockPart};
 
-/// Into how many linear pieces a ramp is cut.
-const PIECES: usize = 6;
+/// Number of linear pieces that make a ramp.
+const PIECES_PER_RAMP: usize = 6;
 
 /// The law of ramps.
 #[derive(Clone, Copy, Debug)]
@@ -32,30 +32,30 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// The law of a machine whose jerk along the path is limited; none where it is not.
+    /// Returns the law of a machine whose jerk along the path is limited; `None` if it is not.
     #[inline]
     pub fn of(machine: &Machine, acceleration: f64) -> Option<Ramp> {
         machine.path.jerk.is_finite().then_some(Ramp { jerk: machine.path.jerk, acceleration })
     }
 
-    /// How long the acceleration rises or falls within a step of the feedrate (mm/s), s.
+    /// Returns how long the acceleration rises, or falls, within a step of the feedrate (mm/s), s.
     fn rise(&self, step: f64) -> f64 {
         (step / self.jerk).sqrt().min(self.acceleration / self.jerk)
     }
 
-    /// How long a ramp between two feedrates (mm/s) lasts, s.
+    /// Returns the duration of a ramp between two feedrates (mm/s), s.
     fn time(&self, from: f64, to: f64) -> f64 {
         let step = (to - from).abs();
         let rise = self.rise(step);
         if step == 0.0 { 0.0 } else { rise + step / (self.jerk * rise) }
     }
 
-    /// How far it goes, mm.
+    /// Returns the length of a ramp between two feedrates (mm/s), mm.
     fn length(&self, from: f64, to: f64) -> f64 {
         0.5 * (from + to) * self.time(from, to)
     }
 
-    /// The largest feedrate, at most `most`, that is reached from `from` (mm/s) within `length` (mm).
+    /// Returns the largest feedrate, at most `most`, that is reached from `from` (mm/s) within `length` (mm).
     pub fn reach(&self, from: f64, length: f64, most: f64) -> f64 {
         if most <= from || self.length(from, most) <= length {
             return most;
@@ -63,8 +63,9 @@ impl Ramp {
         largest(from, most, |to| self.length(from, to) <= length)
     }
 
-    /// The parts of a block of `length` (mm) at `feedrate` (mm/s) in order: hold, ramp, cruise, ramp, hold.
-    pub fn parts(&self, length: f64, feedrate: f64, first: End, last: End) -> [Part; 5] {
+    /// Returns the parts of a block of `length` (mm) at `feedrate` (mm/s) in order: hold, ramp, cruise, ramp,
+    /// hold.
+    pub fn parts(&self, length: f64, feedrate: f64, first: BlockEnd, last: BlockEnd) -> [BlockPart; 5] {
         let through = |peak: f64| self.length(first.feedrate, peak) + self.length(peak, last.feedrate);
         let between = self.length(first.feedrate, last.feedrate);
         let room = length - first.feedrate * first.hold - last.feedrate * last.hold;
@@ -76,7 +77,7 @@ impl Ramp {
             (peak, (room - through(peak)).max(0.0) / peak, [slower.hold, faster.hold])
         } else {
             let room = (length - between).max(0.0);
-            let hold = |end: End, room: f64| if end.feedrate == 0.0 { 0.0 } else { room / end.feedrate };
+            let hold = |end: BlockEnd, room: f64| if end.feedrate == 0.0 { 0.0 } else { room / end.feedrate };
             let kept = slower.hold.min(hold(slower, room));
             (faster.feedrate, 0.0, [kept, hold(faster, (room - kept * slower.feedrate).max(0.0))])
         };
@@ -91,9 +92,9 @@ impl Ramp {
         ]
     }
 
-    /// The linear pieces of a part.
-    pub fn pieces(self, (duration, from, to): Part) -> impl Iterator<Item = Part> {
-        let count = if from == to { 1 } else { PIECES };
+    /// Returns the linear pieces of a part.
+    pub fn pieces(self, (duration, from, to): BlockPart) -> impl Iterator<Item = BlockPart> {
+        let count = if from == to { 1 } else { PIECES_PER_RAMP };
         let at = move |k: usize| match k {
             0 => from,
             _ if k == count => to,
@@ -102,7 +103,7 @@ impl Ramp {
         (0..count).map(move |k| (duration / count as f64, at(k), at(k + 1)))
     }
 
-    /// The feedrate at a time within a ramp, mm/s.
+    /// Returns the feedrate at a time within a ramp, mm/s.
     fn along(&self, from: f64, to: f64, time: f64, duration: f64) -> f64 {
         let (left, step) = (duration - time, (to - from).abs());
         let rise = self.rise(step);
@@ -117,7 +118,7 @@ impl Ramp {
     }
 }
 
-/// The largest value from `low`, for which it holds, to `high`, for which it does not.
+/// Returns the largest value between `low`, for which `holds` is true, and `high`, for which it is false.
 fn largest(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     while 1e-13 * high < high - low {
         let middle = 0.5 * (low + high);
@@ -134,11 +135,11 @@ mod tests {
     use super::*;
     use crate::simulation::feed::{Tolerances, command};
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
-    const STOP: End = End { feedrate: 0.0, hold: 0.0 };
+    const STOP: BlockEnd = BlockEnd { feedrate: 0.0, hold: 0.0 };
 
-    fn area(ramp: Ramp, parts: &[Part]) -> f64 {
+    fn area(ramp: Ramp, parts: &[BlockPart]) -> f64 {
         let pieces = parts.iter().flat_map(|part| ramp.pieces(*part));
         pieces.map(|(time, from, to)| 0.5 * time * (from + to)).sum()
     }
@@ -151,7 +152,8 @@ mod tests {
                 for length in [0.01, 0.3, 5.0, 200.0] {
                     for (one, other) in [(0.0, 0.0), (3.0, 0.0), (2.0, 9.0), (9.0, 9.0)] {
                         let other = ramp.reach(one, length, other).max(0.0);
-                        let end = |feedrate: f64| End { feedrate, hold: 0.004 * f64::from(feedrate > 0.0) };
+                        let end =
+                            |feedrate: f64| BlockEnd { feedrate, hold: 0.004 * f64::from(feedrate > 0.0) };
                         for (first, last) in [(end(one), end(other)), (end(other), end(one))] {
                             if ramp.length(one, other) <= length {
                                 let parts = ramp.parts(length, 90.0, first, last);

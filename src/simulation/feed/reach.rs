@@ -1,16 +1,16 @@
-//! What a planner makes of the corners and feedrates of a stretch that it can run: from its blocks in sight, the ramps
-//! between neighbours and its least part of cruising.
+//! The corners and feedrates of a rest-to-rest motion that a planner can run, given its look-ahead, the ramps
+//! between neighbours and its minimum cruise ratio.
 //!
-//! | planner | corners by themselves | ramps | blocks in sight |
+//! | planner | corners by themselves | ramps | look-ahead |
 //! |---|---|---|---|
 //! | filters | tolerance | steps, smoothed by the filters | no feedrate from which it would not stop within them |
 //! | filters, acceleration before them | tolerance | constant acceleration | as above |
 //! | grbl, Klipper, Marlin | junction law | constant acceleration | and no corner, but for the block that is run |
 //! | any, with a jerk along the path | as above | constant jerk | as above |
-//! | LinuxCNC | circles, in the module of blends | constant acceleration, per piece | as filters |
+//! | LinuxCNC | circles, in the module of blends | constant acceleration, per piece | and no line or circle, but for the one that is run |
 //!
-//! Between neighbours v² changes by 2 a L at most over a segment of length L (mm) and acceleration a (mm/s²), so that with N
-//! blocks in sight, of which the first is run, a corner before block k is passed at
+//! Between neighbours v² changes by 2 a L at most over a segment of length L (mm) and acceleration a (mm/s²), so
+//! that with N blocks of look-ahead, of which the first is run, a corner before block k is passed at
 //!
 //! ```text
 //! v_k² ≤ Σ 2 a_j L_j      j = k … k + N − 2
@@ -19,16 +19,19 @@
 //! Source: grbl 1.1, planner.c, which always plans a stop behind the last block it knows; derived for the others.
 
 use crate::machine::Junction;
-use crate::simulation::feed::stretch::Planned;
+use crate::simulation::feed::rest_to_rest::MotionPlanner;
 use crate::simulation::feed::{cruise, limits};
 use crate::simulation::running_sum::running_sum;
 
-impl Planned<'_> {
-    /// The feedrates at which blocks are supplied, mm/s: each processed in time, and with the way to a stop in sight; none
-    /// where they are always there.
+impl MotionPlanner<'_> {
+    /// Returns the feedrates at which the control supplies blocks, mm/s: each block is processed in time, and
+    /// a stop fits within the look-ahead; `None` if blocks are always available.
     pub(super) fn supplied(&self) -> Option<Vec<f64>> {
         let interpolator = &self.machine.interpolator;
-        if interpolator.block_time == 0.0 && interpolator.look_ahead == f64::INFINITY {
+        // Blends are planned with the look-ahead, piece by piece.
+        let is_blended = interpolator.junction.blends_in_time();
+        let look_ahead = if is_blended { f64::INFINITY } else { interpolator.look_ahead };
+        if interpolator.block_time == 0.0 && look_ahead == f64::INFINITY {
             return None;
         }
         let count = self.range.len();
@@ -37,37 +40,38 @@ impl Planned<'_> {
         let braked = self.plans_trapezoids().then(|| self.braked());
         let supplied = |i: usize| {
             let processed = self.length(i) / interpolator.block_time;
-            let seen = interpolator.look_ahead.min(count as f64) as usize + i;
-            // Whoever sees the end of the stretch sees where it stops.
+            let seen = look_ahead.min(count as f64) as usize + i;
+            // A planner that sees the end of the motion sees its stop.
             let Some(end) = travelled.get(seen).filter(|_| seen < count) else { return processed };
             let visible = end - travelled[i];
             let acceleration = match &braked {
                 Some(braked) if braked[seen].is_finite() => 0.5 * (braked[seen] - braked[i]) / visible,
-                _ => self.asked.accelerations[i],
+                _ => self.segment_limits.accelerations[i],
             };
             processed.min(limits::stopping_feedrate(visible, self.filter.half_delay(), acceleration))
         };
         Some((0..count).map(supplied).collect())
     }
 
-    /// A corner may be too fast for its neighbours.
+    /// Returns `true` if a corner may be too fast for its neighbours.
     pub(super) fn has_reach(&self) -> bool {
         self.machine.limits_command() || self.machine.path.jerk != f64::INFINITY
     }
 
-    /// Whether the law of corners is that of a planner of trapezoids, which knows blocks one by one.
+    /// Returns `true` if the corner law belongs to a planner of trapezoids, which knows blocks one by one.
     fn plans_trapezoids(&self) -> bool {
-        !matches!(self.machine.interpolator.junction, Junction::Tolerance | Junction::AccelerationBlend)
+        self.machine.interpolator.junction != Junction::Tolerance
+            && !self.machine.interpolator.junction.blends_in_time()
     }
 
-    /// By how much v² can change from the beginning of the stretch up to each corner, mm²/s²: Σ 2 a L.
+    /// Returns Σ 2 a L: the largest change of v² from the beginning of the motion up to each corner, mm²/s².
     fn braked(&self) -> Vec<f64> {
         let changes = (0..self.range.len()).map(|i| 2.0 * self.acceleration(i) * self.length(i));
         std::iter::once(0.0).chain(running_sum(changes)).collect()
     }
 
-    /// Lowers corners (mm/s) of a planner of trapezoids to those from which it stops within the blocks that it knows there:
-    /// all it sees but for the one that is run up to the corner.
+    /// Lowers the corners (mm/s) of a planner of trapezoids to those from which it stops within the blocks
+    /// that it knows there: its look-ahead without the block that is run up to the corner.
     fn see_ahead(&self, corners: &mut [f64]) {
         let look_ahead = self.machine.interpolator.look_ahead;
         if look_ahead == f64::INFINITY || !self.plans_trapezoids() {
@@ -82,7 +86,8 @@ impl Planned<'_> {
         }
     }
 
-    /// Lowers feedrates and corners (mm/s) of short moves by the minimum cruise ratio; `limits` are the corners by themselves.
+    /// Lowers the feedrates and corners (mm/s) of short moves by the minimum cruise ratio; `limits` are the
+    /// limits of the corners themselves (mm/s).
     fn cruise(&self, limits: &[f64], corners: &mut [f64], feedrates: &mut [f64]) {
         let left = 1.0 - self.machine.interpolator.minimum_cruise_ratio;
         let whole = self.machine.path.acceleration;
@@ -90,13 +95,13 @@ impl Planned<'_> {
             let acceleration = self.acceleration(i);
             let of_peak =
                 if whole.is_finite() { acceleration.min(left * whole) } else { left * acceleration };
-            cruise::Move { length: self.length(i), acceleration, of_peak }
+            cruise::PlannedMove { length: self.length(i), acceleration, peak_acceleration: of_peak }
         };
         cruise::lower(of, limits, corners, feedrates);
         self.reach_neighbours(corners, feedrates);
     }
 
-    /// Lowers corners, and feedrates where the planner has laws of them beyond each segment and corner, to what can be run.
+    /// Lowers corners and feedrates (mm/s) to those that the planner can run.
     pub(super) fn reach(&self, corners: &mut [f64], feedrates: &mut [f64]) {
         if !self.has_reach() {
             return;
@@ -110,7 +115,7 @@ impl Planned<'_> {
         }
     }
 
-    /// The corners after each segment (mm/s) within the feedrates of both sides.
+    /// Returns the corner after each segment (mm/s), limited to the feedrates of both sides.
     fn slower_of_both(&self, corners: &[f64], feedrates: &[f64]) -> Vec<f64> {
         let next = feedrates.iter().skip(1).copied().chain([0.0]);
         corners
@@ -121,8 +126,8 @@ impl Planned<'_> {
             .collect()
     }
 
-    /// Lowers the corners after each segment (mm/s) that could not be reached from, or left for, their neighbours
-    /// within the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The stretch begins and ends at a stop.
+    /// Lowers the corners after each segment (mm/s) that their neighbours could not reach, or leave, within
+    /// the acceleration limit: |c1² − c2²| ≤ 2 A L for every segment. The motion begins and ends at a stop.
     fn reach_neighbours(&self, corners: &mut [f64], feedrates: &[f64]) {
         let reach = |from: f64, to: f64, i: usize| match self.ramp(i) {
             Some(ramp) => ramp.reach(from, self.length(i), to),

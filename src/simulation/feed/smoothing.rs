@@ -8,17 +8,17 @@
 //! ‖P − B − t M‖ ≤ Q,   M = E − B,   t = (P − B)·M / ‖M‖², no less than 0 and no more than 1
 //! ```
 //!
-//! and the chain has no more than [`MOST_POINTS`] points, so that the work is linear. It is ended by
-//! what is no line, by another feedrate or path mode, by a stop, by a move on which rotary axes turn
+//! and the chain has no more than [`MAX_CHAIN_POINTS`] points, so that the work is linear. It is ended by
+//! anything but a line, by another feedrate or path mode, by a stop, by a move on which rotary axes turn
 //! along, and where it would come back to B. An arc around Z whose middle lies within Q of its chord
 //! becomes the two lines over that middle, which may join chains as well.
 //!
 //! A chain is planned as one segment along its chord, and put back onto the program by the module of
 //! substitutes; a position on the program is within Q of the one on the chord.
 //!
-//! Q is what the machine holds. Where it leaves that to the program, which is with the law of LinuxCNC
-//! alone, it is Q of G64, or else P, and with neither, or with exact stops, nothing is merged. A tolerance laid over the whole
-//! program is meant as P.
+//! Q is what the machine holds. Where it leaves that to the program, which is with the law of LinuxCNC alone, it
+//! is Q of G64, or else P, and with neither, or with exact stops, nothing is merged. A tolerance for the
+//! whole program is meant as P.
 //!
 //! Other controls leave no point out, but run a curve past the corners (COMPCAD of Siemens, smoothing of Fanuc): a
 //! parabola that touches both lines of a corner, each as far from it as the shorter one is long, passes it at
@@ -41,27 +41,30 @@ use crate::simulation::feed::tolerances::change;
 use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Point, Segment, Toolpath};
 
 /// Points of a chain beside its beginning.
-const MOST_POINTS: usize = 101;
+const MAX_CHAIN_POINTS: usize = 101;
 
 /// Tilt of a circle's plane from that of X and Y up to which it is taken for it.
-const TILT: f64 = 1e-9;
+const MAX_PLANE_TILT: f64 = 1e-9;
 
-/// How far from the corner between two lines that are cut a curve passes, mm; none where there is no such corner.
+/// Returns the distance between a curve through two lines and their corner, mm; `None` if there is no such
+/// corner.
 pub fn rounding(before: &Segment, after: &Segment) -> Option<f64> {
     let is_cut = |segment: &Segment| segment.curve == Curve::Line && segment.motion != Motion::Rapid;
     (is_cut(before) && is_cut(after)).then(|| 0.25 * before.length.min(after.length) * change(before, after))
 }
 
-/// Whether the machine passes the corner between two segments on a curve.
+/// Returns `true` if the machine passes the corner between two segments on a curve.
 pub fn is_rounded(before: &Segment, after: &Segment, machine: &Machine) -> bool {
-    // The law of LinuxCNC has a curve of its own at every corner.
-    machine.interpolator.junction != Junction::AccelerationBlend
+    // The law of LinuxCNC has another curve at every corner.
+    !machine.interpolator.junction.blends_in_time()
         && rounding(before, after).is_some_and(|rounding| rounding < machine.interpolator.corner_smoothing)
 }
 
-/// The toolpath with its chains merged; none where nothing is.
+/// Returns the toolpath with its chains merged; `None` if there is none to merge.
 pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) -> Option<Substitute> {
-    let leaves_it = machine.interpolator.junction == Junction::AccelerationBlend
+    let junction = machine.interpolator.junction;
+    let leaves_it = junction.blends_in_time()
+        && junction != Junction::ExactPath
         && std::f64::consts::PI <= machine.interpolator.stopping_angle();
     if !(machine.interpolator.path_smoothing.map_or(leaves_it, |within| 0.0 < within)) {
         return None;
@@ -83,7 +86,7 @@ pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) ->
             merging.merged.take_path_mode(mode);
         }
         while let Some((_, spin)) = spins.next_if(|(from, _)| *from <= number) {
-            if 0.0 < machine.times.spindle_change {
+            if 0.0 < machine.times.spindle_change.max(machine.times.spindle_at_feed) {
                 merging.flush();
             }
             merging.merged.take_spin(*spin);
@@ -95,7 +98,7 @@ pub fn merged(toolpath: &Toolpath, machine: &Machine, tolerances: Tolerances) ->
     merging.has_merged.then_some(merging.merged)
 }
 
-/// Q under a path mode, mm.
+/// Returns Q under a path mode, mm.
 fn distance(mode: Option<&PathMode>, machine: &Machine, tolerances: Tolerances) -> f64 {
     let blending = mode.map_or(Blending::Machine, |mode| mode.blending);
     let by_program = || match (tolerances, blending) {
@@ -107,20 +110,20 @@ fn distance(mode: Option<&PathMode>, machine: &Machine, tolerances: Tolerances) 
         _ => mode.and_then(|mode| mode.merging).unwrap_or(0.0),
     };
     match blending {
-        Blending::ExactStop => 0.0,
+        Blending::ExactStop | Blending::ExactPath => 0.0,
         _ => machine.interpolator.path_smoothing.unwrap_or_else(by_program),
     }
 }
 
-/// A chain that grows, and what came of those before.
+/// The chain under construction, and the chains before it.
 struct Merging<'a> {
     toolpath: &'a Toolpath,
     merged: Substitute,
-    /// The points of the chain after its beginning.
+    /// Points of the chain after its beginning.
     points: Vec<Point>,
-    /// What the chain covers so far.
+    /// The part of the program that the chain covers.
     cover: Cover,
-    /// Whether anything is not as written.
+    /// `true` if anything differs from the program.
     has_merged: bool,
 }
 
@@ -144,7 +147,7 @@ impl Merging<'_> {
                 let half = 0.5 * segment.length;
                 let middle = segment.point(half);
                 let chord = segment.start + 0.5 * (segment.end - segment.start);
-                let is_level = arc.e1.z.abs().max(arc.e2.z.abs()) < TILT;
+                let is_level = arc.e1.z.abs().max(arc.e2.z.abs()) < MAX_PLANE_TILT;
                 let stays_whole = machine.interpolator.stopping_angle() < std::f64::consts::PI;
                 if is_level
                     && !stays_whole
@@ -174,7 +177,7 @@ impl Merging<'_> {
         self.cover.length += length;
     }
 
-    /// Whether the chain may go on to `end`.
+    /// Returns `true` if the chain may continue to `end`.
     fn reaches(&self, end: Point, within: f64) -> bool {
         let begin = self.begin();
         let chord = end - begin;
@@ -184,12 +187,12 @@ impl Merging<'_> {
             let along = (passed.dot(&chord) / square).clamp(0.0, 1.0);
             (passed - along * chord).norm() <= within
         };
-        self.points.len() < MOST_POINTS && 0.0 < square && self.points.iter().all(is_near)
+        self.points.len() < MAX_CHAIN_POINTS && 0.0 < square && self.points.iter().all(is_near)
     }
 
     fn begin(&self) -> Point {
         let first = self.toolpath.segments.at(self.cover.first);
-        // Worked out, the beginning of an arc is not its start to the last digit, and segments chain bit for bit.
+        // A computed start of an arc may differ in its last digit, and segments chain bit for bit.
         if self.cover.offset == 0.0 { first.start } else { first.point(self.cover.offset) }
     }
 
@@ -205,7 +208,7 @@ impl Merging<'_> {
             self.has_merged = true;
             let start = self.begin();
             let length = (end - start).norm();
-            // The first half of an arc does not stop where that ends.
+            // The first half of an arc does not stop at its end.
             let exact_stop = last.exact_stop && end == last.end;
             Segment { start, end, curve: Curve::Line, length, exact_stop, ..last }
         };
@@ -223,8 +226,9 @@ impl Merging<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Junction;
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
     const WITHIN: f64 = 0.02;
 
@@ -268,8 +272,8 @@ mod tests {
                 assert_eq!((cover.first, cover.offset), (next, 0.0), "the program is covered once");
                 next = cover.last + 1;
                 assert!(passed(k, cover, cover.last) <= WITHIN, "{cover:?}");
-                assert!(next - cover.first <= MOST_POINTS);
-                let could_go_on = next < program.segments.len() && next - cover.first < MOST_POINTS;
+                assert!(next - cover.first <= MAX_CHAIN_POINTS);
+                let could_go_on = next < program.segments.len() && next - cover.first < MAX_CHAIN_POINTS;
                 assert!(!could_go_on || WITHIN < passed(k, cover, next), "{cover:?} ends early");
             }
             assert_eq!(next, program.segments.len());

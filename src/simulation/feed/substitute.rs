@@ -1,63 +1,86 @@
-//! A toolpath that is planned in place of the program's, and its plan put back onto the program.
+//! A toolpath that is planned in place of the program's, and the transfer of its plan to the program.
 //!
-//! Controls that merge short lines, or run arcs as chords, do not run the segments that the program has. A segment of the
-//! substitute, of length l, covers a part of length S of the program, which may begin and end within segments of it. It is
-//! planned by itself; what comes out is put back with distances and feedrates times S/l, so that the time is that of the
-//! substitute and each block has its share by length. The distance axis so stays that of the program.
+//! Controls that merge short lines, or run arcs as chords, do not run the segments that the program has. A segment
+//! of the substitute, of length l, covers a part of length S of the program, which may begin and end within
+//! segments of it. It is planned by itself; what comes out is put back with distances and feedrates times S/l, so
+//! that the time is that of the substitute and each block has its share by length. The distance axis so stays that
+//! of the program.
 //!
-//! Limits: positions are those of the program; the substitute's lie beside them by as much as it leaves the program's path.
+//! Limits: positions are those of the program; the substitute's lie beside them by as much as it leaves the
+//! program's path.
 
-use crate::machine::Spin;
-use crate::simulation::feed::{FeedPlan, Phase, Pulse, Pulses, Rule, Stretch};
+use crate::machine::SpindleState;
+use crate::simulation::feed::{CornerPolicy, FeedPlan, Phase, Pulse, Pulses, RestToRest};
 use crate::simulation::toolpath::{PathMode, Segment, Stop, Toolpath};
 
-/// A toolpath to plan in place of the program's, and what of that each of its segments covers.
+/// A toolpath to plan in place of the program's, with the part of the program that each segment covers.
 #[derive(Default)]
 pub struct Substitute {
     /// The segments as they are run. Each covers the program from where the one before ends.
     pub toolpath: Toolpath,
-    /// What each covers.
+    /// The part of the program that each segment covers.
     pub covers: Vec<Cover>,
-    /// How many stops were taken over.
+    /// Number of stops, path modes and spindle states copied from the program.
     stops: usize,
+    path_modes: usize,
+    spins: usize,
 }
 
-/// What a segment covers of the program.
+/// The part of the program that a segment covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover {
-    /// The first segment of the program; this one begins `offset` along it.
+    /// Index of the first segment in the program; the part begins `offset` along it.
     pub first: usize,
-    /// mm.
+    /// Distance along that segment, mm.
     pub offset: f64,
-    /// The last, which may be the first of the next as well.
+    /// Index of the last segment, which may also be the first of the next part.
     pub last: usize,
-    /// Length of the program, mm.
+    /// Length along the program, mm.
     pub length: f64,
 }
 
 impl Substitute {
-    /// Adds a segment and what it covers.
+    /// Adds a segment and the part that it covers.
     pub fn push(&mut self, segment: Segment, cover: Cover) {
         self.toolpath.segments.push(segment);
         self.covers.push(cover);
     }
 
-    /// Takes over a path mode of the program, from the next segment on.
+    /// Copies a path mode of the program, which applies from the next segment on.
     pub fn take_path_mode(&mut self, mode: &PathMode) {
         self.toolpath.path_modes.push(PathMode { from: self.covers.len(), ..mode.clone() });
     }
 
-    /// Takes over what the spindle does, from the next segment on.
-    pub fn take_spin(&mut self, spin: Spin) {
+    /// Copies the spindle state, which applies from the next segment on.
+    pub fn take_spin(&mut self, spin: SpindleState) {
         self.toolpath.spins.push((self.covers.len(), spin));
     }
 
-    /// Whether the program has a stop before its segment `number` that was not taken over.
+    /// Copies the path modes, spindle states and stops of the program that come before its segment `number`.
+    pub fn take_before(&mut self, program: &Toolpath, number: usize) {
+        while let Some(mode) = program.path_modes.get(self.path_modes).filter(|mode| mode.from <= number) {
+            self.take_path_mode(mode);
+            self.path_modes += 1;
+        }
+        while let Some((_, spin)) = program.spins.get(self.spins).filter(|(from, _)| *from <= number) {
+            self.take_spin(*spin);
+            self.spins += 1;
+        }
+        self.take_stops(program, number);
+    }
+
+    /// Adds a segment of the program as it is.
+    pub fn push_whole(&mut self, number: usize, segment: Segment) {
+        let cover = Cover { first: number, offset: 0.0, last: number, length: segment.length };
+        self.push(segment, cover);
+    }
+
+    /// Returns `true` if the program has a stop before its segment `number` that was not copied.
     pub fn stops_before(&self, program: &Toolpath, number: usize) -> bool {
         program.stops.get(self.stops).is_some_and(|stop| stop.after <= number)
     }
 
-    /// Takes over the stops up to a segment of the program.
+    /// Copies the stops up to a segment of the program.
     pub fn take_stops(&mut self, program: &Toolpath, number: usize) {
         while self.stops_before(program, number) {
             let after = self.covers.len();
@@ -66,22 +89,23 @@ impl Substitute {
         }
     }
 
-    /// The plan of the program: that of the substitute by `plan`, put back.
+    /// Plans the substitute with `plan` and returns the result as a plan of the program.
     pub fn planned(
         &self,
         program: &Toolpath,
-        rule: Rule,
-        plan: impl FnOnce(&Toolpath, Rule) -> FeedPlan,
+        policy: CornerPolicy,
+        plan: impl FnOnce(&Toolpath, CornerPolicy) -> FeedPlan,
     ) -> FeedPlan {
-        let given = self.given(rule);
-        let rule = given.as_ref().map_or(rule, |(corners, segments)| Rule::Given { corners, segments });
-        self.spread(plan(&self.toolpath, rule), program)
+        let given = self.given(policy);
+        let policy =
+            given.as_ref().map_or(policy, |(corners, segments)| CornerPolicy::Given { corners, segments });
+        self.spread(plan(&self.toolpath, policy), program)
     }
 
-    /// Feedrates that are given for the segments of the program, for those that are run: the smallest of
-    /// a chain, and at its end that of the corner there.
-    fn given(&self, rule: Rule) -> Option<(Vec<f64>, Vec<f64>)> {
-        let Rule::Given { corners, segments } = rule else { return None };
+    /// Returns given feedrates of the program's segments for those of the substitute: the smallest along a
+    /// chain, and at its end the one of the corner there. `None` if the policy gives none.
+    fn given(&self, policy: CornerPolicy) -> Option<(Vec<f64>, Vec<f64>)> {
+        let CornerPolicy::Given { corners, segments } = policy else { return None };
         let at_end = |(index, cover): (usize, &Cover)| {
             let goes_on = self.covers.get(index + 1).is_some_and(|next| next.first == cover.last);
             if goes_on { f64::INFINITY } else { corners[cover.last] }
@@ -94,7 +118,7 @@ impl Substitute {
         ))
     }
 
-    /// The plan of the substitute, put back onto the program.
+    /// Returns the plan of the substitute as a plan of the program.
     fn spread(&self, plan: FeedPlan, program: &Toolpath) -> FeedPlan {
         let segments = program.segments.len();
         let mut spread = FeedPlan {
@@ -115,46 +139,47 @@ impl Substitute {
             spread.corner_feedrates[cover.last] = plan.corner_feedrates[index];
         }
         for phase in &plan.phases {
-            let Phase::Motion(stretch) = phase else {
+            let Phase::Motion(rest_to_rest) = phase else {
                 spread.phases.push(phase.clone());
                 continue;
             };
             let first_pulse = spread.pulses.len();
             let mut place = (0, 0.0);
             let mut now = usize::MAX;
-            for pulse in plan.pulses.range(stretch.pulses.clone()) {
+            for pulse in plan.pulses.range(rest_to_rest.pulses.clone()) {
                 let index = pulse.segment as usize;
                 let cover = &self.covers[index];
                 if index != now {
                     (now, place) = (index, (cover.first, cover.offset));
                 }
                 let ratio = self.ratio(index);
-                lay(&pulse, ratio, cover.last, &mut place, program, &mut spread);
+                place_pulse(&pulse, ratio, cover.last, &mut place, program, &mut spread);
             }
-            let covered = stretch.segments.clone();
-            spread.phases.push(Phase::Motion(Stretch {
+            let covered = rest_to_rest.segments.clone();
+            spread.phases.push(Phase::Motion(RestToRest {
                 segments: self.covers[covered.start].first..self.covers[covered.end - 1].last + 1,
                 pulses: first_pulse..spread.pulses.len(),
-                filter: stretch.filter,
+                filter: rest_to_rest.filter,
             }));
         }
         spread
     }
 
-    /// Length along the program over that which is run.
+    /// Returns the length along the program over the length that is run.
     fn ratio(&self, index: usize) -> f64 {
         let (run, written) = (self.toolpath.segments.length(index), self.covers[index].length);
         if run == written { 1.0 } else { written / run }
     }
 }
 
-/// Lays a pulse onto the program from `place` on, a segment and the distance along it (mm), up to the
-/// segment `last`. Where it goes beyond the end of a segment it is cut: the distance x is reached after
+/// Adds a pulse to the plan of the program, from `place` on, a segment and the distance along it (mm), up to
+/// the segment `last`. A pulse that crosses the end of a segment is cut there: it reaches the distance x
+/// after
 ///
 /// ```text
-/// t = 2 x / (f + √(f² + 2 b x))         f command at its beginning, b its slope, mm/s²
+/// |t = 2 x / (f + √(f² + 2 b x))         f command at its beginning, b its slope, mm/s²
 /// ```
-fn lay(
+fn place_pulse(
     pulse: &Pulse,
     ratio: f64,
     last: usize,

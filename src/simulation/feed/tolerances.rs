@@ -1,4 +1,4 @@
-//! Which contour tolerance holds where: one for the whole program, or what the program itself sets.
+//! The contour tolerance of each segment: one for the whole program, or the program's own.
 //!
 //! Along a segment the tolerance bounds how far inside an arc the motion may run; at a corner, how
 //! far it may pass by. A corner between segments of different tolerances has the smaller one, and an
@@ -19,15 +19,16 @@
 
 use crate::machine::Machine;
 use crate::simulation::gcode::LineNumber;
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Segment, Toolpath};
 
-/// What the contour tolerances are taken from.
+/// The source of the contour tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerances {
-    /// One for the whole program, whatever it says, mm. Exact stops stay.
+    /// One for the whole program, whatever the program sets, mm. Exact stops remain.
     One(f64),
-    /// The program's own, and the machine's where it sets none.
+    /// The program's own, and the machine's where the program sets none.
     Programmed,
 }
 
@@ -37,9 +38,9 @@ impl From<f64> for Tolerances {
     }
 }
 
-/// What holds along one segment.
+/// The tolerances of one segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limit {
+pub struct SegmentTolerance {
     /// Largest deviation along the segment and at turns that bend little, mm.
     along: f64,
     /// Distance before a corner at which its rounding may begin, mm; 0 where the deviation at a
@@ -47,56 +48,58 @@ pub struct Limit {
     distance: f64,
 }
 
-impl Limit {
-    fn of(blending: Blending, machine: f64) -> Limit {
+impl SegmentTolerance {
+    fn of(blending: Blending, machine: f64) -> SegmentTolerance {
         match blending {
-            Blending::ExactStop | Blending::Machine => Limit { along: machine, distance: 0.0 },
-            Blending::Within(tolerance) => Limit { along: tolerance, distance: 0.0 },
-            Blending::Distance(distance) => Limit { along: machine.min(0.5 * distance), distance },
+            Blending::ExactStop | Blending::ExactPath | Blending::Machine => {
+                SegmentTolerance { along: machine, distance: 0.0 }
+            }
+            Blending::Within(tolerance) => SegmentTolerance { along: tolerance, distance: 0.0 },
+            Blending::Distance(distance) => SegmentTolerance { along: machine.min(0.5 * distance), distance },
         }
     }
 
-    /// Largest deviation along the segment, mm.
+    /// Returns the largest deviation along the segment, mm.
     pub fn along(self) -> f64 {
         self.along
     }
 
-    /// Largest deviation at a corner of the segment where its tangent changes by `change`
-    /// (‖u2 − u1‖), mm.
+    /// Returns the largest deviation at a corner of the segment where its tangent changes by `change` (‖u2 −
+    /// u1‖), mm.
     fn at_corner(self, change: f64) -> f64 {
         self.along.max(0.25 * self.distance * change)
     }
 
-    /// Largest deviation at the corner to a segment with the limit `next`, mm.
-    pub fn towards(self, next: Limit, change: f64) -> f64 {
+    /// Returns the largest deviation at the corner to a segment with the tolerances `next`, mm.
+    pub fn towards(self, next: SegmentTolerance, change: f64) -> f64 {
         self.at_corner(change).min(next.at_corner(change))
     }
 
-    /// Largest deviation at any corner, mm.
+    /// Returns the largest deviation at any corner, mm.
     fn largest(self) -> f64 {
         self.at_corner(2.0)
     }
 }
 
-/// What holds along a segment and at the corner that ends it, mm.
+/// The tolerances along a segment and at the corner that ends it, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bound {
+pub struct ToleranceBound {
     /// Along the segment.
     pub along: f64,
     /// At the corner that ends it.
     pub corner: f64,
-    /// On arcs near that corner: what is theirs, or the corner's where it has more.
+    /// On arcs near that corner: the arc's, or the corner's if that is larger.
     pub near: f64,
 }
 
 impl Tolerances {
-    /// The limits of the segments from `first` on.
+    /// Returns the tolerances of the segments from `first` on.
     pub fn limits<'a>(
         self,
         toolpath: &'a Toolpath,
         machine: &Machine,
         first: usize,
-    ) -> impl Iterator<Item = Limit> + 'a {
+    ) -> impl Iterator<Item = SegmentTolerance> + 'a {
         let own = machine.interpolator.contour_tolerance;
         let instead = machine.path_modes.tolerance_override;
         let held = move |blending: Blending| match (blending, instead) {
@@ -104,28 +107,36 @@ impl Tolerances {
             _ => blending,
         };
         let (modes, before): (&[PathMode], _) = match self {
-            Tolerances::One(tolerance) => (&[], Limit::of(Blending::Within(tolerance), own)),
-            Tolerances::Programmed => (&toolpath.path_modes, Limit::of(Blending::Machine, own)),
+            Tolerances::One(tolerance) => (&[], SegmentTolerance::of(Blending::Within(tolerance), own)),
+            Tolerances::Programmed => (&toolpath.path_modes, SegmentTolerance::of(Blending::Machine, own)),
         };
         let mut next = modes.partition_point(|mode| mode.from <= first);
-        let mut now = next.checked_sub(1).map_or(before, |index| Limit::of(held(modes[index].blending), own));
+        let mut now = next
+            .checked_sub(1)
+            .map_or(before, |index| SegmentTolerance::of(held(modes[index].blending), own));
         (first..toolpath.segments.len()).map(move |segment| {
             while let Some(mode) = modes.get(next).filter(|mode| mode.from <= segment) {
-                now = Limit::of(held(mode.blending), own);
+                now = SegmentTolerance::of(held(mode.blending), own);
                 next += 1;
             }
             now
         })
     }
 
-    /// What holds along each segment and at the corner that ends it.
-    pub fn bounds<'a>(self, toolpath: &'a Toolpath, machine: &Machine) -> impl Iterator<Item = Bound> + 'a {
+    /// Returns the tolerances along each segment and at the corner that ends it.
+    pub fn bounds<'a>(
+        self,
+        toolpath: &'a Toolpath,
+        machine: &Machine,
+    ) -> impl Iterator<Item = ToleranceBound> + 'a {
         let limits = self.limits(toolpath, machine, 0);
         let mut following = self.limits(toolpath, machine, 1);
         let segments = &toolpath.segments;
         limits.enumerate().map(move |(index, limit)| {
             let along = limit.along;
-            let Some(next) = following.next() else { return Bound { along, corner: along, near: along } };
+            let Some(next) = following.next() else {
+                return ToleranceBound { along, corner: along, near: along };
+            };
             let has_distance = limit.distance != 0.0 || next.distance != 0.0;
             let change =
                 if has_distance { change(&segments.at(index), &segments.at(index + 1)) } else { 0.0 };
@@ -133,29 +144,29 @@ impl Tolerances {
             let of_arc =
                 |index: usize, along: f64| if *segments.curve(index) == Curve::Line { 0.0 } else { along };
             let near = corner.max(of_arc(index, along)).max(of_arc(index + 1, next.along));
-            Bound { along, corner, near }
+            ToleranceBound { along, corner, near }
         })
     }
 
-    /// Where each of the program's path modes holds, from its first move to its last; empty where
-    /// one tolerance is laid over all of it, and where the program leaves all to the machine.
-    pub fn held(self, toolpath: &Toolpath, machine: &Machine) -> Vec<Held> {
+    /// Returns the range of each of the program's path modes, from its first move to its last; empty if one
+    /// tolerance replaces them, or the program leaves all to the machine.
+    pub fn ranges(self, toolpath: &Toolpath, machine: &Machine) -> Vec<ToleranceRange> {
         match self {
             Tolerances::One(_) => Vec::new(),
             Tolerances::Programmed => held(toolpath, machine),
         }
     }
 
-    /// One number for all of it, mm: the tolerance under which most of the way is cut, or moved
-    /// where nothing is cut; `held` is what holds where.
-    pub fn prevailing(self, held: &[Held], machine: &Machine) -> f64 {
+    /// Returns one number for the whole program, mm: the tolerance along most of the cut length, or of the
+    /// moved length if nothing is cut.
+    pub fn prevailing(self, held: &[ToleranceRange], machine: &Machine) -> f64 {
         let own = match self {
             Tolerances::One(tolerance) => tolerance,
             Tolerances::Programmed => machine.interpolator.contour_tolerance,
         };
-        let mut parts: Vec<&Held> = held.iter().collect();
-        parts.sort_by(|a, b| a.tolerance.total_cmp(&b.tolerance));
-        let sum = |parts: &[&Held], length: fn(&Held) -> f64| {
+        let mut parts: Vec<&ToleranceRange> = held.iter().collect();
+        sort_by_number(&mut parts, |part| part.tolerance);
+        let sum = |parts: &[&ToleranceRange], length: fn(&ToleranceRange) -> f64| {
             running_sum(parts.iter().map(|part| length(part))).last().unwrap_or(0.0)
         };
         let alike = parts.chunk_by(|a, b| a.tolerance == b.tolerance);
@@ -167,23 +178,23 @@ impl Tolerances {
     }
 }
 
-/// ‖u2 − u1‖ between two segments.
+/// Returns ‖u2 − u1‖ between two segments.
 pub(super) fn change(before: &Segment, after: &Segment) -> f64 {
     (after.tangent(0.0) - before.tangent(before.length)).norm()
 }
 
 /// A part of the program with one path mode.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Held {
-    /// Lines of its first and last move.
+pub struct ToleranceRange {
+    /// Lines of the first and last move.
     pub lines: (LineNumber, LineNumber),
-    /// Distance along the path where it begins and ends, mm.
+    /// Distance along the path at which the range begins and ends, mm.
     pub distance: (f64, f64),
-    /// Largest deviation that it allows, mm.
+    /// Largest allowed deviation, mm.
     pub tolerance: f64,
-    /// What the program asks for.
+    /// The blending that the program requests.
     pub blending: Blending,
-    /// The words that ask for it; empty where the program has not said anything yet.
+    /// The words that request it; empty before the first of them.
     pub source: String,
     /// Length of its feed moves, mm.
     cut: f64,
@@ -191,28 +202,28 @@ pub struct Held {
     moved: f64,
 }
 
-fn held(toolpath: &Toolpath, machine: &Machine) -> Vec<Held> {
+fn held(toolpath: &Toolpath, machine: &Machine) -> Vec<ToleranceRange> {
     let own = machine.interpolator.contour_tolerance;
     let (modes, segments) = (&toolpath.path_modes, &toolpath.segments);
-    let mut parts: Vec<Held> = Vec::new();
+    let mut parts: Vec<ToleranceRange> = Vec::new();
     let mut next = 0;
     let mut begin = 0.0;
-    for (index, segment) in segments.iter().enumerate() {
+    for ((index, segment), end) in segments.iter().enumerate().zip(toolpath.ends()) {
         let mode = modes.get(next).filter(|mode| mode.from <= index);
         if parts.is_empty() || mode.is_some() {
             next += usize::from(mode.is_some());
             let blending = mode.map_or(Blending::Machine, |mode| mode.blending);
-            parts.push(Held {
+            parts.push(ToleranceRange {
                 lines: (segment.line, segment.line),
                 distance: (begin, begin),
-                tolerance: Limit::of(blending, own).largest(),
+                tolerance: SegmentTolerance::of(blending, own).largest(),
                 blending,
                 source: mode.map_or(String::new(), |mode| mode.source.clone()),
                 cut: 0.0,
                 moved: 0.0,
             });
         }
-        begin += segment.length;
+        begin = end;
         let part = parts.last_mut().expect("the first segment begins a part");
         part.lines.1 = segment.line;
         part.distance.1 = begin;

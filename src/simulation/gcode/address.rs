@@ -1,8 +1,7 @@
 //! Addresses of more than one letter, as codes beyond those of the letters.
 //!
 //! A word carries its address in one byte: `A` to `Z` as they are, the others by the codes of this
-//! table. Arguments of a call with parentheses (`CYCLE81(10, 0, 2)`) are words too, numbered from
-//! [`ARGUMENT`]; one that is left out has no word.
+//! table.
 //!
 //! Sources: SINUMERIK 840D sl programming manual; TNC 640 Klartext manual; LinuxCNC 2.9.
 
@@ -55,8 +54,10 @@ addresses! {
     TOOL_NAME = 144 "T",
     /// Sense of rotation of an arc: 1 counter-clockwise, −1 clockwise.
     SENSE = 145 "DR",
-    /// Block of a dialect's own, by the number its module gives it.
-    STATEMENT = 146 "",
+    /// The block makes no hole of the cycle in force.
+    NO_CYCLE = 146 "NCYL",
+    /// The number of a tool that is being defined.
+    DEFINED_TOOL = 147 "",
     /// Radius of the tool, given in the program.
     TOOL_RADIUS = 148 "R",
     /// Length of the tool, given in the program.
@@ -93,19 +94,10 @@ addresses! {
     SETTING = 162 "",
 }
 
-/// The first argument of a call; the others follow in order.
-pub const ARGUMENT: u8 = 192;
-
-/// How many arguments a call may have.
-pub const ARGUMENTS: u8 = 63;
-
 /// As it is written.
 pub fn written(address: u8) -> String {
     if address.is_ascii_uppercase() {
         return char::from(address).to_string();
-    }
-    if ARGUMENT <= address {
-        return format!("argument {}", address - ARGUMENT + 1);
     }
     WRITTEN.iter().find(|(code, _)| *code == address).map_or(String::new(), |(_, name)| name.to_string())
 }

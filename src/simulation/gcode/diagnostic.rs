@@ -70,7 +70,7 @@ pub fn counted(count: usize, noun: &str) -> String {
 }
 
 /// How many remarks of one kind are listed before the rest are only counted.
-const LISTED: usize = 200;
+const MAX_LISTED: usize = 200;
 
 /// The remarks of one stage, bounded.
 #[derive(Debug)]
@@ -135,10 +135,10 @@ impl<R: Remark> Remarks<R> {
         });
         let (_, seen, first_unlisted) = &mut self.kinds[index];
         *seen += 1;
-        if *seen == LISTED + 1 {
+        if *seen == MAX_LISTED + 1 {
             *first_unlisted = self.diagnostics.len();
         }
-        if *seen <= LISTED + 1 {
+        if *seen <= MAX_LISTED + 1 {
             let index = self.diagnostics.len();
             self.list(place, &remark);
             self.listed.insert(next, Listed { place, remark, index, times: 1 });
@@ -182,9 +182,10 @@ impl<R: Remark> Remarks<R> {
             self.diagnostics[index].message += &format!(" ({times} times)");
         }
         for (_, seen, first_unlisted) in self.kinds {
-            if LISTED + 1 < seen {
+            if MAX_LISTED + 1 < seen {
                 let message = &mut self.diagnostics[first_unlisted].message;
-                *message = format!("{} more of this kind from here on, the first: {message}", seen - LISTED);
+                *message =
+                    format!("{} more of this kind from here on, the first: {message}", seen - MAX_LISTED);
             }
         }
         in_line_order(self.diagnostics)

@@ -8,6 +8,7 @@
 //! Sources: the programming manuals of SINUMERIK 840D sl (2013), TNC 640 (Klartext and DIN/ISO),
 //! Fanuc 30i, OSP-P300M, LinuxCNC 2.9, grbl 1.1 and Mach3.
 
+use crate::simulation::gcode::diameters::diameter_word;
 use crate::simulation::gcode::line::lines;
 
 /// A family of controls that read the same words.
@@ -102,17 +103,24 @@ impl ArcCenters {
 pub(super) fn detect(text: &[u8]) -> Dialect {
     let mut scores = [0_usize; Dialect::WORDS.len()];
     let (mut whole, mut code) = (Vec::new(), Vec::new());
+    let (mut has_unit, mut has_parenthesis) = (false, false);
     for line in lines(text).take(LOOKED_AT) {
         plain(line, &mut whole);
         if is_bare_move(&whole) {
             continue;
         }
         without_comments(&whole, &mut code);
+        has_unit |= has_unit_of_siemens(&code);
+        has_parenthesis |= whole.starts_with(b"(");
         for (marks, text) in [(MARKS.as_slice(), &code), (SAID.as_slice(), &whole)] {
             for (dialect, worth, _) in marks.iter().filter(|(.., is_mark)| is_mark(text)) {
                 scores[*dialect as usize] += worth;
             }
         }
+    }
+    // Controls that take comments in parentheses may have these words too.
+    if has_unit && !has_parenthesis {
+        scores[Dialect::Siemens as usize] += 2;
     }
     let best = Dialect::WORDS
         .iter()
@@ -124,12 +132,12 @@ pub(super) fn detect(text: &[u8]) -> Dialect {
 const LOOKED_AT: usize = 3_000;
 
 /// The longest part of a line that is looked at, bytes.
-const WIDTH: usize = 200;
+const MAX_WIDTH_BYTES: usize = 200;
 
 /// `line` in upper case, without a block number, runs of blanks as one.
 fn plain(line: &[u8], into: &mut Vec<u8>) {
     into.clear();
-    for byte in line.iter().take(WIDTH).map(u8::to_ascii_uppercase) {
+    for byte in line.iter().take(MAX_WIDTH_BYTES).map(u8::to_ascii_uppercase) {
         let byte = if byte <= b' ' { b' ' } else { byte };
         if byte != b' ' || into.last().is_some_and(|last| *last != b' ') {
             into.push(byte);
@@ -148,7 +156,7 @@ fn plain(line: &[u8], into: &mut Vec<u8>) {
 }
 
 /// `whole` without what stands in parentheses, which are left, or behind a semicolon.
-fn without_comments(whole: &[u8], into: &mut Vec<u8>) {
+pub(super) fn without_comments(whole: &[u8], into: &mut Vec<u8>) {
     into.clear();
     let mut depth = 0_usize;
     for byte in whole.iter().take_while(|byte| **byte != b';') {
@@ -319,6 +327,20 @@ fn is_siemens(code: &[u8]) -> bool {
         .iter()
         .any(|mark| contains(code, mark))
         || code.starts_with(b"T=\"")
+        || contains(code, b"DIAMOF")
+        || diameter_word(code).is_some()
+}
+
+/// Returns whether G70, G71, G700 or G710 chooses the unit, as it does in a block of settings alone. With axis words or
+/// parameters it is a cycle of other controls.
+fn has_unit_of_siemens(code: &[u8]) -> bool {
+    let is_setting = |byte: &u8| b"GNMTSDF. ".contains(byte) || byte.is_ascii_digit();
+    let words = || code.split(|byte| *byte == b'G').skip(1);
+    let is_unit = |word: &[u8]| {
+        let digits = word.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        matches!(&word[..digits], b"70" | b"71" | b"700" | b"710")
+    };
+    code.iter().all(is_setting) && words().any(is_unit)
 }
 
 fn is_linuxcnc(code: &[u8]) -> bool {
@@ -369,4 +391,5 @@ fn contains(code: &[u8], mark: &[u8]) -> bool {
 }
 
 #[cfg(test)]
+#[path = "dialect_tests.rs"]
 mod tests;

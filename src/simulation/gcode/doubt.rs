@@ -13,6 +13,8 @@ pub enum Cause {
     UnknownWords,
     /// Arcs with a centre that is not as far from their end as from their start.
     OpenArcs,
+    /// Arcs that may have more or fewer turns.
+    UnclearTurns,
     /// Arcs without a circle.
     MissingArcs,
     /// Moves without a feedrate.
@@ -37,6 +39,8 @@ pub enum Cause {
     UnmodelledCurves,
     /// Threads without a feed.
     UnmodelledThreads,
+    /// Signs of a lathe program that mills may have too.
+    PerhapsLathe,
     /// Probing, which ends where the probe touches.
     Probing,
     /// Subprograms that are not in the file.
@@ -61,6 +65,12 @@ pub enum Effect {
     CycleWord,
     /// The next move is an arc, or should be one.
     Arc,
+    /// The next move is an arc, which may have so many full turns more or fewer.
+    Turns(f64),
+    /// The next move is a helix that may advance by so much in a full turn, mm.
+    Pitch(f64),
+    /// The holes of the block have so many times the pecks that are made, at most.
+    Pecks(f64),
     /// Feed moves up to the next F.
     Feed,
     /// A move by rapid over an unknown distance, and the way back.
@@ -80,6 +90,8 @@ pub struct Letters(u32);
 impl Letters {
     /// The axes X, Y and Z.
     pub const AXES: Letters = Letters::of(b"XYZ");
+    /// A motion word (G1).
+    pub const MOTION: Letters = Letters::of(b"G");
     /// A word that calls a cycle (G81).
     pub const CYCLE: Letters = Letters(1 << 31);
 

@@ -28,7 +28,8 @@
 //! text exhausts the stack, and every byte is looked at a bounded number of times.
 
 use crate::simulation::gcode::formula::{
-    DEEPEST, FUNCTIONS, Function, KLARTEXT_OPERATORS, OPERATORS, Operator, SIEMENS_OPERATORS, Step, Written,
+    FUNCTIONS, Function, KLARTEXT_OPERATORS, MAX_NESTING, OPERATORS, Operator, SIEMENS_OPERATORS, Step,
+    Written,
 };
 use crate::simulation::gcode::line::{character_length, continuation, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
@@ -39,7 +40,7 @@ use std::collections::HashMap;
 const TEXTS: f64 = 5e9;
 
 /// The longest name of a parameter, bytes.
-const LONGEST_NAME: usize = 100;
+const MAX_NAME_LENGTH: usize = 100;
 
 /// How a family of dialects writes expressions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -451,11 +452,11 @@ impl<'a> Expressions<'a> {
         let end = length.map_or(self.text.len(), |length| start + length);
         let written = self.text.get(start + 1..end).unwrap_or_default();
         let name: Vec<u8> =
-            written.iter().copied().filter(|byte| !is_blank(*byte)).take(LONGEST_NAME + 1).collect();
+            written.iter().copied().filter(|byte| !is_blank(*byte)).take(MAX_NAME_LENGTH + 1).collect();
         match String::from_utf8(name) {
             Ok(name)
                 if length.is_some()
-                    && (1..=LONGEST_NAME).contains(&name.len())
+                    && (1..=MAX_NAME_LENGTH).contains(&name.len())
                     && !name.contains(char::is_control) =>
             {
                 self.continuation += continuation(written);
@@ -467,7 +468,7 @@ impl<'a> Expressions<'a> {
     }
 
     fn nested(&mut self, read: impl FnOnce(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
-        if self.depth == DEEPEST {
+        if self.depth == MAX_NESTING {
             return Err((Unread::Nesting, self.at..self.at + 1));
         }
         self.depth += 1;

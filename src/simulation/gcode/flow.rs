@@ -61,7 +61,7 @@ pub enum Action {
     },
     /// Leaves the subprogram; at the top, ends the program.
     Return,
-    /// Leaves the subprogram; at the top, goes on.
+    /// Leaves the subprogram; at the top, does nothing.
     SubprogramEnd,
     /// Ends the program where no subprogram is being run: the text of a subprogram begins here.
     Border,

@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 /// How deep brackets and `#` may stand within each other.
-pub(super) const DEEPEST: usize = 64;
+pub(super) const MAX_NESTING: usize = 64;
 
 /// A value of a block that has to be worked out when the block is run.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,9 @@ pub struct Formula {
 pub enum Target {
     /// The word with this index in [`Program::words`](crate::simulation::gcode::Program::words).
     Word(u32),
+    /// The argument of a statement with this index in
+    /// [`Program::arguments`](crate::simulation::gcode::Program::arguments).
+    StatementArgument(u32),
     /// The parameter whose number the steps leave below the value.
     Numbered,
     /// The parameter with this index in [`Program::names`](crate::simulation::gcode::Program::names).

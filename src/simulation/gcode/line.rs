@@ -1,6 +1,9 @@
 //! One line of the program: where it ends, how its columns count, where its comments close.
 
-/// The first line of `text` and what follows its end; none where nothing is left.
+/// The most words of a block; controls take lines of some hundred characters.
+pub(super) const MAX_WORDS: usize = 250;
+
+/// The first line of `text` and what follows its end, or `None` if nothing is left.
 pub(super) fn split_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
     if text.is_empty() {
         return None;
@@ -13,7 +16,7 @@ pub(super) fn split_line(text: &[u8]) -> Option<(&[u8], &[u8])> {
 }
 
 /// The lines of `text`.
-pub(super) fn lines(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub fn lines(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
     std::iter::from_fn(move || {
         let (line, after) = split_line(text)?;
         text = after;
@@ -84,7 +87,7 @@ pub(super) fn comment_end(text: &[u8], is_unbalanced: bool) -> CommentEnd {
     first
 }
 
-/// Where the code that goes on at `at` ends: at a comment or the end of the line.
+/// Where the code from `at` on ends: at a comment or the end of the line.
 pub(super) fn code_end(text: &[u8], at: usize) -> usize {
     let length = text[at..].iter().take_while(|byte| !matches!(byte, b'(' | b';')).count();
     at + text[at..at + length].trim_ascii_end().len()
@@ -118,10 +121,12 @@ pub(super) fn character_length(text: &[u8]) -> usize {
 
 /// The offending text, short whatever its bytes are.
 pub(super) fn excerpt(text: &[u8]) -> String {
-    const LONGEST: usize = 24;
-    let mut shown: String =
-        String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST)]).chars().take(LONGEST).collect();
-    if LONGEST < text.len() {
+    const MAX_CHARACTERS: usize = 24;
+    let mut shown: String = String::from_utf8_lossy(&text[..text.len().min(4 * MAX_CHARACTERS)])
+        .chars()
+        .take(MAX_CHARACTERS)
+        .collect();
+    if MAX_CHARACTERS < text.len() {
         shown.push('…');
     }
     shown

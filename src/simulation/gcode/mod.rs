@@ -34,14 +34,16 @@
 //! Fanuc controls.
 
 pub mod address;
+mod branch;
 mod dialect;
 mod diagnostic;
+mod diameters;
 mod doubt;
 mod encoding;
 mod expression;
 mod flow;
 mod formula;
-mod heidenhain_iso;
+mod heidenhain;
 mod iso;
 mod klartext;
 mod line;
@@ -49,7 +51,9 @@ mod number;
 mod reader;
 mod remark;
 mod siemens;
+mod statement;
 mod structure;
+mod title;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted, in_line_order};
 pub use dialect::{ArcCenters, Dialect};
@@ -58,13 +62,16 @@ pub use encoding::characters;
 pub use expression::{LOCAL_PARAMETERS, STORED_PARAMETERS};
 pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, SectionEnd, When};
 pub use formula::{Formula, Function, Operator, Step, Target};
-pub use klartext::{
-    CYCLE_NUMBER, CYCLE_PARAMETERS, CYCLE_STEP, FIRST_PARAMETER, POSITION_PARAMETERS,
-    STATEMENTS as KLARTEXT_STATEMENTS,
+pub use klartext::{ContourWay, KlartextStatement, POSITION_PARAMETERS, Transformation};
+pub use line::lines;
+pub use number::{nearest_whole, whole_number};
+pub use reader::{Options, Parts, Scope, read, read_with};
+pub use siemens::{
+    DrillingCycle, DrillingKind, FrameChange, HolePattern, PatternShape, SiemensKeyword, SiemensStatement,
+    ThreadPitch, Unmodelled,
 };
-pub use number::whole_number;
-pub use reader::{Options, Parts, read, read_with};
-pub use siemens::STATEMENTS as SIEMENS_STATEMENTS;
+pub use statement::{Argument, Keyword, Statement};
+pub use title::title;
 
 use std::ops::Range;
 
@@ -83,6 +90,10 @@ pub struct Program {
     pub flow: Vec<Flow>,
     /// The labels that jumps and calls may name, each with its block, ascending.
     pub labels: Vec<(Label, u32)>,
+    /// The statements of all blocks, in order.
+    pub statements: Vec<Statement>,
+    /// The arguments of all statements, in order.
+    pub arguments: Vec<Argument>,
     /// The formulas of all blocks, in order.
     pub formulas: Vec<Formula>,
     /// The steps of all formulas, in order.
@@ -117,6 +128,30 @@ impl Program {
         let first = self.formulas.partition_point(|formula| formula.block < block);
         let count = self.formulas[first..].partition_point(|formula| formula.block == block);
         &self.formulas[first..first + count]
+    }
+
+    /// The statements of the block with this index. The search begins at `from`, which becomes the place behind them, where
+    /// those of the next block begin.
+    pub fn statements(&self, block: u32, from: &mut usize) -> &[Statement] {
+        let all = &self.statements;
+        let is_first = |at: usize| {
+            let begins_block = at == 0 || all[at - 1].block < block;
+            begins_block && all.get(at).is_none_or(|statement| block <= statement.block)
+        };
+        let first = match *from {
+            from if from <= all.len() && is_first(from) => from,
+            _ => all.partition_point(|statement| statement.block < block),
+        };
+        let count = all[first..].iter().take_while(|statement| statement.block == block).count();
+        *from = first + count;
+        &all[first..*from]
+    }
+
+    /// The arguments of statements that follow one another.
+    pub fn arguments(&self, statements: &[Statement]) -> &[Argument] {
+        let first = statements.first().map_or(0, |statement| statement.arguments.start);
+        let end = statements.last().map_or(0, |statement| statement.arguments.end);
+        &self.arguments[first as usize..end as usize]
     }
 
     /// What reading left in doubt right before the block with this index.

@@ -29,9 +29,13 @@ const MAX_WHOLE: f64 = 1e9;
 /// The whole number that a value is meant to be; `None` if it is negative, too large or farther than 0.0001 from each.
 /// Source: RS274/NGC version 3, Sect. 3.3.2.1.
 pub fn whole_number(value: f64) -> Option<u32> {
+    nearest_whole(value).filter(|whole| (0.0..=MAX_WHOLE).contains(whole)).map(|whole| whole as u32)
+}
+
+/// The whole number of any size that a value is meant to be; `None` if it is farther than 0.0001 from each.
+pub fn nearest_whole(value: f64) -> Option<f64> {
     let whole = value.round();
-    let is_meant = (0.0..=MAX_WHOLE).contains(&whole) && (value - whole).abs() < MAX_OFF_WHOLE;
-    is_meant.then_some(whole as u32)
+    ((value - whole).abs() < MAX_OFF_WHOLE).then_some(whole)
 }
 
 /// Space, tab and the control characters that paper tape and serial lines leave behind.

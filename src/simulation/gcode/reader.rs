@@ -2,18 +2,19 @@
 //!
 //! A program is read whole, or part by part, where nobody needs the words of a part once the next one is read.
 
-use crate::simulation::gcode::dialect::detect;
+use crate::simulation::gcode::dialect::{detect, without_comments};
+use crate::simulation::gcode::diameters::diameter_word;
 use crate::simulation::gcode::doubt::{breaks_off, letters_of_line};
 use crate::simulation::gcode::encoding;
 use crate::simulation::gcode::expression::{Expressions, Fault, Names, Notation};
-use crate::simulation::gcode::klartext::Heidenhain;
-use crate::simulation::gcode::line::{Line, lines, split_line};
+use crate::simulation::gcode::heidenhain::Heidenhain;
+use crate::simulation::gcode::line::{Line, MAX_WORDS, lines, split_line};
 use crate::simulation::gcode::number::{is_blank, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::{Open, Structures};
 use crate::simulation::gcode::{
-    Action, ArcCenters, Block, Cause, Comment, Dialect, Doubt, Effect, Formula, Label, LabelKind, Letters,
-    LineNumber, Place, Program, Reference, Remark, Remarks, Target, Word,
+    Action, ArcCenters, Argument, Block, Cause, Comment, Dialect, Doubt, Effect, Formula, Keyword, Label,
+    LabelKind, Letters, LineNumber, Place, Program, Reference, Remark, Remarks, Statement, Target, Word,
 };
 use std::borrow::Cow;
 
@@ -41,14 +42,26 @@ impl Options {
     }
 }
 
-/// Reads a program with the switches of the control at rest.
+/// Reads a program in the dialect that its text is written in. Reading never fails: what is not understood is in the
+/// diagnostics of the program, each with line and columns.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::simulation::gcode::{Dialect, read};
+///
+/// let program = read(b"G21 G90\nG1 X10 F600 (a cut)\nG1 X?20");
+/// assert_eq!(program.dialect, Dialect::Iso);
+/// assert_eq!(program.blocks.len(), 2, "the last one is left out as a whole");
+/// assert_eq!(program.diagnostics[0].line.0, 3, "and why is said");
+/// ```
 pub fn read(bytes: &[u8]) -> Program {
     read_with(bytes, &Options::default())
 }
 
 /// Reads a program.
 pub fn read_with(bytes: &[u8], options: &Options) -> Program {
-    let mut parts = Parts::by(bytes, options, |dialect| Some(line_reader(dialect))).expect("all are read");
+    let mut parts = Parts::new(bytes, options, Scope::ALL).expect("all are read");
     if parts.read_on(FIRST_LINES) {
         parts.make_room();
         parts.read_on(u32::MAX);
@@ -68,26 +81,17 @@ pub struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Nothing of the program is read yet; none in a dialect whose programs hardly ever go straight on.
-    pub fn new(bytes: &'a [u8], options: &'a Options) -> Option<Parts<'a>> {
-        Parts::by(bytes, options, straight_line_reader)
-    }
-
-    /// The same, where there is a reader of the dialect's lines.
-    fn by(
-        bytes: &'a [u8],
-        options: &'a Options,
-        reader_of: impl Fn(Dialect) -> Option<LineReader>,
-    ) -> Option<Parts<'a>> {
+    /// Nothing of the program is read yet, or `None` if the scope leaves its dialect out.
+    pub fn new(bytes: &'a [u8], options: &'a Options, scope: Scope) -> Option<Parts<'a>> {
         let (text, is_utf16) = encoding::text(bytes);
         let (text, dash) = encoding::in_plain_signs(text);
         let dialect = options.dialect.unwrap_or_else(|| detect(&text));
-        let reader = Reader::new(options, dialect, reader_of(dialect)?);
+        let reader = Reader::new(options, dialect, (scope.line)(dialect)?, scope.more);
         Some(Parts { text, is_utf16, dash, read: 0, reader })
     }
 
-    /// Reads the next part of so many lines, and forgets words and blocks of the one before; false at the end of
-    /// the program.
+    /// Reads the next part of `lines` lines, and forgets words and blocks of the one before. Returns `false` at the end of the
+    /// program.
     pub fn next_part(&mut self, lines: u32) -> bool {
         let is_first = self.read == 0;
         self.reader.forget_blocks();
@@ -108,10 +112,10 @@ impl<'a> Parts<'a> {
     }
 
     /// Whether blocks are run one after another as they are read: nothing so far leads elsewhere, is to be worked
-    /// out, or says that what was read before does not belong to the program.
+    /// out, is beyond the scope, or says that what was read before does not belong to the program.
     pub fn goes_straight_on(&self) -> bool {
         let Program { flow, formulas, .. } = self.part();
-        flow.is_empty() && formulas.is_empty() && !self.reader.began_anew
+        flow.is_empty() && formulas.is_empty() && !self.reader.is_beyond_scope && !self.reader.began_anew
     }
 
     /// How many blocks the whole program has, if the rest of it is like what was read.
@@ -120,7 +124,7 @@ impl<'a> Parts<'a> {
         blocks + self.more(blocks)
     }
 
-    /// How many more the rest of the text has of what there are so many of in what was read, a little more than less.
+    /// Estimates, slightly too high, how many more the rest of the text has of something of which the text read has `count`.
     fn more(&self, count: usize) -> usize {
         let rest = 1.02 * (self.text.len() as f64 / self.read.max(1) as f64 - 1.0);
         (rest * count as f64) as usize
@@ -147,7 +151,7 @@ impl<'a> Parts<'a> {
         self.reader.finish(&self.text)
     }
 
-    /// Reads so many lines more; false where there was none.
+    /// Reads up to `most` more lines. Returns `false` if there was none.
     fn read_on(&mut self, most: u32) -> bool {
         let reader = &mut self.reader;
         let mut rest = &self.text[self.read..];
@@ -176,46 +180,73 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// The most words of a block; controls take lines of some hundred characters.
-pub(super) const MAX_WORDS: usize = 250;
-
 /// Why a block is not run, and the columns it concerns.
 pub(super) type Refusal = (Unread, (u32, u32));
 
 /// The most comments that are kept, and the longest, in characters.
-pub(super) const MOST_COMMENTS: usize = 20_000;
-const LONGEST_COMMENT: usize = 80;
+pub(super) const MAX_COMMENTS: usize = 20_000;
+const MAX_COMMENT_CHARACTERS: usize = 80;
 
 /// The most texts that are kept; a text more is taken as the last one.
-const MOST_TEXTS: usize = 100_000;
+const MAX_TEXTS: usize = 100_000;
 
-/// After so many lines it is known what the others need.
+/// The lines from which the room that the others need is estimated.
 const FIRST_LINES: u32 = 2_000;
 
-/// Reads one line by the rules of a dialect. Handed over as a function, so that a module that reads nothing of a
-/// dialect does not carry its reader.
+/// Reads one line by the rules of a dialect.
 type LineReader = fn(&mut Reader, &[u8], &mut Line) -> Result<(), Refusal>;
 
-/// Of the dialects whose programs may go straight on. Heidenhain's have parameters, cycles or labels nearly always.
-fn straight_line_reader(dialect: Dialect) -> Option<LineReader> {
-    match dialect {
-        Dialect::Klartext | Dialect::HeidenhainIso => None,
-        Dialect::Siemens => Some(|reader, text, line| reader.siemens_line(text, line)),
-        _ => Some(|reader, text, line| reader.iso_line(text, line)),
-    }
+/// Reads from a byte on what of an ISO line is more than a letter with its number; returns where that ends.
+type MoreReader = fn(&mut Reader, &[u8], usize, &mut Line) -> Result<usize, Refusal>;
+
+/// How much of the dialects is read. Handed over as functions, so that a module that reads little does not carry the rest.
+#[derive(Clone, Copy)]
+pub struct Scope {
+    line: fn(Dialect) -> Option<LineReader>,
+    more: MoreReader,
 }
 
-/// Of all dialects.
-fn line_reader(dialect: Dialect) -> LineReader {
-    straight_line_reader(dialect).unwrap_or(match dialect {
-        Dialect::Klartext => |reader, text, line| reader.klartext_line(text, line),
-        _ => |reader, text, line| reader.heidenhain_iso_line(text, line),
-    })
+impl Scope {
+    /// All dialects.
+    pub const ALL: Scope = Scope {
+        line: |dialect| {
+            (Scope::STRAIGHT.line)(dialect).or(Some(match dialect {
+                Dialect::Klartext => |reader, text, line| reader.klartext_line(text, line),
+                _ => |reader, text, line| reader.heidenhain_iso_line(text, line),
+            }))
+        },
+        more: |reader, text, at, line| reader.more(text, at, line),
+    };
+
+    /// The dialects whose programs may go straight on. Heidenhain's have parameters, cycles or labels nearly always.
+    pub const STRAIGHT: Scope = Scope {
+        line: |dialect| match dialect {
+            Dialect::Klartext | Dialect::HeidenhainIso => None,
+            Dialect::Siemens => Some(|reader, text, line| reader.siemens_line(text, line)),
+            _ => Some(|reader, text, line| reader.iso_line(text, line)),
+        },
+        more: |reader, text, at, line| reader.more(text, at, line),
+    };
+
+    /// Letters with their numbers and comments of ISO programs, which is nearly all of most.
+    pub const PLAIN: Scope = Scope {
+        line: |dialect| match dialect {
+            Dialect::Klartext | Dialect::HeidenhainIso | Dialect::Siemens => None,
+            _ => Some(|reader, text, line| reader.iso_line(text, line)),
+        },
+        more: |reader, text, _, _| {
+            reader.is_beyond_scope = true;
+            Ok(text.len())
+        },
+    };
 }
 
 pub(super) struct Reader<'a> {
     pub(super) options: &'a Options,
     read_line: LineReader,
+    pub(super) read_more: MoreReader,
+    /// The program holds more than its scope has.
+    is_beyond_scope: bool,
     pub(super) line: LineNumber,
     pub(super) program: Program,
     pub(super) names: Names,
@@ -232,7 +263,7 @@ pub(super) struct Reader<'a> {
     /// A `%` line was seen.
     opened: bool,
     /// Words and formulas before the block being read.
-    before: [usize; 4],
+    before: [usize; 6],
     /// Blocks that were read and forgotten.
     forgotten: u32,
     /// A `%` line came behind the first part: what was read before does not belong to the program.
@@ -240,10 +271,17 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(options: &'a Options, dialect: Dialect, read_line: LineReader) -> Reader<'a> {
+    fn new(
+        options: &'a Options,
+        dialect: Dialect,
+        read_line: LineReader,
+        read_more: MoreReader,
+    ) -> Reader<'a> {
         Reader {
             options,
             read_line,
+            read_more,
+            is_beyond_scope: false,
             line: LineNumber(0),
             program: Program { dialect, arc_centers: options.arc_centers, ..Program::default() },
             names: Names::default(),
@@ -255,7 +293,7 @@ impl<'a> Reader<'a> {
             names_sequence: false,
             calls: false,
             opened: false,
-            before: [0; 4],
+            before: [0; 6],
             forgotten: 0,
             began_anew: false,
         }
@@ -289,7 +327,7 @@ impl<'a> Reader<'a> {
         self.remarks = Remarks::default();
         self.optional = 0;
         self.calls = false;
-        self.before = [0; 4];
+        self.before = [0; 6];
         if 0 < blocks {
             self.remarks.add(Place::line(self.line), Unread::Leader { blocks });
         }
@@ -348,6 +386,8 @@ impl<'a> Reader<'a> {
         self.forgotten = self.index();
         self.program.blocks.clear();
         self.program.words.clear();
+        self.program.statements.clear();
+        self.program.arguments.clear();
         self.before = self.sizes();
     }
 
@@ -364,9 +404,14 @@ impl<'a> Reader<'a> {
         self.forgotten + self.program.blocks.len() as u32
     }
 
-    fn sizes(&self) -> [usize; 4] {
-        let program = &self.program;
-        [program.words.len(), program.formulas.len(), program.steps.len(), program.flow.len()]
+    /// The words of the block being read.
+    pub(super) fn block_words(&self) -> &[Word] {
+        &self.program.words[self.before[0].min(self.program.words.len())..]
+    }
+
+    fn sizes(&self) -> [usize; 6] {
+        let Program { words, formulas, steps, flow, statements, arguments, .. } = &self.program;
+        [words.len(), formulas.len(), steps.len(), flow.len(), statements.len(), arguments.len()]
     }
 
     /// Reads one line; a block with a fault leaves nothing behind.
@@ -381,6 +426,7 @@ impl<'a> Reader<'a> {
                 self.remarks.doubt(self.line, Cause::BlocksNotRun, Effect::Words(letters_of_line(text)));
             }
             self.remarks.add(Place { line: self.line, columns }, remark);
+            self.keep_diameter_word(text);
         }
         if known_doubts < self.remarks.doubts.len() && breaks_off(text) {
             self.remarks.doubt(self.line, Cause::UnreadWords, Effect::Words(Letters::of(b"F")));
@@ -392,9 +438,13 @@ impl<'a> Reader<'a> {
         self.program.complete(skip.as_slice(), next);
     }
 
-    /// Refuses a block of more words than any control takes, so that looking through a block stays cheap.
+    /// Refuses a block of more words and assignments than any control takes, so that looking through a block stays cheap.
     fn check_length(&self) -> Result<(), Refusal> {
-        let words = self.program.words.len() - self.before[0];
+        let [words, _, _, _, statements, arguments] = self.sizes();
+        let words = words + statements + arguments - self.before[0] - self.before[4] - self.before[5];
+        let is_assignment =
+            |formula: &&Formula| matches!(formula.target, Target::Numbered | Target::Named(_));
+        let words = words + self.program.formulas.iter().skip(self.before[1]).filter(is_assignment).count();
         if words <= MAX_WORDS {
             Ok(())
         } else {
@@ -404,12 +454,24 @@ impl<'a> Reader<'a> {
 
     /// Takes back what was read of the block.
     fn drop_block(&mut self) {
-        let [words, formulas, steps, flow] = self.before;
+        let [words, formulas, steps, flow, statements, arguments] = self.before;
         self.program.words.truncate(words);
         self.program.formulas.truncate(formulas);
         self.program.steps.truncate(steps);
         self.program.flow.truncate(flow);
+        self.program.statements.truncate(statements);
+        self.program.arguments.truncate(arguments);
         self.structures.drop_block(self.index(), flow);
+    }
+
+    /// Keeps the word that makes X words diameters of a line that is not run: no dialect but Siemens' reads it, and in each it
+    /// says that the program is for a lathe.
+    fn keep_diameter_word(&mut self, text: &[u8]) {
+        let mut code = Vec::new();
+        without_comments(&text.to_ascii_uppercase(), &mut code);
+        if let Some(word) = diameter_word(&code) {
+            self.push_statement(Keyword::Diameters(word), Place::line(self.line).columns);
+        }
     }
 
     /// Ends the block being read; what follows on the line is a block of its own.
@@ -437,8 +499,28 @@ impl<'a> Reader<'a> {
 
     /// Adds a plain word.
     pub(super) fn push_word(&mut self, letter: u8, value: f64, columns: (u32, u32)) {
+        self.push_number(letter, value, true, columns);
+    }
+
+    /// Adds a word whose number is written with or without a decimal point.
+    pub(super) fn push_number(&mut self, letter: u8, value: f64, has_point: bool, columns: (u32, u32)) {
         let reference = Reference::Modal;
-        self.program.words.push(Word { value, columns: columns.into(), letter, has_point: true, reference });
+        self.program.words.push(Word { value, columns: columns.into(), letter, has_point, reference });
+    }
+
+    /// Adds a statement to the block being read; its arguments follow.
+    pub(super) fn push_statement(&mut self, keyword: Keyword, columns: (u32, u32)) {
+        let (block, first) = (self.index(), self.program.arguments.len() as u32);
+        let columns = columns.into();
+        self.program.statements.push(Statement { block, columns, keyword, arguments: first..first });
+    }
+
+    /// Adds an argument to the last statement: the one behind `position` others.
+    pub(super) fn push_argument(&mut self, position: u8, value: f64) {
+        self.program.arguments.push(Argument { position, value });
+        if let Some(statement) = self.program.statements.last_mut() {
+            statement.arguments.end += 1;
+        }
     }
 
     /// Lets jumps and calls find the block being read, or the next one if it is empty.
@@ -449,7 +531,7 @@ impl<'a> Reader<'a> {
 
     /// Keeps a text; returns its index.
     pub(super) fn text(&mut self, text: String) -> u32 {
-        if self.program.texts.len() < MOST_TEXTS {
+        if self.program.texts.len() < MAX_TEXTS {
             self.program.texts.push(text);
         }
         self.program.texts.len() as u32 - 1
@@ -489,15 +571,16 @@ impl<'a> Reader<'a> {
     /// Keeps the first comment of the line where it may name an operation or a tool.
     fn keep_comment(&mut self, text: &[u8], line: &Line) {
         let Some((start, end)) = line.comment else { return };
-        let words = &self.program.words[self.before[0].min(self.program.words.len())..];
+        let words = self.block_words();
         let is_alone = self.sizes() == self.before;
         if (is_alone || words.iter().any(|word| word.letter == b'T'))
-            && self.program.comments.len() < MOST_COMMENTS
+            && self.program.comments.len() < MAX_COMMENTS
         {
             let text = text[start..end].trim_ascii();
-            let text = text.get(..4 * LONGEST_COMMENT).unwrap_or(text);
+            let text = text.get(..4 * MAX_COMMENT_CHARACTERS).unwrap_or(text);
             let shown = |character: char| if character.is_control() { ' ' } else { character };
-            let text: String = encoding::characters(text).chars().take(LONGEST_COMMENT).map(shown).collect();
+            let text: String =
+                encoding::characters(text).chars().take(MAX_COMMENT_CHARACTERS).map(shown).collect();
             if !text.is_empty() {
                 self.program.comments.push(Comment { line: self.line, text, is_alone });
             }
@@ -506,4 +589,5 @@ impl<'a> Reader<'a> {
 }
 
 #[cfg(test)]
+#[path = "reader_tests.rs"]
 mod tests;

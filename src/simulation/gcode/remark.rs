@@ -1,15 +1,15 @@
 //! What reading has to say about a program.
 
-use crate::simulation::gcode::formula::DEEPEST;
-use crate::simulation::gcode::reader::MAX_WORDS;
-use crate::simulation::gcode::structure::MOST_OPEN;
+use crate::simulation::gcode::formula::MAX_NESTING;
+use crate::simulation::gcode::line::MAX_WORDS;
+use crate::simulation::gcode::structure::MAX_OPEN;
 use crate::simulation::gcode::{Cause, Effect, Letters, Remark, Severity, counted};
 use thiserror::Error;
 
 /// Something in the text that was not read as a block of words.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum Unread {
-    /// An expression that breaks off or goes on as none can.
+    /// An expression that breaks off or continues as none can.
     #[error("expected {expected}, found {found}: block not run")]
     Expected {
         /// What could have stood there.
@@ -36,7 +36,7 @@ pub(super) enum Unread {
         text: String,
     },
     /// More brackets within brackets than are followed.
-    #[error("brackets and # are nested deeper than {DEEPEST}: block not run")]
+    #[error("brackets and # are nested deeper than {MAX_NESTING}: block not run")]
     Nesting,
     /// A word that ends or divides what was never begun.
     #[error("`{word}` without its beginning: left out")]
@@ -45,13 +45,13 @@ pub(super) enum Unread {
         word: String,
     },
     /// A word that begins what never ends.
-    #[error("`{word}` is never ended: what follows is run once")]
+    #[error("`{word}` has no end: the rest is run once")]
     Unclosed {
         /// The word.
         word: &'static str,
     },
     /// More loops and branches within each other than are followed.
-    #[error("loops and branches are nested deeper than {MOST_OPEN}: block not run")]
+    #[error("loops and branches are nested deeper than {MAX_OPEN}: block not run")]
     DeepFlow,
     /// A line that no control takes, as of a file whose line ends were lost.
     #[error(
@@ -68,9 +68,7 @@ pub(super) enum Unread {
         text: String,
     },
     /// Two bytes a character.
-    #[error(
-        "the file is in UTF-16 (\"Unicode\"), which controls do not read: taken as the text it stands for"
-    )]
+    #[error("the file is in UTF-16 (\"Unicode\"), which controls do not read; Truefeed decoded it")]
     Utf16,
     /// A dash before a number.
     #[error("`{sign}` is no minus sign that a control reads: taken as one here and further on")]
@@ -120,13 +118,13 @@ pub(super) enum Unread {
     #[error("comment is not closed: the rest of the line is taken as comment")]
     OpenComment,
     /// Lines before the opening `%`.
-    #[error("what stands before this % is taken as leader ({}): not run", counted(*.blocks, "block"))]
+    #[error("the text before this % is taken as leader ({}): not run", counted(*.blocks, "block"))]
     Leader {
         /// How many of them could have been run.
         blocks: usize,
     },
     /// Lines after the closing `%`.
-    #[error("the program ends at the % above: from here on nothing is read")]
+    #[error("the program ends at the % above: the rest is not read")]
     Trailer,
     /// Lines that begin with `/`, run.
     #[error("{} with / from here on: run, as with the block delete switch off", counted(*.blocks, "block"))]

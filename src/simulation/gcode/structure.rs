@@ -76,7 +76,7 @@ pub(super) struct Open {
 }
 
 /// The most that may be open at once.
-pub(super) const MOST_OPEN: usize = 100;
+pub(super) const MAX_OPEN: usize = 100;
 
 /// Everything open, the innermost last.
 #[derive(Debug, Default)]
@@ -88,9 +88,9 @@ pub(super) struct Structures {
 pub(super) const UNKNOWN: Destination = Destination::Block(u32::MAX);
 
 impl Structures {
-    /// Opens one; none where too many are open.
+    /// Opens one, or `None` if too many are open.
     pub(super) fn push(&mut self, kind: Kind, key: u32, line: LineNumber, head: u32) -> Option<&mut Open> {
-        if self.open.len() == MOST_OPEN {
+        if self.open.len() == MAX_OPEN {
             return None;
         }
         self.open.push(Open {

@@ -4,32 +4,32 @@
 //! Tables for charts and files are made by [`Profile::samples`], dense where the feedrate bends.
 //!
 //! Where acceleration limits act behind the filters, the motion that leaves them is run more slowly, as in
-//! `time_scaling`: [`Profile`] and its tables speak of the true time, a [`Motion`] of the filtered one.
+//! `time_scaling`: [`Profile`] and its tables speak of the true time, a [`FilteredMotion`] of the filtered one.
 //!
 //! Distance is measured along the programmed path, as the integral of the filtered feed command.
 //! It grows monotonically and ends at the programmed length, whatever the corners cut off; the
 //! feedrate is that of the tool, ‖Ṗ‖, which dips at corners.
 
 mod crossing;
-mod crowds;
+mod moments;
 mod time_scaling;
 mod samples;
 mod slice;
 mod state;
 mod steps;
-mod sums;
-mod walk;
+mod prefix_sums;
+mod cursor;
 
+pub use cursor::MotionCursor;
 pub use samples::{FeedCurve, Resolution, Samples};
-pub use state::{Dynamics, Moment, State};
-pub use steps::Steps;
+pub use state::{Dynamics, Moment, MotionState};
+pub use steps::RememberedSteps;
 pub(crate) use time_scaling::time_scaled;
-pub use walk::Walk;
 
-use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulses, Stretch, time_scaling::lost};
+use crate::simulation::feed::{FeedPlan, Knot, Phase, Pulses, RestToRest, time_scaling::lost_time};
 use crate::simulation::filter::FilterChain;
-use crate::simulation::profile::crowds::Crowds;
-use crate::simulation::profile::sums::{Checkpoints, Sums};
+use crate::simulation::profile::moments::MomentTree;
+use crate::simulation::profile::prefix_sums::{PrefixSums, SumCheckpoints};
 use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Point, Segments, Toolpath};
 
@@ -38,82 +38,97 @@ pub struct Profile<'a> {
     toolpath: &'a Toolpath,
     plan: &'a FeedPlan,
     /// Distance before each segment, and at the end, mm.
-    distances: Checkpoints,
-    /// When each phase begins, and the end, s.
+    distances: SumCheckpoints,
+    /// Time at which each phase begins, and the last ends, s.
     phase_starts: Vec<f64>,
-    /// When each pulse begins, since the beginning of its stretch, s.
-    pulse_starts: Checkpoints,
-    crowds: Crowds,
+    /// Time at which each pulse begins, since the beginning of its motion, s.
+    pulse_starts: SumCheckpoints,
+    clusters: MomentTree,
 }
 
-/// One stretch of motion between two full stops as it leaves the filters: its times are filtered times.
+/// One rest-to-rest motion as it leaves the filters: its times are filtered times.
 #[derive(Clone, Copy)]
-pub struct Motion<'a> {
+pub struct FilteredMotion<'a> {
     segments: &'a Segments,
     pulses: &'a Pulses,
     filter: &'a FilterChain,
-    distances: &'a Checkpoints,
-    pulse_starts: &'a Checkpoints,
-    crowds: &'a Crowds,
+    distances: &'a SumCheckpoints,
+    pulse_starts: &'a SumCheckpoints,
+    clusters: &'a MomentTree,
     first_pulse: usize,
     /// One past the last pulse.
     end_pulse: usize,
-    /// Where the machine is later than its filters.
+    /// Where the machine is later than the filtered motion.
     knots: &'a [Knot],
 }
 
 impl<'a> Profile<'a> {
-    /// The profile of a plan for a toolpath.
+    /// Returns the profile of a plan for a toolpath.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use truefeed::machine::Machine;
+    /// use truefeed::simulation::{gcode::read, profile::Profile, simulate, interpreter::trace};
+    ///
+    /// let machine = Machine::default();
+    /// let toolpath = trace(&read(b"G21 G90 G1 X100 F6000"), &machine);
+    /// let plan = simulate(&toolpath, &machine);
+    /// let profile = Profile::new(&toolpath, &plan);
+    /// let middle = profile.at_time(0.5 * profile.cycle_time());
+    /// assert!((middle.position.x - 50.0).abs() < 1e-9, "mm: it ends as it begins");
+    /// assert!((middle.velocity.x - 100.0).abs() < 1e-9, "mm/s");
+    /// ```
     pub fn new(toolpath: &'a Toolpath, plan: &'a FeedPlan) -> Profile<'a> {
         let segments = &toolpath.segments;
-        let mut distances = Checkpoints::with_room(segments.len());
+        let mut distances = SumCheckpoints::with_room(segments.len());
         distances.add_run((0..segments.len()).map(|segment| segments.length(segment)));
-        let mut pulse_starts = Checkpoints::with_room(plan.pulses.len());
-        for stretch in plan.stretches() {
-            pulse_starts.add_run(stretch.pulses.clone().map(|pulse| plan.pulses.duration(pulse)));
+        let mut pulse_starts = SumCheckpoints::with_room(plan.pulses.len());
+        for rest_to_rest in plan.rest_to_rest_motions() {
+            pulse_starts.add_run(rest_to_rest.pulses.clone().map(|pulse| plan.pulses.duration(pulse)));
         }
-        let crowds = Crowds::of(plan, segments);
+        let clusters = MomentTree::of(plan, segments);
         let mut profile =
-            Profile { toolpath, plan, distances, phase_starts: Vec::new(), pulse_starts, crowds };
+            Profile { toolpath, plan, distances, phase_starts: Vec::new(), pulse_starts, clusters };
         let durations: Vec<f64> = plan.phases.iter().map(|phase| profile.phase_duration(phase)).collect();
         let first = [plan.start].into_iter();
         profile.phase_starts = running_sum(first.chain(durations)).collect();
         profile
     }
 
-    /// Cycle time, s.
+    /// Returns the cycle time, s.
     pub fn cycle_time(&self) -> f64 {
         self.phase_starts.last().copied().unwrap_or(0.0)
     }
 
-    /// Length of the programmed path, mm.
+    /// Returns the length of the programmed path, mm.
     pub fn length(&self) -> f64 {
         self.distance_before(self.toolpath.segments.len())
     }
 
-    /// The motion at a time since the start (s); before it and after the end the machine stands.
-    pub fn at_time(&self, time: f64) -> State {
+    /// Returns the motion at a time since the start (s); at rest before the start and after the end.
+    pub fn at_time(&self, time: f64) -> MotionState {
         let Some(index) = self.phase_at(time) else {
             return self.standing(0);
         };
         match &self.plan.phases[index] {
             Phase::Wait(_) => self.standing(self.segments_before(index)),
-            Phase::Motion(stretch) => {
-                Walk::of(self.motion(stretch)).state_at(time - self.phase_starts[index])
+            Phase::Motion(rest_to_rest) => {
+                MotionCursor::of(self.motion(rest_to_rest)).state_at(time - self.phase_starts[index])
             }
         }
     }
 
-    /// Acceleration and jerk at a time since the start (s); none while the machine stands.
+    /// Returns acceleration and jerk at a time since the start (s); `None` while the machine is at rest.
     pub fn dynamics_at_time(&self, time: f64) -> Option<Dynamics> {
         let index = self.phase_at(time)?;
-        let Phase::Motion(stretch) = &self.plan.phases[index] else { return None };
-        let motion = self.motion(stretch);
+        let Phase::Motion(rest_to_rest) = &self.plan.phases[index] else { return None };
+        let motion = self.motion(rest_to_rest);
         Some(motion.dynamics_at(time - self.phase_starts[index]))
     }
 
-    /// When the tool has run `distance` (mm) of the programmed path, s: the last moment at which
-    /// it has not run more.
+    /// Returns when the tool has run `distance` (mm) of the programmed path, s: the last moment at which it
+    /// has not run more.
     pub fn time_at_distance(&self, distance: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.cycle_time());
         for _ in 0..200 {
@@ -126,27 +141,27 @@ impl<'a> Profile<'a> {
         low
     }
 
-    /// When a phase of the plan begins and ends, s.
+    /// Returns when a phase of the plan begins and ends, s.
     pub fn phase_time(&self, phase: usize) -> std::ops::Range<f64> {
         self.phase_starts[phase]..self.phase_starts[phase + 1]
     }
 
-    /// The motion of a stretch.
-    pub fn motion(&self, stretch: &Stretch) -> Motion<'_> {
-        Motion {
+    /// Returns the filtered motion of a rest-to-rest motion.
+    pub fn motion(&self, rest_to_rest: &RestToRest) -> FilteredMotion<'_> {
+        FilteredMotion {
             segments: &self.toolpath.segments,
             pulses: &self.plan.pulses,
-            filter: &self.plan.filters[stretch.filter],
+            filter: &self.plan.filters[rest_to_rest.filter],
             distances: &self.distances,
             pulse_starts: &self.pulse_starts,
-            crowds: &self.crowds,
-            first_pulse: stretch.pulses.start,
-            end_pulse: stretch.pulses.end,
-            knots: self.plan.knots(stretch),
+            clusters: &self.clusters,
+            first_pulse: rest_to_rest.pulses.start,
+            end_pulse: rest_to_rest.pulses.end,
+            knots: self.plan.knots(rest_to_rest),
         }
     }
 
-    /// Length of the programmed path before a segment, mm.
+    /// Returns the length of the programmed path before a segment, mm.
     pub fn distance_before(&self, segment: usize) -> f64 {
         self.distances.before(&self.toolpath.segments, 0, segment)
     }
@@ -154,9 +169,9 @@ impl<'a> Profile<'a> {
     fn phase_duration(&self, phase: &Phase) -> f64 {
         match phase {
             Phase::Wait(wait) => wait.duration,
-            Phase::Motion(stretch) => {
-                let motion = self.motion(stretch);
-                motion.duration() + lost(motion.knots)
+            Phase::Motion(rest_to_rest) => {
+                let motion = self.motion(rest_to_rest);
+                motion.duration() + lost_time(motion.knots)
             }
         }
     }
@@ -166,61 +181,62 @@ impl<'a> Profile<'a> {
         (begun.min(self.plan.phases.len())).checked_sub(1)
     }
 
-    /// How many segments lie before a phase.
+    /// Returns the number of segments before a phase.
     fn segments_before(&self, phase: usize) -> usize {
-        let stretch = self.plan.phases[..phase].iter().rev().find_map(|phase| match phase {
-            Phase::Motion(stretch) => Some(stretch.segments.end),
+        let rest_to_rest = self.plan.phases[..phase].iter().rev().find_map(|phase| match phase {
+            Phase::Motion(rest_to_rest) => Some(rest_to_rest.segments.end),
             Phase::Wait(_) => None,
         });
-        stretch.unwrap_or(0)
+        rest_to_rest.unwrap_or(0)
     }
 
-    /// The machine standing after so many segments.
-    fn standing(&self, segments: usize) -> State {
+    /// Returns the state of the machine at rest after `segments` segments.
+    fn standing(&self, segments: usize) -> MotionState {
         let all = &self.toolpath.segments;
         let position = match segments.checked_sub(1) {
             Some(last) => all.at(last).end,
             None => all.first().map_or(Point::origin(), |first| first.start),
         };
-        State { distance: self.distance_before(segments), position, velocity: Default::default() }
+        MotionState { distance: self.distance_before(segments), position, velocity: Default::default() }
     }
 }
 
-impl<'a> Motion<'a> {
-    /// How long the command lasts, s.
+impl<'a> FilteredMotion<'a> {
+    /// Returns the duration of the command, s.
     pub fn command_time(&self) -> f64 {
         let last = self.end_pulse - 1;
         self.pulse_start(last) + self.pulses.duration(last)
     }
 
-    /// How long the motion lasts, s: the command and the filter delay.
+    /// Returns the duration of the motion, s: the command and the filter delay.
     pub fn duration(&self) -> f64 {
         self.command_time() + self.filter.delay()
     }
 
-    /// When a pulse of the plan begins, s since the beginning of the stretch.
+    /// Returns when a pulse of the plan begins, s since the beginning of the motion.
     pub fn pulse_start(&self, pulse: usize) -> f64 {
         self.pulse_starts.before(self.pulses, self.first_pulse, pulse)
     }
 
-    /// When its pulses begin, s since the beginning of the stretch.
-    fn starts(&self) -> Sums<'a, Pulses> {
-        Sums::of(self.pulse_starts, self.pulses, self.first_pulse..self.end_pulse)
+    /// Returns when the pulses begin, s since the beginning of the motion.
+    fn starts(&self) -> PrefixSums<'a, Pulses> {
+        PrefixSums::of(self.pulse_starts, self.pulses, self.first_pulse..self.end_pulse)
     }
 
-    /// The filters the motion runs through.
+    /// Returns the filters of the motion.
     pub fn filter(&self) -> &FilterChain {
         self.filter
     }
 
-    /// The moment so long (s) after the beginning of the stretch.
+    /// Returns the moment `time` seconds after the beginning of the motion.
     pub fn moment(&self, time: f64) -> Moment {
         self.starts().moment(self.first_pulse, time)
     }
 }
 
-impl Sums<'_, Pulses> {
-    /// The moment so long (s) after the beginning of the stretch, if the pulse `from` begins no later or is the first.
+impl PrefixSums<'_, Pulses> {
+    /// Returns the moment `time` seconds after the beginning of the motion; the pulse `from` begins no later
+    /// or is the first.
     fn moment(&mut self, from: usize, time: f64) -> Moment {
         let pulse = self.first_above(from + 1, 0.0, time) - 1;
         Moment { pulse, elapsed: (time - self.before(pulse)).max(0.0) }
@@ -231,9 +247,9 @@ impl Sums<'_, Pulses> {
 mod tests {
     use super::*;
     use crate::machine::Machine;
-    use crate::simulation::feed::{Rule, command};
+    use crate::simulation::feed::{CornerPolicy, command};
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
     #[test]
     fn lists_of_a_long_program_have_no_more_room_than_they_need() {
@@ -242,7 +258,7 @@ mod tests {
         let text: String = ["G21 G90 G1 F6000\n".to_string()].into_iter().chain(moves).collect();
         let machine = Machine::default();
         let toolpath = trace(&read(text.as_bytes()), &machine);
-        let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
+        let plan = command(&toolpath, &machine, CornerPolicy::Isolated(0.01));
         let profile = Profile::new(&toolpath, &plan);
         let is_close = |room: usize, needed: usize| (needed..=needed + needed / 20).contains(&room);
         assert!(4800 < toolpath.segments.len());

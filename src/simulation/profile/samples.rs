@@ -1,16 +1,17 @@
 //! A profile as a table, dense where the feedrate bends.
 //!
-//! Rows are laid at an eighth of the filter delay while anything changes, and nowhere else; then
+//! Rows are an eighth of the filter delay apart while anything changes, and nowhere else; then
 //! each gap is halved until straight lines between the rows, over time and over distance, stay
-//! within the resolution asked for. A filtered feedrate has no feature shorter than that first
-//! spacing resolves, but for filters that let short pulses through: there rows are laid where it
-//! may bend. So nothing is missed, and the cost is linear in the number of pulses.
+//! within the requested resolution. A filtered feedrate has no feature shorter than that first
+//! spacing resolves, except for filters that let short pulses through: there rows are added where it
+//! spacing resolves, except for filters that let short pulses through: there rows are added where it
 //!
-//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture shows or a
-//! computer holds. A table that has no room for them is laid anew at equal times, and says at which.
+//! A small file whose loops run to their bound would make some eighty million rows, far more than a picture
+//! shows or a computer holds. A table that would be too long is sampled again at equal times, and states the
+//! spacing.
 
 use crate::simulation::feed::Phase;
-use crate::simulation::profile::{Moment, Profile, State, Steps};
+use crate::simulation::profile::{Moment, MotionState, Profile, RememberedSteps};
 use crate::simulation::sampled::{RowsAround, rows_around};
 use crate::simulation::toolpath::{self, Curve, Vector};
 
@@ -23,13 +24,13 @@ pub struct Samples {
     pub distance: Vec<f64>,
     /// Feedrate of the tool, mm/s.
     pub feedrate: Vec<f64>,
-    /// Position of the tool, mm, one column an axis.
+    /// Position of the tool, mm, one column per axis.
     pub position: [Vec<f64>; 3],
-    /// Velocity of the tool, mm/s, one column an axis.
+    /// Velocity of the tool, mm/s, one column per axis.
     pub velocity: [Vec<f64>; 3],
     /// Line of the program being run.
     pub line: Vec<u32>,
-    /// Time between the rows where they are too few to follow the profile, s: what is shorter may be missing.
+    /// Time between rows if they are too few to follow the profile, s: shorter features may be missing.
     pub spacing: Option<f64>,
 }
 
@@ -42,12 +43,13 @@ pub struct FeedCurve {
     pub distance: Vec<f64>,
     /// Feedrate of the tool, mm/s.
     pub feedrate: Vec<f64>,
-    /// Time between the rows where they are too few to follow the profile, s: what is shorter may be missing.
+    /// Time between rows if they are too few to follow the profile, s: shorter features may be missing.
     pub spacing: Option<f64>,
 }
 
 impl FeedCurve {
-    /// Feedrate at each of ascending distances along the path (mm), mm/s: a straight line over distance between rows.
+    /// Returns the feedrate at each of ascending distances along the path (mm), mm/s, linear over distance
+    /// between rows.
     pub fn feedrates_at(&self, distances: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut row = 0;
         let mut at =
@@ -57,8 +59,8 @@ impl FeedCurve {
 }
 
 impl Samples {
-    /// Position (mm) and velocity (mm/s) at a time (s), by the cubic between two rows that has their velocities; `row`
-    /// is where the last time was found.
+    /// Returns position (mm) and velocity (mm/s) at a time (s), by the cubic between two rows with their
+    /// velocities; `row` holds the row of the last search.
     pub fn motion_at(&self, time: f64, row: &mut usize) -> (Vector, Vector) {
         let Some(rows) = rows_around(&self.time, time, row) else { return Default::default() };
         let RowsAround { before, after, fraction: s } = rows;
@@ -76,57 +78,58 @@ impl Samples {
     }
 }
 
-/// How closely straight lines between the rows follow the profile.
+/// The accuracy of straight lines between the rows of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// Of the feedrate, as a part of the commanded one.
+    /// Accuracy of the feedrate, as a part of the commanded one.
     pub feedrate: f64,
-    /// Of the position, mm.
+    /// Accuracy of the position, mm.
     pub position: f64,
 }
 
 impl Resolution {
-    /// For files: half of the 0.1 % promised, and a micrometre.
+    /// For files: half of the promised 0.1 %, and a micrometre.
     pub const FINE: Resolution = Resolution { feedrate: 5e-4, position: 1e-3 };
-    /// For charts of feedrate over distance: less than a pixel, position as it comes.
+    /// For charts of feedrate over distance: less than a pixel; positions are not refined.
     pub const CHART: Resolution = Resolution { feedrate: 2e-3, position: f64::INFINITY };
 }
 
-/// Rows of a table for pictures: a finishing program of a million blocks keeps all of its own.
-const MOST_DRAWN: usize = 4_000_000;
+/// Most rows of a table for pictures: a finishing program of a million blocks keeps all of its rows.
+const MAX_DRAWN_ROWS: usize = 4_000_000;
 
-/// Rows of a table for files, with all of which a computer of today has room for their text.
-const MOST_WRITTEN: usize = 16_000_000;
+/// Most rows of a table for files: today's computers have memory for the text of them all.
+const MAX_WRITTEN_ROWS: usize = 16_000_000;
 
-/// Gaps are not halved more often than this.
-const DEEPEST: u32 = 10;
+/// Most halvings of a gap.
+const MAX_HALVINGS: u32 = 10;
 
 /// Largest angle turned on an arc between two rows, rad, so that no turn is skipped.
-const WIDEST_ANGLE: f64 = 1.0;
+const MAX_ROW_ANGLE_RAD: f64 = 1.0;
 
 impl Profile<'_> {
-    /// The profile as a table.
+    /// Returns the profile as a table.
     pub fn samples(&self, resolution: Resolution) -> Samples {
         self.table(resolution, usize::MAX, None)
     }
 
-    /// Its feedrate as a table.
+    /// Returns the feedrate of the profile as a table.
     pub fn feed_curve(&self, resolution: Resolution) -> FeedCurve {
         self.table(resolution, usize::MAX, None)
     }
 
-    /// Its feedrate as a table for pictures: as [`Resolution::CHART`] has it, or at equal times where that takes
-    /// too many rows.
+    /// Returns the feedrate as a table for pictures: at [`Resolution::CHART`], or at equal times if that
+    /// takes too many rows.
     pub fn drawn(&self) -> FeedCurve {
-        self.bounded(Resolution::CHART, MOST_DRAWN)
+        self.bounded(Resolution::CHART, MAX_DRAWN_ROWS)
     }
 
-    /// The profile as a table for files, as [`Resolution::FINE`] has it, or at equal times.
+    /// Returns the profile as a table for files: at [`Resolution::FINE`], or at equal times if that takes too
+    /// many rows.
     pub fn written(&self) -> Samples {
-        self.bounded(Resolution::FINE, MOST_WRITTEN)
+        self.bounded(Resolution::FINE, MAX_WRITTEN_ROWS)
     }
 
-    fn bounded<T: Table>(&self, resolution: Resolution, most: usize) -> T {
+    fn bounded<T: SampledTable>(&self, resolution: Resolution, most: usize) -> T {
         let table: T = self.table(resolution, most, None);
         if table.rows() <= most {
             return table;
@@ -136,8 +139,8 @@ impl Profile<'_> {
         self.table(resolution, usize::MAX, Some(spacing))
     }
 
-    /// The table, cut off where it has more than `most` rows; with a `spacing` (s) its rows are laid at equal times.
-    fn table<T: Table>(&self, resolution: Resolution, most: usize, spacing: Option<f64>) -> T {
+    /// Returns the table, cut off after `most` rows; with a `spacing` (s), rows are at equal times.
+    fn table<T: SampledTable>(&self, resolution: Resolution, most: usize, spacing: Option<f64>) -> T {
         let mut table = T::with_spacing(spacing);
         let mut segments_before = 0;
         if 0.0 < self.plan.start {
@@ -153,13 +156,13 @@ impl Profile<'_> {
                     table.push(start, &state, || wait.line.0);
                     table.push(self.phase_starts[index + 1], &state, || wait.line.0);
                 }
-                Phase::Motion(stretch) => {
-                    let segments = stretch.segments.clone();
+                Phase::Motion(rest_to_rest) => {
+                    let segments = rest_to_rest.segments.clone();
                     segments_before = segments.end;
                     let commands =
-                        self.plan.pulses.range(stretch.pulses.clone()).flat_map(|pulse| pulse.feedrate);
+                        self.plan.pulses.range(rest_to_rest.pulses.clone()).flat_map(|pulse| pulse.feedrate);
                     let mut sampler = Sampler {
-                        steps: Steps::of(self.motion(stretch)),
+                        steps: RememberedSteps::of(self.motion(rest_to_rest)),
                         resolution,
                         start,
                         fastest: commands.fold(0.0, f64::max),
@@ -181,28 +184,28 @@ impl Profile<'_> {
     }
 }
 
-/// What rows are laid in.
-trait Table {
-    /// One without rows; they will lie so far apart (s) where they are too few.
+/// A table under construction.
+trait SampledTable {
+    /// Returns a table without rows; `spacing` (s) is the spacing of rows that are too few.
     fn with_spacing(spacing: Option<f64>) -> Self;
 
-    /// How many rows there are.
+    /// Returns the number of rows.
     fn rows(&self) -> usize;
 
-    /// Adds a row at a time (s since the start); `line` tells the line of the program.
-    fn push(&mut self, time: f64, state: &State, line: impl FnOnce() -> u32);
+    /// Adds a row at a time (s since the start); `line` returns the line of the program.
+    fn push(&mut self, time: f64, state: &MotionState, line: impl FnOnce() -> u32);
 }
 
-/// Adds a row to the columns of time, distance and feedrate. Rounding may put it a last digit before the one before it; a
-/// table must not go back.
-fn push_row([times, distances, feedrates]: [&mut Vec<f64>; 3], time: f64, state: &State) {
+/// Adds a row to the columns of time, distance and feedrate. Rounding may put it a last digit before its
+/// predecessor, but a table must not go back.
+fn push_row([times, distances, feedrates]: [&mut Vec<f64>; 3], time: f64, state: &MotionState) {
     let not_before = |column: &[f64], value: f64| column.last().map_or(value, |last| last.max(value));
     times.push(not_before(times, time));
     distances.push(not_before(distances, state.distance));
     feedrates.push(state.velocity.norm());
 }
 
-impl Table for FeedCurve {
+impl SampledTable for FeedCurve {
     fn with_spacing(spacing: Option<f64>) -> FeedCurve {
         FeedCurve { spacing, ..FeedCurve::default() }
     }
@@ -211,12 +214,12 @@ impl Table for FeedCurve {
         self.time.len()
     }
 
-    fn push(&mut self, time: f64, state: &State, _line: impl FnOnce() -> u32) {
+    fn push(&mut self, time: f64, state: &MotionState, _line: impl FnOnce() -> u32) {
         push_row([&mut self.time, &mut self.distance, &mut self.feedrate], time, state);
     }
 }
 
-impl Table for Samples {
+impl SampledTable for Samples {
     fn with_spacing(spacing: Option<f64>) -> Samples {
         Samples { spacing, ..Samples::default() }
     }
@@ -225,7 +228,7 @@ impl Table for Samples {
         self.time.len()
     }
 
-    fn push(&mut self, time: f64, state: &State, line: impl FnOnce() -> u32) {
+    fn push(&mut self, time: f64, state: &MotionState, line: impl FnOnce() -> u32) {
         push_row([&mut self.time, &mut self.distance, &mut self.feedrate], time, state);
         for (column, value) in self.position.iter_mut().zip(state.position.iter()) {
             column.push(*value);
@@ -237,32 +240,33 @@ impl Table for Samples {
     }
 }
 
-/// A row to be: time since the beginning of the stretch, true and filtered (s), the moment of the latter, and state.
+/// A candidate row: time since the beginning of the motion, true and filtered (s), the moment of the latter,
+/// and the state.
 #[derive(Clone, Copy)]
-struct Row {
+struct CandidateRow {
     time: f64,
     filtered: f64,
     moment: Moment,
-    state: State,
+    state: MotionState,
 }
 
 struct Sampler<'a, T> {
-    steps: Steps<'a>,
+    steps: RememberedSteps<'a>,
     resolution: Resolution,
-    /// When the stretch begins, s.
+    /// Time at which the motion begins, s.
     start: f64,
-    /// Largest command in the stretch, mm/s.
+    /// Largest command in the motion, mm/s.
     fastest: f64,
-    /// Segment of the last row.
+    /// Index of the segment of the last row.
     segment: usize,
     last_segment: usize,
     table: &'a mut T,
 }
 
-impl<T: Table> Sampler<'_, T> {
-    /// Lays rows where they are needed, until there are more than `most`.
+impl<T: SampledTable> Sampler<'_, T> {
+    /// Adds the rows that are needed, until there are more than `most`.
     fn run(&mut self, most: usize) {
-        let motion = self.steps.walk.motion;
+        let motion = self.steps.cursor.motion;
         let duration = motion.duration();
         let mut last = self.row(motion.first_pulse, 0.0);
         self.push(last);
@@ -275,9 +279,9 @@ impl<T: Table> Sampler<'_, T> {
         }
     }
 
-    /// Lays rows at equal times, and one between standing and standing at least.
+    /// Adds rows at equal times, at least one in each motion.
     fn run_evenly(&mut self, spacing: f64) {
-        let motion = self.steps.walk.motion;
+        let motion = self.steps.cursor.motion;
         let duration = motion.duration();
         let parts = (duration / spacing).ceil().max(2.0);
         let mut pulse = motion.first_pulse;
@@ -288,25 +292,25 @@ impl<T: Table> Sampler<'_, T> {
         }
     }
 
-    /// The row at a filtered time (s), no earlier than the pulse `from` begins.
-    fn row(&mut self, from: usize, filtered: f64) -> Row {
-        let walk = &mut self.steps.walk;
-        let moment = walk.moment_from(from, filtered);
-        if walk.motion.knots.is_empty() {
-            return Row { time: filtered, filtered, moment, state: self.steps.state(moment) };
+    /// Returns the row at a filtered time (s), no earlier than the beginning of the pulse `from`.
+    fn row(&mut self, from: usize, filtered: f64) -> CandidateRow {
+        let cursor = &mut self.steps.cursor;
+        let moment = cursor.moment_from(from, filtered);
+        if cursor.motion.knots.is_empty() {
+            return CandidateRow { time: filtered, filtered, moment, state: self.steps.state(moment) };
         }
-        let time = walk.motion.true_time(filtered);
-        Row { time, filtered, moment, state: walk.state_at(time) }
+        let time = cursor.motion.true_time(filtered);
+        CandidateRow { time, filtered, moment, state: cursor.state_at(time) }
     }
 
-    /// Where the row of the first spacing after `last` goes: on by an eighth of the filter delay, or to
-    /// the end of the time in which nothing changes.
-    fn next_time(&mut self, last: Row) -> f64 {
+    /// Returns the time of the row after `last`: later by an eighth of the filter delay, or the end of the
+    /// time in which nothing changes.
+    fn next_time(&mut self, last: CandidateRow) -> f64 {
         let time = last.filtered;
-        let motion = self.steps.walk.motion;
+        let motion = self.steps.cursor.motion;
         let delay = motion.filter.delay();
         let step = self.next_kink(time, time + delay / 8.0);
-        // A ramp behind the filters may begin or end where nothing changes before them.
+        // A ramp behind the filters may begin or end where the command is even.
         let knots = motion.knots;
         let edge = knots.get(knots.partition_point(|knot| knot.filtered <= time));
         let edge = edge.map_or(f64::INFINITY, |knot| knot.filtered);
@@ -317,41 +321,40 @@ impl<T: Table> Sampler<'_, T> {
         let segment = motion.segments.at(pulse.segment as usize);
         let widest = match &segment.curve {
             Curve::Line => f64::INFINITY,
-            Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * pulse.feedrate[0]),
+            Curve::Arc(arc) => MAX_ROW_ANGLE_RAD * segment.length / (arc.sweep * pulse.feedrate[0]),
         };
-        let end = self.steps.walk.pulse_start(last.moment.pulse) + pulse.duration;
+        let end = self.steps.cursor.pulse_start(last.moment.pulse) + pulse.duration;
         step.max(end.min(time + widest).min(edge))
     }
 
-    /// The first time after `time` and up to `latest` at which the feedrate may bend within less
-    /// than an eighth of the delay: with a single filter, or one much shorter than the others, a
-    /// short pulse gives ramps of its own length, a knot of the filters after each of its ends.
+    /// Returns the first time after `time` and up to `latest` at which the feedrate may bend within less than
+    /// an eighth of the delay: with a single filter, or one much shorter than the others, a short pulse gives ramps of its duration, a knot of the filters after each of its ends.
     fn next_kink(&mut self, time: f64, latest: f64) -> f64 {
-        let walk = &mut self.steps.walk;
-        let motion = walk.motion;
+        let cursor = &mut self.steps.cursor;
+        let motion = cursor.motion;
         let (filter, delay) = (motion.filter, motion.filter.delay());
         let is_sharp = |constant: &f64| *constant < delay / 8.0;
         if 1 < filter.time_constants().len() && !filter.time_constants().iter().any(is_sharp) {
             return latest;
         }
-        // Edges ascend, and with them the kinks that one knot makes of them.
+        // Edges ascend, and so do the kinks that one knot makes of them.
         let end = motion.command_time();
         filter.knots().fold(latest, |next, knot| {
-            let pulse = walk.starts.first_above(motion.first_pulse, knot, time);
-            let edge = if pulse < motion.end_pulse { walk.pulse_start(pulse) } else { end };
+            let pulse = cursor.starts.first_above(motion.first_pulse, knot, time);
+            let edge = if pulse < motion.end_pulse { cursor.pulse_start(pulse) } else { end };
             let kink = edge + knot;
             if time < kink { next.min(kink) } else { next }
         })
     }
 
-    /// The row in the middle between two.
-    fn between(&mut self, a: Row, b: Row) -> Row {
+    /// Returns the row in the middle between two.
+    fn between(&mut self, a: CandidateRow, b: CandidateRow) -> CandidateRow {
         self.row(a.moment.pulse, 0.5 * (a.filtered + b.filtered))
     }
 
     /// Adds the rows after `a` up to `b`; `middle` lies between them.
-    fn fill(&mut self, a: Row, middle: Row, b: Row, depth: u32) {
-        if depth == DEEPEST {
+    fn fill(&mut self, a: CandidateRow, middle: CandidateRow, b: CandidateRow, depth: u32) {
+        if depth == MAX_HALVINGS {
             return self.push(b);
         }
         let allowed = self.resolution.feedrate * self.commanded(a).min(self.commanded(b));
@@ -366,8 +369,9 @@ impl<T: Table> Sampler<'_, T> {
         }
     }
 
-    /// Whether the straight line from `a` to `b` misses `between`, by more than is `allowed` (mm/s) in feedrate.
-    fn bends(&self, a: Row, between: Row, b: Row, allowed: f64) -> bool {
+    /// Returns `true` if the straight line from `a` to `b` misses `between`, in feedrate by more than
+    /// `allowed` (mm/s).
+    fn bends(&self, a: CandidateRow, between: CandidateRow, b: CandidateRow, allowed: f64) -> bool {
         let part_of = |begin: f64, value: f64, end: f64| {
             if begin < end { (value - begin) / (end - begin) } else { 0.5 }
         };
@@ -382,25 +386,25 @@ impl<T: Table> Sampler<'_, T> {
         self.resolution.position < (straight - between.state.position).norm()
     }
 
-    fn push(&mut self, row: Row) {
+    fn push(&mut self, row: CandidateRow) {
         self.segment = self.segment_at(row.state.distance);
-        let line = || self.steps.walk.motion.segments.at(self.segment).line.0;
+        let line = || self.steps.cursor.motion.segments.at(self.segment).line.0;
         self.table.push(self.start + row.time, &row.state, line);
     }
 
-    /// The feedrate that the resolution refers to where a row lies, mm/s.
-    fn commanded(&mut self, row: Row) -> f64 {
+    /// Returns the commanded feedrate at a row, mm/s, to which the resolution refers.
+    fn commanded(&mut self, row: CandidateRow) -> f64 {
         let segment = self.segment_at(row.state.distance);
-        match self.steps.walk.motion.segments.motion(segment) {
+        match self.steps.cursor.motion.segments.motion(segment) {
             toolpath::Motion::Feed { feedrate } => feedrate,
             toolpath::Motion::Rapid => self.fastest,
         }
     }
 
-    /// The segment in which a distance lies that is not before the last row's.
+    /// Returns the segment at a distance, which is not before that of the last row.
     fn segment_at(&mut self, distance: f64) -> usize {
         let mut segment = self.segment;
-        while segment < self.last_segment && self.steps.walk.distances.before(segment + 1) <= distance {
+        while segment < self.last_segment && self.steps.cursor.distances.before(segment + 1) <= distance {
             segment += 1;
         }
         segment

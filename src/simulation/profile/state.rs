@@ -1,6 +1,6 @@
 //! The filtered motion at one moment, exactly.
 //!
-//! What was commanded at the age a (seconds ago) has arrived by the share V(a). With the command
+//! A command at the age a (seconds ago) has arrived by the share V(a). With the command
 //! velocity v(a) over the window of one filter delay D,
 //!
 //! ```text
@@ -12,7 +12,7 @@
 //! where [·] is the difference between the ends of each pulse. Along a line v is linear in time
 //! and the integrals are differences of S, Q, V and h at the ends of each pulse. Along an arc v
 //! also turns, and the integrals are taken by Gauss-Legendre quadrature between the knots of h,
-//! over angles so small that its error is below the rounding. Crowds of short pulses count as a whole.
+//! over angles so small that its error is below the rounding. Clusters of short pulses count as a whole.
 //!
 //! Only ages enter, never the time since the start: a program of any length keeps all its digits.
 //!
@@ -24,13 +24,13 @@
 //! ```
 
 use crate::simulation::filter::{Expansion, FilterChain};
-use crate::simulation::profile::Motion;
-use crate::simulation::profile::crowds::Crowd;
-use crate::simulation::profile::slice::{Slice, quadrature};
+use crate::simulation::profile::FilteredMotion;
+use crate::simulation::profile::moments::PulseCluster;
+use crate::simulation::profile::slice::{PulseSlice, quadrature};
 use crate::simulation::toolpath::{Curve, Point, Vector};
 
-/// A moment in a stretch: so long after a pulse began. After the last pulse the filters run empty,
-/// and `elapsed` goes on beyond its duration.
+/// A moment in a motion: the time since a pulse began. After the last pulse the filters run empty, and
+/// `elapsed` continues beyond its duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Index of the pulse in the plan.
@@ -41,7 +41,7 @@ pub struct Moment {
 
 /// The filtered motion at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
+pub struct MotionState {
     /// Distance along the programmed path, mm: the integral of the filtered feed command.
     pub distance: f64,
     /// Position of the tool, mm.
@@ -55,13 +55,13 @@ pub struct State {
 pub struct Dynamics {
     /// Acceleration of each axis, mm/s².
     pub acceleration: Vector,
-    /// Jerk of each axis, mm/s³; with a single filter its Dirac pulses are left out.
+    /// Jerk of each axis, mm/s³; the Dirac pulses of a single filter are left out.
     pub jerk: Vector,
 }
 
 impl Dynamics {
-    /// Acceleration (mm/s²) and jerk (mm/s³) along the path of a tool that moves at `velocity`
-    /// (mm/s): the first and second derivative of the feedrate. None while it stands.
+    /// Returns acceleration (mm/s²) and jerk (mm/s³) along the path of a tool that moves at `velocity`
+    /// (mm/s): the first and second derivative of the feedrate. `None` at rest.
     pub fn along(&self, velocity: &Vector) -> Option<(f64, f64)> {
         let feedrate = velocity.norm();
         if feedrate == 0.0 {
@@ -74,22 +74,21 @@ impl Dynamics {
     }
 }
 
-/// What has arrived of the distance, from the youngest part of the window on.
+/// The distance that has arrived, summed from the youngest part of the window on.
 #[derive(Default)]
-struct Progress {
-    /// mm.
+struct ArrivedDistance {
+    /// Distance, mm.
     distance: f64,
-    /// How fast it arrives, mm/s.
+    /// Rate of the distance, mm/s.
     feedrate: f64,
-    /// V and S at the age where the last slice begins, where the next one ends; 0 where nothing has arrived yet of what
-    /// is sent now.
+    /// V and S at the age where the last slice begins and the next one ends; 0 before the first.
     younger: (f64, f64),
 }
 
-impl Progress {
-    /// Adds a slice; what has arrived of it (mm) and how fast it arrives (mm/s).
+impl ArrivedDistance {
+    /// Adds a slice; returns its contribution to the distance (mm) and to the rate (mm/s).
     #[inline(always)]
-    fn add(&mut self, slice: &Slice, filter: &FilterChain) -> (f64, f64) {
+    fn add(&mut self, slice: &PulseSlice, filter: &FilterChain) -> (f64, f64) {
         let slope = slice.slope();
         if self.younger.1 == 0.0 {
             self.younger = filter.step_and_displacement(slice.younger);
@@ -109,27 +108,32 @@ impl Progress {
         (arrived, arrives)
     }
 
-    fn add_crowd(&mut self, crowd: &Crowd, filter: &Expansion) {
-        let (arrived, arrives) = crowd.progress(filter);
+    fn add_cluster(&mut self, cluster: &PulseCluster, filter: &Expansion) {
+        let (arrived, arrives) = cluster.progress(filter);
         self.distance += arrived;
         self.feedrate += arrives;
         self.younger = (0.0, 0.0);
     }
 }
 
-impl Motion<'_> {
-    /// Where the tool is and how fast it moves.
-    pub fn state(&self, moment: Moment) -> State {
+impl FilteredMotion<'_> {
+    /// Returns position and velocity of the tool.
+    pub fn state(&self, moment: Moment) -> MotionState {
         self.state_along(moment, &mut |segment| self.distances.before(self.segments, 0, segment))
     }
 
-    /// The same where `distance_before` tells how long the path is before a segment, mm.
-    pub(super) fn state_along(&self, moment: Moment, distance_before: &mut dyn FnMut(usize) -> f64) -> State {
+    /// Returns position and velocity of the tool; `distance_before` returns the length of the path before a
+    /// segment, mm.
+    pub(super) fn state_along(
+        &self,
+        moment: Moment,
+        distance_before: &mut dyn FnMut(usize) -> f64,
+    ) -> MotionState {
         let filter = self.filter;
         let (mut travel, mut velocity) = (Vector::zeros(), Vector::zeros());
-        let mut sums = (Progress::default(), &mut travel, &mut velocity);
-        let of_slice = |(progress, travel, velocity): &mut (Progress, &mut Vector, &mut Vector),
-                        slice: Slice| {
+        let mut sums = (ArrivedDistance::default(), &mut travel, &mut velocity);
+        let of_slice = |(progress, travel, velocity): &mut (ArrivedDistance, &mut Vector, &mut Vector),
+                        slice: PulseSlice| {
             let (arrived, arrives) = progress.add(&slice, filter);
             match self.segments.curve(slice.segment) {
                 Curve::Line => {
@@ -145,39 +149,40 @@ impl Motion<'_> {
                 }
             }
         };
-        let oldest = self.for_each_part(moment, &mut sums, of_slice, |sums, crowd, filter| {
-            sums.0.add_crowd(crowd, filter);
-            let (arrived, arrives) = crowd.travel(filter);
+        let oldest = self.for_each_part(moment, &mut sums, of_slice, |sums, cluster, filter| {
+            sums.0.add_cluster(cluster, filter);
+            let (arrived, arrives) = cluster.travel(filter);
             *sums.1 += arrived;
             *sums.2 += arrives;
         });
-        State {
+        MotionState {
             distance: distance_before(oldest.segment) + oldest.offset + sums.0.distance,
             position: self.segments.point(oldest.segment, oldest.offset) + travel,
             velocity,
         }
     }
 
-    /// What [`Walk::progress`] tells, where `distance_before` tells how long the path is before a segment, mm.
+    /// Returns the distance along the programmed path (mm) and its rate (mm/s); `distance_before` returns the
+    /// length of the path before a segment, mm.
     pub(super) fn progress_along(
         &self,
         moment: Moment,
         distance_before: &mut dyn FnMut(usize) -> f64,
     ) -> (f64, f64) {
-        let mut sum = Progress::default();
-        let of_slice = |sum: &mut Progress, slice: Slice| {
+        let mut sum = ArrivedDistance::default();
+        let of_slice = |sum: &mut ArrivedDistance, slice: PulseSlice| {
             sum.add(&slice, self.filter);
         };
-        let oldest = self.for_each_part(moment, &mut sum, of_slice, Progress::add_crowd);
+        let oldest = self.for_each_part(moment, &mut sum, of_slice, ArrivedDistance::add_cluster);
         (distance_before(oldest.segment) + oldest.offset + sum.distance, sum.feedrate)
     }
 
-    /// How the velocity changes.
+    /// Returns acceleration and jerk of the tool.
     pub fn dynamics(&self, moment: Moment) -> Dynamics {
         let filter = self.filter;
         let mut acceleration = Vector::zeros();
         let mut jerk = Vector::zeros();
-        let of_slice = |(acceleration, jerk): &mut (&mut Vector, &mut Vector), slice: Slice| {
+        let of_slice = |(acceleration, jerk): &mut (&mut Vector, &mut Vector), slice: PulseSlice| {
             let slope = slice.slope();
             let segment = self.segments.at(slice.segment);
             for (age, sign) in [(slice.older, 1.0), (slice.younger, -1.0)] {
@@ -208,34 +213,33 @@ impl Motion<'_> {
             }
         };
         let mut sums = (&mut acceleration, &mut jerk);
-        self.for_each_part(moment, &mut sums, of_slice, |sums, crowd, filter| {
-            let (of_crowd, change) = crowd.dynamics(filter);
+        self.for_each_part(moment, &mut sums, of_slice, |sums, cluster, filter| {
+            let (of_crowd, change) = cluster.dynamics(filter);
             *sums.0 += of_crowd;
             *sums.1 += change;
         });
         Dynamics { acceleration, jerk }
     }
 
-    /// Adds everything in the window to `sum`, the youngest first, and returns where the command was one filter delay
-    /// ago.
+    /// Adds everything in the window to `sum`, the youngest first; returns the command one filter delay ago.
     fn for_each_part<T>(
         &self,
         moment: Moment,
         sum: &mut T,
-        add_slice: impl Fn(&mut T, Slice),
-        add_crowd: impl Fn(&mut T, &Crowd, &Expansion),
-    ) -> Oldest {
+        add_slice: impl Fn(&mut T, PulseSlice),
+        add_cluster: impl Fn(&mut T, &PulseCluster, &Expansion),
+    ) -> DelayedCommand {
         let delay = self.filter.delay();
         let mut younger = moment.elapsed - self.pulses.duration(moment.pulse);
         // One past the pulse that is next.
         let mut next = moment.pulse + 1;
         while self.first_pulse < next {
-            if !self.crowds.is_empty()
-                && let Some((crowd, filter)) = self.crowd_before(next, younger)
+            if !self.clusters.is_empty()
+                && let Some((cluster, filter)) = self.cluster_before(next, younger)
             {
-                add_crowd(sum, crowd, &filter);
-                younger += crowd.duration;
-                next -= crowd.count;
+                add_cluster(sum, cluster, &filter);
+                younger += cluster.duration;
+                next -= cluster.count;
                 continue;
             }
             let index = next - 1;
@@ -243,7 +247,7 @@ impl Motion<'_> {
             let segment = pulse.segment as usize;
             let older = if index == moment.pulse { moment.elapsed } else { younger + pulse.duration };
             let [first, last] = pulse.feedrate;
-            let whole = Slice { segment, older, younger, first, last, offset: pulse.offset };
+            let whole = PulseSlice { segment, older, younger, first, last, offset: pulse.offset };
             let is_inside = index != moment.pulse && older < delay;
             let slice = if is_inside { whole } else { whole.within(delay) };
             let offset = slice.offset;
@@ -251,15 +255,15 @@ impl Motion<'_> {
                 add_slice(sum, slice);
             }
             if delay <= older {
-                return Oldest { segment, offset };
+                return DelayedCommand { segment, offset };
             }
             younger = older;
             next = index;
         }
-        Oldest { segment: self.pulses.segment(self.first_pulse), offset: 0.0 }
+        DelayedCommand { segment: self.pulses.segment(self.first_pulse), offset: 0.0 }
     }
 
-    /// How many pulses and crowds a state is made of.
+    /// Returns the number of pulses and clusters in the sum of a state.
     #[cfg(test)]
     pub(super) fn parts_in_window(&self, moment: Moment) -> usize {
         let mut count = 0;
@@ -267,18 +271,18 @@ impl Motion<'_> {
         count
     }
 
-    /// The largest crowd before the pulse `next` that lies within the window and between two knots of the filter,
-    /// if it ended `younger` (s) ago.
-    fn crowd_before(&self, next: usize, younger: f64) -> Option<(&Crowd, Expansion)> {
-        self.crowds.ending_at(next).find_map(|crowd| {
-            let filter = self.filter.expansion(younger, younger + crowd.duration)?;
-            Some((crowd, filter))
+    /// Returns the largest cluster before the pulse `next` that lies within the window and between two knots
+    /// of the filter; it ended `younger` (s) ago. `None` if there is no such cluster.
+    fn cluster_before(&self, next: usize, younger: f64) -> Option<(&PulseCluster, Expansion)> {
+        self.clusters.ending_at(next).find_map(|cluster| {
+            let filter = self.filter.expansion(younger, younger + cluster.duration)?;
+            Some((cluster, filter))
         })
     }
 }
 
-/// Where the command was one filter delay ago.
-struct Oldest {
+/// The command one filter delay ago.
+struct DelayedCommand {
     segment: usize,
     /// Distance from the start of the segment, mm.
     offset: f64,

@@ -1,65 +1,66 @@
 //! The filtered motion along lines as a sum over the borders of pulses, for many moments near one another.
 //!
-//! Along lines an even command changes its velocity v only from one pulse to the next, by a step Δv. A step sent the age a
-//! ago has moved the tool by Δv S(a), and what was commanded one filter delay D ago has arrived in full:
+//! Along lines an even command changes its velocity v only from one pulse to the next, by a step Δv. A step sent
+//! the age a ago has moved the tool by Δv S(a), and what was commanded one filter delay D ago has arrived in full:
 //!
 //! ```text
 //! position  P = P(D) + v(D) S(D) + Σ Δv S(a)        over the borders within one filter delay
 //! velocity  Ṗ = v(D)             + Σ Δv V(a)
 //! ```
 //!
-//! That is the sum over pulses of `state`, in another order, and the same but for the rounding. But a step does
-//! not depend on the moment: it is worked out once for all moments that see it. Where there is anything but lines at an even
-//! command, and where crowds are seen as a whole, the other sum is taken.
+//! That is the sum over pulses of `state` in another order, equal but for rounding. But a step does not
+//! depend on the moment: it is computed once for all moments that see it. The other sum applies if the window
+//! holds anything but lines at an even command, or clusters.
 
-use crate::simulation::profile::{Moment, Motion, State, Walk};
+use crate::simulation::profile::{FilteredMotion, Moment, MotionCursor, MotionState};
 use crate::simulation::toolpath::Curve;
 
 /// The velocity of each axis and the feedrate, mm/s.
 type Rate = nalgebra::Vector4<f64>;
 
-/// So many steps are remembered at most: more than one delay of ordinary blocks holds.
-const MOST_REMEMBERED: usize = 128;
+/// Most steps remembered: more than one delay of ordinary blocks holds.
+const MAX_REMEMBERED_STEPS: usize = 128;
 
-/// Nothing is known of any border.
-const UNKNOWN: Border = Border { pulse: usize::MAX, step: None, after: None };
+/// A border that was not computed.
+const UNCOMPUTED_BORDER: Border = Border { pulse: usize::MAX, step: None, after: None };
 
-/// A motion whose steps are remembered.
-pub struct Steps<'a> {
-    /// The motion, from moment to moment.
-    pub walk: Walk<'a>,
-    /// What is remembered of borders. Their number is a power of two, and each is at its remainder.
+/// A motion with remembered steps.
+pub struct RememberedSteps<'a> {
+    /// The motion with its cursor.
+    pub cursor: MotionCursor<'a>,
+    /// Remembered borders. Their number is a power of two, and a pulse's border is at the remainder of its
+    /// index.
     known: Vec<Border>,
 }
 
-/// Where one pulse ends and the next begins; none beside anything but a line at an even command.
+/// The end of one pulse and the beginning of the next.
 #[derive(Clone, Copy)]
 struct Border {
-    /// The index of the pulse that begins there.
+    /// Index of the pulse that begins there.
     pulse: usize,
-    /// How the command changes there.
+    /// Change of the command; `None` unless both pulses are lines at an even command.
     step: Option<Rate>,
-    /// The command of the pulse that begins there.
+    /// Command of the pulse that begins there; `None` unless it is a line at an even command.
     after: Option<Rate>,
 }
 
-impl<'a> Steps<'a> {
-    /// Nothing is known of the steps of a motion.
-    pub fn of(motion: Motion<'a>) -> Steps<'a> {
+impl<'a> RememberedSteps<'a> {
+    /// Returns a motion without remembered steps.
+    pub fn of(motion: FilteredMotion<'a>) -> RememberedSteps<'a> {
         let borders = motion.end_pulse - motion.first_pulse + 1;
-        let remembered = borders.next_power_of_two().min(MOST_REMEMBERED);
-        Steps { walk: Walk::of(motion), known: vec![UNKNOWN; remembered] }
+        let remembered = borders.next_power_of_two().min(MAX_REMEMBERED_STEPS);
+        RememberedSteps { cursor: MotionCursor::of(motion), known: vec![UNCOMPUTED_BORDER; remembered] }
     }
 
-    /// Where the tool is and how fast it moves: what [`Motion::state`] tells.
-    pub fn state(&mut self, moment: Moment) -> State {
-        self.sum(moment).unwrap_or_else(|| self.walk.state(moment))
+    /// Returns position and velocity of the tool, as [`FilteredMotion::state`] does.
+    pub fn state(&mut self, moment: Moment) -> MotionState {
+        self.sum(moment).unwrap_or_else(|| self.cursor.state(moment))
     }
 
-    /// The sum over borders; none where it is not taken.
-    fn sum(&mut self, moment: Moment) -> Option<State> {
-        let Motion { pulses, filter, first_pulse, end_pulse, crowds, .. } = self.walk.motion;
-        if !crowds.is_empty() {
+    /// Returns the state by the sum over borders; `None` if that sum does not apply.
+    fn sum(&mut self, moment: Moment) -> Option<MotionState> {
+        let FilteredMotion { pulses, filter, first_pulse, end_pulse, clusters, .. } = self.cursor.motion;
+        if !clusters.is_empty() {
             return None;
         }
         let since_end = moment.elapsed - pulses.duration(moment.pulse);
@@ -80,29 +81,29 @@ impl<'a> Steps<'a> {
         if border == end_pulse {
             return None;
         }
-        let oldest = self.walk.motion.even_rate(border)?;
+        let oldest = self.cursor.motion.even_rate(border)?;
         travel += filter.half_delay() * oldest;
         rate += oldest;
         Some(self.state_from(border, oldest.w * (age - filter.delay()), travel, rate))
     }
 
-    /// The state where the command was so far (`way`, mm) beyond the beginning of a pulse one delay ago, and the tool has
-    /// travelled on from there (mm), to this rate.
-    fn state_from(&mut self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> State {
-        let Motion { pulses, segments, .. } = self.walk.motion;
+    /// Returns the state of a tool that travelled on by `travel` (mm) from the command one delay ago, `way`
+    /// (mm) beyond the beginning of a pulse, and moves at `rate`.
+    fn state_from(&mut self, pulse: usize, way: f64, travel: Rate, rate: Rate) -> MotionState {
+        let FilteredMotion { pulses, segments, .. } = self.cursor.motion;
         let (segment, offset) = (pulses.segment(pulse), pulses.offset(pulse) + way);
-        State {
-            distance: self.walk.distances.before(segment) + offset + travel.w,
+        MotionState {
+            distance: self.cursor.distances.before(segment) + offset + travel.w,
             position: segments.point(segment, offset) + travel.xyz(),
             velocity: rate.xyz(),
         }
     }
 
-    /// How the command changes at a border; none beside anything but a line at an even command.
+    /// Returns the change of the command at a border; `None` unless both pulses are lines at an even command.
     fn step(&mut self, pulse: usize) -> Option<Rate> {
-        let (motion, last) = (self.walk.motion, self.known.len() - 1);
+        let (motion, last) = (self.cursor.motion, self.known.len() - 1);
         if self.known[pulse & last].pulse != pulse {
-            // A moment that comes later sees a border beyond the last one.
+            // A later moment sees a border beyond the last one.
             let known_before = self.known[pulse.wrapping_sub(1) & last];
             let before = match pulse.checked_sub(1).filter(|_| motion.first_pulse < pulse) {
                 None => Some(Rate::zeros()),
@@ -117,8 +118,8 @@ impl<'a> Steps<'a> {
     }
 }
 
-impl Motion<'_> {
-    /// The command of a pulse that is even along a line.
+impl FilteredMotion<'_> {
+    /// Returns the command of a pulse that is even along a line; `None` for any other.
     fn even_rate(&self, pulse: usize) -> Option<Rate> {
         let (segment, [first, last]) = (self.pulses.segment(pulse), self.pulses.feedrates(pulse));
         (first == last && *self.segments.curve(segment) == Curve::Line)
@@ -130,10 +131,10 @@ impl Motion<'_> {
 mod tests {
     use super::*;
     use crate::machine::Machine;
-    use crate::simulation::feed::{Rule, command};
+    use crate::simulation::feed::{CornerPolicy, command};
     use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
     use crate::simulation::profile::Profile;
-    use crate::simulation::toolpath::trace;
 
     /// Lines of a tenth to a few millimetres, some of them after a dwell or an arc.
     const PROGRAM: &[u8] =
@@ -144,12 +145,12 @@ mod tests {
     fn borders_and_pulses_have_the_same_sum() {
         let machine = Machine::default();
         let toolpath = trace(&read(PROGRAM), &machine);
-        let plan = command(&toolpath, &machine, Rule::Isolated(0.01));
+        let plan = command(&toolpath, &machine, CornerPolicy::Isolated(0.01));
         let profile = Profile::new(&toolpath, &plan);
         let mut taken = 0;
-        for stretch in plan.stretches() {
-            let motion = profile.motion(stretch);
-            let mut steps = Steps::of(motion);
+        for rest_to_rest in plan.rest_to_rest_motions() {
+            let motion = profile.motion(rest_to_rest);
+            let mut steps = RememberedSteps::of(motion);
             for part in 0..=2000 {
                 let moment = motion.moment(1.1 * motion.duration() * f64::from(part) / 2000.0);
                 let (state, other) = (steps.state(moment), motion.state(moment));

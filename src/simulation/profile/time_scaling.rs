@@ -19,22 +19,25 @@
 //! make it, runs straight, and ends where it meets the filtered motion; with filters of no length it
 //! is a trapezoid. The path, and with it the contour error, is that of the filters.
 //!
-//! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered motion changes, and nowhere else:
-//! where it is constant the ramps are straight, and their ends are put in exactly, and where it only follows a slope of
-//! the command a few samples do. The work is linear in the number of pulses. Limits: N counts with its magnitude, which
-//! takes a little too much where turning and braking would push an axis opposite ways; rotary axes are left out.
+//! Samples lie a 48th of the filter delay apart, closer where one of the filters is short, while the filtered
+//! motion changes, and nowhere else: where it is constant the ramps are straight, and their ends are put in
+//! exactly, and where it only follows a slope of the command a few samples do. The work is linear in the number of
+//! pulses. Limits: N counts with its magnitude, which takes a little too much where turning and braking would push
+//! an axis opposite ways; rotary axes are left out.
 //!
 //! Controls that plan their ramps before any filter, as in [`crate::simulation::feed::block`], have their plans
 //! left as they are.
 
 use crate::machine::Machine;
-use crate::simulation::feed::{FeedPlan, Knot, Stretch, TimeScaling, time_scaling};
-use crate::simulation::profile::{Dynamics, Moment, Motion, Profile, State, Walk};
+use crate::simulation::feed::{FeedPlan, Knot, RestToRest, TimeScaling, time_scaling};
+use crate::simulation::profile::{Dynamics, FilteredMotion, Moment, MotionCursor, MotionState, Profile};
 use crate::simulation::running_sum::running_sum;
 use crate::simulation::toolpath::{Curve, Toolpath, Vector};
 
-/// Samples within one filter delay, and at most where one of the filters is short.
-const SAMPLES_PER_DELAY: (f64, f64) = (48.0, 480.0);
+/// Samples within one filter delay.
+const SAMPLES_PER_DELAY: f64 = 48.0;
+/// Most samples within one filter delay, if one of the filters is short.
+const MAX_SAMPLES_PER_DELAY: f64 = 480.0;
 
 /// Samples within the shortest filter.
 const SAMPLES_PER_FILTER: f64 = 12.0;
@@ -43,36 +46,36 @@ const SAMPLES_PER_FILTER: f64 = 12.0;
 const SAMPLES_PER_SLOPE: f64 = 16.0;
 
 /// Largest angle turned on an arc between two samples, rad.
-const WIDEST_ANGLE: f64 = 0.02;
+const MAX_SAMPLE_ANGLE_RAD: f64 = 0.02;
 
-/// The cosine of the angle between two samples below which the motion turned back on itself.
-const BACK: f64 = -0.99;
+/// Cosine of the angle between two samples below which the motion turned back.
+const REVERSAL_COSINE: f64 = -0.99;
 
-/// A feedrate that is less than this part below the filtered one is that one.
-const ROUNDING: f64 = 1e-12;
+/// A feedrate less than this part below the filtered one counts as equal to it.
+const FREE_FEEDRATE_RATIO: f64 = 1e-12;
 
-/// The plan with the time that acceleration limits cost behind the filters.
+/// Returns the plan with the time that acceleration limits cost behind the filters.
 pub(crate) fn time_scaled(toolpath: &Toolpath, machine: &Machine, plan: FeedPlan) -> FeedPlan {
-    let limits = Limits::of(machine);
+    let limits = AccelerationLimits::of(machine);
     if machine.limits_command() || !limits.are_finite() {
         return plan;
     }
-    let mut lost = TimeScaling::default();
+    let mut scaling = TimeScaling::default();
     {
         let profile = Profile::new(toolpath, &plan);
-        for stretch in plan.stretches() {
-            limits.slow_down(&profile.motion(stretch), stretch, &mut lost);
+        for rest_to_rest in plan.rest_to_rest_motions() {
+            limits.slow_down(&profile.motion(rest_to_rest), rest_to_rest, &mut scaling);
         }
     }
-    FeedPlan { time_scaling: (!lost.is_empty()).then_some(lost), ..plan }
+    FeedPlan { time_scaling: (!scaling.is_empty()).then_some(scaling), ..plan }
 }
 
 /// A sample of the filtered motion.
 #[derive(Clone, Copy)]
-struct Sample {
-    /// Filtered time since the beginning of the stretch, s.
+struct MotionSample {
+    /// Filtered time since the beginning of the motion, s.
     time: f64,
-    /// Segment on which the tool is.
+    /// Index of the segment.
     segment: usize,
     /// Filtered feedrate, mm/s.
     filtered: f64,
@@ -85,15 +88,15 @@ struct Sample {
 }
 
 /// Acceleration limits, mm/s².
-struct Limits {
+struct AccelerationLimits {
     axes: Vector,
     path: f64,
 }
 
-impl Limits {
-    fn of(machine: &Machine) -> Limits {
+impl AccelerationLimits {
+    fn of(machine: &Machine) -> AccelerationLimits {
         let axes = Vector::from_fn(|k, _| machine.axes[k].acceleration);
-        Limits { axes, path: machine.path.acceleration }
+        AccelerationLimits { axes, path: machine.path.acceleration }
     }
 
     fn have_axes(&self) -> bool {
@@ -104,22 +107,23 @@ impl Limits {
         self.path.is_finite() || self.have_axes()
     }
 
-    /// Adds what a stretch loses.
-    fn slow_down(&self, motion: &Motion, stretch: &Stretch, lost: &mut TimeScaling) {
-        let mut samples = self.samples(motion, stretch);
+    /// Adds to `scaling` the time that the limits cost on a motion.
+    fn slow_down(&self, motion: &FilteredMotion, rest_to_rest: &RestToRest, scaling: &mut TimeScaling) {
+        let mut samples = self.samples(motion, rest_to_rest);
+        // The forward pass bounds the growth of the speed by the limits, the backward pass its decrease.
         for i in 1..samples.len() {
             samples[i].square = samples[i].square.min(self.reach(&samples[i - 1], &samples[i]));
         }
         for i in (1..samples.len()).rev() {
             samples[i - 1].square = samples[i - 1].square.min(self.reach(&samples[i], &samples[i - 1]));
         }
-        if samples.iter().all(Sample::is_free) {
+        if samples.iter().all(MotionSample::is_free) {
             return;
         }
         let between = samples
             .windows(2)
             .flat_map(|pair| self.turning_points(&pair[0], &pair[1]).into_iter().flatten().chain([pair[1]]));
-        let samples: Vec<Sample> = [samples[0]].into_iter().chain(between).collect();
+        let samples: Vec<MotionSample> = [samples[0]].into_iter().chain(between).collect();
         let losses: Vec<f64> = samples.windows(2).map(|pair| pair[0].lost_until(&pair[1])).collect();
         let mut segments: Vec<(usize, f64)> = Vec::new();
         for (sample, loss) in samples.iter().zip(&losses).filter(|(_, loss)| 0.0 < **loss) {
@@ -132,25 +136,27 @@ impl Limits {
         let losts = [0.0].into_iter().chain(running_sum(losses.into_iter()));
         for (i, (sample, lost)) in samples.iter().zip(losts).enumerate() {
             let around = &samples[i.saturating_sub(1)..samples.len().min(i + 2)];
-            // Of what runs free only the ends are kept.
-            if around.len() < 3 || !around.iter().all(Sample::is_free) {
+            // Only the ends of a part that follows the filters are kept.
+            if around.len() < 3 || !around.iter().all(MotionSample::is_free) {
                 knots.push(sample.knot(lost));
             }
         }
-        lost.push(stretch, &knots, &segments);
+        scaling.push(rest_to_rest, &knots, &segments);
     }
 
-    /// The filtered motion of a stretch.
-    fn samples(&self, motion: &Motion, stretch: &Stretch) -> Vec<Sample> {
+    /// Returns samples of the filtered motion.
+    fn samples(&self, motion: &FilteredMotion, rest_to_rest: &RestToRest) -> Vec<MotionSample> {
         let end = motion.duration();
-        let mut samples: Vec<Sample> = Vec::new();
-        let (mut time, mut segment) = (0.0, stretch.segments.start);
+        let mut samples: Vec<MotionSample> = Vec::new();
+        let (mut time, mut segment) = (0.0, rest_to_rest.segments.start);
         let mut before = Vector::zeros();
-        let mut walk = Walk::of(*motion);
-        let mut moment = walk.moment(time);
+        let mut cursor = MotionCursor::of(*motion);
+        let mut moment = cursor.moment(time);
         loop {
-            let state = walk.state(moment);
-            while segment + 1 < stretch.segments.end && walk.distances.before(segment + 1) <= state.distance {
+            let state = cursor.state(moment);
+            while segment + 1 < rest_to_rest.segments.end
+                && cursor.distances.before(segment + 1) <= state.distance
+            {
                 segment += 1;
             }
             let filtered = state.velocity.norm();
@@ -164,40 +170,40 @@ impl Limits {
                     curvature = across.abs() / (filtered * filtered);
                 }
             }
-            if before.dot(&state.velocity) < BACK * before.norm() * filtered
+            if before.dot(&state.velocity) < REVERSAL_COSINE * before.norm() * filtered
                 && let Some(last) = samples.last()
             {
-                // Where it turns back on itself it stands.
+                // A motion that turns back is at rest there.
                 let stand = last.time + (time - last.time) * before.norm() / (before.norm() + filtered);
                 if last.time < stand && stand < time {
-                    samples.push(Sample { time: stand, filtered: 0.0, square: 0.0, ..*last });
+                    samples.push(MotionSample { time: stand, filtered: 0.0, square: 0.0, ..*last });
                 }
             }
             before = state.velocity;
             let square = self.around_curves(&curvature).min(filtered * filtered);
-            samples.push(Sample { time, segment, filtered, share, curvature, square });
+            samples.push(MotionSample { time, segment, filtered, share, curvature, square });
             if end <= time {
                 return samples;
             }
-            time = next_time(&mut walk, moment, time).min(end);
-            moment = walk.moment_from(moment.pulse, time);
+            time = next_time(&mut cursor, moment, time).min(end);
+            moment = cursor.moment_from(moment.pulse, time);
         }
     }
 
-    /// The largest squared feedrate at which turning alone takes no more of an axis than it has, mm²/s².
+    /// Returns the largest squared feedrate at which turning alone keeps each axis within its limit, mm²/s².
     fn around_curves(&self, curvature: &Vector) -> f64 {
         let of_axis = |k: usize| self.axes[k] / curvature[k];
         (0..3).filter(|&k| 0.0 < curvature[k]).map(of_axis).fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest slope of the feedrate at a sample run at the squared feedrate `square`, mm/s².
-    fn available(&self, sample: &Sample, square: f64) -> f64 {
+    /// Returns the largest slope of the feedrate at a sample run at the squared feedrate `square`, mm/s².
+    fn available(&self, sample: &MotionSample, square: f64) -> f64 {
         let of_axis = |k: usize| (self.axes[k] - square * sample.curvature[k]).max(0.0) / sample.share[k];
         (0..3).filter(|&k| 0.0 < sample.share[k]).map(of_axis).fold(self.path, f64::min)
     }
 
-    /// The largest squared feedrate at `to` that is reached from that at `from`.
-    fn reach(&self, from: &Sample, to: &Sample) -> f64 {
+    /// Returns the largest squared feedrate at `to` that is reached from that at `from`, mm²/s².
+    fn reach(&self, from: &MotionSample, to: &MotionSample) -> f64 {
         let doubled = 2.0 * from.distance(to);
         if doubled == 0.0 {
             return from.square;
@@ -210,9 +216,9 @@ impl Limits {
         by_axes.min(from.square + doubled * self.available(from, from.square))
     }
 
-    /// Where between two samples of a constant filtered motion a ramp ends and another begins, or
+    /// Returns where, between two samples of a constant filtered motion, one ramp ends and another begins, or
     /// both meet.
-    fn turning_points(&self, from: &Sample, to: &Sample) -> [Option<Sample>; 2] {
+    fn turning_points(&self, from: &MotionSample, to: &MotionSample) -> [Option<MotionSample>; 2] {
         let full = from.filtered * from.filtered;
         let is_constant = (to.filtered / from.filtered - 1.0).abs() <= 1e-9;
         if !is_constant || (from.is_free() && to.is_free()) {
@@ -223,7 +229,7 @@ impl Limits {
         let at = |distance: f64, square: f64| {
             let is_inside = 0.0 < distance && distance < length;
             let time = from.time + distance / from.filtered;
-            is_inside.then_some(Sample { time, square: square.min(full), ..*from })
+            is_inside.then_some(MotionSample { time, square: square.min(full), ..*from })
         };
         let (rise, fall) = ((full - from.square) / doubled_slope, (full - to.square) / doubled_slope);
         if rise + fall < length {
@@ -235,23 +241,23 @@ impl Limits {
     }
 }
 
-impl Sample {
-    /// Whether the machine follows the filters here.
+impl MotionSample {
+    /// Returns `true` if the machine follows the filters at this sample.
     fn is_free(&self) -> bool {
-        self.filtered * self.filtered * (1.0 - ROUNDING) <= self.square
+        self.filtered * self.filtered * (1.0 - FREE_FEEDRATE_RATIO) <= self.square
     }
 
     fn feedrate(&self) -> f64 {
         if self.is_free() { self.filtered } else { self.square.sqrt() }
     }
 
-    /// Δσ, mm.
-    fn distance(&self, to: &Sample) -> f64 {
+    /// Returns Δσ, mm.
+    fn distance(&self, to: &MotionSample) -> f64 {
         0.5 * (self.filtered + to.filtered) * (to.time - self.time).abs()
     }
 
-    /// What is lost from here to the next sample, s.
-    fn lost_until(&self, next: &Sample) -> f64 {
+    /// Returns the time that the limits cost from this sample to the next, s.
+    fn lost_until(&self, next: &MotionSample) -> f64 {
         if self.is_free() && next.is_free() {
             return 0.0;
         }
@@ -267,16 +273,16 @@ impl Sample {
     }
 }
 
-impl Motion<'_> {
-    /// The true time at a filtered one, both since the beginning of the stretch, s.
+impl FilteredMotion<'_> {
+    /// Returns the true time at a filtered time, both since the beginning of the motion, s.
     pub(super) fn true_time(&self, filtered: f64) -> f64 {
         time_scaling::true_time(self.knots, filtered)
     }
 
-    /// How the velocity changes at a true time since the beginning of the stretch, s: along a path with
+    /// Returns acceleration and jerk at a true time since the beginning of the motion, s: along a path with
     /// the direction u and its derivatives N and N′ by length, v̇ u + v² N, and its derivative.
     pub(super) fn dynamics_at(&self, time: f64) -> Dynamics {
-        let pace = time_scaling::pace(self.knots, time);
+        let pace = time_scaling::filtered_time(self.knots, time);
         let moment = self.moment(pace.filtered);
         let filtered = self.dynamics(moment);
         let Some((feedrate, slope)) = pace.feedrate else { return filtered };
@@ -297,10 +303,10 @@ impl Motion<'_> {
     }
 }
 
-impl Walk<'_> {
-    /// Where the tool is and how fast it moves at a true time since the beginning of the stretch, s.
-    pub(super) fn state_at(&mut self, time: f64) -> State {
-        let pace = time_scaling::pace(self.motion.knots, time);
+impl MotionCursor<'_> {
+    /// Returns position and velocity of the tool at a true time since the beginning of the motion, s.
+    pub(super) fn state_at(&mut self, time: f64) -> MotionState {
+        let pace = time_scaling::filtered_time(self.motion.knots, time);
         let moment = self.moment(pace.filtered);
         let mut state = self.state(moment);
         let filtered = state.velocity.norm();
@@ -313,12 +319,12 @@ impl Walk<'_> {
     }
 }
 
-/// Where the sample after that at a moment lies.
-fn next_time(walk: &mut Walk, moment: Moment, time: f64) -> f64 {
-    let motion = walk.motion;
+/// Returns the time of the sample after the one at a moment, s.
+fn next_time(cursor: &mut MotionCursor, moment: Moment, time: f64) -> f64 {
+    let motion = cursor.motion;
     let delay = motion.filter.delay();
     let shortest = motion.filter.time_constants().iter().copied().fold(delay, f64::min);
-    let (fewest, most) = SAMPLES_PER_DELAY;
+    let (fewest, most) = (SAMPLES_PER_DELAY, MAX_SAMPLES_PER_DELAY);
     let step = time + (shortest / SAMPLES_PER_FILTER).clamp(delay / most, delay / fewest);
     let pulse = motion.pulses.at(moment.pulse);
     if moment.elapsed < delay {
@@ -328,8 +334,8 @@ fn next_time(walk: &mut Walk, moment: Moment, time: f64) -> f64 {
     let [first, last] = pulse.feedrate;
     let widest = match &segment.curve {
         Curve::Line => f64::INFINITY,
-        Curve::Arc(arc) => WIDEST_ANGLE * segment.length / (arc.sweep * first.max(last)),
+        Curve::Arc(arc) => MAX_SAMPLE_ANGLE_RAD * segment.length / (arc.sweep * first.max(last)),
     };
     let widest = if first == last { widest } else { widest.min(pulse.duration / SAMPLES_PER_SLOPE) };
-    step.max((walk.pulse_start(moment.pulse) + pulse.duration).min(time + widest))
+    step.max((cursor.pulse_start(moment.pulse) + pulse.duration).min(time + widest))
 }

@@ -43,8 +43,8 @@ pub struct Arc {
 }
 
 impl Arc {
-    /// The arc from `start` over `middle` to `end`, mm; none where they lie on one line.
-    pub(super) fn through(start: Point, middle: Point, end: Point) -> Option<Arc> {
+    /// The arc from `start` over `middle` to `end`, mm, or `None` if they lie on one line.
+    pub(crate) fn through(start: Point, middle: Point, end: Point) -> Option<Arc> {
         let (to_middle, to_end) = (middle - start, end - start);
         let normal = to_middle.cross(&to_end);
         let doubled = 2.0 * normal.norm_squared();
@@ -64,8 +64,8 @@ impl Arc {
     }
 
     /// The arc that leaves `start` along `direction` and ends at `end`, in the plane with this
-    /// `normal` axis, rising along it; none where it would be a line.
-    pub(super) fn along(start: Point, direction: Vector, end: Point, normal: usize) -> Option<Arc> {
+    /// `normal` axis, rising along it, or `None` if it would be a line.
+    pub(crate) fn along(start: Point, direction: Vector, end: Point, normal: usize) -> Option<Arc> {
         let mut rise = Vector::zeros();
         rise[normal] = end[normal] - start[normal];
         let chord = end - start - rise;
@@ -125,6 +125,21 @@ impl Arc {
 }
 
 impl Arc {
+    /// The part of it between two fractions σ.
+    fn part(&self, from: f64, to: f64) -> Arc {
+        let (sin, cos) = (self.sweep * from).sin_cos();
+        let radius = |sigma: f64| self.start_radius + (self.end_radius - self.start_radius) * sigma;
+        Arc {
+            center: self.center + from * self.rise,
+            e1: cos * self.e1 + sin * self.e2,
+            e2: cos * self.e2 - sin * self.e1,
+            start_radius: radius(from),
+            end_radius: radius(to),
+            sweep: self.sweep * (to - from),
+            rise: self.rise * (to - from),
+        }
+    }
+
     /// Second and third derivative of the position by σ, mm; the widening of a rounded arc is
     /// left out, as it is in the curvature.
     fn higher_derivatives(&self, sigma: f64) -> [Vector; 2] {
@@ -140,7 +155,7 @@ impl Arc {
 impl Curve {
     /// Position at the fraction σ of the way from `start` to `end`, mm.
     #[inline]
-    pub(super) fn point(&self, start: Point, end: Point, sigma: f64) -> Point {
+    pub(crate) fn point(&self, start: Point, end: Point, sigma: f64) -> Point {
         match self {
             Curve::Line => start + (end - start) * sigma,
             Curve::Arc(arc) => arc.point(sigma),
@@ -173,6 +188,24 @@ impl Segment {
         match &self.curve {
             Curve::Line => (self.end - self.start) / self.length,
             Curve::Arc(arc) => arc.derivative(s / self.length) / self.length,
+        }
+    }
+
+    /// The part of it between two distances from its start, mm. An exact stop belongs to its end.
+    pub fn part(&self, from: f64, to: f64) -> Segment {
+        let (is_first, is_last) = (from <= 0.0, self.length <= to);
+        let share = (to - from) / self.length;
+        Segment {
+            start: if is_first { self.start } else { self.point(from) },
+            end: if is_last { self.end } else { self.point(to) },
+            curve: match &self.curve {
+                Curve::Line => Curve::Line,
+                Curve::Arc(arc) => Curve::Arc(arc.part(from / self.length, to / self.length).into()),
+            },
+            length: to - from,
+            rotation: (*self.rotation * share).into(),
+            exact_stop: is_last && self.exact_stop,
+            ..*self
         }
     }
 

@@ -1,86 +1,31 @@
-//! Blocks → toolpath: where the tool is told to go, and where it has to stop.
+//! Canonical moves → segments: the geometry of a program.
 //!
-//! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in
-//! one coordinate system (the machine's; work offsets, shifts, rotation, scaling and mirrors are
-//! already applied). Between segments lie the stops: dwells, tool changes and other M-words, and
-//! turns of rotary axes alone.
-//!
-//! Order of execution within a block: units, plane, distance and path modes; F; T; S; M-words that
-//! act before the motion (M6 and all not named below, as written); work offset; tool length; dwell,
-//! change of coordinates, reference move or motion; M-words that act after it (M0, M1, M2, M5, M9,
-//! M30, M60). That is RS274/NGC, Table 5, but for M5 and M9, which wait for the motion as on Fanuc
-//! controls.
-//!
-//! Rules where controls differ or a program does not say:
-//! - The tool begins at the machine's zero, in mm, G17, G54, G90, G91.1, G94, G64; axis words before
-//!   the first motion word move in rapid.
-//! - The values of expressions are worked out before their block is run, by the rules of the
-//!   parameters module; a value that is not whole counts as written with a decimal point.
-//! - P of G4 is in seconds; without a decimal point, in a program with a `%` line or an O
-//!   number, in milliseconds. X and U of G4 are in seconds.
-//! - Work offsets and tool lengths that neither program nor machine file gives are zero. G28, G30
-//!   and G53 are run in the axes whose reference point the machine knows; in the others the tool
-//!   stays where it is.
-//! - G61, G61.1 and G9 ask for a full stop at the end of rapid and feed moves alike; what else a
-//!   program says about tolerances is told in the path mode module.
-//! - Rotary axes go where their words say, neither the shortest way nor modulo 360. Beside a move
-//!   F holds along X, Y and Z, or on Fanuc controls along all axes.
-//! - Cycles (G73 to G89) are run hole by hole, by the rules of the cycle module.
-//! - Corner treatments and cutter compensation are in the compensation module.
-//! - A program that shows itself as one for a lathe is declined, by the signs of the turning module.
-//! - Tilted planes (G68.2) and cylindrical or polar interpolation are not applied. Each says so.
-//! - Lengths without a decimal point are lengths as written, but where the machine file gives an
-//!   increment for them.
-//!
-//! Where controls read a word in two ways, the dialect decides: Fanuc for ISO programs and Okuma's,
-//! RS274/NGC and LinuxCNC for the others.
-//!
-//! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 3.5 to 3.8.
+//! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in one coordinate system (the
+//! machine's; work offsets, shifts, rotation, scaling and mirrors are already applied). Between segments lie the stops:
+//! dwells, tool changes and other machine functions, and turns of rotary axes alone.
 
-mod block;
-mod center;
-mod compensation;
-mod control;
-mod coupled;
+pub(crate) mod canonical;
+pub(crate) mod compensation;
 mod curve;
-mod cycle;
-mod doubt;
-mod feed_mode;
-mod frame;
-mod functions;
-mod increment;
-mod klartext;
-mod motion;
-mod operations;
-mod own;
-mod parameters;
+pub(crate) mod nurbs;
+pub(crate) mod operations;
 mod path_mode;
-mod plain;
-mod plane;
+pub(crate) mod plane;
 #[cfg(test)]
 pub(crate) mod random;
-mod remark;
-mod rotary;
-mod run;
 mod segments;
-mod siemens;
-mod spline;
-mod straight;
-mod trace;
-mod turning;
-mod words;
 
 pub use curve::{Arc, Curve};
-pub use motion::ASSUMED_FEEDRATE;
 pub use operations::{MOST_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
 pub use segments::Segments;
-pub use straight::{LINES_OF_A_PART, trace_straight, trace_text};
-pub use trace::{trace, trace_within};
 
-use crate::machine::Spin;
+use crate::machine::{SpindleDirection, SpindleState};
 use crate::simulation::gcode::{Diagnostic, Dialect, Doubt, LineNumber};
 use crate::simulation::running_sum::running_sum;
+
+/// Moves shorter than this are rounding, mm.
+pub(crate) const MIN_MOVE_MM: f64 = 1e-9;
 
 /// A position, mm.
 pub type Point = nalgebra::Point3<f64>;
@@ -116,6 +61,8 @@ pub struct Segment {
     pub rotation: Rotation,
     /// The program asks for a full stop at its end (G9, G61).
     pub exact_stop: bool,
+    /// The stop is that of G61, which LinuxCNC makes only where its acceleration does not allow the corner (exact path).
+    pub exact_path: bool,
     /// Line of the program it comes from.
     pub line: LineNumber,
 }
@@ -178,10 +125,10 @@ pub enum StopCause {
     /// The spindle starts, stops or changes its speed.
     Spindle {
         /// What it did.
-        from: Spin,
+        from: SpindleState,
         /// What it is to do.
-        to: Spin,
-        /// The M-word that says so; none where it is an S word alone.
+        to: SpindleState,
+        /// The M-word that says so, or `None` if it is an S word alone.
         code: Option<u32>,
     },
     /// Any other M-word.
@@ -228,7 +175,7 @@ pub struct Toolpath {
     pub path_modes: Vec<PathMode>,
     /// What the spindle does, and how many segments come before it, by ascending number, each once;
     /// before the first it stands. Beside a compensated contour up to a few moves early.
-    pub spins: Vec<(usize, Spin)>,
+    pub spins: Vec<(usize, SpindleState)>,
     /// What was left out or assumed, of reading and tracing together, in line order.
     pub diagnostics: Vec<Diagnostic>,
     /// Why nothing of the program is run: a lathe program.
@@ -240,8 +187,12 @@ pub struct Toolpath {
 impl Toolpath {
     /// The distance along the path before each segment, and at the end, mm.
     pub fn distances(&self) -> Vec<f64> {
-        let lengths = (0..self.segments.len()).map(|segment| self.segments.length(segment));
-        [0.0].into_iter().chain(running_sum(lengths)).collect()
+        [0.0].into_iter().chain(self.ends()).collect()
+    }
+
+    /// The distance along the path at the end of each segment, mm.
+    pub fn ends(&self) -> impl Iterator<Item = f64> {
+        running_sum((0..self.segments.len()).map(|segment| self.segments.length(segment)))
     }
 
     /// The segments before which a running spindle changes its speed by an S word, without a stop of the program.
@@ -253,5 +204,19 @@ impl Toolpath {
         let has_stop = |next: &usize| self.stops.binary_search_by_key(next, |stop| stop.after).is_ok();
         let is_among_moves = move |next: &usize| *next < self.segments.len() && !has_stop(next);
         changes.map(|pair| pair[1].0).filter(is_among_moves)
+    }
+
+    /// The first feed move after each start of the spindle and each change of its speed.
+    pub fn feeds_at_new_speed(&self) -> impl Iterator<Item = usize> {
+        let standing = (0, SpindleState::default());
+        let before = [standing].into_iter().chain(self.spins.iter().copied());
+        let until = self.spins[1.min(self.spins.len())..].iter().map(|next| next.0);
+        let until = until.chain([self.segments.len()]);
+        let spins = before.zip(&self.spins).zip(until).filter(|(((_, before), (_, own)), _)| {
+            own.direction != SpindleDirection::Standing && 0.0 < own.speed && before != own
+        });
+        spins.filter_map(|((_, (from, _)), until)| {
+            (*from..until.min(self.segments.len())).find(|at| self.segments.motion(*at) != Motion::Rapid)
+        })
     }
 }

@@ -26,7 +26,7 @@ use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause};
 pub const MOST_OPERATIONS: usize = 500;
 
 /// The longest name of an operation or a tool, in characters.
-const LONGEST_NAME: usize = 80;
+const MAX_NAME_LENGTH: usize = 80;
 
 /// A part of a program; it ends where the next one begins.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,7 +46,7 @@ pub struct Operation {
 }
 
 /// The operations of a toolpath with the comments of its program by ascending line, and how many more there would be beyond the most.
-pub(super) fn operations(
+pub(crate) fn operations(
     segments: &Segments,
     stops: &[Stop],
     comments: &[Comment],
@@ -273,7 +273,7 @@ fn tool_names(comments: &[Comment]) -> BTreeMap<u32, &str> {
 }
 
 /// The tool that a comment begins with, and the rest of the comment.
-pub(super) fn tool_and_name(text: &str) -> Option<(u32, &str)> {
+pub(crate) fn tool_and_name(text: &str) -> Option<(u32, &str)> {
     let text = bare(text);
     let rest = ["TOOL", "T"].iter().find_map(|word| {
         let head = text.get(..word.len()).filter(|head| head.eq_ignore_ascii_case(word))?;
@@ -291,8 +291,5 @@ fn bare(text: &str) -> &str {
 }
 
 fn shortened(name: &str) -> String {
-    name.chars().take(LONGEST_NAME).collect()
+    name.chars().take(MAX_NAME_LENGTH).collect()
 }
-
-#[cfg(test)]
-mod tests;

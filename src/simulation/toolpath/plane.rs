@@ -13,11 +13,11 @@ use thiserror::Error;
 
 /// Ends of an arc closer than this make it a full circle, mm: below the resolution of any
 /// control, above the rounding of sums of increments.
-const SAME_POINT: f64 = 1e-6;
+const SAME_POINT_MM: f64 = 1e-6;
 
 /// The plane that arcs lie in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Plane {
+pub(crate) enum Plane {
     /// G17.
     Xy,
     /// G18; its first axis is Z.
@@ -28,7 +28,7 @@ pub(super) enum Plane {
 
 /// How an arc turns, seen against the normal of its plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Turn {
+pub(crate) enum Turn {
     /// G2.
     Clockwise,
     /// G3.
@@ -37,7 +37,7 @@ pub(super) enum Turn {
 
 impl Turn {
     /// The other sense.
-    pub(super) fn reversed(self) -> Turn {
+    pub(crate) fn reversed(self) -> Turn {
         match self {
             Turn::Clockwise => Turn::Counterclockwise,
             Turn::Counterclockwise => Turn::Clockwise,
@@ -47,12 +47,12 @@ impl Turn {
 
 /// Why no circle goes through the programmed points.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub(super) enum NoCircle {
+pub(crate) enum NoCircle {
     /// The centre is the start.
     #[error("the centre of the arc is its start")]
     NoRadius,
     /// R with start and end in one point.
-    #[error("an arc by R needs an end apart from its start")]
+    #[error("an arc by R needs an end that differs from its start")]
     NoChord,
     /// R is smaller than half the distance of the ends.
     #[error("radius {radius:.4} mm is too small for an arc between ends {chord:.4} mm apart")]
@@ -66,7 +66,7 @@ pub(super) enum NoCircle {
 
 impl Plane {
     /// Indices of first axis, second axis and normal.
-    pub(super) fn axes(self) -> [usize; 3] {
+    pub(crate) fn axes(self) -> [usize; 3] {
         match self {
             Plane::Xy => [0, 1, 2],
             Plane::Zx => [2, 0, 1],
@@ -75,7 +75,7 @@ impl Plane {
     }
 
     /// The vector with these components along first axis, second axis and normal.
-    pub(super) fn vector(self, components: [f64; 3]) -> Vector {
+    pub(crate) fn vector(self, components: [f64; 3]) -> Vector {
         let mut vector = Vector::zeros();
         for (index, component) in self.axes().into_iter().zip(components) {
             vector[index] = component;
@@ -84,7 +84,7 @@ impl Plane {
     }
 
     /// Centre of the arc with the programmed radius `radius`, mm; negative: the longer arc.
-    pub(super) fn center_of_radius(
+    pub(crate) fn center_of_radius(
         self,
         (start, end): (Point, Point),
         turn: Turn,
@@ -93,7 +93,7 @@ impl Plane {
         let [a, b, _] = self.axes();
         let (along, across) = (end[a] - start[a], end[b] - start[b]);
         let chord = along.hypot(across);
-        if chord < SAME_POINT {
+        if chord < SAME_POINT_MM {
             return Err(NoCircle::NoChord);
         }
         if tolerated_difference(radius.abs()) < 0.5 * chord - radius.abs() {
@@ -107,7 +107,7 @@ impl Plane {
     }
 
     /// The arc around `center`, with `turns` − 1 full turns more than it takes to reach the end.
-    pub(super) fn arc(
+    pub(crate) fn arc(
         self,
         (start, end): (Point, Point),
         center: Point,
@@ -118,13 +118,13 @@ impl Plane {
         let (from_a, from_b) = (start[a] - center[a], start[b] - center[b]);
         let (to_a, to_b) = (end[a] - center[a], end[b] - center[b]);
         let (start_radius, end_radius) = (from_a.hypot(from_b), to_a.hypot(to_b));
-        if start_radius < SAME_POINT {
+        if start_radius < SAME_POINT_MM {
             return Err(NoCircle::NoRadius);
         }
         let (cos, sin) = (from_a / start_radius, from_b / start_radius);
         let sense = if turn == Turn::Counterclockwise { 1.0 } else { -1.0 };
         let angle = (sense * (from_a * to_b - from_b * to_a)).atan2(from_a * to_a + from_b * to_b);
-        let is_full = (end[a] - start[a]).hypot(end[b] - start[b]) < SAME_POINT;
+        let is_full = (end[a] - start[a]).hypot(end[b] - start[b]) < SAME_POINT_MM;
         let once = if is_full || angle <= 0.0 { angle + TAU } else { angle };
         let mut center = center;
         center[normal] = start[normal];
@@ -141,6 +141,6 @@ impl Plane {
 }
 
 /// How far radii may differ by rounding of the programmed numbers, mm.
-pub(super) fn tolerated_difference(radius: f64) -> f64 {
+pub(crate) fn tolerated_difference(radius: f64) -> f64 {
     (1e-3 * radius).max(0.01)
 }

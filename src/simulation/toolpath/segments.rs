@@ -8,13 +8,13 @@
 //!
 //! Limits: no more than 2³² − 1 segments; a feedrate is finite, as an infinite one is rapid.
 
-use crate::simulation::compact::{Compact, Keep};
 use crate::simulation::gcode::LineNumber;
+use crate::simulation::packed::{PackedVec, Packing};
 use crate::simulation::toolpath::{Curve, Motion, Point, Rotation, Segment, Vector};
 use std::collections::TryReserveError;
 
 /// The segments of a toolpath in order, each beginning where the one before ends.
-pub type Segments = Compact<Moves>;
+pub type Segments = PackedVec<Moves>;
 
 /// How segments are kept.
 #[derive(Clone, Default)]
@@ -43,6 +43,7 @@ struct Way {
     /// Its only segment has the last of them.
     has_shape: bool,
     exact_stop: bool,
+    exact_path: bool,
 }
 
 /// What few segments have: they are arcs, turn axes or are not as long as their ends are apart.
@@ -102,15 +103,18 @@ impl Moves {
         [self.points[index], self.points[index + 1]]
     }
 
-    /// From the start to the end of the segment with this index, mm.
+    /// Returns the vector from the start to the end of the segment with this index, mm.
     #[inline]
     fn chord(&self, index: usize) -> Vector {
         let [start, end] = self.ends(index);
         end - start
     }
 
-    /// The shape of the segment with this index. This and those that follow are for where so many are looked at that even to
-    /// put a segment together takes time. Panics beyond the end.
+    /// Returns the shape of the segment with this index. This function and those below spare hot loops the whole segment.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
     #[inline]
     pub fn curve(&self, index: usize) -> &Curve {
         self.shape(index).map_or(&Curve::Line, |shape| &shape.curve)
@@ -179,7 +183,11 @@ impl Moves {
         (1..self.count()).map(|after| (self.at(after - 1), self.at(after)))
     }
 
-    /// Makes room for so many more, and for no more than that. It is an error where there is no such room.
+    /// Makes room for a number of further segments and for no more.
+    ///
+    /// # Errors
+    ///
+    /// If there is not as much memory.
     pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
         self.points.try_reserve_exact(additional + usize::from(self.points.is_empty()))?;
         self.way_indices.try_reserve_exact(additional)
@@ -202,7 +210,7 @@ impl Moves {
     }
 }
 
-impl Keep for Moves {
+impl Packing for Moves {
     type Item = Segment;
 
     #[inline]
@@ -216,14 +224,15 @@ impl Keep for Moves {
         let [start, end] = self.ends(index);
         let line = || Shape { curve: Curve::Line, rotation: Rotation::NONE, length: (end - start).norm() };
         let Shape { curve, rotation, length } = self.shape_of(way).map_or_else(line, Shape::clone);
-        let (motion, exact_stop, line) = (way.motion(), way.exact_stop, way.line(index));
-        Segment { start, end, curve, length, motion, rotation, exact_stop, line }
+        let &Way { exact_stop, exact_path, .. } = way;
+        let (motion, line) = (way.motion(), way.line(index));
+        Segment { start, end, curve, length, motion, rotation, exact_stop, exact_path, line }
     }
 
     /// It begins where the last one ends; if it is the first, anywhere.
     #[inline]
     fn push(&mut self, segment: Segment) {
-        let Segment { start, end, curve, length, motion, rotation, exact_stop, line } = segment;
+        let Segment { start, end, curve, length, motion, rotation, exact_stop, exact_path, line } = segment;
         match self.points.last() {
             Some(last) => debug_assert_eq!(start, *last, "line {line:?} begins where the one before ends"),
             None => self.points.push(start),
@@ -237,7 +246,7 @@ impl Keep for Moves {
         let index = self.count();
         let is_like = |way: &Way| {
             way.feedrate == feedrate
-                && way.exact_stop == exact_stop
+                && (way.exact_stop, way.exact_path) == (exact_stop, exact_path)
                 && !way.has_shape
                 && way.line(index) == line
         };
@@ -246,7 +255,7 @@ impl Keep for Moves {
                 self.shapes.push(Shape { curve, rotation, length });
             }
             let (first, LineNumber(line), shapes) = (index as u32, line, self.shapes.len() as u32);
-            self.ways.push(Way { feedrate, first, line, shapes, has_shape, exact_stop });
+            self.ways.push(Way { feedrate, first, line, shapes, has_shape, exact_stop, exact_path });
         }
         self.way_indices.push(self.ways.len() as u32 - 1);
         self.points.push(end);
@@ -284,6 +293,7 @@ mod tests {
                 motion: if one_in(3) { Motion::Rapid } else { Motion::Feed { feedrate: radius.round() } },
                 rotation: if one_in(4) { turn.into() } else { Rotation::NONE },
                 exact_stop: one_in(3),
+                exact_path: one_in(5),
                 line: LineNumber(line as u32),
             }
         };
@@ -340,6 +350,7 @@ mod tests {
                 motion: Motion::Feed { feedrate: 5.0 },
                 rotation: Rotation::NONE,
                 exact_stop: false,
+                exact_path: false,
                 length: (of.end - of.start).norm(),
                 ..of.clone()
             };

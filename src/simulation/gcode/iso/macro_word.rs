@@ -82,31 +82,20 @@ impl Reader<'_> {
                     return Err(expected("DO", line, end));
                 };
                 let (key, end) = self.loop_number(text, end, line)?;
-                let exit = self.program.jump_later(self.index(), When::False);
-                let (number, head) = (self.line, self.index());
-                let open = self.structures.push(Kind::While, key, number, head);
-                open.ok_or((Unread::DeepFlow, line.columns(at, end)))?.exits.push(exit);
+                self.open_while(key, line.columns(at, end))?;
                 Ok(end)
             }
             Keyword::Do => {
                 let (key, end) = self.loop_number(text, end, line)?;
-                let (number, head) = (self.line, self.index());
-                let open = self.structures.push(Kind::Do, key, number, head);
-                open.ok_or((Unread::DeepFlow, line.columns(at, end)))?;
+                self.open(Kind::Do, key, line.columns(at, end))?;
                 Ok(end)
             }
             Keyword::End => {
                 let (key, end) = self.loop_number(text, end, line)?;
-                let Some((open, within)) = self.structures.close(&[Kind::While, Kind::Do], key) else {
+                let Some(open) = self.close(&[Kind::While, Kind::Do], key) else {
                     return Err((Unread::Unopened { word: format!("END{key}") }, line.columns(at, end)));
                 };
-                for inner in within {
-                    self.unclosed(&inner);
-                }
-                self.act(Action::Jump { to: Destination::Block(open.head), when: When::Always });
-                self.end_block();
-                let past = self.index();
-                self.program.complete(&open.exits, past);
+                self.jump_back(&open);
                 Ok(end)
             }
             Keyword::Then => Err((Unread::Unopened { word: "THEN".to_string() }, line.columns(at, end))),

@@ -41,6 +41,13 @@ const NAMED: u32 = 1 << 31;
 
 const LOOPS: &[Kind] = &[Kind::While, Kind::Do, Kind::Repeat];
 
+/// What a word opens or closes, and the columns of that word.
+#[derive(Clone, Copy)]
+struct Opening {
+    key: u32,
+    columns: (u32, u32),
+}
+
 impl Reader<'_> {
     /// The keyword after an O number, in upper case, and where it ends.
     pub(super) fn o_word_keyword(&self, text: &[u8], at: usize) -> Option<(&'static str, usize)> {
@@ -71,14 +78,13 @@ impl Reader<'_> {
             return Err((Unread::Text { text: excerpt(&text[at..end]) }, (first, line.columns(next, end).1)));
         };
         line.begun = true;
-        let columns = (first, line.columns(next, next).1);
-        let unopened = || (Unread::Unopened { word: excerpt(&text[at..next]) }, columns);
-        let (number, index) = (self.line, self.index());
+        let opening = Opening { key, columns: (first, line.columns(next, next).1) };
+        let unopened = || (Unread::Unopened { word: excerpt(&text[at..next]) }, opening.columns);
+        let index = self.index();
         match keyword {
             "SUB" => {
                 let skip = self.program.jump_later(index, When::Always);
-                let open = self.structures.push(Kind::Sub, key, number, index);
-                open.ok_or((Unread::DeepFlow, columns))?.exits.push(skip);
+                self.open(Kind::Sub, key, opening.columns)?.exits.push(skip);
                 self.end_block();
                 if let Destination::Label(label, _) = destination {
                     self.label(label.kind, label.id);
@@ -86,15 +92,11 @@ impl Reader<'_> {
                 Ok(next)
             }
             "ENDSUB" => {
-                let (open, within) = self.structures.close(&[Kind::Sub], key).ok_or_else(unopened)?;
+                let open = self.close(&[Kind::Sub], key).ok_or_else(unopened)?;
                 let next = self.o_value(text, next, line, Target::Result, false)?;
-                for inner in within {
-                    self.unclosed(&inner);
-                }
                 self.act(Action::Return);
                 self.end_block();
-                let past = self.index();
-                self.program.complete(&open.exits, past);
+                self.program.complete(&open.exits, self.index());
                 Ok(next)
             }
             "RETURN" => {
@@ -114,21 +116,15 @@ impl Reader<'_> {
             }
             "IF" => {
                 let next = self.o_value(text, next, line, Target::Condition, true)?;
-                let jump = self.program.jump_later(index, When::False);
-                let open = self.structures.push(Kind::If, key, number, index);
-                open.ok_or((Unread::DeepFlow, columns))?.next = Some(jump);
+                self.open_branch(key, opening.columns)?;
                 Ok(next)
             }
-            "ELSE" | "ELSEIF" => {
-                let exit = self.program.jump_later(index, When::Always);
-                let open = self.structures.find(&[Kind::If], key).ok_or_else(unopened)?;
-                open.exits.push(exit);
-                let jump = open.next.take();
-                self.end_block();
-                self.program.complete(jump.as_slice(), index + 1);
-                if keyword == "ELSE" {
-                    return Ok(next);
-                }
+            "ELSE" => {
+                self.next_branch(key).ok_or_else(unopened)?;
+                Ok(next)
+            }
+            "ELSEIF" => {
+                self.next_branch(key).ok_or_else(unopened)?;
                 let next = self.o_value(text, next, line, Target::Condition, true)?;
                 let jump = self.program.jump_later(index + 1, When::False);
                 if let Some(open) = self.structures.find(&[Kind::If], key) {
@@ -137,67 +133,64 @@ impl Reader<'_> {
                 Ok(next)
             }
             "ENDIF" => {
-                let (open, within) = self.structures.close(&[Kind::If], key).ok_or_else(unopened)?;
-                for inner in within {
-                    self.unclosed(&inner);
-                }
-                let jumps: Vec<usize> = open.next.into_iter().chain(open.exits).collect();
-                self.program.complete(&jumps, index);
+                self.close_branch(key).ok_or_else(unopened)?;
                 Ok(next)
             }
-            "WHILE" if self.structures.find(&[Kind::Do], key).is_some() => {
+            _ => self.o_loop(keyword, text, next, line, opening).and_then(|next| next.ok_or_else(unopened)),
+        }
+    }
+
+    /// Reads what the word of a loop goes on with from `next`; returns where it ends, and `None` if it closes or
+    /// leaves a loop that is not open.
+    fn o_loop(
+        &mut self,
+        keyword: &str,
+        text: &[u8],
+        next: usize,
+        line: &mut Line,
+        Opening { key, columns }: Opening,
+    ) -> Result<Option<usize>, Refusal> {
+        let index = self.index();
+        match keyword {
+            "WHILE" => {
                 let next = self.o_value(text, next, line, Target::Condition, true)?;
-                let (open, within) = self.structures.close(&[Kind::Do], key).ok_or_else(unopened)?;
-                for inner in within {
-                    self.unclosed(&inner);
+                if self.structures.find(&[Kind::Do], key).is_none() {
+                    self.open_while(key, columns)?;
+                    return Ok(Some(next));
                 }
+                let Some(open) = self.close(&[Kind::Do], key) else { return Ok(None) };
                 self.act(Action::Jump { to: Destination::Block(open.head), when: When::True });
                 self.end_block();
                 self.end_loop(&open.exits, &open.to_end, index);
-                Ok(next)
-            }
-            "WHILE" => {
-                let next = self.o_value(text, next, line, Target::Condition, true)?;
-                let exit = self.program.jump_later(index, When::False);
-                let open = self.structures.push(Kind::While, key, number, index);
-                open.ok_or((Unread::DeepFlow, columns))?.exits.push(exit);
-                Ok(next)
+                Ok(Some(next))
             }
             "DO" => {
-                self.structures.push(Kind::Do, key, number, index).ok_or((Unread::DeepFlow, columns))?;
-                Ok(next)
+                self.open(Kind::Do, key, columns)?;
+                Ok(Some(next))
             }
             "REPEAT" => {
                 let next = self.o_value(text, next, line, Target::Count, true)?;
                 let repeat = self.act(Action::Repeat { end: u32::MAX });
-                let open = self.structures.push(Kind::Repeat, key, number, index);
-                open.ok_or((Unread::DeepFlow, columns))?.to_end.push(repeat);
-                Ok(next)
+                self.open(Kind::Repeat, key, columns)?.to_end.push(repeat);
+                Ok(Some(next))
             }
             "ENDWHILE" | "ENDREPEAT" => {
                 let kind = if keyword == "ENDWHILE" { Kind::While } else { Kind::Repeat };
-                let (open, within) = self.structures.close(&[kind], key).ok_or_else(unopened)?;
-                for inner in within {
-                    self.unclosed(&inner);
-                }
-                let to = Destination::Block(if kind == Kind::While { open.head } else { open.head + 1 });
+                let Some(open) = self.close(&[kind], key) else { return Ok(None) };
                 self.act(match kind {
-                    Kind::While => Action::Jump { to, when: When::Always },
-                    _ => Action::Again { to },
+                    Kind::While => Action::Jump { to: Destination::Block(open.head), when: When::Always },
+                    _ => Action::Again { to: Destination::Block(open.head + 1) },
                 });
                 self.end_block();
                 self.end_loop(&open.exits, &open.to_end, index);
-                Ok(next)
+                Ok(Some(next))
             }
             _ => {
                 let jump = self.program.jump_later(index, When::Always);
-                let open = self.structures.find(LOOPS, key).ok_or_else(unopened)?;
-                if keyword == "BREAK" {
-                    open.exits.push(jump)
-                } else {
-                    open.to_end.push(jump)
-                }
-                Ok(next)
+                let Some(open) = self.structures.find(LOOPS, key) else { return Ok(None) };
+                let jumps = if keyword == "BREAK" { &mut open.exits } else { &mut open.to_end };
+                jumps.push(jump);
+                Ok(Some(next))
             }
         }
     }

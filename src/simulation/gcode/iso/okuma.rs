@@ -23,10 +23,7 @@ use crate::simulation::gcode::{
 
 /// Longer names than this there are none, so that a line without blanks is not searched again from
 /// each of its words.
-const LONGEST_NAME: usize = 64;
-
-/// The value of the statement that no hole is made in its block.
-const NCYL: f64 = 1.0;
+const MAX_NAME_LENGTH: usize = 64;
 
 impl Reader<'_> {
     /// Reads what stands at `at` where it is Okuma's own; returns where it ends.
@@ -36,7 +33,7 @@ impl Reader<'_> {
         at: usize,
         line: &mut Line,
     ) -> Result<Option<usize>, Refusal> {
-        let length = identifier(&text[at..text.len().min(at + LONGEST_NAME)]);
+        let length = identifier(&text[at..text.len().min(at + MAX_NAME_LENGTH)]);
         let end = at + length;
         let name = text[at..end].to_ascii_uppercase();
         let equals = skip_blanks(text, end);
@@ -61,7 +58,7 @@ impl Reader<'_> {
             }
             b"NCYL" => {
                 line.begun = true;
-                self.push_word(address::STATEMENT, NCYL, line.columns(at, end));
+                self.push_word(address::NO_CYCLE, 1.0, line.columns(at, end));
                 Ok(Some(end))
             }
             _ if !line.begun && self.okuma_name(text, at).is_some() => {
@@ -80,7 +77,7 @@ impl Reader<'_> {
 
     /// The name of a block (`NLOOP`) that stands at `at`, and where it ends.
     pub(super) fn okuma_name(&mut self, text: &[u8], at: usize) -> Option<(Label, usize)> {
-        let length = identifier(&text[at..text.len().min(at + LONGEST_NAME)]);
+        let length = identifier(&text[at..text.len().min(at + MAX_NAME_LENGTH)]);
         let name = &text[at..at + length];
         let is_name = name.first().is_some_and(|first| first.eq_ignore_ascii_case(&b'N'))
             && name.get(1).is_some_and(u8::is_ascii_alphabetic);

@@ -14,7 +14,7 @@ use crate::simulation::gcode::reader::Reader;
 use crate::simulation::gcode::{Columns, Reference, Word};
 
 impl Reader<'_> {
-    /// Reads the line that `text` begins with, and gives what follows it; none where the line holds anything but plain
+    /// Reads the line that `text` begins with, and gives what follows it, or `None` if the line holds anything but plain
     /// words, and then nothing of it is kept.
     pub(in crate::simulation::gcode) fn plain_line<'a>(&mut self, text: &'a [u8]) -> Option<&'a [u8]> {
         let words = &mut self.program.words;

@@ -1,7 +1,7 @@
 //! `CYCL DEF`: the number of a cycle, and its parameters.
 
 use crate::simulation::gcode::expression::klartext_number;
-use crate::simulation::gcode::klartext::names::{CYCLE_NUMBER, CYCLE_STEP, statement};
+use crate::simulation::gcode::klartext::KlartextStatement;
 use crate::simulation::gcode::klartext::words::{found_at, plain};
 use crate::simulation::gcode::line::{Line, continuation};
 use crate::simulation::gcode::number::skip_blanks;
@@ -10,7 +10,7 @@ use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{Reference, address};
 
 /// Cycles whose lines hold words of axes: datum shift, mirror image, working plane, scaling.
-const WITH_AXES: &[f64] = &[7.0, 8.0, 19.0, 26.0];
+const WITH_AXES: &[u32] = &[7, 8, 19, 26];
 
 impl Reader<'_> {
     /// The number of a cycle at `start` and what follows.
@@ -34,30 +34,28 @@ impl Reader<'_> {
         let value = |at: usize, length: usize| {
             std::str::from_utf8(&code[at..at + length]).ok().and_then(|digits| digits.parse::<u32>().ok())
         };
-        let number = f64::from(value(start, length).unwrap_or(u32::MAX));
+        let number = value(start, length).unwrap_or(u32::MAX);
         let mut next = start + length;
         let mut step = None;
         if code.get(next) == Some(&b'.') {
             let length = digits(next + 1);
-            step = Some(f64::from(value(next + 1, length).unwrap_or(0)));
+            step = Some(value(next + 1, length).unwrap_or(0));
             next += 1 + length;
         }
         let columns = line.columns(at, next);
-        self.push_word(address::STATEMENT, statement("CYCL DEF"), columns);
-        self.push_word(CYCLE_NUMBER, number, columns);
+        self.push_klartext(KlartextStatement::CycleDefinition { number, step }, columns);
         let Some(step) = step else { return self.klartext_cycle_parameters(code, next, line) };
-        self.push_word(CYCLE_STEP, step, columns);
         match step {
-            0.0 => Ok(()),
-            _ if WITH_AXES.contains(&number) => self.klartext_cycle_axes(code, next, number == 8.0, line),
+            0 => Ok(()),
+            _ if WITH_AXES.contains(&number) => self.klartext_cycle_axes(code, next, number == 8, line),
             // Names of programs.
-            _ if number == 12.0 => Ok(()),
+            _ if number == 12 => Ok(()),
             _ => self.klartext_setting(code, next, line),
         }
     }
 
     /// `Q200=2 Q201=-20`, after the name of the cycle on the same line.
-    fn klartext_cycle_parameters(
+    pub(super) fn klartext_cycle_parameters(
         &mut self,
         code: &[u8],
         mut at: usize,
@@ -127,7 +125,12 @@ impl Reader<'_> {
 
     /// The value of a line such as `DEPTH-20`, `ZUSTLG -5`, `V.ZEIT5`, `IROT+30`, `HSC-MODE:1 TA5`: the
     /// first number that is not part of a word.
-    fn klartext_setting(&mut self, code: &[u8], start: usize, line: &mut Line) -> Result<(), Refusal> {
+    pub(super) fn klartext_setting(
+        &mut self,
+        code: &[u8],
+        start: usize,
+        line: &mut Line,
+    ) -> Result<(), Refusal> {
         let text = &code[start..];
         for at in 0..text.len() {
             let is_first_sign = |at: usize| {

@@ -1,18 +1,15 @@
 //! Q parameters, FN functions, labels and calls.
 
 use crate::simulation::gcode::expression::{Notation, klartext_number};
-use crate::simulation::gcode::klartext::names::{
-    CYCLE_PARAMETERS, FIRST_PARAMETER, POSITION_PARAMETERS, statement,
-};
+use crate::simulation::gcode::klartext::KlartextStatement::{self, Neutral, Unmodelled};
+use crate::simulation::gcode::klartext::names::POSITION_PARAMETERS;
 use crate::simulation::gcode::klartext::words::{found_at, plain};
 use crate::simulation::gcode::klartext::{begins, program_name};
 use crate::simulation::gcode::line::{Line, excerpt};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::{
-    Action, Destination, Direction, Formula, Label, LabelKind, Reference, Step, Target, When, Word, address,
-};
+use crate::simulation::gcode::{Action, Destination, Direction, Label, LabelKind, Step, Target, When};
 
 /// What a cycle's feed means by its word.
 const FEED_WORDS: &[(&str, f64)] =
@@ -27,7 +24,7 @@ impl Reader<'_> {
         line: &mut Line,
     ) -> Result<(), Refusal> {
         if begins(code, at, &["QS"]).is_some() {
-            self.push_word(address::STATEMENT, statement("QS"), line.columns(at, code.len()));
+            self.push_klartext(Unmodelled("QS"), line.columns(at, code.len()));
             return Ok(());
         }
         let mut next = self.klartext_assignment(code, at, line)?;
@@ -39,7 +36,7 @@ impl Reader<'_> {
     }
 
     /// Nothing follows.
-    fn klartext_ends(&mut self, code: &[u8], at: usize, line: &Line) -> Result<(), Refusal> {
+    pub(super) fn klartext_ends(&mut self, code: &[u8], at: usize, line: &Line) -> Result<(), Refusal> {
         let next = skip_blanks(code, at);
         match code.get(next..) {
             Some(rest) if !rest.is_empty() => {
@@ -49,7 +46,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `Q1 = value` at `at`; returns where it ends. What cycles read is a word too.
+    /// `Q1 = value` at `at`; returns where it ends.
     pub(super) fn klartext_assignment(
         &mut self,
         code: &[u8],
@@ -67,7 +64,7 @@ impl Reader<'_> {
         }
         let start = skip_blanks(code, equals + 1);
         let word = FEED_WORDS.iter().find_map(|(word, value)| Some((begins(code, start, &[word])?, *value)));
-        let (end, columns) = self.formula(Notation::Klartext, code, (at, start), line, |expressions| {
+        let (end, _) = self.formula(Notation::Klartext, code, (at, start), line, |expressions| {
             expressions.steps.push(Step::Number(f64::from(number)));
             if let Some((end, value)) = word {
                 expressions.steps.push(Step::Number(value));
@@ -77,21 +74,6 @@ impl Reader<'_> {
             }
             Ok(Target::Numbered)
         })?;
-        let place = CYCLE_PARAMETERS.iter().position(|known| *known == number);
-        if let (Some(place), Some(formula)) = (place, self.program.formulas.last()) {
-            let target = Target::Word(self.program.words.len() as u32);
-            let formula = Formula { target, ..formula.clone() };
-            self.program.formulas.push(formula);
-            let (letter, value) = (FIRST_PARAMETER + place as u8, f64::NAN);
-            let reference = Reference::Modal;
-            self.program.words.push(Word {
-                value,
-                columns: columns.into(),
-                letter,
-                has_point: true,
-                reference,
-            });
-        }
         Ok(end)
     }
 
@@ -109,7 +91,7 @@ impl Reader<'_> {
         let colon = skip_blanks(code, start + length);
         let next = skip_blanks(code, if code.get(colon) == Some(&b':') { colon + 1 } else { colon });
         let columns = line.columns(at, next);
-        let name = match number {
+        match number {
             "0" | "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "13" if next < code.len() => {
                 return self.klartext_parameter(code, next, line);
             }
@@ -121,21 +103,14 @@ impl Reader<'_> {
                 }
             },
             "18" => return self.klartext_system_read(code, next, columns, line),
-            "14" => "FN 14",
-            // What is printed and sent changes neither path nor time.
-            "15" | "16" | "17" => "FN 16",
-            "19" => "FN 19",
-            "20" => "FN 20",
-            "26" => "FN 26",
-            "27" => "FN 27",
-            "28" => "FN 28",
-            "29" => "FN 29",
-            "37" => "FN 37",
-            "38" => "FN 38",
-            _ => return Err((Unread::Text { text: excerpt(&code[at..]) }, columns)),
+            _ => {}
+        }
+        let statement = number.parse().ok().and_then(without_model);
+        let Some(statement) = statement else {
+            return Err((Unread::Text { text: excerpt(&code[at..]) }, columns));
         };
         self.heidenhain.skips = true;
-        self.push_word(address::STATEMENT, statement(name), columns);
+        self.push_klartext(statement, columns);
         Ok(())
     }
 
@@ -153,10 +128,21 @@ impl Reader<'_> {
         };
         let asked: Vec<u8> =
             code[at + length..].iter().filter(|byte| !byte.is_ascii_whitespace()).copied().collect();
+        self.klartext_read(number, &asked, columns, line)
+    }
+
+    /// Gives a parameter what a program asks the control for, of which only the position is known.
+    pub(super) fn klartext_read(
+        &mut self,
+        number: u32,
+        asked: &[u8],
+        columns: (u32, u32),
+        line: &mut Line,
+    ) -> Result<(), Refusal> {
         let position = [b"=ID270NR1IDX1", b"=ID270NR1IDX2", b"=ID270NR1IDX3"]
             .iter()
             .position(|known| asked.eq_ignore_ascii_case(&known[..]));
-        let (end, _) = self.formula(Notation::Klartext, code, (at, code.len()), line, |expressions| {
+        self.formula(Notation::Klartext, asked, (0, asked.len()), line, |expressions| {
             expressions.steps.push(Step::Number(f64::from(number)));
             match position {
                 Some(axis) => expressions
@@ -166,9 +152,8 @@ impl Reader<'_> {
             }
             Ok(Target::Numbered)
         })?;
-        debug_assert_eq!(end, code.len());
         let name = if position.is_some() { "FN 18 POSITION" } else { "FN 18" };
-        self.push_word(address::STATEMENT, statement(name), columns);
+        self.push_klartext(Unmodelled(name), columns);
         Ok(())
     }
 
@@ -183,7 +168,7 @@ impl Reader<'_> {
         let has_is =
             |word: &[u8]| code[end..].windows(word.len()).any(|found| found.eq_ignore_ascii_case(word));
         if has_is(b"DEFINED") || has_is(b"QS") {
-            self.push_word(address::STATEMENT, statement("IS UNDEFINED"), line.columns(at, code.len()));
+            self.push_klartext(Unmodelled("IS UNDEFINED"), line.columns(at, code.len()));
             return Ok(());
         }
         let (past, _) = self.formula(Notation::Klartext, code, (end, end), line, |expressions| {
@@ -206,7 +191,7 @@ impl Reader<'_> {
     }
 
     /// The label that a jump or call names at `at`, and where it ends.
-    fn klartext_destination(
+    pub(super) fn klartext_destination(
         &mut self,
         code: &[u8],
         at: usize,
@@ -265,7 +250,21 @@ impl Reader<'_> {
             self.act(Action::Call { to, has_own_parameters: false });
             return self.klartext_ends(code, end, line);
         }
-        let start = next + 3;
+        let past = self.klartext_count(code, next + 3, line)?;
+        self.act(Action::Again { to });
+        // `5/3`: how many are left, on the screen of the control.
+        let slash = skip_blanks(code, past);
+        let left = (code.get(slash) == Some(&b'/')).then(|| plain(code, slash + 1)).flatten();
+        self.klartext_ends(code, left.map_or(past, |left| left.end), line)
+    }
+
+    /// Reads how often a call is repeated; returns where that ends.
+    pub(super) fn klartext_count(
+        &mut self,
+        code: &[u8],
+        start: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
         let (past, _) = match plain(code, start) {
             Some(found) => self.formula(Notation::Klartext, code, (start, start), line, |expressions| {
                 expressions.steps.push(Step::Number(found.value));
@@ -277,11 +276,7 @@ impl Reader<'_> {
                 Ok(Target::Count)
             })?,
         };
-        self.act(Action::Again { to });
-        // `5/3`: how many are left, on the screen of the control.
-        let slash = skip_blanks(code, past);
-        let left = (code.get(slash) == Some(&b'/')).then(|| plain(code, slash + 1)).flatten();
-        self.klartext_ends(code, left.map_or(past, |left| left.end), line)
+        Ok(past)
     }
 
     /// `CALL PGM NAME.H`.
@@ -290,4 +285,21 @@ impl Reader<'_> {
         let to = Destination::Label(Label { kind: LabelKind::Named, id }, Direction::Either);
         self.act(Action::Call { to, has_own_parameters: false });
     }
+}
+
+/// Returns the statement of an FN function that the interpreter has no model for, or that changes neither path nor time.
+pub(super) fn without_model(function: u32) -> Option<KlartextStatement> {
+    Some(match function {
+        14 => Unmodelled("FN 14"),
+        // What is printed and sent changes neither path nor time.
+        15..=17 | 38 => Neutral,
+        19 => Unmodelled("FN 19"),
+        20 => Unmodelled("FN 20"),
+        26 => Unmodelled("FN 26"),
+        27 => Unmodelled("FN 27"),
+        28 => Unmodelled("FN 28"),
+        29 => Unmodelled("FN 29"),
+        37 => Unmodelled("FN 37"),
+        _ => return None,
+    })
 }

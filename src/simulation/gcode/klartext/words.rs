@@ -2,7 +2,8 @@
 
 use crate::simulation::gcode::expression::{Notation, klartext_number};
 use crate::simulation::gcode::klartext::begins;
-use crate::simulation::gcode::klartext::names::{WORDS, Word as Kind, statement};
+use crate::simulation::gcode::klartext::names::{WORDS, Word as Kind};
+use crate::simulation::gcode::klartext::{ContourWay, KlartextStatement, Transformation};
 use crate::simulation::gcode::line::{Line, character_length, continuation, excerpt};
 use crate::simulation::gcode::number::{Number, number, skip_blanks};
 use crate::simulation::gcode::reader::{Reader, Refusal};
@@ -10,7 +11,7 @@ use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{Reference, Target, Word, address};
 
 /// M functions whose further words are no words of the path.
-const WITH_SETTINGS: &[f64] = &[112.0, 114.0, 118.0, 124.0, 150.0];
+pub(super) const WITH_SETTINGS: &[f64] = &[112.0, 114.0, 118.0, 124.0, 150.0];
 
 /// M functions whose F is not the feedrate of the path.
 const WITH_FEED: &[f64] = &[103.0, 128.0, 140.0];
@@ -21,30 +22,17 @@ impl Reader<'_> {
         &mut self,
         code: &[u8],
         (at, end): (usize, usize),
-        name: &str,
+        statement: KlartextStatement,
         line: &mut Line,
     ) -> Result<(), Refusal> {
-        self.push_word(address::STATEMENT, statement(name), line.columns(at, end.max(at + 1)));
-        let takes_radius = matches!(name, "CR" | "RND") || name.ends_with("CT") && name != "CT";
-        let takes_length = name == "CHF";
-        let (mut next, mut has_radius, mut owns_feed) = (skip_blanks(code, end), !takes_radius, true);
-        if takes_length
-            && code
-                .get(next)
-                .is_some_and(|byte| !byte.is_ascii_alphabetic() || klartext_number(&code[next..]).is_some())
-        {
-            next = self.klartext_value(code, (next, next), address::CHAMFER_LEG, Reference::Modal, line)?;
-        }
-        if name == "RND" && code.get(next).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'+') {
-            next = self.klartext_value(code, (next, next), address::CIRCLE_RADIUS, Reference::Modal, line)?;
-        }
+        self.push_klartext(statement, line.columns(at, end.max(at + 1)));
+        let takes_radius = takes_radius(statement);
+        let mut next = self.klartext_bare_value(code, skip_blanks(code, end), statement, line)?;
+        let (mut has_radius, mut owns_feed) = (!takes_radius, true);
         loop {
             next = skip_blanks(code, next);
             let Some(rest) = code.get(next..).filter(|rest| !rest.is_empty()) else { return Ok(()) };
-            let found = WORDS.iter().find(|(word, _)| {
-                rest.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word.as_bytes()))
-            });
-            let Some((word, kind)) = found else {
+            let Some((word, kind)) = word_at(rest) else {
                 let length = rest.iter().take_while(|byte| byte.is_ascii_alphanumeric()).count();
                 let length = length.max(character_length(rest));
                 let shown = excerpt(&rest[..length]);
@@ -63,10 +51,8 @@ impl Reader<'_> {
                         Some(b'+') => 1.0,
                         Some(b'-') => -1.0,
                         _ => {
-                            return Err((
-                                Unread::Expected { expected: "`+` or `-`", found: found_at(code, sign) },
-                                columns,
-                            ));
+                            let found = found_at(code, sign);
+                            return Err((Unread::Expected { expected: "`+` or `-`", found }, columns));
                         }
                     };
                     self.push_word(address::SENSE, sense, line.columns(next, sign + 1));
@@ -77,7 +63,7 @@ impl Reader<'_> {
                     self.push_word(address::SIDE, 0.0, line.columns(next, past + 1));
                     past + 1
                 }
-                Kind::Value(address::CIRCLE_RADIUS) if name == "CHF" => {
+                Kind::Value(address::CIRCLE_RADIUS) if statement == KlartextStatement::Chamfer => {
                     self.klartext_value(code, (next, past), address::CHAMFER_LEG, Reference::Modal, line)?
                 }
                 Kind::Value(b'F') if !owns_feed => {
@@ -86,7 +72,9 @@ impl Reader<'_> {
                 }
                 Kind::Value(own) => {
                     has_radius |= own == address::CIRCLE_RADIUS;
-                    if let (true, None) = (name.starts_with("TRANS MIRROR"), plain(code, past)) {
+                    if let (true, None) =
+                        (statement == KlartextStatement::Transform(Transformation::Mirror), plain(code, past))
+                    {
                         self.push_word(own, 1.0, columns);
                         past
                     } else {
@@ -104,6 +92,25 @@ impl Reader<'_> {
                 owns_feed = !WITH_FEED.contains(&word.value);
             }
         }
+    }
+
+    /// Reads the leg of a chamfer or the radius of a rounding, which may stand at `at` without a letter; returns
+    /// where it ends.
+    fn klartext_bare_value(
+        &mut self,
+        code: &[u8],
+        at: usize,
+        statement: KlartextStatement,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        let Some(first) = code.get(at) else { return Ok(at) };
+        let has_leg = || !first.is_ascii_alphabetic() || klartext_number(&code[at..]).is_some();
+        let letter = match statement {
+            KlartextStatement::Chamfer if has_leg() => address::CHAMFER_LEG,
+            KlartextStatement::Rounding if first.is_ascii_digit() || *first == b'+' => address::CIRCLE_RADIUS,
+            _ => return Ok(at),
+        };
+        self.klartext_value(code, (at, at), letter, Reference::Modal, line)
     }
 
     /// Reads the value at `start` as a word that begins at `at`; returns where it ends.
@@ -160,31 +167,8 @@ impl Reader<'_> {
         (at, end): (usize, usize),
         line: &mut Line,
     ) -> Result<(), Refusal> {
-        self.push_word(address::STATEMENT, statement("TOOL CALL"), line.columns(at, end));
-        let mut next = skip_blanks(code, end);
-        match code.get(next) {
-            Some(b'"') => {
-                let close = code[next + 1..].iter().position(|byte| *byte == b'"');
-                let close = close.map_or(code.len(), |length| next + 1 + length);
-                let index = self.text(String::from_utf8_lossy(&code[next + 1..close]).into_owned());
-                self.name(index, false);
-                self.push_word(address::TOOL_NAME, f64::from(index), line.columns(next, close));
-                line.continuation += continuation(&code[next..close]);
-                next = (close + 1).min(code.len());
-            }
-            Some(b'0'..=b'9' | b'+') => {
-                next = self.klartext_value(code, (next, next), b'T', Reference::Modal, line)?
-            }
-            Some(b'Q' | b'q') if klartext_number(&code[next..]).is_some() => {
-                next = self.klartext_value(code, (next, next), b'T', Reference::Modal, line)?;
-            }
-            Some(b'Q' | b'q') => {
-                let index = self.text(String::new());
-                self.push_word(address::TOOL_NAME, f64::from(index), line.columns(next, next + 2));
-                next += code[next..].iter().take_while(|byte| byte.is_ascii_alphanumeric()).count();
-            }
-            _ => {}
-        }
+        self.push_klartext(KlartextStatement::ToolCall, line.columns(at, end));
+        let mut next = self.klartext_tool(code, skip_blanks(code, end), line)?;
         const WORDS: &[(&str, u8)] = &[
             ("DL", address::LENGTH_DIFFERENCE),
             ("DR2", 0),
@@ -225,6 +209,36 @@ impl Reader<'_> {
         }
     }
 
+    /// Reads the number or the name of a tool at `at`, if there is one; returns where it ends.
+    pub(super) fn klartext_tool(
+        &mut self,
+        code: &[u8],
+        at: usize,
+        line: &mut Line,
+    ) -> Result<usize, Refusal> {
+        match code.get(at) {
+            Some(b'"') => {
+                let close = code[at + 1..].iter().position(|byte| *byte == b'"');
+                let close = close.map_or(code.len(), |length| at + 1 + length);
+                let index = self.text(String::from_utf8_lossy(&code[at + 1..close]).into_owned());
+                self.name(index, false);
+                self.push_word(address::TOOL_NAME, f64::from(index), line.columns(at, close));
+                line.continuation += continuation(&code[at..close]);
+                Ok((close + 1).min(code.len()))
+            }
+            Some(b'0'..=b'9' | b'+') => self.klartext_value(code, (at, at), b'T', Reference::Modal, line),
+            Some(b'Q' | b'q') if klartext_number(&code[at..]).is_some() => {
+                self.klartext_value(code, (at, at), b'T', Reference::Modal, line)
+            }
+            Some(b'Q' | b'q') => {
+                let index = self.text(String::new());
+                self.push_word(address::TOOL_NAME, f64::from(index), line.columns(at, at + 2));
+                Ok(at + code[at..].iter().take_while(|byte| byte.is_ascii_alphanumeric()).count())
+            }
+            _ => Ok(at),
+        }
+    }
+
     /// `TOOL DEF 5 L+10 R+5`.
     pub(super) fn klartext_tool_definition(
         &mut self,
@@ -232,13 +246,13 @@ impl Reader<'_> {
         (at, end): (usize, usize),
         line: &mut Line,
     ) -> Result<(), Refusal> {
-        self.push_word(address::STATEMENT, statement("TOOL DEF"), line.columns(at, end));
+        self.push_klartext(KlartextStatement::ToolDefinition, line.columns(at, end));
         let mut next = skip_blanks(code, end);
         if code.get(next) == Some(&b'"') {
             return Ok(());
         }
         if next < code.len() {
-            next = self.klartext_value(code, (next, next), address::ARGUMENT, Reference::Modal, line)?;
+            next = self.klartext_value(code, (next, next), address::DEFINED_TOOL, Reference::Modal, line)?;
         }
         loop {
             next = skip_blanks(code, next);
@@ -254,6 +268,18 @@ impl Reader<'_> {
             next = self.klartext_value(code, (next, next + 1), own, Reference::Modal, line)?;
         }
     }
+}
+
+/// Whether `R` of a statement is a radius, and not the end of compensation, even if it is 0.
+fn takes_radius(statement: KlartextStatement) -> bool {
+    use KlartextStatement::*;
+    matches!(
+        statement,
+        CircleByRadius
+            | Rounding
+            | Approach(ContourWay::Arc | ContourWay::ArcAndLine)
+            | Departure(ContourWay::Arc | ContourWay::ArcAndLine)
+    )
 }
 
 /// The plain number at `start`: a sign, blanks, digits without blanks between them.
@@ -273,7 +299,13 @@ fn is_no_compensation(code: &[u8], at: usize) -> bool {
         && !code.get(at + 1).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.')
 }
 
-/// What stands at `at`, to be said.
+/// The word of a path that `code` begins with, and what it is.
+fn word_at(code: &[u8]) -> Option<&'static (&'static str, Kind)> {
+    let begins = |word: &[u8]| code.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
+    WORDS.iter().find(|(word, _)| begins(word.as_bytes()))
+}
+
+/// What is at `at`, as a message names it.
 pub(super) fn found_at(code: &[u8], at: usize) -> String {
     match code.get(at..) {
         Some(rest) if !rest.is_empty() => format!("`{}`", excerpt(&rest[..character_length(rest)])),

@@ -19,7 +19,8 @@ use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{
-    Action, Destination, Direction, Formula, Label, LabelKind, Operator, Step, Target, address,
+    Action, Columns, Destination, Direction, Formula, Keyword, Label, LabelKind, Operator, Statement, Step,
+    Target,
 };
 
 /// Which arguments of the last call were given.
@@ -29,7 +30,7 @@ const GIVEN: u32 = 3_000_000_001;
 const ARGUMENTS: u32 = 3_000_000_002;
 
 /// The most arguments that a PROC can take.
-const MOST_ARGUMENTS: usize = 50;
+const MAX_ARGUMENTS: usize = 50;
 
 impl Reader<'_> {
     /// `L100 P3`.
@@ -157,7 +158,7 @@ impl Reader<'_> {
             return Ok(text.len());
         }
         let mut next = open + 1;
-        for argument in 0..MOST_ARGUMENTS {
+        for argument in 0..MAX_ARGUMENTS {
             let kind = skip_blanks(text, next);
             let kind = kind + identifier(&text[kind..]);
             if text.get(kind) == Some(&b'[') {
@@ -210,8 +211,14 @@ impl Reader<'_> {
 
     /// `MCALL` before a subprogram would run it after each move.
     fn refuse_modal_call(&self, name: &[u8], columns: (u32, u32)) -> Result<(), Refusal> {
-        let last = self.program.words.last().filter(|_| self.block_has_words());
-        if last.is_some_and(|word| word.letter == address::STATEMENT && word.value == 0.0) {
+        let block = self.index();
+        let last = self.program.statements.last().filter(|statement| statement.block == block);
+        let is_modal = |statement: &Statement| matches!(statement.keyword, Keyword::Siemens(known) if known.is_modal_call());
+        let begin = |columns: Columns| <(u32, u32)>::from(columns).0;
+        let is_behind = |statement: &Statement| {
+            self.block_words().last().is_none_or(|word| begin(word.columns) < begin(statement.columns))
+        };
+        if last.is_some_and(|statement| is_modal(statement) && is_behind(statement)) {
             let word = format!("MCALL {}", String::from_utf8_lossy(name));
             return Err((Unread::ModalCall { word }, columns));
         }

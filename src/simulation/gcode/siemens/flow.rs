@@ -15,11 +15,10 @@ use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::siemens::names::statement;
+use crate::simulation::gcode::siemens::keywords::known;
 use crate::simulation::gcode::structure::{Counter, Kind};
 use crate::simulation::gcode::{
     Action, Destination, Direction, Formula, Label, LabelKind, Operator, SectionEnd, Step, Target, When,
-    address,
 };
 
 /// The key of structures without a number.
@@ -38,44 +37,32 @@ impl Reader<'_> {
     ) -> Result<Option<usize>, Refusal> {
         let word = text[at..end].to_ascii_uppercase();
         let columns = line.columns(at, end);
-        let (number, index) = (self.line, self.index());
-        let unopened = |word: &[u8]| (Unread::Unopened { word: excerpt(word) }, columns);
+        let unopened = || (Unread::Unopened { word: excerpt(&word) }, columns);
         let next = match &word[..] {
             b"IF" => {
                 let end = self.siemens_condition(text, end, line)?;
                 if let Some((direction, end)) = goto(text, end) {
                     self.siemens_goto(text, end, line, direction, When::True)?
                 } else {
-                    let jump = self.program.jump_later(index, When::False);
-                    let open = self.structures.push(Kind::If, PLAIN, number, index);
-                    open.ok_or((Unread::DeepFlow, columns))?.next = Some(jump);
+                    self.open_branch(PLAIN, columns)?;
                     end
                 }
             }
             b"ELSE" => {
-                let exit = self.program.jump_later(index, When::Always);
-                let open = self.structures.find(&[Kind::If], PLAIN).ok_or_else(|| unopened(&word))?;
-                open.exits.push(exit);
-                let jump = open.next.take();
-                self.end_block();
-                self.program.complete(jump.as_slice(), index + 1);
+                self.next_branch(PLAIN).ok_or_else(unopened)?;
                 end
             }
             b"ENDIF" => {
-                let open = self.siemens_close(Kind::If).ok_or_else(|| unopened(&word))?;
-                let jumps: Vec<usize> = open.next.into_iter().chain(open.exits).collect();
-                self.program.complete(&jumps, index);
+                self.close_branch(PLAIN).ok_or_else(unopened)?;
                 end
             }
             b"WHILE" => {
                 let end = self.siemens_condition(text, end, line)?;
-                let exit = self.program.jump_later(index, When::False);
-                let open = self.structures.push(Kind::While, PLAIN, number, index);
-                open.ok_or((Unread::DeepFlow, columns))?.exits.push(exit);
+                self.open_while(PLAIN, columns)?;
                 end
             }
             b"LOOP" => {
-                self.structures.push(Kind::Do, PLAIN, number, index).ok_or((Unread::DeepFlow, columns))?;
+                self.open(Kind::Do, PLAIN, columns)?;
                 end
             }
             b"FOR" => self.siemens_for(text, end, line)?,
@@ -85,25 +72,22 @@ impl Reader<'_> {
                     b"ENDLOOP" => Kind::Do,
                     _ => Kind::For,
                 };
-                let open = self.siemens_close(kind).ok_or_else(|| unopened(&word))?;
+                let open = self.close(&[kind], PLAIN).ok_or_else(unopened)?;
                 if let Some(counter) = open.counter {
                     self.count_up(counter, columns);
                 }
-                self.act(Action::Jump { to: Destination::Block(open.head), when: When::Always });
-                self.end_block();
-                let past = self.index();
-                self.program.complete(&open.exits, past);
+                self.jump_back(&open);
                 end
             }
             b"REPEAT" | b"REPEATB" => self.siemens_repeat(text, end, &word, line)?,
             b"UNTIL" => {
                 let end = self.siemens_condition(text, end, line)?;
-                let open = self.siemens_close(Kind::Repeat).ok_or_else(|| unopened(&word))?;
+                let open = self.close(&[Kind::Repeat], PLAIN).ok_or_else(unopened)?;
                 self.act(Action::Jump { to: Destination::Block(open.head), when: When::False });
                 end
             }
             b"GOTOF" | b"GOTOB" | b"GOTO" | b"GOTOC" => {
-                let (direction, end) = goto(text, at).ok_or_else(|| unopened(&word))?;
+                let (direction, end) = goto(text, at).ok_or_else(unopened)?;
                 self.siemens_goto(text, end, line, direction, When::Always)?
             }
             b"RET" => {
@@ -113,8 +97,7 @@ impl Reader<'_> {
             b"PROC" => self.siemens_proc(text, end, line)?,
             b"DEF" => self.siemens_definition(text, end, line)?,
             b"WHEN" | b"WHENEVER" | b"EVERY" | b"DO" => {
-                let code = statement(b"WHEN").map_or(0.0, f64::from);
-                self.push_word(address::STATEMENT, code, columns);
+                self.push_statement(known("WHEN"), columns);
                 semicolon(text, 0)
             }
             b"EXTERN" => semicolon(text, 0),
@@ -123,14 +106,6 @@ impl Reader<'_> {
             _ => return Ok(None),
         };
         Ok(Some(next))
-    }
-
-    fn siemens_close(&mut self, kind: Kind) -> Option<crate::simulation::gcode::structure::Open> {
-        let (open, within) = self.structures.close(&[kind], PLAIN)?;
-        for inner in within {
-            self.unclosed(&inner);
-        }
-        Some(open)
     }
 
     fn siemens_condition(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
@@ -204,7 +179,7 @@ impl Reader<'_> {
             ));
         }
         self.end_block();
-        let (number, index) = (self.line, self.index());
+        let index = self.index();
         let (end, _) = self.formula(Notation::Siemens, text, (start, to + 2), line, |expressions| {
             counter.load(expressions.steps);
             expressions.expression(0)?;
@@ -212,8 +187,7 @@ impl Reader<'_> {
             Ok(Target::Condition)
         })?;
         let exit = self.program.jump_later(index, When::False);
-        let open = self.structures.push(Kind::For, PLAIN, number, index);
-        let open = open.ok_or((Unread::DeepFlow, line.columns(start, end)))?;
+        let open = self.open(Kind::For, PLAIN, line.columns(start, end))?;
         open.exits.push(exit);
         open.counter = Some(counter);
         Ok(end)
@@ -246,10 +220,8 @@ impl Reader<'_> {
     ) -> Result<usize, Refusal> {
         let start = skip_blanks(text, at);
         let length = identifier(&text[start..]);
-        let (number, index) = (self.line, self.index());
         if length == 0 {
-            let open = self.structures.push(Kind::Repeat, PLAIN, number, index);
-            open.ok_or((Unread::DeepFlow, line.columns(start, start + 1)))?;
+            self.open(Kind::Repeat, PLAIN, line.columns(start, start + 1))?;
             return Ok(at);
         }
         let from = self.siemens_named_label(&text[start..start + length]);

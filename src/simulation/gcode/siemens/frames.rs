@@ -9,20 +9,20 @@
 //! Each part becomes the statement that says the same, in a block of its own. Other parts, and other
 //! frames (`$P_UIFR[1]`), are not followed, and said.
 
+use crate::simulation::gcode::Target;
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt, semicolon};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::siemens::names::statement;
-use crate::simulation::gcode::{Target, address};
+use crate::simulation::gcode::siemens::keywords::known;
 
 /// Parts of a frame, and the statements that put one in place of all and within all that are in force.
-const PARTS: [(&[u8], &[u8], &[u8]); 4] = [
-    (b"CTRANS", b"TRANS", b"ATRANS"),
-    (b"CROT", b"ROT", b"AROT"),
-    (b"CSCALE", b"SCALE", b"ASCALE"),
-    (b"CMIRROR", b"MIRROR", b"AMIRROR"),
+const PARTS: [(&[u8], &str, &str); 4] = [
+    (b"CTRANS", "TRANS", "ATRANS"),
+    (b"CROT", "ROT", "AROT"),
+    (b"CSCALE", "SCALE", "ASCALE"),
+    (b"CMIRROR", "MIRROR", "AMIRROR"),
 ];
 
 impl Reader<'_> {
@@ -42,9 +42,10 @@ impl Reader<'_> {
             let next = match part {
                 Some((_, instead, within)) => {
                     self.end_block();
-                    let code = statement(if is_within { within } else { instead });
-                    self.push_word(address::STATEMENT, code.map_or(0.0, f64::from), line.columns(start, end));
-                    self.siemens_frame_axes(text, end, name == b"CMIRROR", line)?
+                    let is_mirror = name == b"CMIRROR";
+                    let name = if is_within { within } else { instead };
+                    self.push_statement(known(name), line.columns(start, end));
+                    self.siemens_frame_axes(text, end, is_mirror, line)?
                 }
                 None if name == b"$P_PFRAME" && !is_within => end,
                 None => return Ok(self.siemens_other_frame(text, start, line)),
@@ -61,8 +62,7 @@ impl Reader<'_> {
     /// A frame that is not followed, to the end of its line.
     pub(super) fn siemens_other_frame(&mut self, text: &[u8], at: usize, line: &Line) -> usize {
         let end = semicolon(text, at);
-        let code = statement(b"$P_UIFR").map_or(0.0, f64::from);
-        self.push_word(address::STATEMENT, code, line.columns(at, end));
+        self.push_statement(known("$P_UIFR"), line.columns(at, end));
         end
     }
 

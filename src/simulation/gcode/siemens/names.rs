@@ -1,6 +1,7 @@
-//! The names of SINUMERIK programs: addresses, statements, and what changes neither path nor time.
+//! The names of SINUMERIK programs: addresses, and what changes neither path nor time.
 
-use crate::simulation::gcode::address;
+use crate::simulation::gcode::siemens::keywords::keyword;
+use crate::simulation::gcode::{Keyword, address};
 
 /// Addresses of more than one letter that take a value.
 pub(super) const ADDRESSES: &[(&str, u8)] = &[
@@ -24,130 +25,6 @@ pub(super) const ADDRESSES: &[(&str, u8)] = &[
     ("RPL", address::PLANE_ANGLE),
     ("ANG", address::LINE_ANGLE),
     ("FB", address::BLOCK_FEED),
-];
-
-/// What the tracer acts on, or names in a diagnostic; the value of a word is its place here.
-pub const STATEMENTS: &[&str] = &[
-    "MCALL",
-    "CYCLE81",
-    "CYCLE82",
-    "CYCLE83",
-    "CYCLE84",
-    "CYCLE840",
-    "CYCLE85",
-    "CYCLE86",
-    "CYCLE87",
-    "CYCLE88",
-    "CYCLE89",
-    "CYCLE832",
-    "CYCLE800",
-    "HOLES1",
-    "HOLES2",
-    "POCKET1",
-    "POCKET2",
-    "POCKET3",
-    "POCKET4",
-    "SLOT1",
-    "SLOT2",
-    "LONGHOLE",
-    "CYCLE60",
-    "CYCLE61",
-    "CYCLE62",
-    "CYCLE63",
-    "CYCLE64",
-    "CYCLE70",
-    "CYCLE71",
-    "CYCLE72",
-    "CYCLE73",
-    "CYCLE74",
-    "CYCLE75",
-    "CYCLE76",
-    "CYCLE77",
-    "CYCLE78",
-    "CYCLE79",
-    "CYCLE90",
-    "CYCLE801",
-    "CYCLE802",
-    "CYCLE899",
-    "CYCLE977",
-    "CYCLE978",
-    "CYCLE979",
-    "CYCLE998",
-    "MEAS",
-    "MEAW",
-    "TRANS",
-    "ATRANS",
-    "ROT",
-    "AROT",
-    "SCALE",
-    "ASCALE",
-    "MIRROR",
-    "AMIRROR",
-    "SUPA",
-    "TRAORI",
-    "TRAFOOF",
-    "TRACYL",
-    "TRANSMIT",
-    "CIP",
-    "CT",
-    "ASPLINE",
-    "BSPLINE",
-    "CSPLINE",
-    "POLY",
-    "INVCW",
-    "INVCCW",
-    "MSG",
-    "COMPON",
-    "COMPCURV",
-    "COMPCAD",
-    "COMPOF",
-    "SOFT",
-    "BRISK",
-    "DRIVE",
-    "GOTOS",
-    "SETAL",
-    "NORM",
-    "KONT",
-    "KONTC",
-    "KONTT",
-    "SBLON",
-    "SBLOF",
-    "CFC",
-    "CFTCP",
-    "CFIN",
-    "SETMS",
-    "WORKPIECE",
-    "REPOSA",
-    "ROTS",
-    "AROTS",
-    "TOFFON",
-    "TOROT",
-    "PAROT",
-    "OEMIPO1",
-    "SPCON",
-    "SPCOF",
-    "A3",
-    "OFFN",
-    "FZ",
-    "POS",
-    "X2",
-    "WHEN",
-    "DIAMON",
-    "DIAM90",
-    "CYCLE92",
-    "CYCLE93",
-    "CYCLE94",
-    "CYCLE95",
-    "CYCLE96",
-    "CYCLE97",
-    "CYCLE98",
-    "CYCLE99",
-    "CYCLE930",
-    "CYCLE940",
-    "CYCLE950",
-    "CYCLE951",
-    "CYCLE952",
-    "$P_UIFR",
 ];
 
 /// What changes neither path nor time, so that nothing needs to be said.
@@ -285,13 +162,8 @@ pub(super) const IGNORED: &[&str] = &[
     "POLYPATH",
 ];
 
-/// The code of a statement.
-pub(super) fn statement(name: &[u8]) -> Option<u8> {
-    STATEMENTS.iter().position(|known| known.as_bytes() == name).map(|index| index as u8)
-}
-
-/// The code of a statement that says what an address with a value is, where it is one that is not modelled.
-pub(super) fn named_word(name: &[u8]) -> Option<u8> {
+/// Returns the keyword that says what an address with a value is, if the address is not modelled.
+pub(super) fn named_word(name: &[u8]) -> Option<Keyword> {
     let group: &[u8] = match name {
         b"A2" | b"B2" | b"C2" | b"A3" | b"B3" | b"C3" | b"A4" | b"B4" | b"C4" | b"A5" | b"B5" | b"C5"
         | b"LEAD" | b"TILT" | b"THETA" | b"NUT" => b"A3",
@@ -304,5 +176,5 @@ pub(super) fn named_word(name: &[u8]) -> Option<u8> {
         }
         _ => return None,
     };
-    statement(group)
+    keyword(group)
 }

@@ -14,7 +14,8 @@ use crate::simulation::gcode::line::{Line, excerpt};
 use crate::simulation::gcode::number::skip_blanks;
 use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
-use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, named_word, statement};
+use crate::simulation::gcode::siemens::keywords::known;
+use crate::simulation::gcode::siemens::names::{ADDRESSES, IGNORED, named_word};
 use crate::simulation::gcode::siemens::{closing, quoted};
 use crate::simulation::gcode::{Reference, Step, Target, Word, address};
 
@@ -56,9 +57,9 @@ impl Reader<'_> {
             return Ok(end);
         }
         let Some(address) = address else {
-            let code = named_word(&name).filter(|_| !self.names.is_defined(&lower(&name)));
-            let Some(code) = code else { return self.siemens_variable(text, (at, end), value, line) };
-            self.push_word(address::STATEMENT, f64::from(code), line.columns(at, end));
+            let keyword = named_word(&name).filter(|_| !self.names.is_defined(&lower(&name)));
+            let Some(keyword) = keyword else { return self.siemens_variable(text, (at, end), value, line) };
+            self.push_statement(keyword, line.columns(at, end));
             return self.siemens_unused_value(text, value, line);
         };
         let (reference, start) = reference(text, start);
@@ -134,8 +135,8 @@ impl Reader<'_> {
             return self.siemens_unused_value(text, equals + 1, line);
         }
         let name = name.to_ascii_uppercase();
-        if let Some(code) = named_word(&name) {
-            self.push_word(address::STATEMENT, f64::from(code), columns);
+        if let Some(keyword) = named_word(&name) {
+            self.push_statement(keyword, columns);
             return self.siemens_unused_value(text, equals + 1, line);
         }
         if name == b"SPOS" {
@@ -156,8 +157,7 @@ impl Reader<'_> {
                 if !text[end..close].contains(&b',') {
                     return Ok(self.siemens_other_frame(text, at, line));
                 }
-                let code = statement(b"$P_UIFR").map_or(0.0, f64::from);
-                self.push_word(address::STATEMENT, code, columns);
+                self.push_statement(known("$P_UIFR"), columns);
             }
             let index = self.names.index(lower(&text[at..close]));
             let (end, _) = self.formula(Notation::Siemens, text, (at, equals + 1), line, |expressions| {

@@ -25,7 +25,7 @@ const STRIDE: f64 = 10_000.0;
 const COLUMNS: f64 = 100.0;
 
 /// The most elements that REP gives a value.
-const MOST_REPEATED: usize = 1000;
+const MAX_REPEATED: usize = 1000;
 
 impl Expressions<'_> {
     /// `[I]` or `[I,J]` behind the name of an array: leaves the number of its parameter.
@@ -162,7 +162,7 @@ impl Reader<'_> {
                     Ok(Target::Numbered)
                 })?;
                 if is_repeated {
-                    self.repeat_value(element, count.min(MOST_REPEATED));
+                    self.repeat_value(element, count.min(MAX_REPEATED));
                 }
             } else {
                 next = value;

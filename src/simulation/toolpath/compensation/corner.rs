@@ -14,15 +14,15 @@
 //!
 //! Source: LinuxCNC, cutter radius compensation (user manual, and what `rs274` prints).
 
-use crate::simulation::toolpath::compensation::geometry::{Shape, Spot, Stroke, angle};
+use crate::simulation::toolpath::compensation::geometry::{PlanarCurve, Point2, Shape, angle};
 use std::f64::consts::{PI, TAU};
 
 /// Turns below this are none, rad.
-const STRAIGHT: f64 = 0.05;
+const STRAIGHT_TURN_RAD: f64 = 0.05;
 
 /// How the tool goes around an outer corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::simulation::toolpath) enum OuterCorner {
+pub(crate) enum OuterCorner {
     /// On an arc of the tool radius, as on LinuxCNC and by G450 of Siemens.
     Arc,
     /// Straight strokes are prolonged until they meet, as on Fanuc and by G451 of Siemens; on an
@@ -42,27 +42,34 @@ pub(super) enum Joint {
     /// Around the outside of the corner, from the end of this one to the start of the next.
     Around,
     /// Both meet here.
-    Meet(Spot),
+    Meet(Point2),
     /// They do not meet.
     Apart,
 }
 
 /// The joint of two strokes at the distance `radius` from a `corner` of the contour; `side` is 1
 /// where the tool is on the left and −1 on the right.
-pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: (OuterCorner, f64)) -> Joint {
+pub(super) fn joint(
+    one: &PlanarCurve,
+    two: &PlanarCurve,
+    corner: Point2,
+    side: f64,
+    outer: (OuterCorner, f64),
+) -> Joint {
     let (out, in_) = (one.way_out(), two.way_in());
     let turn = -side * angle(out, in_);
     let away = if turn < -0.5 * PI { turn + TAU } else { turn };
     let is_outside =
-        |stroke: &Stroke| matches!(stroke.shape, Shape::Circle { turn, .. } if turn * side < 0.0);
-    let turns_back = (away - PI).abs() < STRAIGHT && is_outside(if two.is_line() { one } else { two });
+        |stroke: &PlanarCurve| matches!(stroke.shape, Shape::Circle { turn, .. } if turn * side < 0.0);
+    let turns_back =
+        (away - PI).abs() < STRAIGHT_TURN_RAD && is_outside(if two.is_line() { one } else { two });
     if turns_back {
         return meet(one.shape.meeting_ahead(&two.shape, in_ - out));
     }
-    if !(-STRAIGHT..=PI + STRAIGHT).contains(&away) {
+    if !(-STRAIGHT_TURN_RAD..=PI + STRAIGHT_TURN_RAD).contains(&away) {
         return inner(one, two, corner);
     }
-    if away <= STRAIGHT {
+    if away <= STRAIGHT_TURN_RAD {
         return Joint::Smooth;
     }
     match outer {
@@ -77,10 +84,10 @@ pub(super) fn joint(one: &Stroke, two: &Stroke, corner: Spot, side: f64, outer: 
 }
 
 /// The joint of two strokes that cross near `corner`.
-pub(super) fn inner(one: &Stroke, two: &Stroke, corner: Spot) -> Joint {
+pub(super) fn inner(one: &PlanarCurve, two: &PlanarCurve, corner: Point2) -> Joint {
     meet(one.shape.meeting(&two.shape, corner))
 }
 
-fn meet(meeting: Option<Spot>) -> Joint {
+fn meet(meeting: Option<Point2>) -> Joint {
     meeting.map_or(Joint::Apart, Joint::Meet)
 }

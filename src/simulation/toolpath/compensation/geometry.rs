@@ -16,16 +16,16 @@
 use std::f64::consts::{PI, TAU};
 
 /// A position in the plane, mm.
-pub(super) type Spot = nalgebra::Point2<f64>;
+pub(super) type Point2 = nalgebra::Point2<f64>;
 /// A displacement in the plane, mm, or a direction.
 pub(super) type Way = nalgebra::Vector2<f64>;
 
 /// Lengths below this are rounding, mm.
-pub(super) const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING_MM: f64 = 1e-9;
 
 /// Angles by which a trimmed arc may be longer than before, rad: it begins or ends a little
 /// beside its circle where a turn is too slight to be a corner.
-const SLACK: f64 = 0.5 * PI;
+const TRIM_SLACK_RAD: f64 = 0.5 * PI;
 
 /// What a stroke lies on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,14 +33,14 @@ pub(super) enum Shape {
     /// An endless line.
     Line {
         /// A point of it, mm.
-        through: Spot,
+        through: Point2,
         /// Unit vector of the motion.
         along: Way,
     },
     /// A whole circle.
     Circle {
         /// Its centre, mm.
-        center: Spot,
+        center: Point2,
         /// Its radius, mm.
         radius: f64,
         /// 1 counter-clockwise, −1 clockwise.
@@ -50,9 +50,9 @@ pub(super) enum Shape {
 
 /// One move as seen in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stroke {
-    pub(super) start: Spot,
-    pub(super) end: Spot,
+pub(super) struct PlanarCurve {
+    pub(super) start: Point2,
+    pub(super) end: Point2,
     pub(super) shape: Shape,
     /// Angle of an arc, rad; 0 for a line.
     pub(super) sweep: f64,
@@ -73,7 +73,7 @@ pub(super) fn angle(from: Way, to: Way) -> f64 {
 
 impl Shape {
     /// Direction of the motion at a point of the shape.
-    pub(super) fn direction(&self, at: Spot) -> Way {
+    pub(super) fn direction(&self, at: Point2) -> Way {
         match *self {
             Shape::Line { along, .. } => along,
             Shape::Circle { center, turn, .. } => {
@@ -82,18 +82,18 @@ impl Shape {
         }
     }
 
-    /// Its point nearest to `spot`; none from the centre of a circle.
-    pub(super) fn foot(&self, spot: Spot) -> Option<Spot> {
+    /// Its point nearest to `spot`, or `None` from the centre of a circle.
+    pub(super) fn foot(&self, spot: Point2) -> Option<Point2> {
         match *self {
             Shape::Line { through, along } => Some(through + along * (spot - through).dot(&along)),
             Shape::Circle { center, radius, .. } => {
-                Some(center + (spot - center).try_normalize(ROUNDING)? * radius)
+                Some(center + (spot - center).try_normalize(ROUNDING_MM)? * radius)
             }
         }
     }
 
     /// Where it meets another, mm.
-    fn meetings(&self, other: &Shape) -> [Option<Spot>; 2] {
+    fn meetings(&self, other: &Shape) -> [Option<Point2>; 2] {
         match (*self, *other) {
             (Shape::Line { through: p, along: t }, Shape::Line { through: q, along: u }) => {
                 let sine = cross(t, u);
@@ -111,7 +111,7 @@ impl Shape {
             ) => {
                 let between = other_center - center;
                 let distance = between.norm();
-                if distance < ROUNDING {
+                if distance < ROUNDING_MM {
                     return [None, None];
                 }
                 let along = between / distance;
@@ -123,7 +123,7 @@ impl Shape {
     }
 
     /// Where it meets another at a corner: the nearer point.
-    pub(super) fn meeting(&self, other: &Shape, corner: Spot) -> Option<Spot> {
+    pub(super) fn meeting(&self, other: &Shape, corner: Point2) -> Option<Point2> {
         match self.meetings(other) {
             [Some(one), Some(two)] if (two - corner).norm() < (one - corner).norm() => Some(two),
             [one, two] => one.or(two),
@@ -132,7 +132,7 @@ impl Shape {
 
     /// Where it meets another at a corner that turns back, so that both points are about as near:
     /// the one further in the direction `ahead`.
-    pub(super) fn meeting_ahead(&self, other: &Shape, ahead: Way) -> Option<Spot> {
+    pub(super) fn meeting_ahead(&self, other: &Shape, ahead: Way) -> Option<Point2> {
         match self.meetings(other) {
             [Some(one), Some(two)] if 0.0 < (two - one).dot(&ahead) => Some(two),
             [one, two] => one.or(two),
@@ -142,7 +142,7 @@ impl Shape {
 
 /// The points at √`height_squared` on both sides of `foot`; one where rounding hides that they
 /// touch.
-fn mirrored(foot: Spot, along: Way, height_squared: f64) -> [Option<Spot>; 2] {
+fn mirrored(foot: Point2, along: Way, height_squared: f64) -> [Option<Point2>; 2] {
     let reach = 1e-9 * (1.0 + foot.coords.norm());
     if height_squared < -reach {
         return [None, None];
@@ -151,11 +151,11 @@ fn mirrored(foot: Spot, along: Way, height_squared: f64) -> [Option<Spot>; 2] {
     [Some(foot + along * height), Some(foot - along * height)]
 }
 
-impl Stroke {
-    /// A straight stroke; none where it has no length.
-    pub(super) fn line(start: Spot, end: Spot) -> Option<Stroke> {
-        let along = (end - start).try_normalize(ROUNDING)?;
-        Some(Stroke { start, end, shape: Shape::Line { through: start, along }, sweep: 0.0 })
+impl PlanarCurve {
+    /// A straight stroke, or `None` if it has no length.
+    pub(super) fn line(start: Point2, end: Point2) -> Option<PlanarCurve> {
+        let along = (end - start).try_normalize(ROUNDING_MM)?;
+        Some(PlanarCurve { start, end, shape: Shape::Line { through: start, along }, sweep: 0.0 })
     }
 
     pub(super) fn is_line(&self) -> bool {
@@ -172,34 +172,34 @@ impl Stroke {
         self.shape.direction(self.end)
     }
 
-    /// The stroke beside it, `distance` mm to the left; none where that is beyond the centre.
-    pub(super) fn parallel(&self, distance: f64) -> Option<Stroke> {
-        let beside = |at: Spot| at + left_of(self.shape.direction(at)) * distance;
+    /// Returns the stroke offset by `distance` mm to the left; `None` if the radius of an arc would vanish.
+    pub(super) fn parallel(&self, distance: f64) -> Option<PlanarCurve> {
+        let beside = |at: Point2| at + left_of(self.shape.direction(at)) * distance;
         let (start, end) = (beside(self.start), beside(self.end));
         let shape = match self.shape {
             Shape::Line { through, along } => Shape::Line { through: beside(through), along },
             Shape::Circle { center, radius, turn } => {
                 let radius = radius - turn * distance;
                 let least = (start - center).norm().min((end - center).norm());
-                if radius.min(least) < 1e3 * ROUNDING {
+                if radius.min(least) < 1e3 * ROUNDING_MM {
                     return None;
                 }
                 Shape::Circle { center, radius, turn }
             }
         };
-        Some(Stroke { start, end, shape, ..*self })
+        Some(PlanarCurve { start, end, shape, ..*self })
     }
 
     /// How much of it is left between two points of its shape, of which the first lies ahead of
     /// its start and the second behind its end: mm for a line, rad for an arc. Negative where
     /// they lie the wrong way round.
-    pub(super) fn left_between(&self, start: Spot, end: Spot) -> f64 {
+    pub(super) fn left_between(&self, start: Point2, end: Point2) -> f64 {
         match self.shape {
             Shape::Line { along, .. } => (end - start).dot(&along),
             Shape::Circle { center, turn, .. } => {
-                let run = |from: Spot, to: Spot| turn * angle(from - center, to - center);
+                let run = |from: Point2, to: Point2| turn * angle(from - center, to - center);
                 let (ahead, behind) = (run(self.start, start), run(end, self.end));
-                let wrapped = |angle: f64| if angle < -SLACK { angle + TAU } else { angle };
+                let wrapped = |angle: f64| if angle < -TRIM_SLACK_RAD { angle + TAU } else { angle };
                 self.sweep - wrapped(ahead) - wrapped(behind)
             }
         }

@@ -7,47 +7,33 @@
 //!
 //! Every programmed move goes through [`Contour`]; with neither in force it comes out unchanged
 //! and at once. All geometry is in the working plane; the third coordinate is carried along.
-//! Where a control would refuse, the path goes on, and a trouble says how.
-//!
-//! Words: G41 and G42 with D, the number of a tool, whose diameter the program, the machine's table
-//! or a comment tells; without D the tool in
-//! the spindle, or, in a program with a `%` line or an O number, the tool of the last D. G41.1 and G42.1 with D, a diameter in the unit of length in force; without D as
-//! G41. G40 ends both. The words act on the move of their own block. A negative diameter changes
-//! the side; a diameter of 0 leaves the path as programmed.
+//! Where a control would refuse, the path continues, and a remark says how.
 //!
 //! Limits: the tool is a circle, without lathe orientation (L of G41.1) or wear; the queue looks
 //! back over 16 moves; a contour that crosses itself further apart is not seen.
 //!
 //! Source: LinuxCNC user manual, cutter radius compensation.
 
-mod beside;
 mod corner;
 mod geometry;
-mod known;
-mod queue;
+mod offset_queue;
+mod planar;
+mod remark;
 mod rounding;
-mod space;
-#[cfg(test)]
-mod tests;
-mod trouble;
-mod words;
 
-pub(super) use beside::Beside;
-pub(super) use corner::OuterCorner;
-pub(super) use known::KnownDiameters;
-pub(super) use queue::LeadIn;
-pub(super) use rounding::{CornerShape, CornerTreatment};
-pub(super) use trouble::Trouble;
-pub(super) use words::{CompensationWord, CompensationWords, Diameter, Side};
+pub(crate) use corner::OuterCorner;
+pub(crate) use offset_queue::{LeadIn, Setting};
+pub(crate) use remark::CompensationRemark;
+pub(crate) use rounding::{CornerShape, CornerTreatment};
 
 use crate::simulation::gcode::LineNumber;
-use crate::simulation::toolpath::compensation::queue::{Queue, Setting};
+use crate::simulation::toolpath::compensation::offset_queue::Queue;
 use crate::simulation::toolpath::compensation::rounding::Treated;
 use crate::simulation::toolpath::plane::Plane;
-use crate::simulation::toolpath::{Motion, Segment, Stop, Toolpath};
+use crate::simulation::toolpath::{Motion, Point, Segment, Stop, Toolpath};
 
 /// The largest size of a tool or of a corner treatment that is taken at its word, mm.
-const LARGEST: f64 = 1e6;
+pub(crate) const MAX_SIZE_MM: f64 = 1e6;
 
 /// A move kept back for the corner at its end.
 struct Held {
@@ -58,7 +44,7 @@ struct Held {
 }
 
 /// The stage between programmed moves and segments.
-pub(super) struct Contour {
+pub(crate) struct Contour {
     held: Option<Held>,
     /// For the corner at the end of the held move.
     next_corner: Option<CornerTreatment>,
@@ -68,12 +54,12 @@ pub(super) struct Contour {
 }
 
 impl Contour {
-    pub(super) fn new(lead_in: LeadIn) -> Contour {
+    pub(crate) fn new(lead_in: LeadIn) -> Contour {
         Contour { held: None, next_corner: None, every_corner: None, queue: Queue::new(lead_in) }
     }
 
     /// Moves may still be kept back.
-    pub(super) fn keeps_back(&self) -> bool {
+    pub(crate) fn keeps_back(&self) -> bool {
         self.held.is_some() || !self.is_plain()
     }
 
@@ -83,18 +69,18 @@ impl Contour {
     }
 
     /// The tool is beside the programmed position, so that even a move of no length moves it.
-    pub(super) fn is_beside(&self) -> bool {
+    pub(crate) fn is_beside(&self) -> bool {
         self.queue.is_beside()
     }
 
     /// A move comes out as it is given if it has a length, and nothing waits for it.
-    pub(super) fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         !self.keeps_back() && !self.is_beside() && self.next_corner.is_none()
     }
 
     /// The next programmed move, in this working plane.
     #[inline]
-    pub(super) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
+    pub(crate) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
         if !self.is_plain() || self.held.is_some() {
             return self.take_in(segment, plane, out);
         }
@@ -142,7 +128,7 @@ impl Contour {
     }
 
     /// A stop between the moves.
-    pub(super) fn stop(&mut self, stop: Stop, out: &mut Toolpath) {
+    pub(crate) fn stop(&mut self, stop: Stop, out: &mut Toolpath) {
         match &mut self.held {
             Some(held) => held.stops.push(stop),
             None => self.queue.stop(stop, out),
@@ -150,7 +136,7 @@ impl Contour {
     }
 
     /// Treats the corner between the last move given and the next one.
-    pub(super) fn treat_next_corner(&mut self, treatment: CornerTreatment, plane: Plane, out: &mut Toolpath) {
+    pub(crate) fn treat_next_corner(&mut self, treatment: CornerTreatment, plane: Plane, out: &mut Toolpath) {
         if self.held.is_none() && self.is_plain() && !self.is_beside() {
             let Some(segment) = out.segments.pop() else { return };
             let first = out.stops.partition_point(|stop| stop.after <= out.segments.len());
@@ -160,25 +146,46 @@ impl Contour {
     }
 
     /// Treats every corner between feed moves from here on, or no longer.
-    pub(super) fn treat_every_corner(&mut self, treatment: Option<CornerTreatment>) {
+    pub(crate) fn treat_every_corner(&mut self, treatment: Option<CornerTreatment>) {
         self.every_corner = treatment;
     }
 
+    /// Returns the compensation in force.
+    pub(crate) fn setting(&self) -> Option<Setting> {
+        self.queue.setting()
+    }
+
+    /// Chooses how the tool goes around outer corners from here on.
+    pub(crate) fn go_around_corners(&mut self, outer_corner: OuterCorner) {
+        self.queue.outer_corner = outer_corner;
+    }
+
     /// Changes the compensation in force from the next move on.
-    fn set(&mut self, setting: Option<Setting>, out: &mut Toolpath) {
+    pub(crate) fn set(&mut self, setting: Option<Setting>, out: &mut Toolpath) {
         if setting != self.queue.setting() {
             self.release(out);
             self.queue.set(setting, out);
         }
     }
 
+    /// Puts compensation in force from the next move on, with the tool at its distance already, at `at`.
+    pub(crate) fn begin_beside(&mut self, setting: Setting, at: Point, out: &mut Toolpath) {
+        self.release(out);
+        self.queue.begin_beside(setting, at, out);
+    }
+
+    /// Returns where the tool is, if that is not the programmed position; it becomes the programmed position.
+    pub(crate) fn take_place(&mut self) -> Option<Point> {
+        self.queue.at.take()
+    }
+
     /// Puts out everything that is kept back.
-    pub(super) fn finish(&mut self, out: &mut Toolpath) {
+    pub(crate) fn finish(&mut self, out: &mut Toolpath) {
         self.release(out);
         self.queue.flush(out);
     }
 
-    fn release(&mut self, out: &mut Toolpath) {
+    pub(crate) fn release(&mut self, out: &mut Toolpath) {
         let segment = self.held.as_ref().map(|held| held.segment.clone());
         self.release_as(segment, out);
         self.next_corner = None;
@@ -196,7 +203,7 @@ impl Contour {
     }
 
     /// What could not be done as a control would, since this was last asked.
-    fn troubles(&mut self) -> Vec<(LineNumber, Trouble)> {
+    pub(crate) fn troubles(&mut self) -> Vec<(LineNumber, CompensationRemark)> {
         std::mem::take(&mut self.queue.troubles)
     }
 }
@@ -205,6 +212,6 @@ impl Contour {
 fn is_contour(held: &Held, next: &Segment) -> bool {
     [&held.segment, next].into_iter().all(|segment| {
         let is_feed = matches!(segment.motion, Motion::Feed { .. });
-        is_feed && space::stroke(held.plane, segment).is_some()
+        is_feed && planar::stroke(held.plane, segment).is_some()
     })
 }

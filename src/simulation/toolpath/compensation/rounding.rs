@@ -11,19 +11,19 @@
 //! Source: elementary; the words are those of Siemens (RND, RNDM, CHR, CHF, FRC) and Klartext
 //! (RND, CHF), and of `,R` and `,C` on Fanuc.
 
-use crate::simulation::toolpath::compensation::geometry::{ROUNDING, Shape, Spot, Stroke, angle};
-use crate::simulation::toolpath::compensation::space::{draw, height, stroke};
-use crate::simulation::toolpath::compensation::trouble::Trouble;
+use crate::simulation::toolpath::compensation::geometry::{PlanarCurve, Point2, ROUNDING_MM, Shape, angle};
+use crate::simulation::toolpath::compensation::planar::{draw, height, stroke};
+use crate::simulation::toolpath::compensation::remark::CompensationRemark;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Motion, Segment};
 use std::f64::consts::{PI, TAU};
 
 /// Turns below this are no corner, and this close to a reversal no room, rad.
-const SLIGHT: f64 = 1e-4;
+const SLIGHT_TURN_RAD: f64 = 1e-4;
 
 /// What replaces a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::simulation::toolpath) enum CornerShape {
+pub(crate) enum CornerShape {
     /// An arc that touches both moves: RND, `,R`.
     Rounding {
         /// mm.
@@ -43,14 +43,14 @@ pub(in crate::simulation::toolpath) enum CornerShape {
 
 /// How one corner is to be treated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::simulation::toolpath) struct CornerTreatment {
-    pub(in crate::simulation::toolpath) shape: CornerShape,
+pub(crate) struct CornerTreatment {
+    pub(crate) shape: CornerShape,
     /// Feedrate of the new move alone, mm/s; none: that of the move before it.
-    pub(in crate::simulation::toolpath) feedrate: Option<f64>,
+    pub(crate) feedrate: Option<f64>,
 }
 
 impl CornerTreatment {
-    pub(super) fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         match self.shape {
             CornerShape::Rounding { .. } => "rounding",
             _ => "chamfer",
@@ -58,7 +58,7 @@ impl CornerTreatment {
     }
 
     /// Radius, leg or width, mm.
-    pub(super) fn size(&self) -> f64 {
+    pub(crate) fn size(&self) -> f64 {
         let (CornerShape::Rounding { radius: size }
         | CornerShape::Chamfer { leg: size }
         | CornerShape::ChamferWidth { width: size }) = self.shape;
@@ -74,32 +74,32 @@ pub(super) struct Treated {
     pub(super) after: Option<Segment>,
 }
 
-/// The two moves, shortened, with the new one between them; none where there is no corner.
+/// The two moves, shortened, with the new one between them, or `None` if there is no corner.
 pub(super) fn treat(
     plane: Plane,
     (one, two): (&Segment, &Segment),
     treatment: &CornerTreatment,
-) -> Result<Option<Treated>, Trouble> {
+) -> Result<Option<Treated>, CompensationRemark> {
     let name = treatment.name();
     let (Some(before), Some(after)) = (stroke(plane, one), stroke(plane, two)) else {
-        return Err(Trouble::NotInPlane { name });
+        return Err(CompensationRemark::NotInPlane { name });
     };
     let turn = angle(before.way_out(), after.way_in());
     let bridge = match treatment.shape {
-        _ if turn.abs() < SLIGHT || treatment.size() < ROUNDING => return Ok(None),
-        _ if PI - SLIGHT < turn.abs() => None,
+        _ if turn.abs() < SLIGHT_TURN_RAD || treatment.size() < ROUNDING_MM => return Ok(None),
+        _ if PI - SLIGHT_TURN_RAD < turn.abs() => None,
         CornerShape::Rounding { radius } => touching_arc(&before, &after, radius, turn),
-        _ if !before.is_line() || !after.is_line() => return Err(Trouble::NotInPlane { name }),
+        _ if !before.is_line() || !after.is_line() => return Err(CompensationRemark::NotInPlane { name }),
         CornerShape::Chamfer { leg } => chamfer(&before, &after, leg),
         CornerShape::ChamferWidth { width } => chamfer(&before, &after, 0.5 * width / (0.5 * turn).cos()),
     };
-    let Some(Stroke { start: from, end: to, shape, sweep }) = bridge else {
-        return Err(Trouble::NoRoom { name });
+    let Some(PlanarCurve { start: from, end: to, shape, sweep }) = bridge else {
+        return Err(CompensationRemark::NoRoom { name });
     };
     let (Some(kept_before), Some(kept_after)) =
         (kept(&before, before.start, from), kept(&after, to, after.end))
     else {
-        return Err(Trouble::NoRoom { name });
+        return Err(CompensationRemark::NoRoom { name });
     };
     let (low, corner, high) = (height(plane, one.start), height(plane, one.end), height(plane, two.end));
     let motion = treatment.feedrate.map_or(one.motion, |feedrate| Motion::Feed { feedrate });
@@ -123,7 +123,7 @@ pub(super) fn treat(
     let at = corner.as_ref().map_or(at, |segment| segment.end);
     let after = draw(plane, two, at, (&after.shape, kept_after.length), (after.end, high));
     if after.as_ref().map_or(at, |segment| segment.end) != two.end {
-        return Err(Trouble::NoRoom { name });
+        return Err(CompensationRemark::NoRoom { name });
     }
     Ok(Some(Treated { before, corner, after }))
 }
@@ -138,12 +138,12 @@ struct Kept {
 
 impl Kept {
     fn is_nothing(&self) -> bool {
-        self.length < 1e3 * ROUNDING
+        self.length < 1e3 * ROUNDING_MM
     }
 }
 
-/// The part of a stroke between two of its points; none where they are not on it in this order.
-fn kept(stroke: &Stroke, start: Spot, end: Spot) -> Option<Kept> {
+/// The part of a stroke between two of its points, or `None` if they are not on it in this order.
+fn kept(stroke: &PlanarCurve, start: Point2, end: Point2) -> Option<Kept> {
     let whole = if stroke.is_line() { (stroke.end - stroke.start).norm() } else { stroke.sweep };
     let length = stroke.left_between(start, end);
     let share = length / whole;
@@ -151,17 +151,17 @@ fn kept(stroke: &Stroke, start: Spot, end: Spot) -> Option<Kept> {
 }
 
 /// The arc of this radius that touches both strokes on the inside of their corner.
-fn touching_arc(before: &Stroke, after: &Stroke, radius: f64, turn: f64) -> Option<Stroke> {
+fn touching_arc(before: &PlanarCurve, after: &PlanarCurve, radius: f64, turn: f64) -> Option<PlanarCurve> {
     let inside = turn.signum() * radius;
     let center = before.parallel(inside)?.shape.meeting(&after.parallel(inside)?.shape, before.end)?;
     let (start, end) = (before.shape.foot(center)?, after.shape.foot(center)?);
     let turn = turn.signum();
     let once = turn * angle(start - center, end - center);
     let sweep = if once < 0.0 { once + TAU } else { once };
-    Some(Stroke { start, end, shape: Shape::Circle { center, radius, turn }, sweep })
+    Some(PlanarCurve { start, end, shape: Shape::Circle { center, radius, turn }, sweep })
 }
 
 /// The straight line from `leg` before the corner to `leg` behind it.
-fn chamfer(before: &Stroke, after: &Stroke, leg: f64) -> Option<Stroke> {
-    Stroke::line(before.end - before.way_out() * leg, after.start + after.way_in() * leg)
+fn chamfer(before: &PlanarCurve, after: &PlanarCurve, leg: f64) -> Option<PlanarCurve> {
+    PlanarCurve::line(before.end - before.way_out() * leg, after.start + after.way_in() * leg)
 }

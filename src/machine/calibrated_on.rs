@@ -1,0 +1,55 @@
+//! The programs and errors of a machine's calibration.
+
+/// The least and the largest of some values; `None` if there were none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent(pub Option<(f64, f64)>);
+
+impl Extent {
+    /// Returns the extent of some values.
+    pub fn of(values: &[f64]) -> Extent {
+        values.iter().fold(Extent::default(), |extent, value| extent.with(*value))
+    }
+
+    /// Returns the extent with one more value.
+    pub fn with(self, value: f64) -> Extent {
+        let (least, largest) = self.0.unwrap_or((value, value));
+        Extent(Some((least.min(value), largest.max(value))))
+    }
+
+    /// Returns `true` if there are values and all are smaller than `value`.
+    pub fn is_below(self, value: f64) -> bool {
+        self.0.is_none_or(|(_, largest)| largest < value)
+    }
+
+    /// Returns `true` if there are values and all are larger than `value`.
+    pub fn is_above(self, value: f64) -> bool {
+        self.0.is_none_or(|(least, _)| value < least)
+    }
+}
+
+/// The features of the programs that a machine was calibrated on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CalibratedOn {
+    /// Half of the range that holds the motion time of nine in ten other programs with no more than these
+    /// features, as a part of it; `None` if unknown.
+    pub range: Option<f64>,
+    /// Turns of corners between feed moves, rad.
+    pub turns: Extent,
+    /// Radii of arcs, mm.
+    pub radii: Extent,
+    /// Lengths of straight feed blocks, mm.
+    pub blocks: Extent,
+    /// Programmed feedrates, mm/s.
+    pub feedrates: Extent,
+    /// Longest travel of each axis in one rapid, mm; `None` if there was no rapid.
+    pub rapids: Option<[f64; 3]>,
+    /// Highest velocity of each axis in the runs, mm/s; `None` if unknown.
+    pub velocities: Option<[f64; 3]>,
+    /// Travel of each program along the path and in each axis, mm, by which a program is recognised.
+    pub travels: Vec<[f64; 4]>,
+    /// The axes X, Y, Z whose acceleration the runs do not determine: it was taken from other axes, or is
+    /// known only together with theirs.
+    pub assumed_accelerations: [bool; 3],
+    /// The axes X, Y, Z without a rapid at its full rate in the runs.
+    pub assumed_rapids: [bool; 3],
+}

@@ -1,0 +1,11 @@
+//! Conversion between variants and their keywords.
+
+/// Returns the keyword of a variant.
+pub(super) fn keyword_of<T: PartialEq>(words: &[(&'static str, T)], choice: T) -> &'static str {
+    words.iter().find(|(_, own)| *own == choice).expect("each has a word").0
+}
+
+/// Returns the variant of a keyword; `None` if there is none.
+pub(super) fn variant_of<T: Copy>(words: &[(&'static str, T)], written: &str) -> Option<T> {
+    words.iter().find(|(word, _)| *word == written).map(|(_, choice)| *choice)
+}

@@ -1,0 +1,165 @@
+//! Rows of a calibration: its programs and its errors.
+
+use crate::machine::parameter::{Access, Parameter, TOLERANCE_BOUNDS_MM, row};
+use crate::machine::{Extent, Machine};
+use crate::units::Unit;
+
+/// Returns the access to an extent as a list of two, bounded in the unit of files.
+const fn extent(
+    unit: Unit,
+    (min, max): (f64, f64),
+    get: fn(&Machine) -> Option<Vec<f64>>,
+    set: fn(&mut Machine, Vec<f64>),
+) -> Access {
+    Access::List { unit, min, max, whole: false, most: 2, get, set }
+}
+
+fn list(extent: &Extent) -> Option<Vec<f64>> {
+    extent.0.map(|(least, largest)| vec![least, largest])
+}
+
+/// Returns the access to a set of axes as numbers, X as 1.
+const fn axes(get: fn(&Machine) -> Option<Vec<f64>>, set: fn(&mut Machine, Vec<f64>)) -> Access {
+    Access::List { unit: Unit::Number, min: 1.0, max: 3.0, whole: true, most: 3, get, set }
+}
+
+/// Returns the set of axes with these numbers.
+fn axes_of(numbers: Vec<f64>) -> [bool; 3] {
+    [1.0, 2.0, 3.0].map(|axis| numbers.contains(&axis))
+}
+
+/// Returns the numbers of the axes in a set, X as 1; `None` if it is empty.
+fn numbers_of(axes: [bool; 3]) -> Option<Vec<f64>> {
+    let numbers = axes.iter().zip(1u8..).filter(|(is_meant, _)| **is_meant);
+    Some(numbers.map(|(_, axis)| f64::from(axis)).collect()).filter(|all: &Vec<f64>| !all.is_empty())
+}
+
+/// The rows, in the order of forms and files; an edit of the motion clears them.
+pub const CALIBRATED: [Parameter; 14] = [
+    row!("calibration.cycle_time_error_percent", "Error of the cycle time", optional Percent (0.0, 100.0) [cycle_time_error],
+        "By how much the cycle time was off when these numbers were calibrated; the uncertainty of a quote. Empty: unknown. Editing the motion empties it."),
+    row!("calibration.unexplained_percent", "Time left unexplained", optional Percent (0.0, 1000.0) [unexplained_time],
+        "Lost time that the calibration left unexplained, added up place by place without cancelling. A diagnosis treats it as the error of the model. Empty: unknown."),
+    row!("calibration.form_error_mm", "Error of the form", optional Millimetre (0.0, 1000.0) [form_error],
+        "Root mean square distance between recorded and simulated positions at equal times, at the calibration. Empty: unknown."),
+    row!("calibration.range_percent", "Range on other programs", optional Percent (0.0, 100.0) [calibrated_on.range],
+        "On nine in ten other programs, the time of the motion is off by at most this much, if they ask for nothing that the calibration did not see. Empty: unknown."),
+    Parameter {
+        key: "calibration.turns_deg",
+        label: "Corners calibrated on",
+        doc: "Smallest and largest turn of a corner in the calibrating runs. Other corners make a quote less certain.",
+        access: extent(
+            Unit::Degree,
+            (0.0, 180.0),
+            |m| list(&m.calibrated_on.turns),
+            |m, v| m.calibrated_on.turns = Extent::of(&v),
+        ),
+    },
+    Parameter {
+        key: "calibration.radii_mm",
+        label: "Arcs calibrated on",
+        doc: "Smallest and largest radius of an arc in the calibrating runs. Other arcs make a quote less certain.",
+        access: extent(
+            Unit::Millimetre,
+            (0.0, 1e6),
+            |m| list(&m.calibrated_on.radii),
+            |m, v| m.calibrated_on.radii = Extent::of(&v),
+        ),
+    },
+    Parameter {
+        key: "calibration.blocks_mm",
+        label: "Blocks calibrated on",
+        doc: "Lengths of the shortest and the longest straight feed block in the calibrating runs. Shorter blocks make a quote less certain.",
+        access: extent(
+            Unit::Millimetre,
+            (0.0, 1e6),
+            |m| list(&m.calibrated_on.blocks),
+            |m, v| m.calibrated_on.blocks = Extent::of(&v),
+        ),
+    },
+    Parameter {
+        key: "calibration.feeds_mm_min",
+        label: "Feedrates calibrated on",
+        doc: "Lowest and highest programmed feedrate in the calibrating runs. Higher feedrates make a quote less certain.",
+        access: extent(
+            Unit::MillimetrePerMinute,
+            (0.0, 1e6),
+            |m| list(&m.calibrated_on.feedrates),
+            |m, v| m.calibrated_on.feedrates = Extent::of(&v),
+        ),
+    },
+    Parameter {
+        key: "calibration.rapids_mm",
+        label: "Rapids calibrated on",
+        doc: "Longest travel of X, Y and Z in one rapid of the calibrating runs. Longer rapids make a quote less certain.",
+        access: Access::List {
+            unit: Unit::Millimetre,
+            min: 0.0,
+            max: 1e6,
+            whole: false,
+            most: 3,
+            get: |m| m.calibrated_on.rapids.map(|rapids| rapids.to_vec()),
+            set: |m, v| m.calibrated_on.rapids = <[f64; 3]>::try_from(v).ok(),
+        },
+    },
+    Parameter {
+        key: "calibration.velocities_mm_min",
+        label: "Velocities calibrated on",
+        doc: "Highest velocity of X, Y and Z in the calibrating runs. Faster moves make a quote less certain.",
+        access: Access::List {
+            unit: Unit::MillimetrePerMinute,
+            min: 0.0,
+            max: 1e6,
+            whole: false,
+            most: 3,
+            get: |m| m.calibrated_on.velocities.map(|velocities| velocities.to_vec()),
+            set: |m, v| m.calibrated_on.velocities = <[f64; 3]>::try_from(v).ok(),
+        },
+    },
+    Parameter {
+        key: "calibration.travels_mm",
+        label: "Travels calibrated on",
+        doc: "How far each program it was calibrated on travels: along the path, in X, in Y and in Z, one program after another. On a program that travels otherwise, a diagnosis ignores differences within the range of this file.",
+        access: Access::List {
+            unit: Unit::Millimetre,
+            min: 0.0,
+            max: 1e12,
+            whole: false,
+            most: 4000,
+            get: |m| Some(m.calibrated_on.travels.concat()).filter(|list| !list.is_empty()),
+            set: |m, v| m.calibrated_on.travels = v.as_chunks().0.to_vec(),
+        },
+    },
+    Parameter {
+        key: "calibration.assumed_accelerations",
+        label: "Assumed accelerations",
+        doc: "Axes (1 X, 2 Y, 3 Z) whose acceleration the calibrating runs do not determine. It comes from the other axes, or holds only together with theirs. A diagnosis fits it again beside each cause.",
+        access: axes(
+            |m| numbers_of(m.calibrated_on.assumed_accelerations),
+            |m, v| m.calibrated_on.assumed_accelerations = axes_of(v),
+        ),
+    },
+    Parameter {
+        key: "calibration.assumed_rapids",
+        label: "Assumed rapids",
+        doc: "Axes (1 X, 2 Y, 3 Z) that reached their rapid rate in no calibrating run. The rate comes from the machine file before, or from other axes. A diagnosis of another program takes it from the recording first.",
+        access: axes(
+            |m| numbers_of(m.calibrated_on.assumed_rapids),
+            |m, v| m.calibrated_on.assumed_rapids = axes_of(v),
+        ),
+    },
+    Parameter {
+        key: "calibration.tolerances_mm",
+        label: "Tolerances of that error",
+        doc: "The error of the cycle time holds at these contour tolerances only. Empty: at the contour tolerance.",
+        access: Access::List {
+            unit: Unit::Millimetre,
+            min: TOLERANCE_BOUNDS_MM.0,
+            max: TOLERANCE_BOUNDS_MM.1,
+            whole: false,
+            most: 20,
+            get: |m| Some(m.calibrated_at.clone()).filter(|list| !list.is_empty()),
+            set: |m, v| m.calibrated_at = v,
+        },
+    },
+];

@@ -1,0 +1,96 @@
+//! A feed override that was in force along a part of the path.
+//!
+//! An operator turns the switch at a moment, wherever the tool is, and not between two blocks. The segments in
+//! which the span (from, to) of the override begins and ends are divided there, and the feedrates of feed moves
+//! within are multiplied by its ratio:
+//!
+//! ```text
+//!            from                         to                      mm along the path
+//!   ----------|----|-------|---------------|------
+//!       F       r F   r F         r F          F                  r ratio, F programmed feedrate
+//! ```
+//!
+//! Limits: the ramp to a lower feedrate ends where the switch is turned and does not begin there, which is too
+//! early by the length of that ramp; rotary axes that turn alone keep the programmed rate.
+
+use crate::machine::{Machine, Overrides};
+use crate::simulation::feed::substitute::{Cover, Substitute};
+use crate::simulation::toolpath::{Motion, Segment, Toolpath};
+
+/// Least length of a part of a segment.
+const MIN_PART_MM: f64 = 1e-6;
+
+/// Returns the toolpath with the override of its span in its feedrates, and the machine without that override;
+/// `None` if the override applies to the whole path.
+pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Machine)> {
+    let overrides = &machine.overrides;
+    if !overrides.has_span() {
+        return None;
+    }
+    let (from, to) = overrides.span;
+    let distances = toolpath.distances();
+    let mut substitute = Substitute::default();
+    for (number, segment) in toolpath.segments.iter().enumerate() {
+        substitute.take_before(toolpath, number);
+        let begin = distances[number];
+        let cuts = [from - begin, to - begin].map(|cut| cut.clamp(0.0, segment.length));
+        let [first, last] = cuts.map(|cut| snapped(cut, segment.length));
+        let ratio = overrides.of_feed_within(segment.line.0);
+        for (start, end, ratio) in [(0.0, first, 1.0), (first, last, ratio), (last, segment.length, 1.0)] {
+            if start < end {
+                push(&mut substitute, number, &segment, (start, end), ratio);
+            }
+        }
+    }
+    substitute.take_before(toolpath, usize::MAX);
+    let overrides = Overrides { feed: 1.0, span: Overrides::WHOLE_PATH_BOUNDS_MM, ..overrides.clone() };
+    Some((substitute, Machine { overrides, ..machine.clone() }))
+}
+
+/// Returns a cut of a segment of `length` (both mm), moved to an end of it that is nearer than a part is short.
+fn snapped(cut: f64, length: f64) -> f64 {
+    match cut {
+        _ if cut < MIN_PART_MM => 0.0,
+        _ if length - cut < MIN_PART_MM => length,
+        _ => cut,
+    }
+}
+
+fn push(substitute: &mut Substitute, number: usize, segment: &Segment, (start, end): (f64, f64), ratio: f64) {
+    let mut part = segment.part(start, end);
+    if let Motion::Feed { feedrate } = &mut part.motion {
+        *feedrate *= ratio;
+    }
+    substitute.push(part, Cover { first: number, offset: start, last: number, length: end - start });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+
+    const PROGRAM: &str = "G0 Z5\nG1 F1200 X40\nG2 X60 Y20 I0 J20 F600\nG4 P0.5\nG1 X0 F1200\nG61 Y0";
+
+    fn with(machine: &Machine, feed: f64, span: (f64, f64)) -> Machine {
+        let mut machine = machine.clone();
+        (machine.overrides.feed, machine.overrides.span) = (feed, span);
+        machine
+    }
+
+    #[test]
+    fn parts_cover_the_program() {
+        let machine = with(&Machine::default(), 0.5, (12.0, 50.0));
+        let toolpath = trace(&read(PROGRAM.as_bytes()), &machine);
+        let (substitute, _) = divided(&toolpath, &machine).expect("there is a span");
+        assert_eq!(substitute.covers.len(), toolpath.segments.len() + 2);
+        for (part, cover) in substitute.toolpath.segments.iter().zip(&substitute.covers) {
+            let segment = toolpath.segments.at(cover.first);
+            for share in [0.0, 0.3, 1.0] {
+                let expected = segment.point(cover.offset + share * cover.length);
+                assert!((part.point(share * part.length) - expected).norm() < 1e-9, "{cover:?}");
+            }
+        }
+        assert_eq!(substitute.toolpath.stops.len(), toolpath.stops.len());
+    }
+}
