@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod diagnosis;
 pub mod effects;
 pub mod fit;
+pub mod measured;
 pub mod probe;
 pub mod recording;
 pub mod step;

@@ -1,19 +1,20 @@
-//! Where the time of a plan goes: cutting, rapids, dwells, tool changes and machine functions.
+//! Feed plan → breakdown: how much of the cycle time is cutting, rapids, dwells, tool changes and machine
+//! functions.
 //!
 //! The breakdown adds up to the cycle time: each pulse counts for the motion of its segment, the
-//! filter delay of a stretch half for its first and half for its last segment, what is lost behind the
+//! filter delay of a stretch half for its first and half for its last segment, time lost behind the
 //! filters for the segment on which it is lost, and each wait for its cause; halts in motion that the program
 //! does not ask for are other time. A part of a program is broken down in the same way, so that parts add up
 //! to the whole.
 
 use std::ops::Range;
 
-use crate::machine::{Function, Machine};
+use crate::machine::{MCodeGroup, Machine};
 use crate::simulation::feed::{FeedPlan, Phase, Wait};
 use crate::simulation::running_sum::RunningSum;
 use crate::simulation::toolpath::{Motion, StopCause, Toolpath};
 
-/// Where the cycle time goes, s.
+/// The cycle time by kind, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Breakdown {
     /// Feed moves.
@@ -24,15 +25,15 @@ pub struct Breakdown {
     pub dwell: f64,
     /// Tool changes.
     pub tool_change: f64,
-    /// All else.
+    /// Other time.
     pub other: f64,
-    /// What the other time is made of; it adds up to it.
-    pub functions: Functions,
+    /// The other time by function; adds up to `other`.
+    pub functions: FunctionBreakdown,
 }
 
-/// What machine functions take, s.
+/// Time of machine functions, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Functions {
+pub struct FunctionBreakdown {
     /// Starts, stops and changes of speed of the spindle.
     pub spindle: f64,
     /// Coolant on and off.
@@ -43,16 +44,16 @@ pub struct Functions {
     pub pallet: f64,
     /// Clamping and unclamping.
     pub clamp: f64,
-    /// Any other M-word.
+    /// Other M-words.
     pub m_words: f64,
     /// From the start of the program to its first block.
     pub start: f64,
-    /// Halts in motion that the program does not ask for: feed holds, waits.
+    /// Halts in motion that the program does not request: feed holds, waits.
     pub halts: f64,
 }
 
 impl Breakdown {
-    /// All of it, s.
+    /// Returns the sum of all kinds of time, s.
     pub fn total(&self) -> f64 {
         self.cutting + self.rapid + self.dwell + self.tool_change + self.other
     }
@@ -69,8 +70,8 @@ impl std::ops::AddAssign for Breakdown {
     }
 }
 
-impl std::ops::AddAssign for Functions {
-    fn add_assign(&mut self, more: Functions) {
+impl std::ops::AddAssign for FunctionBreakdown {
+    fn add_assign(&mut self, more: FunctionBreakdown) {
         self.spindle += more.spindle;
         self.coolant += more.coolant;
         self.stops += more.stops;
@@ -82,19 +83,19 @@ impl std::ops::AddAssign for Functions {
     }
 }
 
-/// Where the cycle time of a plan goes.
+/// Returns the breakdown of a plan.
 pub fn breakdown(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> Breakdown {
     Ledger::new(toolpath, machine, plan).breakdown(0..toolpath.segments.len(), 0..toolpath.stops.len())
 }
 
-/// A plan, ready to be broken down part by part: a part takes time in proportion to its own size.
+/// A plan prepared for breaking down its parts: a part costs time in proportion to its size.
 pub(super) struct Ledger<'a> {
     toolpath: &'a Toolpath,
     machine: &'a Machine,
     plan: &'a FeedPlan,
-    /// The segments at the ends of stretches and half the filter delay there (s), in order.
+    /// The segments at the ends of rest-to-rest motions, each with half the filter delay (s), in order.
     ends: Vec<(usize, f64)>,
-    /// The waits, one for each stop.
+    /// The waits, one per stop.
     waits: Vec<&'a Wait>,
 }
 
@@ -103,9 +104,9 @@ impl<'a> Ledger<'a> {
         let (mut ends, mut waits) = (Vec::new(), Vec::new());
         for phase in &plan.phases {
             match phase {
-                Phase::Motion(stretch) => {
-                    let half = plan.filters[stretch.filter].half_delay();
-                    ends.extend([(stretch.segments.start, half), (stretch.segments.end - 1, half)]);
+                Phase::Motion(rest_to_rest) => {
+                    let half = plan.filters[rest_to_rest.filter].half_delay();
+                    ends.extend([(rest_to_rest.segments.start, half), (rest_to_rest.segments.end - 1, half)]);
                 }
                 Phase::Wait(wait) => waits.push(wait),
             }
@@ -113,7 +114,7 @@ impl<'a> Ledger<'a> {
         Ledger { toolpath, machine, plan, ends, waits }
     }
 
-    /// Where the time of these segments and stops goes.
+    /// Returns the breakdown of these segments and stops.
     pub(super) fn breakdown(&self, segments: Range<usize>, stops: Range<usize>) -> Breakdown {
         let mut breakdown = Breakdown::default();
         if segments.start == 0 && stops.start == 0 {
@@ -161,11 +162,11 @@ impl<'a> Ledger<'a> {
                 }
                 StopCause::Spindle { .. } => &mut functions.spindle,
                 StopCause::MCode { code } => match self.machine.times.function(code) {
-                    Function::Coolant => &mut functions.coolant,
-                    Function::Stop => &mut functions.stops,
-                    Function::Pallet => &mut functions.pallet,
-                    Function::Clamp => &mut functions.clamp,
-                    Function::Other => &mut functions.m_words,
+                    MCodeGroup::Coolant => &mut functions.coolant,
+                    MCodeGroup::Stop => &mut functions.stops,
+                    MCodeGroup::Pallet => &mut functions.pallet,
+                    MCodeGroup::Clamp => &mut functions.clamp,
+                    MCodeGroup::Other => &mut functions.m_words,
                 },
             };
             *function += wait.duration;

@@ -3,57 +3,83 @@
 //! The breakdown is of the whole program, of each operation and of each tool; see [`Breakdown`].
 
 mod breakdown;
-mod places;
+mod job;
+mod time_losses;
 mod offer;
+mod time_range;
+mod revision;
 mod shares;
 mod terms;
 mod trust;
 
-pub use breakdown::{Breakdown, Functions, breakdown};
-pub use offer::{Addend, Item, Offer, Uncertainty, offer};
-pub use places::{Lost, LostAt, MOST_PLACES, Reason, Standing, lost};
-pub use shares::{OperationShare, Share, ToolShare, programmed_time};
-pub use terms::{LARGEST_MARGIN_OF_PRICE, MarginOf, QUANTITY, Rounding, TERMS, Term, TermAccess, Terms};
+pub use breakdown::{Breakdown, FunctionBreakdown, breakdown};
+pub use job::{BatchTimes, Fixture, JobOperation, MissingTerm, PlannedOperation, QuotedJob};
+pub use offer::{Addend, AddendKind, Offer, Uncertainty, offer};
+pub use revision::{RevisedLines, Revision, Revisions, revisions};
+pub use shares::{OperationShare, TimeShare, ToolShare, programmed_time};
+pub use terms::{MAX_MARGIN_OF_PRICE, MarginOf, QUANTITY_BOUNDS, Rounding, TERMS, Term, TermAccess, Terms};
+pub use time_losses::{LossReason, LostTimes, MAX_LISTED_LOSSES, StopReason, TimeLoss, lost_times};
+pub use time_range::{TimeRange, UnshownFeature, error_beyond_calibration, features_of, range};
 
-pub use trust::{ASSUMED_TRAVEL, InDoubt, MIN_FEEDRATE, Trust, trust};
+pub use trust::{ASSUMED_TRAVEL_MM, CauseInDoubt, MIN_FEEDRATE_MM_S, Trust, trust};
 
 use crate::machine::Machine;
-use crate::simulation::contour::{ContourErrors, Region, regions_beyond};
-use crate::simulation::feed::{FeedPlan, Held, Tolerances};
+use crate::simulation::contour::{ContourErrors, ErrorRegion, regions_beyond};
+use crate::simulation::feed::{FeedPlan, ToleranceRange, Tolerances};
 use crate::simulation::toolpath::Toolpath;
 use crate::units::{MINUTES_PER_HOUR, SECONDS_PER_MINUTE};
 
-/// What is said about one program at one tolerance.
+/// The quote of one program at one tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quote {
-    /// Contour tolerance, mm; where the program sets several the one that prevails.
+    /// Contour tolerance, mm; the prevailing one if the program sets several.
     pub tolerance: f64,
-    /// Where each of the program's own tolerances holds; empty where one is laid over all of it.
-    pub held: Vec<Held>,
+    /// The ranges of the program's own tolerances; empty if one tolerance replaces them.
+    pub tolerance_ranges: Vec<ToleranceRange>,
     /// Cycle time, s.
     pub cycle_time: f64,
-    /// Where it goes.
+    /// Cycle time by kind.
     pub breakdown: Breakdown,
-    /// Where it goes by operation, in the order they are run; together the whole.
+    /// Shares of the operations in the order they are run; they add up to the whole.
     pub operations: Vec<OperationShare>,
-    /// Where it goes by tool, in the order of first use; together the whole.
+    /// Shares of the tools in the order of first use; they add up to the whole.
     pub tools: Vec<ToolShare>,
-    /// What is lost against length over feedrate, with the places that cost most.
-    pub lost: Lost,
-    /// Largest distance of the filtered path from the programmed one, mm.
+    /// Time lost against length over feedrate, with the places that cost most.
+    pub lost: LostTimes,
+    /// Largest distance between the filtered path and the programmed one, mm.
     pub max_contour_error: f64,
-    /// Where the contour error is above the tolerance by more than a hundredth of it.
-    pub beyond_tolerance: Vec<Region>,
+    /// Regions with a contour error more than a hundredth above the tolerance.
+    pub beyond_tolerance: Vec<ErrorRegion>,
     /// Price of one part without set-up, in the currency of the hourly rate.
     pub price: f64,
-    /// How far the cycle time can be trusted.
+    /// Range of the motion time on a calibrated machine; `None` on others.
+    pub range: Option<TimeRange>,
+    /// Doubts about the cycle time.
     pub trust: Trust,
 }
 
-/// An isolated corner takes the whole tolerance; what is above it by rounding is not worth a word.
-const ABOVE_TOLERANCE: f64 = 1.01;
+/// Contour errors up to this multiple of the tolerance are rounding: an isolated corner uses the whole
+/// tolerance.
+const MAX_TOLERANCE_RATIO: f64 = 1.01;
 
-/// The quote of a plan.
+/// Returns the quote of a plan.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::machine::Machine;
+/// use truefeed::quote::{programmed_time, quote};
+/// use truefeed::simulation::{gcode::read, simulate, interpreter::trace};
+///
+/// let mut machine = Machine::default();
+/// machine.rates.hourly = 90.0;
+/// let toolpath = trace(&read(b"G21 G90 G1 X40 F3000\nY40\nX0"), &machine);
+/// let (plan, errors) = simulate::within(&toolpath, &machine, 0.010, &mut |_| {});
+/// let quote = quote(&toolpath, &machine, &plan, 0.010, &errors);
+/// assert!(programmed_time(&toolpath, &machine) < quote.cycle_time);
+/// assert_eq!(quote.price, 90.0 * quote.cycle_time / 3600.0);
+/// assert_eq!(quote.trust.seconds_in_doubt(), 0.0);
+/// ```
 pub fn quote(
     toolpath: &Toolpath,
     machine: &Machine,
@@ -62,26 +88,27 @@ pub fn quote(
     errors: &ContourErrors,
 ) -> Quote {
     let tolerances = tolerances.into();
-    let held = tolerances.held(toolpath, machine);
+    let held = tolerances.ranges(toolpath, machine);
     let bounds = tolerances.bounds(toolpath, machine);
     let cycle_time = plan.cycle_time();
-    let operations = shares::of_operations(toolpath, machine, plan);
+    let operations = shares::operation_shares(toolpath, machine, plan);
     Quote {
         tolerance: tolerances.prevailing(&held, machine),
-        held,
+        tolerance_ranges: held,
         cycle_time,
         breakdown: breakdown(toolpath, machine, plan),
-        tools: shares::of_tools(&operations),
+        tools: shares::tool_shares(&operations),
         operations,
-        lost: lost(toolpath, machine, plan, tolerances),
+        lost: lost_times(toolpath, machine, plan, tolerances),
         max_contour_error: errors.largest(),
-        beyond_tolerance: regions_beyond(toolpath, errors, bounds, ABOVE_TOLERANCE),
+        beyond_tolerance: regions_beyond(toolpath, errors, bounds, MAX_TOLERANCE_RATIO),
         price: price(cycle_time, machine),
+        range: range(toolpath, machine),
         trust: trust(toolpath, machine, plan),
     }
 }
 
-/// Price of one part without set-up, in the currency of the hourly rate.
+/// Returns the price of one part without set-up, in the currency of the hourly rate; `cycle_time` in s.
 pub fn price(cycle_time: f64, machine: &Machine) -> f64 {
     machine.rates.hourly * cycle_time / (MINUTES_PER_HOUR * SECONDS_PER_MINUTE)
 }

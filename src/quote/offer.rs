@@ -1,4 +1,4 @@
-//! Cycle time → price of a batch, every addend in sight.
+//! Cycle time → price of a batch, with every addend.
 //!
 //! With the rate r_m of the machine and the terms of [`Terms`](crate::quote::Terms):
 //!
@@ -8,11 +8,13 @@
 //! price of n parts = (1 + k) O + n (1 + k) P
 //! ```
 //!
-//! where c is the cycle time, its kinds of time each an addend of their own, and k = m / (1 − m) for a
-//! margin of the price, k = m for one on cost. Every addend is rounded to a step of the currency and is a whole
-//! number of steps from there on, so that sums are exact, and the price of one part, P + O / n, falls
-//! strictly with n where O > 0. What belongs together (the kinds of a cycle, its operations) is rounded as running sums,
-//! so that its parts add up to the whole to the step.
+//! where c is the cycle time, with one addend per kind of time, and k = m / (1 − m) for a margin of
+//! the price, k = m for one on cost. Every addend is rounded to a step of the currency and is a whole number of
+//! steps from there on, so that sums are exact, and the price of one part, P + O / n, falls strictly with n where
+//! O > 0. Amounts of one whole (the kinds of a cycle, its operations) are rounded as running sums, so that they add up to the whole to the step.
+//!
+//! A part that several operations make, each on another machine, costs the sum of theirs: O and P are sums
+//! over the operations, with fixed, material and other cost once.
 //!
 //! Left out: discounts, scrap, taxes.
 
@@ -20,127 +22,137 @@ use crate::machine::Machine;
 use crate::quote::{Breakdown, MarginOf, Rounding, Terms};
 use crate::units::SECONDS_PER_HOUR;
 
-/// What an amount is for.
+/// The purpose of an amount.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Item {
-    /// The machine stands while it is set up.
+pub enum AddendKind {
+    /// Machine time of the set-up.
     SetUpMachine,
-    /// The operator sets it up.
+    /// Operator time of the set-up.
     SetUpOperator,
     /// Fixed cost of the batch.
     Fixed,
-    /// Margin on what is paid once.
+    /// Margin on the amounts paid once.
     MarginOnce,
-    /// The machine, on feed moves.
+    /// Machine time of feed moves.
     Cutting,
-    /// The machine, on rapid moves.
+    /// Machine time of rapid moves.
     Rapid,
-    /// The machine, in dwells.
+    /// Machine time of dwells.
     Dwell,
-    /// The machine, changing tools.
+    /// Machine time of tool changes.
     ToolChange,
-    /// The machine, in all else that a cycle has.
+    /// Machine time of everything else in a cycle.
     OtherTime,
-    /// The operator, during the cycle.
+    /// Operator time during the cycle.
     Attendance,
-    /// The machine stands while it is loaded.
+    /// Machine time of loading.
     LoadingMachine,
-    /// The operator loads it.
+    /// Operator time of loading.
     LoadingOperator,
     /// Material.
     Material,
     /// Other cost.
     OtherCost,
-    /// Margin on a part.
+    /// Margin on the amounts paid for each part.
     MarginPart,
 }
 
-/// One amount, and what it is made of.
+/// One amount of a price.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Addend {
-    /// What it is for.
-    pub item: Item,
-    /// Once for the batch, or for each part.
+    /// Purpose of the amount.
+    pub item: AddendKind,
+    /// Index of the operation; `None` for an amount of the part or the batch.
+    pub operation: Option<usize>,
+    /// `true` if paid once for the batch, `false` if for each part.
     pub once: bool,
-    /// Time that is paid, s; none where it is no time.
+    /// Time that is paid, s; `None` for an amount that is no time.
     pub time: Option<f64>,
     /// Price of that time, currency per s.
     pub rate: Option<f64>,
-    /// The amount in steps of the currency.
+    /// Amount in steps of the currency.
     pub steps: i128,
 }
 
 /// The price of a batch. Amounts are in steps of the currency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offer {
-    /// All amounts that are not nothing; `total` is made of these alone.
+    /// All amounts that are not 0; `total` is their sum.
     pub addends: Vec<Addend>,
-    /// How many parts.
+    /// Number of parts.
     pub quantity: u32,
-    /// Sum of what is paid once.
+    /// Sum of the amounts paid once.
     pub once: i128,
-    /// Sum of what is paid for each part.
+    /// Sum of the amounts paid for each part.
     pub part: i128,
-    /// What machine and operator cost during one cycle, before the margin.
-    pub cycle: i128,
-    /// What a step is.
+    /// Cost of machine and operator during the cycle of each operation, before the margin.
+    pub cycles: Vec<i128>,
+    /// Size of a step.
     pub rounding: Rounding,
 }
 
 impl Offer {
-    /// Price of so many parts.
+    /// Returns the price of `quantity` parts, in steps.
     pub fn total_of(&self, quantity: u32) -> i128 {
         self.once + i128::from(quantity) * self.part
     }
 
-    /// Price of the batch.
+    /// Returns the price of the batch, in steps.
     pub fn total(&self) -> i128 {
         self.total_of(self.quantity)
     }
 
-    /// An amount in the currency.
+    /// Converts steps to the currency.
     pub fn amount(&self, steps: i128) -> f64 {
         steps as f64 / self.rounding.steps()
     }
 
-    /// Price of one of so many parts, in the currency; not rounded.
+    /// Returns the price of one of `quantity` parts, in the currency; not rounded.
     pub fn unit_price(&self, quantity: u32) -> f64 {
         self.amount(self.total_of(quantity)) / f64::from(quantity.max(1))
     }
 
-    /// The part of a cycle's cost that falls to each of its parts, by their times; together the whole.
+    /// Returns the cost of machine and operator during the cycle of a part, before the margin, in steps.
+    pub fn cycle(&self) -> i128 {
+        self.cycles.iter().sum()
+    }
+
+    /// Divides a cycle's cost among its parts in proportion to `times`, in steps; the results add up to the
+    /// whole.
     pub fn by_time(&self, times: &[f64]) -> Vec<i128> {
-        apportioned(self.cycle, times)
+        apportioned(self.cycle(), times)
     }
 }
 
-/// Tolerances that differ by a smaller part are the same: a calibration knows its own no better.
-const SAME_TOLERANCE: f64 = 0.01;
+/// Relative difference below which two tolerances count as equal: a calibration knows its own no better.
+const EQUAL_TOLERANCE_RATIO: f64 = 0.01;
 
-/// How sure a cycle time is.
+/// The uncertainty of a cycle time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Uncertainty {
-    /// The estimator says so, as a part of it.
+    /// The estimator's figure, as a part of the time.
     Given(f64),
-    /// It was off by that part where the machine was calibrated, at this tolerance.
+    /// The error at the machine's calibration, at this tolerance, as a part of the time.
     Calibrated(f64),
-    /// It was off by that part at other tolerances, and nobody has measured at this one.
+    /// The error at the machine's calibration, at other tolerances; it was not measured at this one.
     Elsewhere(f64),
-    /// Nobody knows.
+    /// Unknown.
     Unknown,
 }
 
 impl Uncertainty {
-    /// That of a cycle time on a machine at a contour tolerance, mm.
-    pub fn of(terms: &Terms, machine: &Machine, tolerance: f64) -> Uncertainty {
-        let is_near = |other: &f64| (other / tolerance - 1.0).abs() < SAME_TOLERANCE;
+    /// Returns the uncertainty of a cycle time on a machine at a contour tolerance, mm; `range` is the
+    /// program's possible error on a machine calibrated on others, as a part of the time.
+    pub fn of(terms: &Terms, machine: &Machine, tolerance: f64, range: Option<f64>) -> Uncertainty {
+        let is_near = |other: &f64| (other / tolerance - 1.0).abs() < EQUAL_TOLERANCE_RATIO;
         let is_measured = machine.tolerances_of_error().iter().any(is_near);
         let known = if is_measured { Uncertainty::Calibrated } else { Uncertainty::Elsewhere };
-        let own = machine.cycle_time_error.map_or(Uncertainty::Unknown, known);
+        let own = [range, machine.cycle_time_error].into_iter().flatten().reduce(f64::max);
+        let own = own.map_or(Uncertainty::Unknown, known);
         terms.uncertainty.map_or(own, Uncertainty::Given)
     }
 
-    /// As a part of the cycle time.
+    /// Returns the uncertainty as a part of the cycle time; `None` if unknown.
     pub fn ratio(self) -> Option<f64> {
         match self {
             Uncertainty::Given(ratio) | Uncertainty::Calibrated(ratio) => Some(ratio),
@@ -149,61 +161,62 @@ impl Uncertainty {
     }
 }
 
-/// The price of a batch whose parts take such a cycle, times the factor `of_cycle`, which tells what an uncertain cycle time
-/// costs at its ends.
+/// An operation as the customer pays for it.
+#[derive(Clone, Copy, Debug)]
+pub struct OperationCharge<'a> {
+    /// Cycle time by kind.
+    pub cycle: Breakdown,
+    /// Factor on the cycle; other values than 1 price an uncertain cycle time at its ends.
+    pub cycle_factor: f64,
+    /// Machine that runs it.
+    pub machine: &'a Machine,
+    /// Set-up time, s.
+    pub set_up: f64,
+    /// Time to load and unload a part, s.
+    pub loading: f64,
+}
+
+/// Returns the offer of a batch whose parts take this cycle, times the factor `of_cycle`.
 pub fn offer(cycle: &Breakdown, of_cycle: f64, machine: &Machine, terms: &Terms) -> Offer {
-    let step = terms.rounding.steps();
-    let steps = |amount: f64| (amount * step).round() as i128;
-    let machine_rate = machine.rates.hourly / SECONDS_PER_HOUR;
-    let timed = |item, once, time: f64, rate: f64| {
-        let steps = steps(time * rate);
-        Addend { item, once, time: Some(time), rate: Some(rate), steps }
+    let charge = OperationCharge {
+        cycle: *cycle,
+        cycle_factor: of_cycle,
+        machine,
+        set_up: terms.set_up,
+        loading: terms.loading,
     };
-    let sum = |item, once, amount: f64| Addend { item, once, time: None, rate: None, steps: steps(amount) };
+    offer_of_all(&[charge], terms)
+}
 
-    let kinds = [
-        (Item::Cutting, cycle.cutting),
-        (Item::Rapid, cycle.rapid),
-        (Item::Dwell, cycle.dwell),
-        (Item::ToolChange, cycle.tool_change),
-        (Item::OtherTime, cycle.other),
-    ]
-    .map(|(item, time)| (item, time * of_cycle));
-    let times = kinds.map(|(_, time)| time);
-    let whole: f64 = times.iter().sum();
-    let by_kind = apportioned(steps(whole * machine_rate), &times);
-    let run = kinds
-        .into_iter()
-        .zip(&by_kind)
-        .map(|((item, time), &steps)| Addend { steps, ..timed(item, false, time, machine_rate) });
-    let attendance = timed(Item::Attendance, false, whole * terms.attendance, terms.operator);
-
-    let mut addends = vec![
-        timed(Item::SetUpMachine, true, terms.set_up, machine_rate),
-        timed(Item::SetUpOperator, true, terms.set_up, terms.operator),
-        sum(Item::Fixed, true, terms.fixed),
-    ];
-    addends.extend(run);
+/// Returns the offer of a batch whose parts take these operations.
+pub fn offer_of_all(charges: &[OperationCharge], terms: &Terms) -> Offer {
+    let steps = |amount: f64| (amount * terms.rounding.steps()).round() as i128;
+    let sum = |item, once, amount: f64| Addend {
+        item,
+        operation: None,
+        once,
+        time: None,
+        rate: None,
+        steps: steps(amount),
+    };
+    let operation_cost: Vec<OperationCost> =
+        charges.iter().enumerate().map(|(index, charge)| paid(index, charge, terms)).collect();
+    let mut addends: Vec<Addend> = operation_cost.iter().flat_map(|paid| paid.once).collect();
+    addends.push(sum(AddendKind::Fixed, true, terms.fixed));
+    addends.extend(operation_cost.iter().flat_map(|paid| paid.part));
     addends.extend([
-        attendance,
-        timed(Item::LoadingMachine, false, terms.loading, machine_rate),
-        timed(Item::LoadingOperator, false, terms.loading, terms.operator),
-        sum(Item::Material, false, terms.material),
-        sum(Item::OtherCost, false, terms.other),
+        sum(AddendKind::Material, false, terms.material),
+        sum(AddendKind::OtherCost, false, terms.other),
     ]);
-    let cost = |once: bool| -> i128 { total(&addends, once) };
     let on_cost = match terms.margin_of {
         MarginOf::Price => terms.margin / (1.0 - terms.margin),
         MarginOf::Cost => terms.margin,
     };
-    let margin = |item, once| Addend {
-        item,
-        once,
-        time: None,
-        rate: None,
-        steps: (cost(once) as f64 * on_cost).round() as i128,
+    let margin = |item, once| {
+        let cost = total(&addends, once);
+        Addend { steps: (cost as f64 * on_cost).round() as i128, ..sum(item, once, 0.0) }
     };
-    let margins = [margin(Item::MarginOnce, true), margin(Item::MarginPart, false)];
+    let margins = [margin(AddendKind::MarginOnce, true), margin(AddendKind::MarginPart, false)];
     addends.extend(margins);
     addends.retain(|addend| addend.steps != 0);
     addends.sort_by_key(|addend| !addend.once);
@@ -211,18 +224,69 @@ pub fn offer(cycle: &Breakdown, of_cycle: f64, machine: &Machine, terms: &Terms)
         quantity: terms.quantity,
         once: total(&addends, true),
         part: total(&addends, false),
-        cycle: by_kind.iter().sum::<i128>() + attendance.steps,
+        cycles: operation_cost.into_iter().map(|paid| paid.cycle).collect(),
         rounding: terms.rounding,
         addends,
     }
 }
 
-/// What is paid once, or for each part.
+/// The cost of an operation without its margin.
+struct OperationCost {
+    once: [Addend; 2],
+    part: [Addend; 8],
+    /// Cost of machine and operator during the cycle, in steps.
+    cycle: i128,
+}
+
+fn paid(index: usize, charge: &OperationCharge, terms: &Terms) -> OperationCost {
+    let steps = |amount: f64| (amount * terms.rounding.steps()).round() as i128;
+    let machine_rate = charge.machine.rates.hourly / SECONDS_PER_HOUR;
+    let timed = |item, once, time: f64, rate: f64| {
+        let steps = steps(time * rate);
+        Addend { item, operation: Some(index), once, time: Some(time), rate: Some(rate), steps }
+    };
+    let kinds = [
+        (AddendKind::Cutting, charge.cycle.cutting),
+        (AddendKind::Rapid, charge.cycle.rapid),
+        (AddendKind::Dwell, charge.cycle.dwell),
+        (AddendKind::ToolChange, charge.cycle.tool_change),
+        (AddendKind::OtherTime, charge.cycle.other),
+    ]
+    .map(|(item, time)| (item, time * charge.cycle_factor));
+    let times = kinds.map(|(_, time)| time);
+    let whole: f64 = times.iter().sum();
+    let by_kind = apportioned(steps(whole * machine_rate), &times);
+    let run = [0, 1, 2, 3, 4].map(|kind| {
+        let (item, time) = kinds[kind];
+        Addend { steps: by_kind[kind], ..timed(item, false, time, machine_rate) }
+    });
+    let attendance = timed(AddendKind::Attendance, false, whole * terms.attendance, terms.operator);
+    let [cutting, rapid, dwell, tool_change, other] = run;
+    OperationCost {
+        once: [
+            timed(AddendKind::SetUpMachine, true, charge.set_up, machine_rate),
+            timed(AddendKind::SetUpOperator, true, charge.set_up, terms.operator),
+        ],
+        part: [
+            cutting,
+            rapid,
+            dwell,
+            tool_change,
+            other,
+            attendance,
+            timed(AddendKind::LoadingMachine, false, charge.loading, machine_rate),
+            timed(AddendKind::LoadingOperator, false, charge.loading, terms.operator),
+        ],
+        cycle: by_kind.iter().sum::<i128>() + attendance.steps,
+    }
+}
+
+/// Returns the sum of the amounts paid once, or of those paid for each part, in steps.
 fn total(addends: &[Addend], once: bool) -> i128 {
     addends.iter().filter(|addend| addend.once == once).map(|addend| addend.steps).sum()
 }
 
-/// A whole in parts by weight: differences of rounded running sums, which together are the whole.
+/// Divides a whole by weights into differences of rounded running sums, which add up to it.
 fn apportioned(whole: i128, weights: &[f64]) -> Vec<i128> {
     let all: f64 = weights.iter().sum();
     let (mut running, mut given) = (0.0, 0);
@@ -240,7 +304,9 @@ fn apportioned(whole: i128, weights: &[f64]) -> Vec<i128> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    // Laws of the price, over numbers that look like anything.
+
     use super::*;
     use crate::machine::Rates;
 
@@ -256,7 +322,7 @@ mod tests {
         }
     }
 
-    fn cases(mut check: impl FnMut(Breakdown, Machine, Terms)) {
+    pub(in crate::quote) fn cases(mut check: impl FnMut(Breakdown, Machine, Terms)) {
         let mut random = Random(7);
         for case in 0..2000 {
             let cycle = Breakdown {
@@ -337,7 +403,7 @@ mod tests {
                 let price = total(&offer.addends, once) as f64;
                 let of = |is_margin: bool| -> f64 {
                     let is = |addend: &&Addend| {
-                        matches!(addend.item, Item::MarginOnce | Item::MarginPart) == is_margin
+                        matches!(addend.item, AddendKind::MarginOnce | AddendKind::MarginPart) == is_margin
                     };
                     offer.addends.iter().filter(|a| a.once == once).filter(is).map(|a| a.steps as f64).sum()
                 };
@@ -357,11 +423,11 @@ mod tests {
             let offer = offer(&cycle, 1.0, &machine, &terms);
             let times = [cycle.cutting, 0.0, cycle.rapid, cycle.other, 0.0];
             let shares = offer.by_time(&times);
-            assert_eq!(shares.iter().sum::<i128>(), offer.cycle);
+            assert_eq!(shares.iter().sum::<i128>(), offer.cycle());
             assert_eq!((shares[1], shares[4]), (0, 0));
             let all: f64 = times.iter().sum();
             for (share, time) in shares.iter().zip(times) {
-                assert!((*share as f64 - offer.cycle as f64 * time / all).abs() <= 1.0);
+                assert!((*share as f64 - offer.cycle() as f64 * time / all).abs() <= 1.0);
             }
         });
         assert_eq!(apportioned(0, &[]), []);
@@ -375,8 +441,8 @@ mod tests {
         let offer = offer(&cycle, 1.0, &machine, &Terms::default());
         assert_eq!(offer.amount(offer.total()), 3.0);
         assert_eq!(offer.amount(offer.total()), crate::quote::price(120.0, &machine));
-        let items: Vec<Item> = offer.addends.iter().map(|addend| addend.item).collect();
-        assert_eq!(items, [Item::Cutting, Item::Rapid]);
+        let items: Vec<AddendKind> = offer.addends.iter().map(|addend| addend.item).collect();
+        assert_eq!(items, [AddendKind::Cutting, AddendKind::Rapid]);
     }
 
     #[test]
@@ -392,7 +458,8 @@ mod tests {
     #[test]
     fn an_uncertainty_is_entered_or_calibrated_or_unknown() {
         let (mut machine, mut terms) = (Machine::default(), Terms::default());
-        let at = Uncertainty::of;
+        let at =
+            |terms: &Terms, machine: &Machine, tolerance| Uncertainty::of(terms, machine, tolerance, None);
         assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Unknown);
         machine.cycle_time_error = Some(0.02);
         assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Calibrated(0.02));
@@ -400,6 +467,9 @@ mod tests {
         machine.calibrated_at = vec![0.02, 0.05];
         assert_eq!(at(&terms, &machine, 0.02), Uncertainty::Calibrated(0.02));
         assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Elsewhere(0.02));
+        // On a machine that knows how far off it is on other programs, that counts, but no less than what it was off by.
+        let ranged = |range| Uncertainty::of(&terms, &machine, 0.02, Some(range));
+        assert_eq!([ranged(0.05), ranged(0.01)], [0.05, 0.02].map(Uncertainty::Calibrated));
         terms.uncertainty = Some(0.1);
         assert_eq!(at(&terms, &machine, 0.01), Uncertainty::Given(0.1));
         assert_eq!((Uncertainty::Unknown.ratio(), Uncertainty::Elsewhere(0.02).ratio()), (None, None));

@@ -1,4 +1,4 @@
-//! What each operation and each tool takes of the cycle time.
+//! The share of each operation and each tool in the cycle time.
 //!
 //! Operations follow one another without gaps, and every operation has one tool, so that the sums
 //! over all operations and over all tools are the whole. A tool's change counts for the tool that
@@ -15,35 +15,35 @@ use crate::simulation::gcode::LineNumber;
 use crate::simulation::running_sum::{RunningSum, running_sum};
 use crate::simulation::toolpath::{Motion, Operation, Segment, StopCause, Toolpath};
 
-/// What a part of a program takes.
+/// The time and moves of a part of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Share {
-    /// Where its time goes.
+pub struct TimeShare {
+    /// Time by kind.
     pub breakdown: Breakdown,
-    /// What CAM would say of it, s.
+    /// CAM's estimate, s.
     pub programmed: f64,
-    /// Length of its feed moves, mm.
+    /// Length of the feed moves, mm.
     pub feed_length: f64,
-    /// Length of its rapid moves, mm.
+    /// Length of the rapid moves, mm.
     pub rapid_length: f64,
-    /// How many moves it has.
+    /// Number of moves.
     pub moves: usize,
 }
 
-impl Share {
-    /// How long it takes, s.
+impl TimeShare {
+    /// Returns the time, s.
     pub fn time(&self) -> f64 {
         self.breakdown.total()
     }
 
-    /// How much longer it takes than CAM would say, s.
+    /// Returns the time beyond CAM's estimate, s.
     pub fn lost(&self) -> f64 {
         self.time() - self.programmed
     }
 }
 
-impl std::ops::AddAssign for Share {
-    fn add_assign(&mut self, more: Share) {
+impl std::ops::AddAssign for TimeShare {
+    fn add_assign(&mut self, more: TimeShare) {
         self.breakdown += more.breakdown;
         self.programmed += more.programmed;
         self.feed_length += more.feed_length;
@@ -52,41 +52,41 @@ impl std::ops::AddAssign for Share {
     }
 }
 
-/// An operation and what it takes.
+/// An operation with its share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperationShare {
     /// The operation.
     pub operation: Operation,
     /// Least and greatest line of its moves and stops.
     pub lines: (LineNumber, LineNumber),
-    /// Where its moves begin and end along the path, mm.
+    /// Distance along the path at which its moves begin and end, mm.
     pub distance: (f64, f64),
-    /// What it takes.
-    pub share: Share,
+    /// Share of the cycle time.
+    pub share: TimeShare,
 }
 
-/// A tool and what it takes.
+/// A tool with its share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolShare {
-    /// Its number; none where no T word says so.
+    /// Number of the tool; `None` if no T word gives it.
     pub tool: Option<u32>,
-    /// What a comment calls it.
+    /// Name in a comment.
     pub name: Option<String>,
-    /// How many operations it has.
+    /// Number of its operations.
     pub operations: usize,
-    /// What it takes.
-    pub share: Share,
+    /// Share of the cycle time.
+    pub share: TimeShare,
 }
 
-/// What CAM would say, s: length over programmed feedrate, rapids at the rapid feedrate, dwells;
-/// no ramps, no corners, no changes, no overrides.
+/// Returns CAM's estimate, s: length over programmed feedrate, rapids at the rapid feedrate, dwells; no
+/// ramps, no corners, no changes, no overrides.
 pub fn programmed_time(toolpath: &Toolpath, machine: &Machine) -> f64 {
     let moves = toolpath.segments.iter().map(|segment| segment.length / programmed(&segment, machine));
     let dwells = toolpath.stops.iter().map(|stop| programmed_wait(&stop.cause, machine));
     running_sum(moves.chain(dwells)).last().unwrap_or(0.0)
 }
 
-/// Programmed feedrate of a segment, mm/s.
+/// Returns the programmed feedrate of a segment, mm/s.
 pub(super) fn programmed(segment: &Segment, machine: &Machine) -> f64 {
     match segment.motion {
         Motion::Rapid => rapid_feedrate(segment, machine),
@@ -94,7 +94,7 @@ pub(super) fn programmed(segment: &Segment, machine: &Machine) -> f64 {
     }
 }
 
-/// What CAM would say of a stop, s.
+/// Returns CAM's estimate of a stop, s.
 pub(super) fn programmed_wait(cause: &StopCause, machine: &Machine) -> f64 {
     match *cause {
         StopCause::Dwell { seconds } => seconds,
@@ -104,42 +104,48 @@ pub(super) fn programmed_wait(cause: &StopCause, machine: &Machine) -> f64 {
     }
 }
 
-/// What each operation of a toolpath takes; a toolpath without operations is a single one.
-pub(super) fn of_operations(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> Vec<OperationShare> {
+/// Returns the share of each operation; a toolpath without operations counts as one.
+pub(super) fn operation_shares(
+    toolpath: &Toolpath,
+    machine: &Machine,
+    plan: &FeedPlan,
+) -> Vec<OperationShare> {
     let ledger = Ledger::new(toolpath, machine, plan);
     let whole = [Operation::default()];
     let operations = if toolpath.operations.is_empty() { &whole[..] } else { &toolpath.operations };
     let ends = operations.iter().skip(1).map(|next| (next.first_segment, next.first_stop));
     let ends = ends.chain([(toolpath.segments.len(), toolpath.stops.len())]);
-    let mut travelled = 0.0;
+    let mut travelled = RunningSum::default();
     let shares = operations.iter().zip(ends).map(|(operation, (segments_end, stops_end))| {
         let (segments, stops) = (operation.first_segment..segments_end, operation.first_stop..stops_end);
         let (share, (first, last)) = share(toolpath, machine, &ledger, segments, stops);
-        let begin = travelled;
-        travelled += share.feed_length + share.rapid_length;
+        let begin = travelled.value();
+        travelled.add(share.feed_length);
+        travelled.add(share.rapid_length);
         OperationShare {
             operation: operation.clone(),
             lines: (first.min(last), last),
-            distance: (begin, travelled),
+            distance: (begin, travelled.value()),
             share,
         }
     });
     shares.collect()
 }
 
-/// What these segments and stops take, and their first and last line, which are the wrong way round where there are none.
+/// Returns the share of these segments and stops, and their first and last line, in reverse order if there
+/// are none.
 fn share(
     toolpath: &Toolpath,
     machine: &Machine,
     ledger: &Ledger,
     segments: Range<usize>,
     stops: Range<usize>,
-) -> (Share, (LineNumber, LineNumber)) {
+) -> (TimeShare, (LineNumber, LineNumber)) {
     let moves = toolpath.segments.range(segments.clone());
     let mut lines = (LineNumber(u32::MAX), LineNumber(0));
     let mut pass = |line: LineNumber| lines = (lines.0.min(line), lines.1.max(line));
     let [mut time, mut feed_length, mut rapid_length] = [RunningSum::default(); 3];
-    // One way through them for all sums: to put millions of segments together takes longer than to add them.
+    // One pass for all sums: assembling millions of segments takes longer than adding them.
     for segment in moves.clone() {
         let length = if segment.motion == Motion::Rapid { &mut rapid_length } else { &mut feed_length };
         length.add(segment.length);
@@ -150,7 +156,7 @@ fn share(
         time.add(programmed_wait(&stop.cause, machine));
         pass(stop.line);
     }
-    let share = Share {
+    let share = TimeShare {
         programmed: time.value(),
         feed_length: feed_length.value(),
         rapid_length: rapid_length.value(),
@@ -160,8 +166,8 @@ fn share(
     (share, lines)
 }
 
-/// What each tool takes, in the order of first use.
-pub(super) fn of_tools(operations: &[OperationShare]) -> Vec<ToolShare> {
+/// Returns the share of each tool in the order of first use.
+pub(super) fn tool_shares(operations: &[OperationShare]) -> Vec<ToolShare> {
     let mut tools: Vec<ToolShare> = Vec::new();
     for OperationShare { operation, share, .. } in operations {
         match tools.iter_mut().find(|tool| tool.tool == operation.tool) {

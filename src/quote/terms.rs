@@ -1,4 +1,4 @@
-//! The terms of an offer: what an estimator enters beside machine and program, with units and bounds.
+//! The terms of an offer: an estimator's inputs in addition to machine and program, with units and bounds.
 //!
 //! | symbol | term                          | inside       |
 //! |--------|-------------------------------|--------------|
@@ -13,12 +13,12 @@
 
 use crate::units::Unit;
 
-/// What of a price is not machine and program.
+/// The inputs of a price in addition to machine and program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terms {
-    /// What the offer is about; may be empty.
+    /// Subject of the offer; may be empty.
     pub reference: String,
-    /// How many parts.
+    /// Number of parts.
     pub quantity: u32,
     /// Other quantities to quote.
     pub breaks: Vec<u32>,
@@ -36,19 +36,19 @@ pub struct Terms {
     pub other: f64,
     /// Fixed cost of the batch.
     pub fixed: f64,
-    /// Margin, as `margin_of` says.
+    /// Margin as a part of `margin_of`.
     pub margin: f64,
-    /// What the margin is a part of.
+    /// The amount that the margin is a part of.
     pub margin_of: MarginOf,
-    /// What the currency is called; may be empty.
+    /// Name of the currency; may be empty.
     pub currency: String,
-    /// What amounts are rounded to.
+    /// Step to which amounts are rounded.
     pub rounding: Rounding,
-    /// Uncertainty of the cycle time as a part of it; none: that of the machine.
+    /// Uncertainty of the cycle time as a part of it; `None` uses the machine's.
     pub uncertainty: Option<f64>,
 }
 
-/// What a margin is a part of.
+/// The amount that a margin is a part of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarginOf {
     /// The price p of a cost c: p = c / (1 − m).
@@ -58,11 +58,11 @@ pub enum MarginOf {
 }
 
 impl MarginOf {
-    /// Words of the form.
+    /// Keywords in the form.
     pub const WORDS: [&'static str; 2] = ["price", "cost"];
 }
 
-/// Steps of the currency's unit that amounts are rounded to.
+/// Steps to which amounts are rounded, in units of the currency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
     /// Whole units.
@@ -74,10 +74,10 @@ pub enum Rounding {
 }
 
 impl Rounding {
-    /// Words of the form.
+    /// Keywords in the form.
     pub const WORDS: [&'static str; 3] = ["0.01", "0.0001", "1"];
 
-    /// How many steps make a unit of the currency.
+    /// Returns the number of steps in a unit of the currency.
     pub fn steps(self) -> f64 {
         match self {
             Rounding::Units => 1.0,
@@ -86,7 +86,7 @@ impl Rounding {
         }
     }
 
-    /// Decimals of an amount.
+    /// Returns the number of decimals of an amount.
     pub fn decimals(self) -> u32 {
         match self {
             Rounding::Units => 0,
@@ -96,7 +96,7 @@ impl Rounding {
     }
 }
 
-/// Neutral: the machine's time of one part, and nothing else.
+/// Neutral terms: the machine's time of one part, and nothing else.
 impl Default for Terms {
     fn default() -> Terms {
         Terms {
@@ -119,62 +119,62 @@ impl Default for Terms {
     }
 }
 
-/// One term as people write it.
+/// One term as the form shows it.
 pub struct Term {
-    /// Its key, with the unit in it.
+    /// Key, with the unit in it.
     pub key: &'static str,
     /// Short name for forms.
     pub label: &'static str,
-    /// What it does, one sentence.
+    /// One sentence on its effect.
     pub doc: &'static str,
-    /// Its kind, and how to reach it.
+    /// Type and access.
     pub access: TermAccess,
 }
 
-/// How a term is read and written. Numbers are in core units.
+/// Type and access of a term. Numbers are in core units.
 pub enum TermAccess {
-    /// A number within bounds, given in its unit.
+    /// A number within bounds, entered in its unit.
     Number {
-        /// Unit at the borders.
+        /// Unit in the form.
         unit: Unit,
         /// Least value allowed, in that unit.
         min: f64,
         /// Largest value allowed, in that unit.
         max: f64,
-        /// Only whole numbers.
+        /// `true` for whole numbers.
         whole: bool,
-        /// Its value; none where there is none.
+        /// Returns the value; `None` if it has none.
         get: fn(&Terms) -> Option<f64>,
-        /// Gives it a value; none takes it back to neutral.
+        /// Sets the value; `None` restores the neutral one.
         set: fn(&mut Terms, Option<f64>),
     },
     /// A list of quantities.
     Quantities {
-        /// How many there can be.
+        /// Largest number of quantities.
         most: usize,
     },
-    /// One word of several.
+    /// One of several keywords.
     Choice {
-        /// The words.
+        /// Keywords.
         words: &'static [&'static str],
-        /// The word it has.
+        /// Returns the current keyword.
         get: fn(&Terms) -> &'static str,
-        /// Gives it one of the words.
+        /// Sets a keyword.
         set: fn(&mut Terms, &str),
     },
-    /// A text of so many characters at most.
+    /// A text of limited length.
     Text {
-        /// How many.
+        /// Largest number of characters.
         most: usize,
-        /// The text.
+        /// Returns the text.
         get: fn(&Terms) -> &str,
-        /// Gives it a text.
+        /// Sets the text.
         set: fn(&mut Terms, &str),
     },
 }
 
 /// Quantities that can be quoted.
-pub const QUANTITY: (f64, f64) = (1.0, 1e6);
+pub const QUANTITY_BOUNDS: (f64, f64) = (1.0, 1e6);
 
 const fn number(
     unit: Unit,
@@ -185,18 +185,18 @@ const fn number(
     TermAccess::Number { unit, min, max, whole: false, get, set }
 }
 
-/// Amounts of money.
-const AMOUNT: (f64, f64) = (0.0, 1e7);
+/// Bounds of amounts of money.
+const AMOUNT_BOUNDS: (f64, f64) = (0.0, 1e7);
 
-/// A margin of the price must leave some of it for the cost.
-pub const LARGEST_MARGIN_OF_PRICE: f64 = 0.95;
+/// Largest margin on the price: it must leave some of the price for the cost.
+pub const MAX_MARGIN_OF_PRICE: f64 = 0.95;
 
 /// All terms in the order of the form.
 pub static TERMS: [Term; 15] = [
     Term {
         key: "reference",
         label: "Reference",
-        doc: "What the quote is about, as it stands on it: part, customer, number.",
+        doc: "Subject of the quote, printed on it: part, customer, number.",
         access: TermAccess::Text {
             most: 200,
             get: |t| &t.reference,
@@ -206,11 +206,11 @@ pub static TERMS: [Term; 15] = [
     Term {
         key: "quantity",
         label: "Quantity",
-        doc: "Parts of the batch, made with one set-up.",
+        doc: "Number of parts made with one set-up.",
         access: TermAccess::Number {
             unit: Unit::Number,
-            min: QUANTITY.0,
-            max: QUANTITY.1,
+            min: QUANTITY_BOUNDS.0,
+            max: QUANTITY_BOUNDS.1,
             whole: true,
             get: |t| Some(f64::from(t.quantity)),
             set: |t, v| t.quantity = v.unwrap_or(1.0) as u32,
@@ -224,14 +224,14 @@ pub static TERMS: [Term; 15] = [
     },
     Term {
         key: "set_up_min",
-        label: "Set-up time",
+        label: "Set-up",
         doc: "Machine and operator, once for the batch.",
         access: number(Unit::Minute, (0.0, 10_000.0), |t| Some(t.set_up), |t, v| t.set_up = v.unwrap_or(0.0)),
     },
     Term {
         key: "loading_s",
         label: "Load and unload",
-        doc: "Machine and operator, for each part; the machine stands meanwhile.",
+        doc: "Machine and operator, for each part; the machine waits meanwhile.",
         access: number(
             Unit::Second,
             (0.0, 36_000.0),
@@ -247,7 +247,7 @@ pub static TERMS: [Term; 15] = [
     },
     Term {
         key: "attendance_percent",
-        label: "Operator attends",
+        label: "Operator attendance",
         doc: "Part of the cycle for which the operator is paid; set-up and loading are attended in full.",
         access: number(
             Unit::Percent,
@@ -258,21 +258,26 @@ pub static TERMS: [Term; 15] = [
     },
     Term {
         key: "material",
-        label: "Material a part",
+        label: "Material per part",
         doc: "Stock of one part.",
-        access: number(Unit::Number, AMOUNT, |t| Some(t.material), |t, v| t.material = v.unwrap_or(0.0)),
+        access: number(
+            Unit::Number,
+            AMOUNT_BOUNDS,
+            |t| Some(t.material),
+            |t, v| t.material = v.unwrap_or(0.0),
+        ),
     },
     Term {
         key: "other",
-        label: "Other cost a part",
+        label: "Other cost per part",
         doc: "Tools, treatment, packing of one part.",
-        access: number(Unit::Number, AMOUNT, |t| Some(t.other), |t, v| t.other = v.unwrap_or(0.0)),
+        access: number(Unit::Number, AMOUNT_BOUNDS, |t| Some(t.other), |t, v| t.other = v.unwrap_or(0.0)),
     },
     Term {
         key: "fixed",
-        label: "Fixed cost of the batch",
+        label: "Fixed cost per batch",
         doc: "Programming, fixtures, first inspection; once.",
-        access: number(Unit::Number, AMOUNT, |t| Some(t.fixed), |t, v| t.fixed = v.unwrap_or(0.0)),
+        access: number(Unit::Number, AMOUNT_BOUNDS, |t| Some(t.fixed), |t, v| t.fixed = v.unwrap_or(0.0)),
     },
     Term {
         key: "margin_percent",
@@ -282,7 +287,7 @@ pub static TERMS: [Term; 15] = [
     },
     Term {
         key: "margin_of",
-        label: "Margin is a part of",
+        label: "Margin on",
         doc: "price: price = cost ÷ (1 − margin), 95 % at most; cost: price = cost × (1 + margin).",
         access: TermAccess::Choice {
             words: &MarginOf::WORDS,
@@ -293,12 +298,12 @@ pub static TERMS: [Term; 15] = [
     Term {
         key: "currency",
         label: "Currency",
-        doc: "What all amounts are in, the machine’s hourly rate too; nothing is converted.",
+        doc: "Currency of all amounts, including the machine’s hourly rate; Truefeed converts nothing.",
         access: TermAccess::Text { most: 12, get: |t| &t.currency, set: |t, v| t.currency = v.to_string() },
     },
     Term {
         key: "rounding",
-        label: "Amounts rounded to",
+        label: "Round amounts to",
         doc: "Each amount is rounded, and the total is the sum of the rounded ones.",
         access: TermAccess::Choice {
             words: &Rounding::WORDS,
@@ -319,7 +324,7 @@ pub static TERMS: [Term; 15] = [
     Term {
         key: "uncertainty_percent",
         label: "Uncertainty of the cycle time",
-        doc: "Your own; empty: how far off the machine was when it was calibrated, where that is known.",
+        doc: "Your own figure. Empty: the error at the machine’s calibration, if known.",
         access: number(Unit::Percent, (0.0, 95.0), |t| t.uncertainty, |t, v| t.uncertainty = v),
     },
 ];

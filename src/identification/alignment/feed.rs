@@ -1,31 +1,34 @@
 //! Recorded feed alone → marks at the stops of the program.
 //!
-//! The integral of the feed is the way that was run, but for an error that grows with it; a recorded
-//! stop is therefore looked for near the way at which the program has one,
+//! The integral of the feed is the travelled length, except for an error that grows with it; a recorded stop
+//! is therefore expected near a stop of the program,
 //!
 //! ```text
 //! |∫ v dt − (way from the last anchor)| ≤ 3 % of it + 1 mm
 //! ```
 //!
-//! and what is found is an anchor for the next. Between anchors the way is stretched by what closes,
-//! never the time. A stop recorded where the program has none is a pause: the way stands still there.
+//! and is then the next anchor. Between anchors the length is scaled to match, never the time. A stop
+//! recorded where the program has none is a pause without length.
 
-use crate::identification::alignment::place::Place;
+use crate::identification::alignment::place::ProgramPlace;
 use crate::identification::alignment::{AlignmentError, Fix, Mark};
 use crate::identification::recording::{Channel, Sampling};
 
-/// How far a stop may be from where the program has it: part of the way, and mm.
-const REACH: (f64, f64) = (0.03, 1.0);
-/// Below this part of the typical feed the machine stands.
-const STANDING: f64 = 0.02;
-/// Of the program's full stops within what was recorded so many must be found.
-const ENOUGH: f64 = 0.7;
+/// Largest distance of a recorded stop from the program's, as a part of the length, in addition to
+/// [`STOP_DISTANCE_MM`].
+const STOP_DISTANCE_RATIO: f64 = 0.03;
+/// Largest distance of a recorded stop from the program's, in addition to [`STOP_DISTANCE_RATIO`], mm.
+const STOP_DISTANCE_MM: f64 = 1.0;
+/// Part of the typical feed below which the machine is at rest.
+const MAX_REST_FEED_RATIO: f64 = 0.02;
+/// Least part of the program's full stops, within the recorded part, that must be found.
+const MIN_PART_OF_STOPS: f64 = 0.7;
 
-/// What the feed says.
-pub struct Integrated {
+/// The alignment by the feed.
+pub struct FeedMatch {
     /// Ends and beginnings of motion at stops of the program.
     pub marks: Vec<Mark>,
-    /// Where the tool was when.
+    /// Distances of the tool over time.
     pub fixes: Vec<Fix>,
     /// Typical time between samples, s.
     pub interval: f64,
@@ -33,16 +36,20 @@ pub struct Integrated {
     pub found: f64,
 }
 
-/// A stretch of recorded motion between two standstills.
-struct Moving {
+/// Recorded motion between two standstills.
+struct RecordedMotion {
     from: f64,
     to: f64,
     way: f64,
 }
 
-/// Marks by the integral of the feed (mm/s). `stretches` are the distances (mm) at which motion between
-/// full stops begins and ends in the program, in order, with the stops that begin and end there.
-pub fn follow(feed: &Channel<f64>, stretches: &[Stretch]) -> Result<Integrated, AlignmentError> {
+/// Returns marks by the integral of the feed (mm/s). `stretches` are the rest-to-rest motions of the program,
+/// in order.
+///
+/// # Errors
+///
+/// Returns an error if recorded stops are not where the program has them.
+pub fn follow(feed: &Channel<f64>, stretches: &[ProgramMotion]) -> Result<FeedMatch, AlignmentError> {
     let moving = movements(feed);
     let recorded: f64 = moving.iter().map(|part| part.way).sum();
     let length = stretches.last().map_or(0.0, |stretch| stretch.to);
@@ -53,13 +60,13 @@ pub fn follow(feed: &Channel<f64>, stretches: &[Stretch]) -> Result<Integrated, 
     let deviation = interval / 12.0f64.sqrt();
     let (mut marks, mut fixes) = (Vec::new(), Vec::new());
     let mut found = 0;
-    // A pause splits a stretch: its parts are added until they make up the whole.
+    // A pause splits a motion: its parts are added up to the whole.
     let mut parts = moving.iter();
     for stretch in stretches {
         let wanted = stretch.to - stretch.from;
-        let reach = REACH.0 * wanted + REACH.1;
+        let reach = STOP_DISTANCE_RATIO * wanted + STOP_DISTANCE_MM;
         let mut way = 0.0;
-        let mut own: Vec<&Moving> = Vec::new();
+        let mut own: Vec<&RecordedMotion> = Vec::new();
         while way < wanted - reach {
             let Some(part) = parts.next() else { break };
             way += part.way;
@@ -91,22 +98,22 @@ pub fn follow(feed: &Channel<f64>, stretches: &[Stretch]) -> Result<Integrated, 
     }
     let found = f64::from(found) / stretches.len().max(1) as f64;
     let covered = recorded / length;
-    if found < ENOUGH * covered.min(1.0) {
+    if found < MIN_PART_OF_STOPS * covered.min(1.0) {
         return Err(AlignmentError::StopsDoNotFit { at: fixes.last().map_or(0.0, |fix| fix.distance) });
     }
-    Ok(Integrated { marks, fixes, found, interval })
+    Ok(FeedMatch { marks, fixes, found, interval })
 }
 
-/// Motion between two full stops of the program.
-pub struct Stretch {
+/// A motion between two full stops of the program.
+pub struct ProgramMotion {
     /// Distance at which it begins, mm.
     pub from: f64,
     /// Distance at which it ends, mm.
     pub to: f64,
     /// The place where it begins.
-    pub begin: Place,
+    pub begin: ProgramPlace,
     /// The place where it ends.
-    pub end: Place,
+    pub end: ProgramPlace,
 }
 
 fn mean(sampling: Sampling, before: f64, value: f64) -> f64 {
@@ -115,15 +122,15 @@ fn mean(sampling: Sampling, before: f64, value: f64) -> f64 {
 
 fn typical_interval(feed: &Channel<f64>) -> f64 {
     let mut between: Vec<f64> = feed.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    crate::identification::alignment::positions::median(&mut between)
+    crate::identification::alignment::map_matching::median(&mut between)
 }
 
-/// The stretches of time in which the feed says that the machine moves.
-fn movements(feed: &Channel<f64>) -> Vec<Moving> {
+/// Returns the ranges of time in which the feed shows motion.
+fn movements(feed: &Channel<f64>) -> Vec<RecordedMotion> {
     let mut moving: Vec<f64> = feed.values.iter().copied().filter(|value| 0.0 < *value).collect();
-    let threshold = STANDING * crate::identification::alignment::positions::median(&mut moving);
-    let mut parts: Vec<Moving> = Vec::new();
-    let mut open: Option<Moving> = None;
+    let threshold = MAX_REST_FEED_RATIO * crate::identification::alignment::map_matching::median(&mut moving);
+    let mut parts: Vec<RecordedMotion> = Vec::new();
+    let mut open: Option<RecordedMotion> = None;
     for (index, (time, value)) in feed.time.iter().copied().zip(feed.values.iter().copied()).enumerate() {
         let before = index.checked_sub(1).map_or((time, 0.0), |at| (feed.time[at], feed.values[at]));
         let step = mean(feed.sampling, before.1, value) * (time - before.0);
@@ -137,7 +144,7 @@ fn movements(feed: &Channel<f64>) -> Vec<Moving> {
             }
             None if threshold < value => {
                 let from = if feed.sampling == Sampling::Sampled { before.0 } else { time };
-                open = Some(Moving { from, to: time, way: step });
+                open = Some(RecordedMotion { from, to: time, way: step });
             }
             None => {}
         }

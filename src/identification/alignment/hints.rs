@@ -1,14 +1,14 @@
-//! What would make positions fit that do not: said in a refusal, never done.
+//! Hints for refusals: changes that would make recorded positions fit. They are reported, never applied.
 
 use std::ops::Range;
 
+use crate::identification::alignment::map_matching::{Track, follow};
 use crate::identification::alignment::path::Path;
-use crate::identification::alignment::positions::{Track, follow};
 use crate::machine::AXES;
 use crate::simulation::toolpath::{Toolpath, Vector};
 
-/// By how much recorded positions lie beside the path, mm, where both are of the same size; none where
-/// they are not, or where they lie on each other.
+/// Returns the offset of recorded positions from the path, mm, if both have one size; `None` if they do not,
+/// or if they coincide.
 pub fn extents_differ_by(track: &Track, path: &Path) -> Option<Vector> {
     let programmed = path.extent()?;
     let recorded = extent(track);
@@ -32,7 +32,7 @@ fn extent(track: &Track) -> [Range<f64>; 3] {
     })
 }
 
-/// What would make recorded positions fit, as a clause for people.
+/// Returns a change that would make recorded positions fit, as a clause for people; `None` if there is none.
 pub fn what_would_fit(
     track: &Track,
     toolpath: &Toolpath,
@@ -67,7 +67,7 @@ pub fn what_would_fit(
     let mut backwards = with(&|axis| (axis, 1.0));
     backwards.position.reverse();
     if fits(&backwards) {
-        return Some("they fit the path run backwards: are the rows in reverse order?".to_string());
+        return Some("they fit the reversed path; are the rows in reverse order?".to_string());
     }
     for (a, b) in [(0, 1), (1, 2), (0, 2)] {
         let exchanged = with(&|axis| {
@@ -86,7 +86,8 @@ pub fn what_would_fit(
             return Some(format!("they fit if {} and {} are exchanged", AXES[a], AXES[b]));
         }
     }
-    for (factor, what) in [(25.4, "inch"), (1.0 / 25.4, "mm where inch is stated"), (1e-3, "µm"), (1e3, "m")]
+    for (factor, what) in
+        [(25.4, "inch"), (1.0 / 25.4, "mm although the file says inch"), (1e-3, "µm"), (1e3, "m")]
     {
         if fits(&with(&|axis| (axis, factor))) {
             return Some(format!("they fit if they are {what}"));
@@ -94,7 +95,7 @@ pub fn what_would_fit(
     }
     for (mirrored, name) in AXES.iter().enumerate() {
         if fits(&with(&|axis| (axis, if axis == mirrored { -1.0 } else { 1.0 }))) {
-            return Some(format!("they fit if {name} changes its sign"));
+            return Some(format!("they fit if {name} has the opposite sign"));
         }
     }
     None

@@ -1,6 +1,6 @@
-//! Recording → [`Alignment`]: which moment of the recording belongs to which place in the program.
+//! Recording → [`Alignment`]: the place in the program at each moment of the recording.
 //!
-//! Three ways, the first that the recording allows:
+//! Three methods, the first that the recording allows:
 //!
 //! | recorded | way | module |
 //! |---|---|---|
@@ -8,72 +8,74 @@
 //! | line numbers | the next visit of each line named | `lines` |
 //! | feed alone | its integral, anchored at the stops of the program | `feed` |
 //!
-//! The result is a list of [`Mark`]s, places with the time at which the machine was there. Time is
-//! never warped: a mark is a stamp of the recording with its uncertainty. What cannot be from this
-//! program is refused, with what would fit instead where that is known: other units, exchanged axes, a
-//! path run backwards, another zero point.
+//! The result is a list of [`Mark`]s, places with the time at which the machine was there. Time is never
+//! warped: a mark is a stamp of the recording with its uncertainty. A recording that cannot belong to this
+//! program is refused, with a change that would make it fit if one is known: other units, exchanged axes, a
+//! reversed path, another zero point.
 //!
-//! A recording may hold several passes of the program, and ways before, between and behind them: the first whole pass
-//! is aligned, the others are counted. Limits: rotary axes are not compared.
+//! A recording may contain several passes of the program, and moves before, between and behind them: the
+//! first whole pass is aligned, the others are counted. Limits: rotary axes are not compared.
 
-mod driven;
+mod simulated_recording;
 mod feed;
 mod hints;
-mod lines;
+mod line_matching;
 mod log;
-mod pace;
+mod pace_check;
 mod pairing;
 mod path;
 mod place;
-mod positions;
+mod map_matching;
 mod registration;
-mod stops;
-mod travelled;
-mod visited;
-mod ways;
+mod feed_integration;
+mod by_positions;
+mod by_lines;
+mod length_check;
 
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use thiserror::Error;
 
-pub use crate::identification::alignment::driven::times_at_marks;
 pub use crate::identification::alignment::log::align_log;
-pub use crate::identification::alignment::pace::TooFast;
+use crate::identification::alignment::map_matching::MIN_PASS_RATIO;
+pub use crate::identification::alignment::map_matching::{Track, median};
+pub use crate::identification::alignment::pace_check::TooFast;
 pub use crate::identification::alignment::pairing::{Pairing, pair};
-pub use crate::identification::alignment::place::{Place, Visit, times, visits};
-use crate::identification::alignment::positions::WHOLE_PASS;
-pub use crate::identification::alignment::positions::{Track, median};
-use crate::identification::recording::{Channel, ClosureError, Recording, RunMark};
+pub use crate::identification::alignment::place::{ProgramPlace, Visit, times, visits};
+pub use crate::identification::alignment::simulated_recording::times_at_marks;
+use crate::identification::recording::{Channel, Recording, RunMark, UnitCheckError};
 use crate::machine::Machine;
 use crate::simulation::toolpath::{Toolpath, Vector};
 
-/// The least of a program that is worth a comparison, as a part of its length and in marks.
-const LEAST: (f64, usize) = (0.01, 4);
+/// Least part of a program's length in a comparison.
+const MIN_COVERED_RATIO: f64 = 0.01;
+/// Least number of marks in a comparison.
+const MIN_MARKS: usize = 4;
 
 /// A place with the time at which the recorded machine was there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// The place.
-    pub place: Place,
-    /// When, s from the start of the recording.
+    /// Place.
+    pub place: ProgramPlace,
+    /// Time, s from the start of the recording.
     pub time: f64,
     /// Standard deviation of the time, s.
     pub deviation: f64,
 }
 
-/// Where the recorded tool was when.
+/// The distance of the recorded tool at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
-    /// When, s from the start of the recording.
+    /// Time, s from the start of the recording.
     pub time: f64,
     /// Distance along the programmed path, mm.
     pub distance: f64,
-    /// The sample of the track it is from, where positions were recorded.
+    /// Index of the sample of the track, if positions were recorded.
     pub sample: Option<usize>,
 }
 
-/// How a recording was aligned.
+/// The method of an alignment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// By positions.
@@ -85,7 +87,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// What it goes by, for people.
+    /// Returns the name of the method for people.
     pub fn name(self) -> &'static str {
         match self {
             Method::Positions => "axis positions",
@@ -95,42 +97,64 @@ impl Method {
     }
 }
 
-/// A recording on a program.
+/// A recording aligned with a program.
 #[derive(Clone, Debug)]
 pub struct Alignment {
-    /// How.
+    /// Method.
     pub method: Method,
-    /// The run within the recording, s.
+    /// Run within the recording, s.
     pub run: Range<f64>,
-    /// Places with their times, ascending in both.
+    /// Places with their times, both ascending.
     pub marks: Vec<Mark>,
-    /// Where the tool was when, ascending in time; finer than the marks.
+    /// Distances of the tool over time, ascending; finer than the marks.
     pub fixes: Vec<Fix>,
-    /// What part of the path was recorded, mm along it.
+    /// Recorded part of the path, mm.
     pub covered: Range<f64>,
     /// Length of the path, mm.
     pub length: f64,
-    /// Time between looks at the control, s, where it was asked now and then and not recorded throughout.
+    /// Time between polls, s, if the control was polled and not recorded continuously.
     pub poll: Option<f64>,
-    /// How well it fits, 0 to 1: the part of the recorded way on the path, of lines in order, or of
+    /// Quality of the fit, 0 to 1: the part of the recorded length on the path, of lines in order, or of
     /// stops found.
     pub fit: f64,
-    /// Root mean square of the distance from the path, mm; none without positions.
+    /// RMS distance from the path, mm; `None` without positions.
     pub spread: Option<f64>,
-    /// The recorded positions in the program's coordinates, where there are any.
+    /// Recorded positions in the program's coordinates, if any.
     pub track: Option<Arc<Track>>,
-    /// The feed that was recorded, where there is any and its unit is known.
+    /// Recorded feed, if any and if its unit is known.
     pub feed: Option<Channel<f64>>,
-    /// What was assumed or repaired, for people.
+    /// Assumptions and repairs, for people.
     pub remarks: Vec<String>,
     /// Recorded less programmed coordinates, mm.
     pub shift: Vector,
-    /// How often the program was run in the recording.
+    /// Number of passes of the program in the recording.
     pub passes: usize,
 }
 
 impl Alignment {
-    /// The same with the stamps of a clock that is right, where the recorder's says `ratio` seconds for each.
+    /// Returns an alignment of marks alone with a `run` (s), on the whole of a path of this length (mm): one pass in the
+    /// program's coordinates.
+    pub fn of_marks(method: Method, run: Range<f64>, marks: Vec<Mark>, length: f64) -> Alignment {
+        Alignment {
+            method,
+            run,
+            marks,
+            fixes: Vec::new(),
+            covered: 0.0..length,
+            length,
+            poll: None,
+            fit: 1.0,
+            spread: None,
+            track: None,
+            feed: None,
+            remarks: Vec::new(),
+            shift: Vector::zeros(),
+            passes: 1,
+        }
+    }
+
+    /// Returns the alignment with true stamps, given that the recorder's clock advances `ratio` seconds per
+    /// second.
     pub fn by_right_clock(&self, ratio: f64) -> Cow<'_, Alignment> {
         if ratio == 1.0 {
             return Cow::Borrowed(self);
@@ -156,106 +180,111 @@ impl Alignment {
     }
 }
 
-/// Why a recording cannot be laid on a program.
+/// The reason why a recording cannot be aligned with a program.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum AlignmentError {
     /// The program has no path.
-    #[error("the program moves nothing, so that there is nothing to compare with")]
+    #[error("the program contains no motion to compare with")]
     NoPath,
     /// Neither positions, nor lines, nor feed.
-    #[error("the recording has neither positions nor line numbers nor feed; record one of them")]
+    #[error("the recording has no positions, line numbers or feed; record one of them")]
     NothingToFollow,
-    /// Hardly a movement in it.
-    #[error("the machine stands still in the whole recording; record a run of the program")]
+    /// Hardly any motion.
+    #[error("the machine does not move in the whole recording; record a run of the program")]
     StandsStill,
     /// No sample lies near the path.
-    #[error("no recorded position lies near the programmed path: is it a recording of another program?")]
+    #[error(
+        "no recorded position lies near the programmed path; it seems to be a recording of another program"
+    )]
     NowhereNear,
     /// The path does not fit.
-    #[error("{part:.0} % of the recorded way is off the programmed path{}", what_then(hint.as_deref()))]
+    #[error("{part:.0} % of the recorded path is off the programmed path{}", what_then(hint.as_deref()))]
     OffPath {
         /// The part, %.
         part: f64,
-        /// What would fit, as a clause.
+        /// A change that would make it fit, as a clause.
         hint: Option<String>,
     },
-    /// The way does not fit.
+    /// The travelled length does not fit.
     #[error(
-        "the recorded way is {ratio:.2} times as long as the path it was laid on: it is a recording of another program"
+        "the recorded path is {ratio:.2} times as long as the programmed path it was aligned with: this is a recording of another program"
     )]
     OtherWay {
         /// Recorded over programmed.
         ratio: f64,
     },
     /// Line numbers do not come in the order of the program.
-    #[error("only {:.0} % of the recorded line numbers come in the order of the program: is it a recording of another program, or are they block numbers (N)?", 100.0 * in_order)]
+    #[error("only {:.0} % of the recorded line numbers follow the order of the program; it is a recording of another program, or they are block numbers (N)", 100.0 * in_order)]
     LinesDoNotFit {
-        /// The part in order.
+        /// Part in order.
         in_order: f64,
     },
-    /// Stops do not come where the program has them.
+    /// Stops are not where the program has them.
     #[error(
-        "the machine did not stop where the program does, near {at:.1} mm of the path: is it a recording of another program?"
+        "the machine did not stop where the program does, near {at:.1} mm along the path; it seems to be a recording of another program"
     )]
     StopsDoNotFit {
         /// Distance along the path, mm.
         at: f64,
     },
-    /// Too little to compare.
-    #[error("only {covered:.1} mm of the path were recorded, too little to compare")]
+    /// Too little for a comparison.
+    #[error("the recording covers only {covered:.1} mm of the path, too little to compare")]
     TooLittle {
         /// The part, mm.
         covered: f64,
     },
     /// Times are in another unit than seconds.
     #[error(
-        "the recording runs in {} what the simulation runs in {}: its time is in another unit than its column says",
+        "the recording takes {} for what the simulation runs in {}: its time column states the wrong unit",
         seconds(*recorded), seconds(*simulated)
     )]
     TimeUnit {
-        /// How long the recording takes, s.
+        /// Duration of the recording, s.
         recorded: f64,
-        /// How long the simulation takes for it, s.
+        /// Duration of the simulation, s.
         simulated: f64,
     },
-    /// The program cannot be cut as fast.
+    /// The program cannot be cut that fast.
     #[error(
-        "{:.0} % of the cutting is faster than twice the programmed feed, as up to line {}: {} recorded where length \
-         over feed makes {}; it is a recording of another program",
+        "{:.0} % of the cutting is faster than twice the programmed feed, for example up to line {}: recorded {}, programmed {}; this is a recording of another program",
         100.0 * part, worst.line, seconds(worst.recorded), seconds(worst.programmed)
     )]
     TooFast {
         /// The part of the programmed cutting time.
         part: f64,
-        /// The longest stretch.
+        /// The longest part.
         worst: TooFast,
     },
     /// Lines are of another length.
     #[error(
-        "the machine went ways of another length than {:.0} % of the lines that cut, by its feed and line numbers: it \
-         is a recording of another program", 100.0 * part
+        "for {:.0} % of the cutting lines, recorded feed and time give another length than the program: this is a recording of another program", 100.0 * part
     )]
     WaysDoNotFit {
-        /// The part of the way that was compared.
+        /// Part of the compared length.
         part: f64,
     },
-    /// Units do not close.
+    /// Units fail the check.
     #[error("{0}")]
-    Units(#[from] ClosureError),
+    Units(#[from] UnitCheckError),
 }
 
-/// A duration with two digits that count.
+/// Formats a duration with two significant digits.
 fn seconds(value: f64) -> String {
     let decimals = (1.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.decimals$} s")
 }
 
-/// The end of the sentence that says how much is off the path.
+/// Returns the end of the sentence on the part off the path.
 fn what_then(hint: Option<&str>) -> String {
-    hint.map_or(": is it a recording of another program?".to_string(), |hint| format!(", but {hint}"))
+    hint.map_or("; it seems to be a recording of another program".to_string(), |hint| format!(", but {hint}"))
 }
 
-/// Lays a recording on a program: the first of its runs that are as long as any, or why none fits.
+/// Aligns a recording with a program: returns the alignment of the first of its runs that covers about as
+/// much as any.
+///
+/// # Errors
+///
+/// Returns the error of the first run if none fits.
 pub fn align(
     recording: &Recording,
     toolpath: &Toolpath,
@@ -279,17 +308,17 @@ pub fn align(
     if 1 < several {
         let Range { start, end } = alignment.run;
         let one =
-            format!("the recording has {several} runs; the one from {start:.1} s to {end:.1} s is compared");
+            format!("the recording has {several} runs; this is the one from {start:.1} s to {end:.1} s");
         alignment.remarks.push(one);
     }
     Ok(alignment)
 }
 
-/// Whole alignments that are looked for; a log of a year has thousands.
-const MAX_WHOLE: usize = 32;
+/// Most alignments of one recording; a log of a year has thousands.
+const MAX_ALIGNMENTS: usize = 32;
 
-/// The first alignment that covers about as much as any, and how many passes such alignments hold; the first refusal
-/// where there is none.
+/// Returns the first alignment that covers about as much as any, and the number of passes in all of them; the
+/// first error if there is none.
 fn longest(
     alignments: impl Iterator<Item = Result<Alignment, AlignmentError>>,
 ) -> Result<(Alignment, usize), AlignmentError> {
@@ -299,11 +328,11 @@ fn longest(
     for outcome in alignments {
         match (outcome, &mut best) {
             (Err(error), _) => refusal = refusal.or(Some(error)),
-            (Ok(other), Some((first, passes))) if WHOLE_PASS * covered(&other) <= covered(first) => {
-                if WHOLE_PASS * covered(first) <= covered(&other) {
+            (Ok(other), Some((first, passes))) if MIN_PASS_RATIO * covered(&other) <= covered(first) => {
+                if MIN_PASS_RATIO * covered(first) <= covered(&other) {
                     *passes += other.passes;
                 }
-                if MAX_WHOLE <= *passes {
+                if MAX_ALIGNMENTS <= *passes {
                     break;
                 }
             }
@@ -328,44 +357,46 @@ fn align_run(
     }
     let own = recording.during(&(run.start..run.end + 1e-9));
     let alignment = if own.positions().iter().any(Option::is_some) {
-        travelled::by_positions(&own, run, toolpath, machine)
+        by_positions::by_positions(&own, run, toolpath, machine)
     } else if own.line.as_ref().is_some_and(|line| 2 < line.values.len()) {
-        visited::by_lines(&own, run, ends, toolpath, machine)
+        by_lines::by_lines(&own, run, ends, toolpath, machine)
     } else if own.feed.is_some() {
-        stops::by_feed(&own, run, toolpath, machine)
+        feed_integration::by_feed(&own, run, toolpath, machine)
     } else {
         Err(AlignmentError::NothingToFollow)
     };
-    pace::checked_pace(alignment?, toolpath, machine)
+    pace_check::checked_pace(alignment?, toolpath, machine)
 }
 
-fn is_of_units(error: &ClosureError) -> bool {
-    matches!(error, ClosureError::WouldFit { .. })
+fn is_of_units(error: &UnitCheckError) -> bool {
+    matches!(error, UnitCheckError::WouldFit { .. })
 }
 
-/// The place at which a program is over.
-fn end_of(toolpath: &Toolpath) -> Place {
+/// Returns the place at the end of a program.
+fn end_of(toolpath: &Toolpath) -> ProgramPlace {
     let last = toolpath.stops.len().checked_sub(1);
     match last.filter(|stop| toolpath.segments.len() <= toolpath.stops[*stop].after) {
-        Some(stop) => Place::After(stop),
-        None => Place::Along(toolpath.segments.iter().map(|segment| segment.length).sum::<f64>() * 1.000001),
+        Some(stop) => ProgramPlace::After(stop),
+        None => ProgramPlace::Along(
+            toolpath.segments.iter().map(|segment| segment.length).sum::<f64>() * 1.000001,
+        ),
     }
 }
 
-/// Refuses what is too little to compare.
+/// Refuses an alignment that is too short for a comparison.
 fn checked(alignment: Alignment) -> Result<Alignment, AlignmentError> {
     let covered = alignment.covered.end - alignment.covered.start;
-    if covered < LEAST.0 * alignment.length || alignment.marks.len() < LEAST.1 {
+    if covered < MIN_COVERED_RATIO * alignment.length || alignment.marks.len() < MIN_MARKS {
         return Err(AlignmentError::TooLittle { covered });
     }
     let mut alignment = alignment;
     let (start, end) = (alignment.covered.start, alignment.length - alignment.covered.end);
     let part = 0.005 * alignment.length + 1.0;
     if part < start {
-        alignment.remarks.push(format!("the first {start:.1} mm of the path were not recorded"));
+        alignment.remarks.push(format!("the recording misses the first {start:.1} mm of the path"));
     }
     if part < end {
-        alignment.remarks.push(format!("the last {end:.1} mm of the path were not recorded"));
+        alignment.remarks.push(format!("the recording misses the last {end:.1} mm of the path"));
     }
     Ok(alignment)
 }

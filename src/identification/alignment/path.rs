@@ -1,18 +1,21 @@
-//! The programmed path as something to be near to.
+//! The programmed path for projections.
 //!
-//! Within a range of distances along the path, [`Path::nearest`] gives every local minimum of the
-//! distance from a point: on a line the foot of the perpendicular, on an arc the best of points laid
-//! close to each other, improved by Newton's method. An axis that was not recorded does not count.
+//! Within a range of distances along the path, [`Path::nearest`] returns every local minimum of the distance
+//! from a point: on a line the foot of the perpendicular, on an arc the best of closely spaced points,
+//! improved by Newton's method. An axis that was not recorded does not count.
 
 use std::ops::Range;
 
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Curve, Point, Segment, Segments, Toolpath, Vector};
 
-/// Points laid on an arc to search from are no farther apart than this, rad.
-const ARC_STEP: f64 = 0.2;
+/// Largest angle between search points on an arc, rad.
+const MAX_ARC_STEP_RAD: f64 = 0.2;
 
-/// A pass begins within this part of the path, or within so many moves.
-const ENTRY: (f64, usize) = (0.02, 3);
+/// Part of the path within which a pass begins.
+const ENTRY_RATIO: f64 = 0.02;
+/// Number of moves within which a pass begins.
+const ENTRY_MOVES: usize = 3;
 
 /// A path with its distances.
 pub struct Path<'a> {
@@ -23,9 +26,9 @@ pub struct Path<'a> {
     counts: Vector,
 }
 
-/// A place on the path near a point.
+/// The projection of a point onto the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foot {
+pub struct Projection {
     /// Distance along the path, mm.
     pub along: f64,
     /// Distance from the point, mm.
@@ -33,24 +36,24 @@ pub struct Foot {
 }
 
 impl<'a> Path<'a> {
-    /// The path of a program; `recorded` says which axes count.
+    /// Returns the path of a program; `recorded` selects the axes that count.
     pub fn new(toolpath: &'a Toolpath, recorded: [bool; 3]) -> Path<'a> {
         let counts = Vector::from_fn(|axis, _| f64::from(u8::from(recorded[axis])));
         Path { segments: &toolpath.segments, distances: toolpath.distances(), counts }
     }
 
-    /// Length, mm.
+    /// Returns the length, mm.
     pub fn length(&self) -> f64 {
         self.distances.last().copied().unwrap_or(0.0)
     }
 
-    /// The segment at a distance along the path, mm.
+    /// Returns the segment at a distance along the path, mm.
     pub fn segment_at(&self, along: f64) -> Option<usize> {
         let begun = self.distances.partition_point(|distance| *distance <= along);
         begun.checked_sub(1).map(|segment| segment.min(self.segments.len().saturating_sub(1)))
     }
 
-    /// The length of the path in the axes that count, mm.
+    /// Returns the length of the path in the axes that count, mm.
     pub fn recorded_length(&self) -> f64 {
         let part = |segment: Segment| match &segment.curve {
             Curve::Line => self.norm(segment.end - segment.start),
@@ -63,7 +66,7 @@ impl<'a> Path<'a> {
         self.segments.iter().map(part).sum()
     }
 
-    /// Corners of a polyline along the path, mm; 0 in axes that do not count.
+    /// Returns the corners of a polyline along the path, mm; 0 in axes that do not count.
     pub fn polyline(&self) -> Vec<Point> {
         let counted = |point: Point| Point::from(point.coords.component_mul(&self.counts));
         let first = self.segments.first().map(|segment| counted(segment.start));
@@ -71,7 +74,7 @@ impl<'a> Path<'a> {
         for segment in self.segments {
             let parts = match &segment.curve {
                 Curve::Line => 1,
-                Curve::Arc(arc) => (arc.sweep / ARC_STEP).ceil().clamp(1.0, 1e4) as usize,
+                Curve::Arc(arc) => (arc.sweep / MAX_ARC_STEP_RAD).ceil().clamp(1.0, 1e4) as usize,
             };
             let offset = |part: usize| segment.length * part as f64 / parts as f64;
             points.extend((1..=parts).map(|part| counted(segment.point(offset(part)))));
@@ -79,7 +82,8 @@ impl<'a> Path<'a> {
         points
     }
 
-    /// The point at a distance along the path (mm) and the direction there; none of a path without segments.
+    /// Returns the point at a distance along the path (mm) and the direction there; `None` for a path without
+    /// segments.
     pub fn at(&self, along: f64) -> Option<(Point, Vector)> {
         let index = self.segment_at(along)?;
         let segment = self.segments.get(index)?;
@@ -87,14 +91,14 @@ impl<'a> Path<'a> {
         Some((segment.point(offset), segment.tangent(offset)))
     }
 
-    /// The beginning of the path, where a pass of the program enters it: a part of its length, and the first moves, of
-    /// which the very first comes from wherever the tool was.
+    /// Returns the length of the beginning of the path, where a pass of the program enters it, mm: a part of
+    /// the whole, and the first moves, of which the very first starts from wherever the tool was.
     pub fn entry(&self) -> f64 {
-        let moves = self.distances.get(ENTRY.1).or(self.distances.last()).copied().unwrap_or(0.0);
-        moves.max(ENTRY.0 * self.length())
+        let moves = self.distances.get(ENTRY_MOVES).or(self.distances.last()).copied().unwrap_or(0.0);
+        moves.max(ENTRY_RATIO * self.length())
     }
 
-    /// Smallest and largest coordinates, mm; none where nothing moves.
+    /// Returns the smallest and the largest coordinates, mm; `None` if nothing moves.
     pub fn extent(&self) -> Option<[Range<f64>; 3]> {
         let first = self.segments.first()?.start;
         let mut extent = [0, 1, 2].map(|axis: usize| first[axis]..first[axis]);
@@ -111,8 +115,8 @@ impl<'a> Path<'a> {
         Some(extent)
     }
 
-    /// The places within a range of distances (mm) that are nearer to `point` than what is beside them.
-    pub fn nearest(&self, point: Point, within: Range<f64>, found: &mut Vec<Foot>) {
+    /// Adds the places within a range of distances (mm) that are nearer to `point` than their neighbourhood.
+    pub fn nearest(&self, point: Point, within: Range<f64>, found: &mut Vec<Projection>) {
         found.clear();
         let Some(first) = self.segment_at(within.start) else { return };
         for (index, segment) in self.segments.iter().enumerate().skip(first) {
@@ -125,15 +129,15 @@ impl<'a> Path<'a> {
             match &segment.curve {
                 Curve::Line => {
                     let offset = self.on_line(&segment, point).clamp(low, high);
-                    found.push(self.foot(index, offset, point));
+                    found.push(self.projection(index, offset, point));
                 }
                 Curve::Arc(arc) => {
                     let turning = arc.sweep / segment.length;
-                    let parts = ((high - low) * turning / ARC_STEP).ceil().clamp(1.0, 1e4) as usize;
+                    let parts = ((high - low) * turning / MAX_ARC_STEP_RAD).ceil().clamp(1.0, 1e4) as usize;
                     for part in 0..=parts {
                         let offset = low + (high - low) * part as f64 / parts as f64;
                         let offset = self.improved(&segment, offset, point).clamp(low, high);
-                        found.push(self.foot(index, offset, point));
+                        found.push(self.projection(index, offset, point));
                     }
                 }
             }
@@ -145,19 +149,19 @@ impl<'a> Path<'a> {
         vector.component_mul(&self.counts).norm()
     }
 
-    fn foot(&self, segment: usize, offset: f64, point: Point) -> Foot {
+    fn projection(&self, segment: usize, offset: f64, point: Point) -> Projection {
         let away = self.norm(self.segments.at(segment).point(offset) - point);
-        Foot { along: self.distances[segment] + offset, away }
+        Projection { along: self.distances[segment] + offset, away }
     }
 
-    /// Offset of the foot of the perpendicular on a line, mm; not bounded by its ends.
+    /// Returns the offset of the foot of the perpendicular on a line, mm; not limited to its ends.
     fn on_line(&self, segment: &Segment, point: Point) -> f64 {
         let direction = segment.tangent(0.0).component_mul(&self.counts);
         let squared = direction.norm_squared();
         if squared < 1e-12 { 0.0 } else { direction.dot(&(point - segment.start)) / squared }
     }
 
-    /// An offset on an arc after some steps of Newton's method towards the nearest place.
+    /// Returns an offset on an arc after some steps of Newton's method towards the nearest place.
     fn improved(&self, segment: &Segment, offset: f64, point: Point) -> f64 {
         let mut offset = offset;
         for _ in 0..3 {
@@ -173,9 +177,9 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Leaves of places in order along the path those with no nearer neighbour.
-fn keep_minima(found: &mut Vec<Foot>) {
-    found.sort_by(|a, b| a.along.total_cmp(&b.along));
+/// Keeps those of the places, in order along the path, without a nearer neighbour.
+fn keep_minima(found: &mut Vec<Projection>) {
+    sort_by_number(found, |one| one.along);
     let all = std::mem::take(found);
     for (index, foot) in all.iter().enumerate() {
         let before = index.checked_sub(1).map_or(f64::INFINITY, |at| all[at].away);

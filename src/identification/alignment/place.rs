@@ -1,9 +1,9 @@
-//! Places in a program at which recording and simulation have a time.
+//! Places in a program, at which recording and simulation each have a time.
 //!
-//! Before everything stands the start of the program, from which a control may need time to its first block.
-//! A program is a sequence of items, segments and stops, and a visit is a run of items of one line; a
-//! line in a loop is visited often. A place is a distance along the path, or one of the two ends of a
-//! stop, where the distance stands still and only time goes on:
+//! The first place is the start of the program, from which a control may need time to its first block. A
+//! program is a sequence of items, segments and stops, and a visit is a run of items of one line; a line in a
+//! loop has many visits. A place is a distance along the path, or one of the two ends of a stop, between
+//! which only time passes:
 //!
 //! ```text
 //! distance                    ┌──────────
@@ -12,7 +12,7 @@
 //!                                                        time →
 //! ```
 //!
-//! Places say nothing of the machine, so that one set of them serves every parameter that is tried.
+//! Places do not depend on the machine, so that one set of them serves every trial of a parameter.
 
 use std::ops::Range;
 
@@ -23,24 +23,24 @@ use crate::simulation::toolpath::Toolpath;
 
 /// A place in a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
-    /// Where the program is started.
+pub enum ProgramPlace {
+    /// The start of the program.
     Start,
-    /// So far along the programmed path, mm.
+    /// A distance along the programmed path, mm.
     Along(f64),
-    /// Where a stop of the toolpath begins, by index: what was before it is over.
+    /// The beginning of a stop of the toolpath, by index.
     Stop(usize),
-    /// Where that stop is over.
+    /// The end of that stop.
     After(usize),
 }
 
-impl Place {
-    /// How far along the path it is, mm, by the `distances` of the toolpath.
+impl ProgramPlace {
+    /// Returns the distance along the path, mm, given the `distances` of the toolpath.
     pub fn distance(self, toolpath: &Toolpath, distances: &[f64]) -> f64 {
         match self {
-            Place::Start => 0.0,
-            Place::Along(distance) => distance,
-            Place::Stop(stop) | Place::After(stop) => {
+            ProgramPlace::Start => 0.0,
+            ProgramPlace::Along(distance) => distance,
+            ProgramPlace::Stop(stop) | ProgramPlace::After(stop) => {
                 distances[toolpath.stops[stop].after.min(toolpath.segments.len())]
             }
         }
@@ -50,17 +50,17 @@ impl Place {
 /// A run of segments and stops of one line of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visit {
-    /// The line.
+    /// Line.
     pub line: LineNumber,
-    /// Its segments in the toolpath.
+    /// Indices of its segments in the toolpath.
     pub segments: Range<usize>,
-    /// Its stops in the toolpath.
+    /// Indices of its stops in the toolpath.
     pub stops: Range<usize>,
-    /// Where it begins.
-    pub begin: Place,
+    /// Beginning.
+    pub begin: ProgramPlace,
 }
 
-/// The visits of a program in the order they are run.
+/// Returns the visits of a program in the order they are run.
 pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
     let mut visits: Vec<Visit> = Vec::new();
     let (mut segment, mut stop) = (0, 0);
@@ -74,9 +74,9 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
         let line = if is_stop { toolpath.stops[stop].line } else { toolpath.segments.at(segment).line };
         if visits.last().is_none_or(|visit| visit.line != line) {
             let begin = match (is_stop, last_was_stop) {
-                (true, _) => Place::Stop(stop),
-                (false, true) => Place::After(stop - 1),
-                (false, false) => Place::Along(distances[segment]),
+                (true, _) => ProgramPlace::Stop(stop),
+                (false, true) => ProgramPlace::After(stop - 1),
+                (false, false) => ProgramPlace::Along(distances[segment]),
             };
             visits.push(Visit { line, segments: segment..segment, stops: stop..stop, begin });
         }
@@ -93,28 +93,28 @@ pub fn visits(toolpath: &Toolpath) -> Vec<Visit> {
     visits
 }
 
-/// When the simulated machine is at each of `places`, s; they must be in program order.
-pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[Place]) -> Vec<f64> {
+/// Returns when the simulated machine is at each of `places`, s; they must be in program order.
+pub fn times(toolpath: &Toolpath, plan: &FeedPlan, places: &[ProgramPlace]) -> Vec<f64> {
     let profile = Profile::new(toolpath, plan);
     let waits = wait_times(plan, &profile);
     let along: Vec<f64> = (places.iter())
         .filter_map(|place| match place {
-            Place::Along(distance) => Some(*distance),
-            Place::Start | Place::Stop(_) | Place::After(_) => None,
+            ProgramPlace::Along(distance) => Some(*distance),
+            ProgramPlace::Start | ProgramPlace::Stop(_) | ProgramPlace::After(_) => None,
         })
         .collect();
     let mut crossings = profile.crossing_times(&along).into_iter();
     let at = |stop: usize| waits.get(stop).cloned().unwrap_or(profile.cycle_time()..profile.cycle_time());
-    let time = |place: &Place| match *place {
-        Place::Start => 0.0,
-        Place::Along(_) => crossings.next().expect("one for each distance"),
-        Place::Stop(stop) => at(stop).start,
-        Place::After(stop) => at(stop).end,
+    let time = |place: &ProgramPlace| match *place {
+        ProgramPlace::Start => 0.0,
+        ProgramPlace::Along(_) => crossings.next().expect("one for each distance"),
+        ProgramPlace::Stop(stop) => at(stop).start,
+        ProgramPlace::After(stop) => at(stop).end,
     };
     places.iter().map(time).collect()
 }
 
-/// When each stop begins and ends, s.
+/// Returns when each stop of the plan begins and ends, s.
 fn wait_times(plan: &FeedPlan, profile: &Profile) -> Vec<Range<f64>> {
     let mut waits = Vec::new();
     for (index, phase) in plan.phases.iter().enumerate() {
@@ -130,8 +130,8 @@ mod tests {
     use super::*;
     use crate::machine::Machine;
     use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
     use crate::simulation::simulate;
-    use crate::simulation::toolpath::trace;
 
     #[test]
     fn visits_hold_every_item_once_and_begin_in_order_of_time() {
@@ -142,7 +142,7 @@ mod tests {
         assert_eq!(visits.iter().map(|visit| visit.segments.len()).sum::<usize>(), toolpath.segments.len());
         assert_eq!(visits.iter().map(|visit| visit.stops.len()).sum::<usize>(), toolpath.stops.len());
         let plan = simulate(&toolpath, &machine);
-        let places: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
+        let places: Vec<ProgramPlace> = visits.iter().map(|visit| visit.begin).collect();
         let times = times(&toolpath, &plan, &places);
         assert!(times.windows(2).all(|pair| pair[0] <= pair[1]), "{visits:?}: {times:?}");
         let lines: Vec<u32> = visits.iter().map(|visit| visit.line.0).collect();

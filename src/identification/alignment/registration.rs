@@ -1,56 +1,63 @@
-//! Recorded positions and a path → by how much their coordinates may differ.
+//! Recorded positions and a path → possible shifts between their coordinates.
 //!
-//! Machine coordinates differ from the program's by a zero point and a tool length. Both curves are laid out as
-//! points at even distances, and each bend of more than [`MIN_TURN_COSINE`] becomes a corner with the directions
-//! before and behind it, whatever drew it: a corner, a blend, an arc or chords. Two corners with the same
-//! directions vote for the difference of their places; what most vote for is a candidate. Rows of a pocket vote for
-//! shifts by a row as well, so that candidates are put in order by how much of either curve is then near the other.
+//! Machine coordinates differ from the program's by a zero point and a tool length. Both curves are sampled
+//! at even distances, and each bend of more than [`MIN_TURN_COSINE`] becomes a corner with the directions
+//! before and behind it, whatever its cause: a corner, a blend, an arc or chords. Two corners with equal
+//! directions vote for the difference of their places; the most frequent votes are candidates. Rows of a
+//! pocket also vote for shifts by a row, so that candidates are ranked by how much of either curve is then
+//! near the other.
 
 use std::collections::{HashMap, HashSet};
 
+use crate::identification::alignment::map_matching::Track;
 use crate::identification::alignment::path::Path;
-use crate::identification::alignment::positions::Track;
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Point, Vector};
 
-/// A bend is a corner if the cosine of its angle is less: 25°.
+/// Largest cosine of the turn at a corner: 25°.
 const MIN_TURN_COSINE: f64 = 0.906;
-/// Directions agree if the cosine between them is more: 14°.
-const SAME_DIRECTION_COSINE: f64 = 0.97;
-/// Length over which a direction is taken, as a part of the size of the curve, and in widths of the tolerance.
-const DIRECTION_OVER: (f64, f64) = (0.01, 10.0);
-/// Points on a curve at most.
+/// Least cosine between directions that agree: 14°.
+const MIN_DIRECTION_COSINE: f64 = 0.97;
+/// Length over which a direction is measured, as a part of the size of the curve, and in widths of the
+/// Length over which a direction is measured, as a part of the size of the curve.
+const DIRECTION_SIZE_RATIO: f64 = 0.01;
+/// Least length over which a direction is measured, in widths of the tolerance.
+const MIN_DIRECTION_TOLERANCES: f64 = 10.0;
+/// Most points on a curve.
 const MAX_POINTS: f64 = 200_000.0;
-/// Corners of the recording and of the path that vote at most.
-const MAX_CORNERS: (usize, usize) = (300, 3000);
-/// Candidates that are weighed by what is near what.
+/// Most corners of the recording that vote.
+const MAX_RECORDED_CORNERS: usize = 300;
+/// Most corners of the path that vote.
+const MAX_PROGRAMMED_CORNERS: usize = 3000;
+/// Most candidates that are ranked.
 const MAX_CANDIDATES: usize = 40;
-/// Points of a curve that are looked up for that, at most.
-const MAX_LOOKED_UP: usize = 4000;
-/// Corners that must agree: fewer would fit anywhere.
+/// Most points of a curve in a ranking.
+const MAX_RANKED_POINTS: usize = 4000;
+/// Least number of votes: fewer would fit anywhere.
 const MIN_VOTES: usize = 4;
 
-/// Shifts (mm) of recorded against programmed positions, the likeliest first; `scale` (mm) is how far the tool may
-/// be from its path.
+/// Returns shifts (mm) of recorded against programmed positions, the likeliest first; `scale` (mm) is the
+/// largest distance of the tool from its path.
 pub fn shifts(track: &Track, path: &Path, scale: f64) -> Vec<Vector> {
     let (recorded, programmed) = (track.polyline(), path.polyline());
-    let over = DIRECTION_OVER.1 * scale;
-    let over = over.max(DIRECTION_OVER.0 * diagonal(&programmed).min(diagonal(&recorded)));
+    let over = MIN_DIRECTION_TOLERANCES * scale;
+    let over = over.max(DIRECTION_SIZE_RATIO * diagonal(&programmed).min(diagonal(&recorded)));
     let longest = length(&recorded).max(length(&programmed));
     let spacing = (over / 4.0).max(longest / MAX_POINTS);
     let (recorded, programmed) = (evenly(&recorded, spacing), evenly(&programmed, spacing));
     let reach = (over / spacing).round().max(1.0) as usize;
-    let seen = thinned(corners(&recorded, reach), MAX_CORNERS.0);
-    let told = thinned(corners(&programmed, reach), MAX_CORNERS.1);
+    let seen = thinned(corners(&recorded, reach), MAX_RECORDED_CORNERS);
+    let told = thinned(corners(&programmed, reach), MAX_PROGRAMMED_CORNERS);
     let near = (3.0 * scale).max(spacing);
     let mut candidates = voted(&seen, &told, near);
     let overlap = Overlap::new(&recorded, &programmed, near);
-    candidates.sort_by(|a, b| overlap.with(b).total_cmp(&overlap.with(a)));
+    sort_by_number(&mut candidates, |one| -overlap.with(one));
     candidates
 }
 
 /// A bend of a curve.
 #[derive(Clone, Copy)]
-struct Corner {
+struct CurveCorner {
     at: Point,
     before: Vector,
     after: Vector,
@@ -66,7 +73,7 @@ fn diagonal(points: &[Point]) -> f64 {
     (bounds.1 - bounds.0).norm()
 }
 
-/// Points of a polyline, `spacing` (mm) apart along it.
+/// Returns points of a polyline, `spacing` (mm) apart along it.
 fn evenly(polyline: &[Point], spacing: f64) -> Vec<Point> {
     let mut points: Vec<Point> = polyline.first().copied().into_iter().collect();
     let mut missing = spacing;
@@ -83,16 +90,16 @@ fn evenly(polyline: &[Point], spacing: f64) -> Vec<Point> {
     points
 }
 
-/// The corners of evenly spaced points; directions are taken over `reach` of them.
-fn corners(points: &[Point], reach: usize) -> Vec<Corner> {
+/// Returns the corners of evenly spaced points; directions are measured over `reach` of them.
+fn corners(points: &[Point], reach: usize) -> Vec<CurveCorner> {
     let corner = |at: usize| {
         let ways = [points[at] - points[at - reach], points[at + reach] - points[at]];
         let [before, after] = ways.map(|way| way.try_normalize(1e-9));
         let (before, after) = before.zip(after)?;
-        Some((before.dot(&after), Corner { at: points[at], before, after }))
+        Some((before.dot(&after), CurveCorner { at: points[at], before, after }))
     };
     let inner = reach..points.len().saturating_sub(reach);
-    let mut found: Vec<(usize, f64, Corner)> = Vec::new();
+    let mut found: Vec<(usize, f64, CurveCorner)> = Vec::new();
     for at in inner {
         let Some((cosine, corner)) = corner(at).filter(|(cosine, _)| *cosine < MIN_TURN_COSINE) else {
             continue;
@@ -110,29 +117,29 @@ fn corners(points: &[Point], reach: usize) -> Vec<Corner> {
     found.into_iter().map(|(_, _, corner)| corner).collect()
 }
 
-/// At most so many of them, evenly.
+/// Returns at most `most` of the items, evenly spaced.
 fn thinned<T: Copy>(all: Vec<T>, most: usize) -> Vec<T> {
     let step = all.len().div_ceil(most).max(1);
     all.into_iter().step_by(step).collect()
 }
 
-type Cell = [i64; 3];
+type GridCell = [i64; 3];
 
-fn cell(vector: &Vector, size: f64) -> Cell {
+fn cell(vector: &Vector, size: f64) -> GridCell {
     [0, 1, 2].map(|axis: usize| (vector[axis] / size).floor() as i64)
 }
 
-fn around(cell: Cell) -> impl Iterator<Item = Cell> {
+fn around(cell: GridCell) -> impl Iterator<Item = GridCell> {
     (0..27).map(move |at| [cell[0] + at % 3 - 1, cell[1] + at / 3 % 3 - 1, cell[2] + at / 9 - 1])
 }
 
-/// The shifts that most pairs of corners vote for, each the mean of its votes.
-fn voted(seen: &[Corner], told: &[Corner], size: f64) -> Vec<Vector> {
-    let mut votes: HashMap<Cell, (usize, Vector)> = HashMap::new();
+/// Returns the shifts with the most votes of pairs of corners, each the mean of its votes.
+fn voted(seen: &[CurveCorner], told: &[CurveCorner], size: f64) -> Vec<Vector> {
+    let mut votes: HashMap<GridCell, (usize, Vector)> = HashMap::new();
     for recorded in seen {
         for programmed in told {
-            if SAME_DIRECTION_COSINE < recorded.before.dot(&programmed.before)
-                && SAME_DIRECTION_COSINE < recorded.after.dot(&programmed.after)
+            if MIN_DIRECTION_COSINE < recorded.before.dot(&programmed.before)
+                && MIN_DIRECTION_COSINE < recorded.after.dot(&programmed.after)
             {
                 let shift = recorded.at - programmed.at;
                 let (count, sum) = votes.entry(cell(&shift, size)).or_insert((0, Vector::zeros()));
@@ -141,11 +148,11 @@ fn voted(seen: &[Corner], told: &[Corner], size: f64) -> Vec<Vector> {
             }
         }
     }
-    let mut cells: Vec<(usize, Cell)> = votes.iter().map(|(cell, (count, _))| (*count, *cell)).collect();
-    // The order of a hash map is no order: cells break ties.
+    let mut cells: Vec<(usize, GridCell)> = votes.iter().map(|(cell, (count, _))| (*count, *cell)).collect();
+    // The order of a hash map is arbitrary: cells break ties.
     cells.sort_by(|a, b| b.cmp(a));
     cells.truncate(2 * MAX_CANDIDATES);
-    let merged = |cell: Cell| {
+    let merged = |cell: GridCell| {
         let near = around(cell).filter_map(|cell| votes.get(&cell));
         near.fold((0, Vector::zeros()), |(count, sum), (more, shift)| (count + more, sum + shift))
     };
@@ -161,10 +168,10 @@ fn voted(seen: &[Corner], told: &[Corner], size: f64) -> Vec<Vector> {
     shifts.into_iter().map(|(_, shift)| shift).collect()
 }
 
-/// Two curves and the cells that each goes through.
+/// Two curves with the cells that each passes through.
 struct Overlap {
-    recorded: (Vec<Point>, HashSet<Cell>),
-    programmed: (Vec<Point>, HashSet<Cell>),
+    recorded: (Vec<Point>, HashSet<GridCell>),
+    programmed: (Vec<Point>, HashSet<GridCell>),
     size: f64,
 }
 
@@ -172,14 +179,15 @@ impl Overlap {
     fn new(recorded: &[Point], programmed: &[Point], size: f64) -> Overlap {
         let side = |points: &[Point]| {
             let cells = points.iter().map(|point| cell(&point.coords, size)).collect();
-            (thinned(points.to_vec(), MAX_LOOKED_UP), cells)
+            (thinned(points.to_vec(), MAX_RANKED_POINTS), cells)
         };
         Overlap { recorded: side(recorded), programmed: side(programmed), size }
     }
 
-    /// The parts of either curve that are near the other, added, if the recorded one is shifted back by `shift`.
+    /// Returns the sum of the parts of either curve near the other, if the recorded one is shifted back by
+    /// `shift`.
     fn with(&self, shift: &Vector) -> f64 {
-        let part = |points: &[Point], cells: &HashSet<Cell>, by: Vector| {
+        let part = |points: &[Point], cells: &HashSet<GridCell>, by: Vector| {
             let is_near = |point: &&Point| {
                 around(cell(&(point.coords + by), self.size)).any(|cell| cells.contains(&cell))
             };

@@ -6,7 +6,7 @@
 //! (`steps`). The fit is of [`crate::identification::fit`]; what belongs here is the judgement of its result:
 //!
 //! - a parameter that the runs say nothing of, or less than ±`UNKNOWN` of, stays at its value, and the
-//!   reason is said;
+//!   reason is said; an acceleration of an axis that was not there before is taken from the other axes (`assumed`);
 //! - a value is kept that the data do not contradict: with it, and all others fitted again, the cost is
 //!   higher by less than `CONTRADICTED`. One after another, because parameters that depend on each other
 //!   hide behind each other;
@@ -17,23 +17,32 @@
 //!   first guess of each. So it is with the other laws there: one that is taken in is not put back. Another family
 //!   must be better by `BETTER_FAMILY` or `BETTER_STEPS`, beside the filters with all laws that they need.
 
+mod alike;
+mod assumed;
+mod choice;
 mod families;
+mod judgement;
 mod laws;
 mod motion;
 mod rapids;
 mod spindle;
 mod steps;
+mod untold;
 mod waits;
 
 use nalgebra::DMatrix;
 
+pub use motion::{ACCELERATIONS, RAPIDS};
+pub use rapids::RapidPlateaus;
 pub use waits::guesses;
 
 use crate::identification::alignment::Method;
-use crate::identification::calibration::motion::{motion, spindle_ramp};
-use crate::identification::calibration::rapids::RapidPlateaus;
-use crate::identification::comparison::{Comparison, compare};
-use crate::identification::fit::{Exactness, Fit, Freed, HARDLY, Run, Scale, Whitening, cost_of, fit};
+use crate::identification::calibration::choice::{Fitting, Model};
+use crate::identification::calibration::judgement::Judgement;
+use crate::identification::comparison::{Comparison, Durations, compare};
+use crate::identification::fit::{
+    Exactness, FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, fit,
+};
 use crate::machine::{Handle, Machine, TimeConstants};
 use crate::simulation::feed::Tolerances;
 
@@ -112,178 +121,79 @@ pub struct Calibration {
     pub orders: Vec<(usize, f64)>,
     /// The runs, in the order given.
     pub runs: Vec<RunResult>,
+    /// What was fitted, beginning with the value found, and the value before.
+    pub fitted: Vec<(FreeParameter, f64)>,
     /// Whether the fit came to its end.
     pub converged: bool,
 }
 
-/// Calibrates a machine from runs on it. `progress` is told the part that is done.
+impl Calibration {
+    /// The largest relative error that the calibrated machine leaves of a duration of its own runs, at most 1.
+    pub fn worst_error(&self, of: fn(&Comparison) -> Durations) -> f64 {
+        let errors = self.runs.iter().map(|run| of(&run.after).relative_error().abs());
+        errors.filter(|error| error.is_finite()).fold(0.0, f64::max).min(1.0)
+    }
+}
+
+/// Calibrates a machine from runs on it. `progress` is called with the completed fraction, 0 to 1.
 pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Calibration {
-    let compared = |machine: &Machine| -> Vec<Comparison> {
-        runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
+    let before = compared(machine, runs);
+    let (mut fitting, guess) = Fitting::new(machine, runs, &before, progress);
+    let (model, orders) = fitting.model(&guess);
+    let judgement = fitting.judgement(&model);
+    let Model { whitenings, .. } = model;
+    let mut fit = |machine: &Machine, parameters: &[(FreeParameter, f64)]| {
+        run_fit(machine, runs, parameters, &whitenings, FTOL, &mut fitting.share)
     };
-    let before = compared(machine);
-    let mut guess = machine.clone();
-    let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(&before).collect();
-    let mut waits = Vec::new();
-    for (kind, seconds, _) in waits::guesses(machine, &pairs) {
-        let freed = kind.freed(seconds);
-        freed.apply(&mut guess, seconds);
-        waits.push((freed, kind.value(machine)));
-    }
-    if runs.iter().any(|run| run.starts()) {
-        let seconds = (machine.times.start + waits::start_guess(&pairs)).max(0.0);
-        let freed = Freed::wait(Handle::number("times.start_s"), seconds, (0.0, 600.0));
-        freed.apply(&mut guess, seconds);
-        waits.push((freed, machine.times.start));
-    }
-    let plateaus = RapidPlateaus::of(runs);
-    let parameters = |order: usize, guess: &Machine| -> Vec<(Freed, f64)> {
-        let mut all = motion(machine, guess, order, runs, plateaus);
-        all.extend(spindle_ramp(machine, guess));
-        all.extend(waits.iter().map(|(freed, value)| {
-            (freed.starting_at(freed.handle.get(guess).unwrap_or(freed.start)), *value)
-        }));
-        all
-    };
-    let nominal = machine.interpolator.filters;
-    let mut share = Share { done: 0.0, part: 0.2, progress };
-    let first =
-        run_fit(&guess, runs, &parameters(nominal, &guess), &whitened(&guess, runs), ROUGHLY, &mut share);
-    let mut whitenings = whitened(&first.machine, runs);
-    let second =
-        run_fit(&first.machine, runs, &parameters(nominal, &first.machine), &whitenings, ROUGHLY, &mut share);
-    let mut orders = vec![(nominal, second.cost)];
-    let mut best = second;
-    let mut order = nominal;
-    let shows_ramps = machine.has_filters() && runs.iter().any(|run| polled(run).is_none());
-    let is_equal = matches!(machine.interpolator.time_constants, TimeConstants::Equal(_));
-    for other in ORDERS.filter(|other| *other != nominal && is_equal && shows_ramps) {
-        share.part = 0.06;
-        let mut start = best.machine.clone();
-        set_order(&mut start, other);
-        let found = run_fit(&start, runs, &parameters(other, &start), &whitenings, ROUGHLY, &mut share);
-        orders.push((other, found.cost));
-        if found.cost < best.cost - BETTER_ORDER.0.max(BETTER_ORDER.1 * best.cost) {
-            (best, order) = (found, other);
-        }
-    }
-    orders.sort_by_key(|(order, _)| *order);
-    share.part = 0.05;
-    // A planner has no use for the laws of filters.
-    let plain = best.machine.clone();
-    whitenings = with_laws(machine, runs, &mut best, whitenings, |machine, whitenings| {
-        run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
-    });
-    if shows_ramps {
-        for start in families::guesses(machine, &plain, runs, &whitenings, plateaus) {
-            let (found, own) = at_own_noise(&start, runs, |machine, whitenings| {
-                run_fit(machine, runs, &parameters(1, machine), whitenings, HARDLY, &mut share)
-            });
-            // At the noise of the one that leaves less, or nothing would tell two apart that leave little.
-            if found.cost < (1.0 - BETTER_FAMILY) * cost_of(&best.machine, runs, &own) {
-                (best, whitenings, order) = (found, own, 1);
-            }
-        }
-    }
-    share.part = 0.03;
-    let starts = steps::guesses(machine, &best.machine, runs, &whitenings);
-    let found = starts
-        .iter()
-        .map(|start| run_fit(start, runs, &parameters(order, start), &whitenings, ROUGHLY, &mut share));
-    let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
-    if let Some(found) = found.filter(|found| found.cost < (1.0 - BETTER_STEPS) * best.cost) {
-        (best, whitenings) = at_own_noise(&found.machine, runs, |machine, whitenings| {
-            run_fit(machine, runs, &parameters(order, machine), whitenings, ROUGHLY, &mut share)
-        });
-    }
-    let all = parameters(order, &best.machine);
-    let are_polled = runs.iter().all(|run| polled(run).is_some());
-    let mut verdicts: Vec<Verdict> = all
-        .iter()
-        .enumerate()
-        .map(|(at, (freed, before))| {
-            let deviation = best.deviations[at];
-            let is_unknown = match are_polled && freed.exactness == Exactness::Wait {
-                // Of a log of lines waits are read off, and the fit only says whether anything separates them.
-                true => !deviation.is_finite() || SEPARATED < deviation,
-                false => is_unknown(freed, best.values[at], deviation),
-            };
-            // What was not there before cannot be put back; but a limit that no run comes near is taken away again.
-            let is_idle = freed.handle.table() == "path" && !deviation.is_finite();
-            if is_unknown && (before.is_finite() || is_idle) { Verdict::Unknown } else { Verdict::Fitted }
-        })
-        .collect();
-    share.part = 0.04;
-    let mut last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
-    // Puts one more back, with this verdict, unless that is contradicted.
-    let last_without =
-        |at: usize, verdict: Verdict, verdicts: &mut Vec<Verdict>, last: &mut Fit, share: &mut Share| {
-            verdicts[at] = verdict;
-            let without = put_back(&best, &all, verdicts, runs, &whitenings, share);
-            if without.cost < last.cost + CONTRADICTED {
-                *last = without;
-            } else {
-                verdicts[at] = Verdict::Fitted;
-            }
-        };
-    // Of two waits one after another neither is known, but their sum is: what goes back may not contradict it.
-    if best.cost + CONTRADICTED < last.cost {
-        let unknown: Vec<usize> = (0..all.len()).filter(|at| verdicts[*at] == Verdict::Unknown).collect();
-        unknown.iter().for_each(|at| verdicts[*at] = Verdict::Fitted);
-        last = put_back(&best, &all, &verdicts, runs, &whitenings, &mut share);
-        unknown
-            .into_iter()
-            .rev()
-            .for_each(|at| last_without(at, Verdict::Unknown, &mut verdicts, &mut last, &mut share));
-    }
-    // The least contradicted first; what is put back stays there while the others are looked at.
-    let mut doubtful: Vec<usize> = (0..all.len())
-        .filter(|at| verdicts[*at] == Verdict::Fitted)
-        .filter(|at| (best.values[*at] - all[*at].1).abs() < DOUBTFUL * best.deviations[*at])
-        .collect();
-    let doubt = |at: &usize| (best.values[*at] - all[*at].1).abs() / best.deviations[*at];
-    doubtful.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
-    share.part = 0.1 / doubtful.len().max(1) as f64;
-    doubtful
-        .into_iter()
-        .for_each(|at| last_without(at, Verdict::Agrees, &mut verdicts, &mut last, &mut share));
-    if are_polled {
-        settle_waits(&mut last, &all, &verdicts, runs);
-    }
-    let kept: Vec<(Freed, f64)> = (all.iter().zip(&verdicts))
-        .filter(|(_, verdict)| **verdict == Verdict::Fitted)
-        .map(|(parameter, _)| parameter.clone())
-        .collect();
+    let (judgement, as_one) = alike::alike(judgement, &mut fit);
+    let untold = untold::untold(&judgement, as_one, runs, &whitenings, &mut fit);
+    let kept: Vec<(FreeParameter, f64)> = judgement.fitted().cloned().collect();
+    let Judgement { all, believed, verdicts, deviations, mut last } = judgement;
+    let is_untold = |freed: &FreeParameter| motion::axis_of(freed).is_some_and(|axis| untold[axis]);
     let mut fitted = last.values.iter().zip(&last.deviations);
     let estimates = all.iter().zip(&verdicts).enumerate().map(|(at, ((freed, before), verdict))| {
         let own = if *verdict == Verdict::Fitted { fitted.next() } else { None };
         let (value, deviation) = match own {
             Some((value, deviation)) => (*value, *deviation),
-            None => (*before, best.deviations[at]),
+            None => (*before, deviations[at]),
         };
         Estimate {
             key: freed.handle.key(),
-            before: wait_of(freed, machine).unwrap_or(*before),
+            before: wait_of(freed, machine).unwrap_or(believed[at]),
             value,
-            deviation: (deviation.is_finite() && *verdict != Verdict::Unknown).then_some(deviation),
+            deviation: (deviation.is_finite() && *verdict != Verdict::Unknown && !is_untold(freed))
+                .then_some(deviation),
             verdict: *verdict,
         }
     });
-    let estimates = estimates.collect();
-    let after = compared(&last.machine);
+    let estimates = alike::of_each_axis(estimates.collect(), as_one, machine);
+    rapids::limit_feed_as_rapids(&mut last.machine, fitting.plateaus);
+    last.machine.calibrated_on.assumed_accelerations = untold;
+    last.machine.calibrated_on.assumed_rapids = rapids::assumed(&last.machine, fitting.plateaus);
+    let after = compared(&last.machine, runs);
     let programmed = Tolerances::Programmed;
     let results = before.into_iter().zip(after).zip(runs).map(|((before, after), run)| {
-        let held = programmed.held(run.toolpath, &last.machine);
+        let held = programmed.ranges(run.toolpath, &last.machine);
         RunResult { before, after, tolerance: programmed.prevailing(&held, &last.machine) }
     });
     Calibration {
         runs: results.collect(),
         estimates,
         correlations: (kept.iter().map(|(freed, _)| freed.handle.key()).collect(), last.correlations),
+        fitted: kept
+            .into_iter()
+            .zip(&last.values)
+            .map(|((freed, before), value)| (freed.starting_at(*value), before))
+            .collect(),
         orders,
         converged: last.converged,
         machine: last.machine,
     }
+}
+
+/// The runs against a machine.
+fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
+    runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
 }
 
 /// The time between polls (s) of a log that has lines and feedrates alone.
@@ -311,7 +221,7 @@ fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
         alignment.marks.iter_mut().for_each(|mark| mark.deviation = mark.deviation.max(poll));
         Whitening::of(&alignment, &residuals)
             .with_sections(&alignment)
-            .weighing((mean / lasts(run)).sqrt() / alike)
+            .with_weight((mean / lasts(run)).sqrt() / alike)
     };
     runs.iter().map(whiten).collect()
 }
@@ -352,14 +262,14 @@ fn with_laws(
     whitenings
 }
 
-/// A fit from a machine at the noise that it leaves, again and again while that falls: at the noise of a wrong law hardly
-/// anything tells the values of the right one. With the noise of the last.
+/// A fit from a machine at the noise that it leaves, again and again while that falls: at the noise of a wrong law
+/// hardly anything tells the values of the right one. With the noise of the last.
 fn at_own_noise(
     start: &Machine,
     runs: &[Run],
     mut fitted: impl FnMut(&Machine, &[Whitening]) -> Fit,
 ) -> (Fit, Vec<Whitening>) {
-    let wander = |whitenings: &[Whitening]| whitenings.iter().map(|own| own.wander).sum::<f64>();
+    let wander = |whitenings: &[Whitening]| whitenings.iter().map(|own| own.process_noise).sum::<f64>();
     let mut whitenings = whitened(start, runs);
     let mut best = fitted(start, &whitenings);
     for _ in 1..MAX_NOISE_ROUNDS {
@@ -383,12 +293,12 @@ struct Share<'a> {
 fn run_fit(
     machine: &Machine,
     runs: &[Run],
-    parameters: &[(Freed, f64)],
+    parameters: &[(FreeParameter, f64)],
     whitenings: &[Whitening],
     hardly: f64,
     share: &mut Share,
 ) -> Fit {
-    let freed: Vec<Freed> = parameters.iter().map(|(freed, _)| freed.clone()).collect();
+    let freed: Vec<FreeParameter> = parameters.iter().map(|(freed, _)| freed.clone()).collect();
     let (done, part) = (share.done, share.part);
     let progress = &mut share.progress;
     let found = fit(machine, runs, &freed, whitenings, hardly, &mut |of_this| {
@@ -401,7 +311,7 @@ fn run_fit(
 /// The fit of what has the verdict of being fitted, the rest at the values it had.
 fn put_back(
     best: &Fit,
-    all: &[(Freed, f64)],
+    all: &[(FreeParameter, f64)],
     verdicts: &[Verdict],
     runs: &[Run],
     whitenings: &[Whitening],
@@ -416,13 +326,12 @@ fn put_back(
             freed.apply(&mut base, *before);
         }
     }
-    run_fit(&base, runs, &kept, whitenings, HARDLY, share)
+    run_fit(&base, runs, &kept, whitenings, FTOL, share)
 }
 
 /// Gives the waits that were fitted the median of their visits.
-fn settle_waits(last: &mut Fit, all: &[(Freed, f64)], verdicts: &[Verdict], runs: &[Run]) {
-    let compared: Vec<Comparison> =
-        runs.iter().map(|run| compare(run.toolpath, &run.plan(&last.machine), run.alignment)).collect();
+fn settle_waits(last: &mut Fit, all: &[(FreeParameter, f64)], verdicts: &[Verdict], runs: &[Run]) {
+    let compared = compared(&last.machine, runs);
     let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(&compared).collect();
     let mut seconds: Vec<(Handle, f64)> = waits::guesses(&last.machine, &pairs)
         .iter()
@@ -440,10 +349,10 @@ fn settle_waits(last: &mut Fit, all: &[(Freed, f64)], verdicts: &[Verdict], runs
 }
 
 /// Whether the runs say hardly anything of a parameter.
-fn is_unknown(freed: &Freed, value: f64, deviation: f64) -> bool {
+fn is_unknown(freed: &FreeParameter, value: f64, deviation: f64) -> bool {
     match freed.scale {
-        Scale::Ratio => UNKNOWN * value < deviation,
-        Scale::Difference => !deviation.is_finite() || value.abs().max(MOST_UNCERTAIN) < deviation,
+        VariationScale::Ratio => deviation.is_nan() || UNKNOWN * value < deviation,
+        VariationScale::Difference => !deviation.is_finite() || value.abs().max(MOST_UNCERTAIN) < deviation,
     }
 }
 
@@ -457,6 +366,6 @@ fn set_order(machine: &mut Machine, order: usize) {
 }
 
 /// What a machine has of a wait, s; `None` of other parameters.
-fn wait_of(freed: &Freed, machine: &Machine) -> Option<f64> {
+fn wait_of(freed: &FreeParameter, machine: &Machine) -> Option<f64> {
     freed.handle.get(machine).filter(|_| freed.exactness == Exactness::Wait)
 }

@@ -3,24 +3,27 @@
 //! | family | parameters |
 //! |---|---|
 //! | filters | time constants, contour tolerance, and of the laws taken in theirs |
-//! | acceleration blends | accelerations of axes, contour tolerance |
+//! | acceleration blends | accelerations of axes, velocities of those that were held back, contour tolerance |
 //! | junction deviations | accelerations of axes, the deviation |
 //! | square-corner velocities | accelerations of path and axes, the velocity, minimum cruise ratio |
 //! | steps of velocity | the step, slowing angle, wait for position, path acceleration |
 //!
-//! Jerk along the path, centripetal acceleration and what rapids are run by are freed in all of them, where they are not
-//! neutral. What the machine had before is infinite where it had no such limit.
+//! Jerk along the path, centripetal acceleration and what rapids are run by are freed in all of them, where they
+//! are not neutral. What the machine had before is infinite where it had no such limit.
 
 use crate::identification::calibration::rapids::RapidPlateaus;
-use crate::identification::fit::{Freed, Run, Scale};
-use crate::machine::{Handle, Junction, Machine, TimeConstants};
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
+use crate::machine::{FREE_BLEND_MM, Handle, Machine, TimeConstants};
 
 /// The key of the acceleration of each axis.
-const ACCELERATIONS: [&str; 3] =
+pub const ACCELERATIONS: [&str; 3] =
     ["axis.x.acceleration_mm_s2", "axis.y.acceleration_mm_s2", "axis.z.acceleration_mm_s2"];
 
+/// The key of the velocity of each axis.
+const VELOCITIES: [&str; 3] = ["axis.x.velocity_mm_min", "axis.y.velocity_mm_min", "axis.z.velocity_mm_min"];
+
 /// The key of the rapid of each axis.
-const RAPIDS: [&str; 3] = ["axis.x.rapid_mm_min", "axis.y.rapid_mm_min", "axis.z.rapid_mm_min"];
+pub const RAPIDS: [&str; 3] = ["axis.x.rapid_mm_min", "axis.y.rapid_mm_min", "axis.z.rapid_mm_min"];
 
 /// How far, as a ratio, they may be from what they are in the machine file, or are guessed to be.
 const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
@@ -39,18 +42,18 @@ const STEP_BOUNDS: (f64, f64) = (0.1, 1e3);
 const ANGLE_BOUNDS: (f64, f64) = (0.05, 3.0);
 const POSITION_BOUNDS: (f64, f64) = (1e-4, 0.5);
 
-/// The parameters of motion of the family of `guess`, each with the value it has `before`. Planners have the rates of rapids
-/// that `plateaus` show.
+/// The parameters of motion of the family of `guess`, each with the value it has `before`. Planners have the rates
+/// of rapids that `plateaus` show.
 pub fn motion(
     before: &Machine,
     guess: &Machine,
     order: usize,
     runs: &[Run],
     plateaus: Option<RapidPlateaus>,
-) -> Vec<(Freed, f64)> {
+) -> Vec<(FreeParameter, f64)> {
     let mut all = Vec::new();
     let from = |key: &'static str, own: f64, start: f64, bounds: (f64, f64)| {
-        (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
+        (FreeParameter::new(Handle::number(key), start, bounds, VariationScale::Ratio), own)
     };
     // From what the guess has under this key; a limit that is none, and a time of 0, is not there.
     let limit = |key: &'static str, bounds: (f64, f64)| {
@@ -71,6 +74,11 @@ pub fn motion(
             let usual = if own.is_finite() { own } else { start };
             all.extend(limit(key, (AXIS_BOUNDS.0 * usual, AXIS_BOUNDS.1 * usual)));
         }
+        for (key, axis) in
+            VELOCITIES.into_iter().zip(&guess.axes).filter(|(_, axis)| axis.velocity.is_finite())
+        {
+            all.extend(limit(key, (AXIS_BOUNDS.0 * axis.velocity, AXIS_BOUNDS.1 * axis.velocity)));
+        }
     } else if let Some((own, start)) = constant(constants).zip(constant(&guess.interpolator.time_constants)) {
         all.push(from("interpolator.time_constant_s", own * as_order, start, CONSTANT_BOUNDS));
     }
@@ -78,8 +86,12 @@ pub fn motion(
     all.extend(limit("interpolator.junction_deviation_mm", DEVIATION_BOUNDS));
     all.extend(limit("interpolator.square_corner_velocity_mm_min", STEP_BOUNDS));
     all.extend(cruise_ratio(before, guess));
-    if has_filters || guess.interpolator.junction == Junction::AccelerationBlend {
-        all.extend(limit("interpolator.contour_tolerance_mm", TOLERANCE_BOUNDS));
+    let is_blended = guess.interpolator.junction.blends_in_time();
+    if has_filters || is_blended {
+        let tolerance = limit("interpolator.contour_tolerance_mm", TOLERANCE_BOUNDS);
+        // What holds where a program sets none is another thing to a planner that blends freely then.
+        let is_other = is_blended && !before.interpolator.junction.blends_in_time();
+        all.extend(tolerance.map(|(freed, own)| (freed, if is_other { FREE_BLEND_MM } else { own })));
     }
     all.extend(limit("interpolator.slowing_angle_deg", ANGLE_BOUNDS));
     if !has_filters {
@@ -107,9 +119,13 @@ pub fn motion(
 }
 
 /// The rates of rapids, along the path or of axes; where there are `plateaus`, those that they show, and no others.
-fn rapid_rates(before: &Machine, guess: &Machine, plateaus: Option<RapidPlateaus>) -> Vec<(Freed, f64)> {
+fn rapid_rates(
+    before: &Machine,
+    guess: &Machine,
+    plateaus: Option<RapidPlateaus>,
+) -> Vec<(FreeParameter, f64)> {
     let from = |key: &str, own: f64, start: f64, bounds: (f64, f64)| {
-        (Freed::new(Handle::number(key), start, bounds, Scale::Ratio), own)
+        (FreeParameter::new(Handle::number(key), start, bounds, VariationScale::Ratio), own)
     };
     let mut all = Vec::new();
     if guess.rapid.feedrate.is_finite() && plateaus.is_none_or(|seen| seen.path.is_some()) {
@@ -128,16 +144,22 @@ fn rapid_rates(before: &Machine, guess: &Machine, plateaus: Option<RapidPlateaus
 }
 
 /// The minimum cruise ratio of the family that has one.
-fn cruise_ratio(before: &Machine, guess: &Machine) -> Option<(Freed, f64)> {
+fn cruise_ratio(before: &Machine, guess: &Machine) -> Option<(FreeParameter, f64)> {
     let (own, start) = (before.interpolator.minimum_cruise_ratio, guess.interpolator.minimum_cruise_ratio);
     let key = Handle::number("interpolator.minimum_cruise_ratio");
-    (0.0 < start).then(|| (Freed::new(key, start, CRUISE_BOUNDS, Scale::Difference), own))
+    (0.0 < start).then(|| (FreeParameter::new(key, start, CRUISE_BOUNDS, VariationScale::Difference), own))
 }
 
 /// The ramp of a spindle that words wait for, with the value it has before.
-pub fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(Freed, f64)> {
+pub fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(FreeParameter, f64)> {
     let (own, start) = (before.times.spindle.ramp, guess.times.spindle.ramp);
     let awaited = before.times.spindle_awaited_by.is_empty() && !guess.times.spindle_awaited_by.is_empty();
     let ramp = Handle::number("times.spindle_s_per_1000_rpm");
-    awaited.then(|| (Freed::wait(ramp, start, (0.0, 0.1)).linear(), own))
+    awaited.then(|| (FreeParameter::wait(ramp, start, (0.0, 0.1)).linear(), own))
+}
+
+/// The axis whose acceleration this is.
+pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
+    let key = freed.handle.key();
+    ACCELERATIONS.iter().position(|own| *own == key)
 }

@@ -1,20 +1,32 @@
-//! How fast rapids were: the recorded velocity where it is the same for a while.
+//! How fast axes may be: the recorded velocity where it is the same for a while.
 //!
 //! A rapid that shows a plateau was as fast as the machine lets it; one that speeds up and slows down without one says only
 //! that the machine is no slower. The mean velocities over three windows of [`WINDOW_S`] one after another, on one rapid
 //! segment, are the same to the part [`PLATEAU`] on a plateau; of two windows they are also where a ramp up meets a ramp
 //! down in the middle. A ramp of the acceleration A changes them by A `WINDOW_S`, which is more wherever A matters.
+//!
+//! A line that is cut more slowly than programmed, at a velocity that stays the same, is held back by the axis that moves
+//! furthest, if that is nowhere faster where it cuts.
 
 use crate::identification::alignment::Fix;
 use crate::identification::fit::Run;
-use crate::machine::Machine;
-use crate::simulation::toolpath::{Motion, Vector};
+use crate::machine::{Junction, Machine};
+use crate::simulation::feed::limits;
+use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 
 /// A window over which a velocity is taken, s, and samples in it at least.
 const WINDOW_S: f64 = 0.02;
 const MIN_SAMPLES: usize = 4;
+/// Part of the programmed velocity below which an axis is held back.
+const HELD_BACK: f64 = 0.98;
+/// A limit is met at this many moments at least, this far apart, s.
+const MIN_VISITS: usize = 4;
+const APART_S: f64 = 0.2;
 /// Part by which the velocity may change on a plateau.
 const PLATEAU: f64 = 0.005;
+
+/// A straight move turns by less than this, rad, whatever the noise; a blend of two rapids by much more.
+const MAX_TURN_RAD: f64 = 0.05;
 
 /// The rapid velocities of plateaus, mm/s; `None` where there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,54 +35,116 @@ pub struct RapidPlateaus {
     pub path: Option<f64>,
     /// Of each axis.
     pub axes: [Option<f64>; 3],
+    /// Of each axis on lines that are cut: where they were to be run faster, and where they were not.
+    pub cut: [[Option<f64>; 3]; 2],
+    /// The fastest that each axis was cut at again and again for a window, on whatever moves; 0 where there is none.
+    pub fastest_cut: [f64; 3],
+    /// The fastest that each axis was to be cut at.
+    pub fastest_asked: [f64; 3],
 }
 
 impl RapidPlateaus {
     /// The fastest plateaus of the runs; `None` where no run has positions.
     pub fn of(runs: &[Run]) -> Option<RapidPlateaus> {
         let mut seen = RapidPlateaus::default();
+        let mut rapids = Vec::new();
         let with_positions = runs.iter().filter(|run| run.alignment.track.is_some());
-        let count = with_positions.map(|run| seen.take(run)).count();
+        let count = with_positions.map(|run| seen.take(run, &mut rapids)).count();
+        seen.path = rapids.iter().map(Vector::norm).reduce(f64::max);
+        seen.axes = rates(&rapids);
         (0 < count).then_some(seen)
     }
 
-    fn take(&mut self, run: &Run) {
+    /// Takes the plateaus of a run, with the velocities of those of `rapids`, mm/s.
+    fn take(&mut self, run: &Run, rapids: &mut Vec<Vector>) {
         let Some(track) = &run.alignment.track else { return };
         let window = ((WINDOW_S / track.interval).ceil() as usize).max(MIN_SAMPLES);
         let distances = run.toolpath.distances();
-        let segment = |fix: &Fix| distances.partition_point(|at| *at <= fix.distance).saturating_sub(1);
+        self.take_fastest(run, window);
+        let segment = |fix: &Fix| segment_of(fix, &distances);
         for fixes in run.alignment.fixes.windows(3 * window + 1).step_by(window.div_ceil(2)) {
             let (begin, end) = (&fixes[0], &fixes[3 * window]);
             let (Some(first), Some(last)) = (begin.sample, end.sample) else { continue };
             let index = segment(begin);
             let is_one = index == segment(end) && last - first == 3 * window;
-            if !is_one
-                || index >= run.toolpath.segments.len()
-                || run.toolpath.segments.motion(index) != Motion::Rapid
-            {
+            if !is_one || index >= run.toolpath.segments.len() {
                 continue;
             }
             let velocities = [0, 1, 2].map(|part| {
                 let (from, to) = (first + part * window, first + (part + 1) * window);
-                (track.position[to] - track.position[from]) / (track.time[to] - track.time[from])
+                track.velocity_between(from, to)
             });
-            self.add(velocities);
+            if run.toolpath.segments.motion(index) == Motion::Rapid {
+                rapids.extend(steady(velocities));
+            } else if *run.toolpath.segments.curve(index) == Curve::Line {
+                self.add_cut(velocities, &run.toolpath.segments.at(index));
+            }
         }
     }
 
-    /// The velocities of three windows one after another.
-    fn add(&mut self, velocities: [Vector; 3]) {
-        let plateau = |[before, within, after]: [f64; 3]| {
-            let is_same = |other: f64| (other - within).abs() <= PLATEAU * within;
-            (0.0 < within && is_same(before) && is_same(after)).then_some(within)
+    /// The fastest that axes were cut at over windows of so many samples, and were to be cut at.
+    fn take_fastest(&mut self, run: &Run, window: usize) {
+        let (Some(track), segments) = (&run.alignment.track, &run.toolpath.segments) else { return };
+        for segment in segments.iter().filter(|segment| segment.motion != Motion::Rapid) {
+            let asked = limits::requested_feedrate(&segment, &Machine::default());
+            for (axis, fastest) in self.fastest_asked.iter_mut().enumerate() {
+                let shares = segment.tangents().map(|tangent| tangent[axis].abs());
+                *fastest = fastest.max(asked * shares[0].max(shares[1]));
+            }
+        }
+        let distances = run.toolpath.distances();
+        let is_feed = |fix: &Fix| {
+            let at = segment_of(fix, &distances);
+            at < segments.len() && segments.motion(at) != Motion::Rapid
         };
-        let faster = |own: &mut Option<f64>, found: Option<f64>| {
-            *own = [*own, found].into_iter().flatten().reduce(f64::max);
-        };
-        faster(&mut self.path, plateau(velocities.map(|velocity| velocity.norm())));
-        // Of a diagonal the axis that is faster may be at its limit; the others only keep up with it.
+        let mut speeds: [Vec<(f64, f64)>; 3] = Default::default();
+        for fixes in run.alignment.fixes.windows(window + 1).step_by(window.div_ceil(2)) {
+            let (Some(first), Some(last)) = (fixes[0].sample, fixes[window].sample) else { continue };
+            if last - first == window && fixes.iter().all(is_feed) {
+                let velocity = track.velocity_between(first, last);
+                for (axis, speeds) in speeds.iter_mut().enumerate() {
+                    speeds.push((track.time[first], velocity[axis].abs()));
+                }
+            }
+        }
+        for (fastest, speeds) in self.fastest_cut.iter_mut().zip(&speeds) {
+            *fastest = fastest.max(ceiling(speeds));
+        }
+    }
+
+    /// The machine with axes limited to what they were cut at, where they were to be faster; `None` where all were as fast as
+    /// asked. A ramp may have kept an axis from what was asked as well, so this is a start to compare.
+    pub fn limited_to_fastest(&self, machine: &Machine) -> Option<Machine> {
+        let mut limited = machine.clone();
+        for (axis, (fastest, asked)) in
+            limited.axes.iter_mut().zip(self.fastest_cut.iter().zip(self.fastest_asked))
+        {
+            if 0.0 < *fastest && *fastest < HELD_BACK * asked && *fastest < axis.velocity {
+                (axis.velocity, axis.rapid) = (*fastest, axis.rapid.min(*fastest));
+            }
+        }
+        (limited.axes != machine.axes).then_some(limited)
+    }
+
+    /// The velocities of three windows one after another on a line that is cut.
+    fn add_cut(&mut self, velocities: [Vector; 3], line: &Segment) {
         let axis = velocities[1].iamax();
-        faster(&mut self.axes[axis], plateau(velocities.map(|velocity| velocity[axis].abs())));
+        let asked = limits::requested_feedrate(line, &Machine::default()) * line.tangent(0.0)[axis].abs();
+        let found = plateau(velocities.map(|velocity| velocity[axis].abs()));
+        let is_held_back = found.is_some_and(|found| found < HELD_BACK * asked);
+        faster(&mut self.cut[usize::from(!is_held_back)][axis], found);
+    }
+
+    /// Limits the axes that were held back where they cut, and their rapids with them: such a limit is one of the axis.
+    pub fn limit_feed(&self, machine: &mut Machine) {
+        let [held_back, free] = self.cut;
+        for (axis, (held_back, free)) in machine.axes.iter_mut().zip(held_back.into_iter().zip(free)) {
+            if let Some(most) =
+                held_back.filter(|most| free.is_none_or(|free| (1.0 - PLATEAU) * free <= *most))
+            {
+                (axis.velocity, axis.rapid) = (most, axis.rapid.min(most));
+            }
+        }
     }
 
     /// Machines whose rapids are limited so, by each axis and along the path. What showed no plateau is as fast as the
@@ -80,7 +154,8 @@ impl RapidPlateaus {
         let (mut by_axis, mut along_path) = (machine.clone(), machine.clone());
         by_axis.rapid.feedrate = f64::INFINITY;
         for (axis, seen) in by_axis.axes.iter_mut().zip(self.axes) {
-            axis.rapid = seen.or(fastest).unwrap_or(axis.rapid.min(file.rapid.feedrate));
+            let known = axis.velocity.is_finite().then_some(axis.velocity);
+            axis.rapid = seen.or(known).or(fastest).unwrap_or(axis.rapid.min(file.rapid.feedrate));
         }
         along_path.rapid.feedrate = self.path.unwrap_or(file.fastest_rapid());
         along_path.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
@@ -88,21 +163,93 @@ impl RapidPlateaus {
     }
 }
 
+/// The segment on which a fix is; `distances` are those at the ends of segments, mm, and 0.
+fn segment_of(fix: &Fix, distances: &[f64]) -> usize {
+    distances.partition_point(|at| *at <= fix.distance).saturating_sub(1)
+}
+
+/// The velocity on a plateau of a rapid, each axis without its sign: its direction does not change either, as it does where two
+/// rapids blend at a speed that stays the same.
+fn steady(velocities: [Vector; 3]) -> Option<Vector> {
+    let within = velocities[1];
+    plateau(velocities.map(|velocity| velocity.norm()))?;
+    let turns = |other: &Vector| MAX_TURN_RAD * within.norm() * other.norm() < within.cross(other).norm();
+    (!velocities.iter().any(turns)).then(|| within.abs())
+}
+
+/// The rates of the axes (mm/s) by the velocities on the plateaus of rapids, where each axis is limited to one of its own. The
+/// fastest that an axis was is its rate if it was so where no other axis was at its fastest. What no such axis holds back is held
+/// back by the axis that moves furthest, since axes are alike.
+fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
+    let fastest = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
+    let is_fastest = |velocity: &Vector, axis: usize| {
+        0.0 < fastest[axis] && (1.0 - PLATEAU) * fastest[axis] <= velocity[axis]
+    };
+    let is_alone = |velocity: &Vector, axis: usize| {
+        is_fastest(velocity, axis) && (0..3).all(|other| other == axis || !is_fastest(velocity, other))
+    };
+    let mut told = [0, 1, 2].map(|axis| rapids.iter().any(|velocity| is_alone(velocity, axis)));
+    for velocity in rapids {
+        if !(0..3).any(|axis| told[axis] && is_fastest(velocity, axis)) {
+            told[velocity.iamax()] = true;
+        }
+    }
+    [0, 1, 2].map(|axis| told[axis].then_some(fastest[axis]))
+}
+
+/// Gives axes of controls that know one velocity of an axis, for feed and rapids alike, that of their rapids: LinuxCNC's
+/// MAX_VELOCITY, grbl's $110. An axis that was to be cut faster keeps the limit that was fitted.
+pub fn limit_feed_as_rapids(machine: &mut Machine, plateaus: Option<RapidPlateaus>) {
+    let junction = machine.interpolator.junction;
+    let is_of_axes = junction.blends_in_time() || matches!(junction, Junction::Deviation(_));
+    let Some(seen) = plateaus.filter(|_| is_of_axes && !machine.has_filters()) else { return };
+    if seen.axes == [None; 3] {
+        return;
+    }
+    for (axis, asked) in machine.axes.iter_mut().zip(seen.fastest_asked) {
+        if asked <= axis.rapid {
+            axis.velocity = axis.velocity.min(axis.rapid);
+        }
+    }
+}
+
+/// The axes of a planner whose rapid rate no run showed; of filters, whose rapids are fitted as a whole, none.
+pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] {
+    let Some(seen) = plateaus.filter(|_| !machine.has_filters()) else { return [false; 3] };
+    let is_along_path = machine.rapid.feedrate.is_finite();
+    seen.axes.map(|axis| if is_along_path { seen.path.is_none() } else { axis.is_none() })
+}
+
+/// Takes the faster of both.
+fn faster(own: &mut Option<f64>, found: Option<f64>) {
+    *own = [*own, found].into_iter().flatten().reduce(f64::max);
+}
+
+/// The fastest of the speeds of an axis (mm/s), each with its time (s), where it comes again and again; 0 where it is a single
+/// peak: ramps end at other speeds each time, a limit at the same.
+fn ceiling(speeds: &[(f64, f64)]) -> f64 {
+    let fastest = speeds.iter().map(|(_, speed)| *speed).fold(0.0, f64::max);
+    let mut visits = 0;
+    let mut left = f64::NEG_INFINITY;
+    for (time, _) in speeds.iter().filter(|(_, speed)| (1.0 - PLATEAU) * fastest <= *speed) {
+        visits += usize::from(APART_S < time - left);
+        left = *time;
+    }
+    if MIN_VISITS <= visits { fastest } else { 0.0 }
+}
+
+/// The velocity within, where it is the same before and after.
+fn plateau([before, within, after]: [f64; 3]) -> Option<f64> {
+    let is_same = |other: f64| (other - within).abs() <= PLATEAU * within;
+    (0.0 < within && is_same(before) && is_same(after)).then_some(within)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn seen(velocities: [[f64; 3]; 3]) -> RapidPlateaus {
-        let mut seen = RapidPlateaus::default();
-        seen.add(velocities.map(|[x, y, z]| Vector::new(x, y, z)));
-        seen
-    }
-
-    #[test]
-    fn a_velocity_that_stays_is_that_of_the_path_and_of_its_fastest_axis() {
-        let diagonal = seen([[-80.0, 60.0, 0.0], [-80.1, 60.0, 0.0], [-80.0, 60.1, 0.0]]);
-        assert_eq!(diagonal.axes, [Some(80.1), None, None]);
-        assert!(diagonal.path.is_some_and(|path| (path - 100.1).abs() < 0.1), "{diagonal:?}");
+    fn of(velocities: [[f64; 3]; 3]) -> Option<Vector> {
+        steady(velocities.map(|[x, y, z]| Vector::new(x, y, z)))
     }
 
     #[test]
@@ -111,7 +258,33 @@ mod tests {
         let ramp = [[80.0, 0.0, 0.0], [90.0, 0.0, 0.0], [100.0, 0.0, 0.0]];
         let stand = [[0.0; 3]; 3];
         for velocities in [peak, ramp, stand] {
-            assert_eq!(seen(velocities), RapidPlateaus::default());
+            assert_eq!(of(velocities), None);
         }
+        // A rapid in X blends with one in Z.
+        assert_eq!(of([[80.0, 0.0, 60.0], [70.0, 0.0, 71.4], [60.0, 0.0, 80.0]]), None);
+        assert_eq!(
+            of([[-80.0, 60.0, 0.0], [-80.1, 60.0, 0.0], [-80.0, 60.1, 0.0]]),
+            Some(Vector::new(80.1, 60.0, 0.0))
+        );
+    }
+
+    #[test]
+    fn an_axis_has_the_rate_at_which_it_holds_the_others_back() {
+        let x_alone = Vector::new(170.0, 20.0, 0.0);
+        let held_back_by_y = Vector::new(123.0, 90.0, 0.0);
+        assert_eq!(rates(&[x_alone, held_back_by_y]), [Some(170.0), Some(90.0), None]);
+        // Of one diagonal nobody knows which axis holds it back, and axes are alike.
+        assert_eq!(rates(&[held_back_by_y]), [Some(123.0), None, None]);
+        assert_eq!(rates(&[]), [None; 3]);
+    }
+
+    #[test]
+    fn a_speed_that_comes_again_is_a_limit_and_a_single_peak_is_none() {
+        let again: Vec<(f64, f64)> =
+            (0..8).map(|at| (0.5 * f64::from(at), 60.0 - 0.01 * f64::from(at % 3))).collect();
+        assert_eq!(ceiling(&again), 60.0);
+        let peaks: Vec<(f64, f64)> =
+            (0..8).map(|at| (0.5 * f64::from(at), 40.0 + 3.0 * f64::from(at))).collect();
+        assert_eq!(ceiling(&peaks), 0.0);
     }
 }

@@ -19,7 +19,7 @@ use crate::identification::alignment::median;
 use crate::identification::comparison::compare;
 use crate::identification::effects::Kind;
 use crate::identification::fit::Run;
-use crate::machine::{Machine, Spin, SpindleTimes};
+use crate::machine::{Machine, SpindleState, SpindleTimes};
 use crate::simulation::toolpath::StopCause;
 
 /// Exponents tried.
@@ -93,7 +93,7 @@ fn awaiting(found: &Machine, runs: &[Run]) -> (Vec<u32>, Vec<Waited>) {
                 .filter_map(|stop| Kind::of(&stop.cause).map(|kind| (kind, &stop.cause)))
                 .collect();
             let [(kind, cause)] = kinds[..] else { continue };
-            let signed = |spin: &Spin| spin.signed_speed();
+            let signed = |spin: &SpindleState| spin.signed_speed();
             if let StopCause::Spindle { from, to, .. } = cause {
                 close(&mut since);
                 change = Some([signed(from), signed(to)]);

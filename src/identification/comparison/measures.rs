@@ -1,51 +1,73 @@
-//! How far apart two motions are, in one number each.
+//! Differences of two motions, in one number each.
 
 use std::ops::Range;
 
 use crate::identification::alignment::{Alignment, Method};
-use crate::identification::comparison::Lost;
+use crate::identification::comparison::VisitTimes;
 use crate::identification::comparison::pointwise::{Pointwise, pointwise};
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Motion, Toolpath};
 
-/// Feedrates of a log written by polls are means over so many of them.
-const POLLS: f64 = 10.0;
+/// Polls over which feedrates of a polled log are averaged.
+const POLLS_PER_WINDOW: f64 = 10.0;
 
-/// Half the time around a mark over which the residual is a mean, s.
-const AROUND: f64 = 0.25;
+/// Time before and after a mark over which the residual is averaged, s.
+const WINDOW_HALF_S: f64 = 0.25;
 
-/// How far feedrates differ on feed moves.
+/// The difference of feedrates on feed moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedError {
-    /// Root mean square of recorded less simulated feedrate over distance, mm/s.
+    /// RMS of recorded less simulated feedrate over distance, mm/s.
     pub rms: f64,
-    /// The same of recorded less programmed feedrate, mm/s: what length ÷ feed amounts to.
+    /// RMS of recorded less programmed feedrate over distance, mm/s: the error of length ÷ feed.
     pub programmed_rms: f64,
     /// Mean programmed feedrate over distance, mm/s.
     pub programmed: f64,
-    /// The way over which they were compared, mm.
+    /// Length over which they were compared, mm.
     pub way: f64,
 }
 
-/// How far positions differ.
+/// The difference of feedrates over all the way of several comparisons.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PooledFeedError {
+    squares: f64,
+    way: f64,
+}
+
+impl PooledFeedError {
+    /// Adds a comparison.
+    pub fn add(&mut self, error: Option<FeedError>) {
+        if let Some(error) = error {
+            self.squares += error.way * error.rms * error.rms;
+            self.way += error.way;
+        }
+    }
+
+    /// Returns the RMS over the way, mm/s; `None` without one.
+    pub fn rms(&self) -> Option<f64> {
+        (0.0 < self.way).then(|| (self.squares / self.way).sqrt())
+    }
+}
+
+/// The difference of positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionError {
-    /// Root mean square of the distance between recorded and simulated position at the same place, mm.
+    /// RMS distance between recorded and simulated position at the same place, mm.
     pub rms: f64,
-    /// Largest of it, mm.
+    /// Largest distance, mm.
     pub largest: f64,
 }
 
 impl FeedError {
-    /// Of rows at the same places; none where none is on a feed move.
+    /// Returns the difference over rows at the same places; `None` if none of them is on a feed move.
     pub fn of(rows: &Pointwise) -> Option<FeedError> {
         FeedError::during(rows, &|_| true)
     }
 
-    /// The same of the rows for whose recorded time (s) `is_meant` holds.
+    /// Returns the difference over the rows whose recorded time (s) satisfies `is_meant`.
     fn during(rows: &Pointwise, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
-        let mut error = Sum::default();
+        let mut error = SquareSums::default();
         for row in (1..rows.distance.len()).filter(|row| is_meant(rows.recorded_time[*row])) {
             if let Some(programmed) = rows.programmed[row] {
                 let step = rows.distance[row] - rows.distance[row - 1];
@@ -56,23 +78,23 @@ impl FeedError {
     }
 }
 
-/// Of a comparison: from point to point where places are known to the sample, else as means over
-/// stretches that are long against the time between polls.
+/// Returns the difference of feedrates of a comparison: from point to point if places are known to the
+/// sample, else as means over parts that are long against the time between polls.
 pub fn feed_error(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     alignment: &Alignment,
-    lost: &[Lost],
+    lost: &[VisitTimes],
 ) -> Option<FeedError> {
     feed_error_during(toolpath, plan, alignment, lost, &|_| true)
 }
 
-/// The same at recorded times (s) for which `is_meant` holds.
+/// Returns the difference of feedrates at recorded times (s) that satisfy `is_meant`.
 pub fn feed_error_during(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     alignment: &Alignment,
-    lost: &[Lost],
+    lost: &[VisitTimes],
     is_meant: &dyn Fn(f64) -> bool,
 ) -> Option<FeedError> {
     if alignment.method == Method::Positions {
@@ -80,7 +102,7 @@ pub fn feed_error_during(
     }
     let poll = alignment.poll?;
     let distances = toolpath.distances();
-    // No number where a rapid move is on the way.
+    // Undefined if a rapid move lies between.
     let programmed = |range: &Range<f64>| -> f64 {
         let at =
             |distance: f64| distances.partition_point(|end| *end < distance).min(toolpath.segments.len());
@@ -91,46 +113,46 @@ pub fn feed_error_during(
             });
         times.sum()
     };
-    let mut error = Sum::default();
-    let mut window = Window::default();
+    let mut error = SquareSums::default();
+    let mut window = MotionWindow::default();
     for visit in lost {
         let time = programmed(&visit.distance);
         if visit.waits() || time.is_nan() || !is_meant(visit.recorded.start) {
-            window = Window::default();
+            window = MotionWindow::default();
             continue;
         }
         window.way += visit.distance.end - visit.distance.start;
         window.recorded += visit.recorded.end - visit.recorded.start;
         window.simulated += visit.simulated.end - visit.simulated.start;
         window.programmed += time;
-        if POLLS * poll <= window.recorded && 0.0 < window.way {
+        if POLLS_PER_WINDOW * poll <= window.recorded && 0.0 < window.way {
             let of = |time: f64| window.way / time;
             error.add(window.way, of(window.recorded), of(window.simulated), of(window.programmed));
-            window = Window::default();
+            window = MotionWindow::default();
         }
     }
     error.mean()
 }
 
-/// What passes between two places.
+/// The motion between two places.
 #[derive(Default)]
-struct Window {
+struct MotionWindow {
     way: f64,
     recorded: f64,
     simulated: f64,
     programmed: f64,
 }
 
-/// Squares of differences, weighted by distance.
+/// Sums of squared differences, weighted by distance.
 #[derive(Default)]
-struct Sum {
+struct SquareSums {
     way: f64,
     squares: f64,
     programmed_squares: f64,
     programmed: f64,
 }
 
-impl Sum {
+impl SquareSums {
     fn add(&mut self, way: f64, recorded: f64, simulated: f64, programmed: f64) {
         self.way += way;
         self.squares += way * (recorded - simulated).powi(2);
@@ -178,7 +200,8 @@ pub fn position_error(
     (0.0 < count).then(|| PositionError { rms: f64::sqrt(squares / count), largest: largest.sqrt() })
 }
 
-/// The residual as its mean around each mark, by the certainty of the marks; a jump as at a stop stays.
+/// Returns the residual averaged around each mark, weighted by the certainty of the marks; jumps, as at a
+/// stop, are kept.
 fn smoothed(alignment: &Alignment, simulated: &[f64], residuals: &[f64]) -> Vec<f64> {
     let marks = &alignment.marks;
     let (mut from, mut to) = (0, 0);
@@ -186,12 +209,12 @@ fn smoothed(alignment: &Alignment, simulated: &[f64], residuals: &[f64]) -> Vec<
     let certainty = |at: usize| marks[at].deviation.powi(-2);
     let mut smooth = Vec::with_capacity(marks.len());
     for at in 0..marks.len() {
-        while to < marks.len() && simulated[to] <= simulated[at] + AROUND {
+        while to < marks.len() && simulated[to] <= simulated[at] + WINDOW_HALF_S {
             sum += certainty(to) * residuals[to];
             weight += certainty(to);
             to += 1;
         }
-        while simulated[from] < simulated[at] - AROUND {
+        while simulated[from] < simulated[at] - WINDOW_HALF_S {
             sum -= certainty(from) * residuals[from];
             weight -= certainty(from);
             from += 1;
@@ -199,4 +222,30 @@ fn smoothed(alignment: &Alignment, simulated: &[f64], residuals: &[f64]) -> Vec<
         smooth.push(if 0.0 < weight { sum / weight } else { residuals[at] });
     }
     smooth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn feed_errors_are_weighted_by_distance_and_skip_rapids() {
+        // 1 mm at 1 mm/s off, 3 mm at 2 mm/s off, and a rapid that does not count.
+        let rows = Pointwise {
+            distance: vec![0.0, 1.0, 4.0, 100.0],
+            recorded_time: vec![0.0, 1.0, 2.0, 3.0],
+            recorded: vec![10.0, 11.0, 8.0, 500.0],
+            simulated: vec![10.0, 10.0, 10.0, 0.0],
+            programmed: vec![Some(12.0), Some(12.0), Some(12.0), None],
+            ..Pointwise::default()
+        };
+        let error = FeedError::of(&rows).expect("two rows are on a feed move");
+        assert_eq!(error.way, 4.0);
+        assert_eq!(error.programmed, 12.0);
+        assert!((error.rms - f64::sqrt((1.0 + 3.0 * 4.0) / 4.0)).abs() < 1e-12);
+        assert!((error.programmed_rms - f64::sqrt((1.0 + 3.0 * 16.0) / 4.0)).abs() < 1e-12);
+        let late = FeedError::during(&rows, &|time| 1.5 < time).expect("one row is late enough");
+        assert_eq!((late.way, late.rms), (3.0, 2.0));
+        assert_eq!(FeedError::during(&rows, &|time| 2.5 < time), None, "only the rapid remains");
+    }
 }

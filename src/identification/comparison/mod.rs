@@ -6,55 +6,54 @@
 //! r(s) = (T_recorded(s) − T_recorded(first)) − (T_simulated(s) − T_simulated(first))
 //! ```
 //!
-//! and what a visit of a line lost is the difference of r between its ends. The lost times add up to the
-//! difference of the cycle times exactly, whatever the start offset. A stop is either waiting or, where
-//! its line also moves, both; what a visit with a stop lost counts as waiting.
+//! and the lost time of a visit is the difference of r between its ends. The lost times add up to the
+//! difference of the cycle times exactly, whatever the start offset. A stop is waiting; if its line also
+//! moves, the lost time of the whole visit counts as waiting.
 //!
-//! The feedrates are compared over the distance, feed moves alone: root mean squares, weighted by
-//! distance; of a log that names lines now and then as means over some polls, because a place is not known
-//! better than that. Positions are compared at equal places: the simulated one at the time shifted by r,
-//! which is taken as the mean of a quarter of a second around, so that what is left is the form of the
-//! path and not the time lost.
+//! Feedrates are compared over distance, on feed moves alone: RMS weighted by distance; for a log that names
+//! lines only now and then, as means over some polls, because it resolves no place better. Positions are
+//! compared at equal places: the simulated one at the time shifted by r, averaged over a quarter of a second
+//! on either side, so that the difference is the deviation of the path and not the time lost.
 
-mod course;
-mod form;
+mod lost_time;
+mod contour_deviation;
 mod measures;
 mod pointwise;
 
-pub use course::{Course, course};
-pub use form::Form;
-pub use measures::{FeedError, PositionError, feed_error_during};
+pub use contour_deviation::ContourDeviation;
+pub use lost_time::{LostTimeCurve, lost_time_curve};
+pub use measures::{FeedError, PooledFeedError, PositionError, feed_error_during};
 pub use pointwise::{Pointwise, pointwise};
 
 use std::ops::Range;
 
-use crate::identification::alignment::{Alignment, Method, Place, Visit, times, visits};
+use crate::identification::alignment::{Alignment, Method, ProgramPlace, Visit, times, visits};
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::gcode::LineNumber;
 use crate::simulation::toolpath::Toolpath;
 
-/// What one visit of a line lost.
+/// The time lost in one visit of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lost {
-    /// The line.
+pub struct VisitTimes {
+    /// Line.
     pub line: LineNumber,
-    /// Where it lies along the path, mm.
+    /// Distance along the path, mm.
     pub distance: Range<f64>,
-    /// When it ran in the recording, s from the start of the recording.
+    /// Time in the recording, s from its start.
     pub recorded: Range<f64>,
-    /// When it ran in the simulation, s.
+    /// Time in the simulation, s.
     pub simulated: Range<f64>,
-    /// Its stops in the toolpath.
+    /// Indices of its stops in the toolpath.
     pub stops: Range<usize>,
 }
 
-impl Lost {
-    /// Whether the machine waits in it.
+impl VisitTimes {
+    /// Returns `true` if the machine waits in it.
     pub fn waits(&self) -> bool {
         !self.stops.is_empty()
     }
 
-    /// How much longer the recorded machine took, s.
+    /// Returns the lost time, s.
     pub fn seconds(&self) -> f64 {
         (self.recorded.end - self.recorded.start) - (self.simulated.end - self.simulated.start)
     }
@@ -69,28 +68,60 @@ pub struct Durations {
     pub simulated: f64,
 }
 
-/// A recording beside a simulation of the same program.
+impl Durations {
+    /// Returns simulated less recorded time, as a part of the recorded one.
+    pub fn relative_error(self) -> f64 {
+        self.simulated / self.recorded - 1.0
+    }
+}
+
+/// A recording compared with a simulation of the same program.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// By how much the recorded machine is later at each mark, s; 0 at the first.
+    /// Delay of the recorded machine at each mark, s; 0 at the first.
     pub residuals: Vec<f64>,
-    /// When the simulated machine is at each mark, s.
+    /// Time of the simulated machine at each mark, s.
     pub simulated: Vec<f64>,
-    /// What each visit lost, in program order; together the last residual.
-    pub lost: Vec<Lost>,
-    /// All of it.
+    /// Lost time of each visit, in program order; adds up to the last residual.
+    pub lost: Vec<VisitTimes>,
+    /// Total, waits included.
     pub whole: Durations,
-    /// What is motion.
+    /// Motion alone.
     pub motion: Durations,
-    /// How far feedrates differ; none where no feed move was recorded.
+    /// Difference of feedrates; `None` if no feed move was recorded.
     pub feed: Option<FeedError>,
-    /// How far positions differ; none where none were recorded.
+    /// Difference of positions; `None` if none were recorded.
     pub position: Option<PositionError>,
 }
 
 /// Compares a recording with a plan for the same toolpath.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::identification::{comparison::compare, fit::AlignedRun};
+/// use truefeed::machine::Machine;
+/// use truefeed::simulation::{gcode, profile::Profile, simulate, interpreter::trace};
+///
+/// let mut machine = Machine::default();
+/// let toolpath = trace(&gcode::read(b"G21 G90 G1 X40 F3000\nY30\nX5 Y10\nX0"), &machine);
+/// // The operator has it run at half the feedrate.
+/// machine.overrides.feed = 0.5;
+/// let slow = simulate(&toolpath, &machine);
+/// let profile = Profile::new(&toolpath, &slow);
+/// let rows = (0..=(100.0 * profile.cycle_time()) as usize).map(|row| {
+///     let at = profile.at_time(0.01 * row as f64).position;
+///     format!("{:.2},{:.4},{:.4},{:.4}\n", 0.01 * row as f64, at.x, at.y, at.z)
+/// });
+/// let csv = "t_s,x_mm,y_mm,z_mm\n".to_string() + &rows.collect::<String>();
+/// machine.overrides.feed = 1.0;
+/// let recorded = AlignedRun::new(toolpath, csv.as_bytes(), &machine).expect("it is of this program");
+/// let plan = simulate(&recorded.toolpath, &machine);
+/// let comparison = compare(&recorded.toolpath, &plan, &recorded.alignment);
+/// assert!((comparison.motion.recorded / comparison.motion.simulated - 2.0).abs() < 0.2);
+/// ```
 pub fn compare(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> Comparison {
-    let places: Vec<Place> = alignment.marks.iter().map(|mark| mark.place).collect();
+    let places: Vec<ProgramPlace> = alignment.marks.iter().map(|mark| mark.place).collect();
     let simulated = times(toolpath, plan, &places);
     let residuals = residuals(alignment, &simulated);
     let lost = lost_by_visit(toolpath, plan, alignment, &simulated, &residuals);
@@ -110,46 +141,45 @@ pub fn compare(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> C
     Comparison { residuals, simulated, lost, whole, motion, feed, position }
 }
 
-/// By how much the recorded machine is later at each mark, s, given when the simulated one is there.
+/// Returns the delay of the recorded machine at each mark, s, given the times of the simulated one there.
 pub fn residuals(alignment: &Alignment, simulated: &[f64]) -> Vec<f64> {
     let Some((first, start)) = alignment.marks.first().zip(simulated.first()) else { return Vec::new() };
     let marks = alignment.marks.iter().zip(simulated);
     marks.map(|(mark, time)| (mark.time - first.time) - (time - start)).collect()
 }
 
-/// The order of places in a program: distance, stop, and whether it is over.
-fn order(place: Place, toolpath: &Toolpath, distances: &[f64]) -> (f64, usize, bool) {
+/// Returns a key that sorts places in program order: distance, stop, and whether it is over.
+fn order(place: ProgramPlace, toolpath: &Toolpath, distances: &[f64]) -> (f64, usize, bool) {
     let distance = place.distance(toolpath, distances);
     match place {
-        Place::Start => (-1.0, 0, false),
-        Place::Along(_) => (distance, usize::MAX, true),
-        Place::Stop(stop) => (distance, stop, false),
-        Place::After(stop) => (distance, stop, true),
+        ProgramPlace::Start => (-1.0, 0, false),
+        ProgramPlace::Along(_) => (distance, usize::MAX, true),
+        ProgramPlace::Stop(stop) => (distance, stop, false),
+        ProgramPlace::After(stop) => (distance, stop, true),
     }
 }
-
 fn lost_by_visit(
     toolpath: &Toolpath,
     plan: &FeedPlan,
     alignment: &Alignment,
     simulated: &[f64],
     residuals: &[f64],
-) -> Vec<Lost> {
+) -> Vec<VisitTimes> {
     let distances = toolpath.distances();
     let visits = visits(toolpath);
-    let begins: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
+    let begins: Vec<ProgramPlace> = visits.iter().map(|visit| visit.begin).collect();
     let begin_times = times(toolpath, plan, &begins);
     let keys: Vec<_> = alignment.marks.iter().map(|mark| order(mark.place, toolpath, &distances)).collect();
     let (Some(first), Some(last)) = (keys.first(), keys.last()) else { return Vec::new() };
     let offset = alignment.marks[0].time - simulated[0];
-    // The simulated time at the end of what was recorded, and the residual there.
+    // Simulated time at the end of the recorded part, and the residual there.
     let end = (simulated[simulated.len() - 1], residuals[residuals.len() - 1]);
-    let mut lost: Vec<Lost> = Vec::new();
+    let mut lost: Vec<VisitTimes> = Vec::new();
     let mut open: Option<(usize, f64, f64)> = Some((0, simulated[0], 0.0));
     let mut mark = 0;
-    let close = |from: &(usize, f64, f64), until: (f64, f64), lost: &mut Vec<Lost>| {
+    let close = |from: &(usize, f64, f64), until: (f64, f64), lost: &mut Vec<VisitTimes>| {
         let visit: &Visit = &visits[from.0];
-        lost.push(Lost {
+        lost.push(VisitTimes {
             line: visit.line,
             distance: distances[visit.segments.start]..distances[visit.segments.end],
             recorded: offset + from.1 + from.2..offset + until.0 + until.1,
@@ -181,11 +211,11 @@ fn lost_by_visit(
     lost
 }
 
-/// The residual at a place between the marks before and at `mark`.
+/// Returns the residual at a place between the marks before and at `mark`.
 #[expect(clippy::too_many_arguments, reason = "what is known of the two marks, taken apart")]
 fn between(
     method: Method,
-    place: Place,
+    place: ProgramPlace,
     distance: f64,
     mark: usize,
     keys: &[(f64, usize, bool)],
@@ -196,10 +226,10 @@ fn between(
     let (before, after) = (residuals[mark - 1], residuals[mark]);
     let along = |share: f64| before + share.clamp(0.0, 1.0) * (after - before);
     match (method, place) {
-        // Marks of positions lie on both sides of a stop, and what is lost between them is lost there.
-        (Method::Positions, Place::Stop(_)) => before,
-        (Method::Positions, Place::After(_)) => after,
-        (Method::Positions, Place::Along(_)) => {
+        // Marks of positions lie on both sides of a stop, and time lost between them is lost there.
+        (Method::Positions, ProgramPlace::Stop(_)) => before,
+        (Method::Positions, ProgramPlace::After(_)) => after,
+        (Method::Positions, ProgramPlace::Along(_)) => {
             let way = keys[mark].0 - keys[mark - 1].0;
             if 0.0 < way { along((distance - keys[mark - 1].0) / way) } else { after }
         }
@@ -207,5 +237,92 @@ fn between(
             let span = simulated[mark] - simulated[mark - 1];
             if 0.0 < span { along((time - simulated[mark - 1]) / span) } else { after }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::align;
+    use crate::identification::recording::read;
+    use crate::machine::Machine;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::profile::Profile;
+    use crate::simulation::simulate;
+
+    /// A program, its plan on the default machine, and the alignment of a recording of `recorded`, every 10 ms.
+    fn run(program: &str, recorded: &Machine) -> (Toolpath, FeedPlan, Alignment) {
+        let machine = Machine::default();
+        let toolpath = trace(&crate::simulation::gcode::read(program.as_bytes()), &machine);
+        let driven = simulate(&toolpath, recorded);
+        let profile = Profile::new(&toolpath, &driven);
+        let rows = (0..=(100.0 * profile.cycle_time()) as usize).map(|row| {
+            let time = 0.01 * row as f64;
+            let at = profile.at_time(time).position;
+            format!("{time:.2},{:.4},{:.4},{:.4}\n", at.x, at.y, at.z)
+        });
+        let log = read(("t_s,x_mm,y_mm,z_mm\n".to_string() + &rows.collect::<String>()).as_bytes())
+            .expect("a table");
+        let alignment = align(&log.recordings[0], &toolpath, &machine).expect("it is of this program");
+        let plan = simulate(&toolpath, &machine);
+        (toolpath, plan, alignment)
+    }
+
+    const PROGRAM: &str = "G21 G90 G1 X40 F3000\nY30\nX5 Y10\nG4 P1\nX0\nG3 X20 Y20 I20 J0\nG1 X60";
+
+    #[test]
+    fn a_recording_of_the_simulated_machine_loses_nothing() {
+        let (toolpath, plan, alignment) = run(PROGRAM, &Machine::default());
+        let comparison = compare(&toolpath, &plan, &alignment);
+        let largest =
+            comparison.residuals.iter().fold(0.0f64, |largest, residual| largest.max(residual.abs()));
+        assert!(largest < 0.01, "within a row of the recording: {largest} s");
+        let position = comparison.position.expect("positions were recorded");
+        assert!(position.rms < 0.01, "{} mm", position.rms);
+        let feed = comparison.feed.expect("feed moves were recorded");
+        assert!(feed.rms < 0.1 * feed.programmed, "{} of {} mm/s", feed.rms, feed.programmed);
+    }
+
+    #[test]
+    fn the_lost_times_of_all_visits_are_the_last_residual() {
+        let mut slow = Machine::default();
+        slow.overrides.feed = 0.7;
+        slow.times.m_code = 0.5;
+        let (toolpath, plan, alignment) = run(PROGRAM, &slow);
+        let comparison = compare(&toolpath, &plan, &alignment);
+        let last = *comparison.residuals.last().expect("there are marks");
+        let sum: f64 = comparison.lost.iter().map(VisitTimes::seconds).sum();
+        assert!(0.5 < last, "the override costs time: {last} s");
+        assert!((sum - last).abs() < 1e-9, "{sum} and {last} s");
+        let whole = comparison.whole.recorded - comparison.whole.simulated;
+        assert!((whole - last).abs() < 1e-9, "{whole} and {last} s");
+    }
+
+    #[test]
+    fn a_wait_is_lost_at_its_stop_and_not_in_motion() {
+        let longer = PROGRAM.replace("G4 P1", "G4 P3");
+        let machine = Machine::default();
+        let (toolpath, plan, mut alignment) = run(PROGRAM, &machine);
+        let (.., recorded) = run(&longer, &machine);
+        // The programs have one path, so that the places of the marks are those of both.
+        alignment.marks = recorded.marks;
+        let comparison = compare(&toolpath, &plan, &alignment);
+        let waits: f64 = comparison.lost.iter().filter(|visit| visit.waits()).map(VisitTimes::seconds).sum();
+        assert!((waits - 2.0).abs() < 0.05, "{waits} s");
+        let motion = comparison.motion.recorded - comparison.motion.simulated;
+        assert!(motion.abs() < 0.05, "{motion} s");
+    }
+
+    #[test]
+    fn the_lost_time_curve_ascends_along_the_path_and_ends_with_the_last_residual() {
+        let mut slow = Machine::default();
+        slow.overrides.feed = 0.5;
+        let (toolpath, plan, alignment) = run(PROGRAM, &slow);
+        let comparison = compare(&toolpath, &plan, &alignment);
+        let curve = lost_time_curve(&toolpath, &alignment, &comparison);
+        assert_eq!(curve.seconds, comparison.residuals);
+        assert!(curve.distance.is_sorted());
+        let length = *toolpath.distances().last().expect("the path has a length");
+        assert!(*curve.distance.last().expect("there are marks") <= length);
     }
 }

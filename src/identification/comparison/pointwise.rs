@@ -1,4 +1,4 @@
-//! Both motions at the same places: the columns from which charts are drawn and errors are taken.
+//! Both motions at the same places: the columns of charts and errors.
 
 use crate::identification::alignment::{Alignment, Method};
 use crate::identification::recording::Channel;
@@ -6,29 +6,31 @@ use crate::simulation::feed::FeedPlan;
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Motion, Toolpath};
 
-/// Recorded speeds are means over at least so many samples, and so many standard deviations of noise.
-const SPEED_OVER: (usize, f64) = (4, 60.0);
+/// Least number of samples over which a recorded speed is averaged.
+const MIN_SPEED_SAMPLES: usize = 4;
+/// Least travel over which a recorded speed is averaged, in standard deviations of the noise.
+const MIN_SPEED_TRAVEL_SIGMAS: f64 = 60.0;
 
-/// Columns of equal length, one row a place, ascending in distance.
+/// Columns of equal length, one row per place, ascending in distance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pointwise {
     /// Distance along the path, mm.
     pub distance: Vec<f64>,
-    /// When the recorded machine was there, s from the start of the recording.
+    /// Time of the recorded machine, s from the start of the recording.
     pub recorded_time: Vec<f64>,
-    /// When the simulated machine is there, s.
+    /// Time of the simulated machine, s.
     pub simulated_time: Vec<f64>,
-    /// Feedrate recorded, mm/s.
+    /// Recorded feedrate, mm/s.
     pub recorded: Vec<f64>,
-    /// Feedrate simulated, mm/s.
+    /// Simulated feedrate, mm/s.
     pub simulated: Vec<f64>,
-    /// Feedrate programmed, mm/s; none on rapid moves.
+    /// Programmed feedrate, mm/s; `None` on rapid moves.
     pub programmed: Vec<Option<f64>>,
     /// Line of the program.
     pub line: Vec<u32>,
 }
 
-/// Both motions at the places of the recording.
+/// Returns both motions at the places of the recording.
 pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) -> Pointwise {
     let mut rows = Pointwise::default();
     let profile = Profile::new(toolpath, plan);
@@ -36,9 +38,9 @@ pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) ->
         (Method::Lines | Method::Feed, Some(feed)) => from_feed(alignment, feed),
         _ => from_fixes(alignment),
     };
-    // What a poll shows may be as late as the poll is long, on one side or the other.
+    // A polled state may be late by as much as the poll, on either side.
     let blur = alignment.poll.unwrap_or(0.0);
-    // Ends of stretches ascend, each on its own side, so that two passes do.
+    // The ends of pieces ascend, each on its side, so that two passes are enough.
     let ends = [0, 1].map(|end: usize| {
         let distances: Vec<f64> = stretches.iter().map(|stretch| stretch.distance[end]).collect();
         profile.crossing_times(&distances)
@@ -69,16 +71,16 @@ pub fn pointwise(toolpath: &Toolpath, plan: &FeedPlan, alignment: &Alignment) ->
 }
 
 /// A piece of the recorded motion with one speed.
-struct Stretch {
-    /// When it began and ended, s.
+struct MotionPiece {
+    /// Beginning and end, s.
     time: [f64; 2],
-    /// Where along the path, mm.
+    /// Distance along the path, mm.
     distance: [f64; 2],
-    /// How fast, mm/s: from positions the chord over the time, and the same is asked of the simulation.
+    /// Speed, mm/s: from positions the chord over the time, for the simulation as well.
     speed: f64,
 }
 
-/// The programmed feedrate on a segment, mm/s; none where it, or what lies between two distances (mm)
+/// Returns the programmed feedrate on a segment, mm/s; `None` if it, or any move between two distances (mm)
 /// around it, is rapid.
 fn programmed(toolpath: &Toolpath, profile: &Profile, segment: usize, around: [f64; 2]) -> Option<f64> {
     let is_rapid = |at: usize| toolpath.segments.at(at).motion == Motion::Rapid;
@@ -94,20 +96,20 @@ fn programmed(toolpath: &Toolpath, profile: &Profile, segment: usize, around: [f
     }
 }
 
-/// Pieces from the feed that was recorded, where the machine moves.
-fn from_feed(alignment: &Alignment, feed: &Channel<f64>) -> Vec<Stretch> {
-    let mut rows: Vec<Stretch> = Vec::new();
+/// Returns pieces of the recorded feed in which the machine moves.
+fn from_feed(alignment: &Alignment, feed: &Channel<f64>) -> Vec<MotionPiece> {
+    let mut rows: Vec<MotionPiece> = Vec::new();
     for fix in &alignment.fixes {
         let Some(speed) = feed.held(fix.time) else { continue };
         if rows.last().is_none_or(|last| last.distance[1] < fix.distance) {
-            rows.push(Stretch { time: [fix.time; 2], distance: [fix.distance; 2], speed: *speed });
+            rows.push(MotionPiece { time: [fix.time; 2], distance: [fix.distance; 2], speed: *speed });
         }
     }
     rows
 }
 
-/// Pieces from positions, or from the fixes alone.
-fn from_fixes(alignment: &Alignment) -> Vec<Stretch> {
+/// Returns pieces from positions, or from the fixes alone.
+fn from_fixes(alignment: &Alignment) -> Vec<MotionPiece> {
     let fixes = &alignment.fixes;
     let noise = alignment.track.as_ref().map_or(0.0, |track| track.noise);
     let mut rows = Vec::new();
@@ -117,13 +119,13 @@ fn from_fixes(alignment: &Alignment) -> Vec<Stretch> {
             (Some(track), Some(a), Some(b)) => (track.position[b] - track.position[a]).norm(),
             _ => fixes[last].distance - fixes[first].distance,
         };
-        if last - first < SPEED_OVER.0 || way < SPEED_OVER.1 * noise {
+        if last - first < MIN_SPEED_SAMPLES || way < MIN_SPEED_TRAVEL_SIGMAS * noise {
             continue;
         }
         let (a, b) = (&fixes[first], &fixes[last]);
         let (time, distance) = ([a.time, b.time], [a.distance, b.distance]);
-        rows.push(Stretch { time, distance, speed: way / (b.time - a.time) });
-        first = if last - first < 2 * SPEED_OVER.0 { first + 1 } else { last - SPEED_OVER.0 };
+        rows.push(MotionPiece { time, distance, speed: way / (b.time - a.time) });
+        first = if last - first < 2 * MIN_SPEED_SAMPLES { first + 1 } else { last - MIN_SPEED_SAMPLES };
     }
     rows
 }

@@ -33,7 +33,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::identification::alignment::{Place, times};
+use crate::identification::alignment::{ProgramPlace, times};
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::evidence::{Candidate, with_all};
 use crate::identification::diagnosis::regions;
@@ -142,7 +142,8 @@ fn simulated(machine: &Machine, runs: &[Run]) -> Vec<f64> {
             _ => run.plan(machine),
         };
         let marks = &run.alignment.marks;
-        let ends: Vec<Place> = marks.first().into_iter().chain(marks.last()).map(|mark| mark.place).collect();
+        let ends: Vec<ProgramPlace> =
+            marks.first().into_iter().chain(marks.last()).map(|mark| mark.place).collect();
         let times = times(run.toolpath, &plan, &ends);
         last = Some((run, plan));
         times.last().zip(times.first()).map_or(0.0, |(end, begin)| end - begin) * machine.recorder.clock_ratio

@@ -4,9 +4,10 @@
 //! one, and the feedrates are compared on the others; then the other way round. Of a long run, of which
 //! excerpts were fitted to, it is the rest that is compared.
 
+use crate::identification::comparison::PooledFeedError;
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::diagnosis::excerpts::Excerpt;
-use crate::identification::diagnosis::speeds::{self, Sum};
+use crate::identification::diagnosis::speeds;
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
@@ -27,7 +28,7 @@ pub struct Crossed {
 pub fn crossed(machine: &Machine, base: &Machine, named: &[Candidate], runs: &[Run]) -> Option<Crossed> {
     let (last, others) = named.split_last()?;
     let whole = Evidence::of(runs, &with_all(base, named));
-    let mut sums = [Sum::default(); 2];
+    let mut sums = [PooledFeedError::default(); 2];
     for fold in 0..2 {
         let is_held = |run: &Run, time: f64| {
             let Some((first, last)) = run.alignment.marks.first().zip(run.alignment.marks.last()) else {
@@ -60,7 +61,7 @@ pub fn outside(
     runs: &[Run],
     excerpts: &[Vec<Excerpt>],
 ) -> Option<Crossed> {
-    let mut sums = [Sum::default(); 2];
+    let mut sums = [PooledFeedError::default(); 2];
     for (machine, sum) in [machine, fitted].into_iter().zip(&mut sums) {
         for (run, excerpts) in runs.iter().zip(excerpts) {
             let held = |time: f64| !excerpts.iter().any(|excerpt| excerpt.time().contains(&time));

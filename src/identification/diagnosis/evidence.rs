@@ -1,10 +1,12 @@
 //! What the runs say of a machine, in one number: the cost of the whitened residuals.
 
+use crate::identification::calibration::{ACCELERATIONS, RAPIDS};
 use crate::identification::effects::Hypothesis;
 use crate::identification::fit::{
-    Fit, Freed, HARDLY, Run, Whitening, cost_of, dispersion, fit, golden_section, whitened,
+    FTOL, Fit, FreeParameter, Run, VariationScale, Whitening, cost_of, dispersion, fit, golden_section,
+    whitened,
 };
-use crate::machine::Machine;
+use crate::machine::{Handle, Machine};
 
 /// Golden sections between two trials.
 const SECTIONS: usize = 5;
@@ -20,6 +22,8 @@ pub struct Evidence<'a> {
     pub runs: &'a [Run<'a>],
     /// What whitens each.
     pub whitenings: Vec<Whitening>,
+    /// What no run of the calibration showed of the machine: it is fitted beside every cause, and no cause itself.
+    assumed: Vec<FreeParameter>,
 }
 
 /// A hypothesis with the values at which it fits best.
@@ -33,13 +37,15 @@ pub struct Candidate {
     pub deviations: Vec<f64>,
     /// The cost with it.
     pub cost: f64,
+    /// What the calibration had assumed, as it was fitted beside it.
+    pub beside: Vec<(FreeParameter, f64)>,
 }
 
 impl<'a> Evidence<'a> {
     /// The evidence with the noise by which the residuals of a machine are normal.
     pub fn of(runs: &'a [Run<'a>], machine: &Machine) -> Evidence<'a> {
         let whiten = |run: &Run| Whitening::of(run.alignment, &run.residuals(machine));
-        Evidence { runs, whitenings: runs.iter().map(whiten).collect() }
+        Evidence { runs, whitenings: runs.iter().map(whiten).collect(), assumed: assumed(machine) }
     }
 
     /// The same where the runs are parts of one: the noise is that of all of them.
@@ -47,7 +53,8 @@ impl<'a> Evidence<'a> {
         let residuals: Vec<Vec<f64>> = runs.iter().map(|run| run.residuals(machine)).collect();
         let pairs: Vec<_> = runs.iter().zip(&residuals).map(|(run, own)| (run.alignment, &own[..])).collect();
         let wander = Whitening::common(&pairs);
-        Evidence { runs, whitenings: runs.iter().map(|run| Whitening::new(run.alignment, wander)).collect() }
+        let whitenings = runs.iter().map(|run| Whitening::new(run.alignment, wander)).collect();
+        Evidence { runs, whitenings, assumed: assumed(machine) }
     }
 
     /// The whitened residuals of a machine, run by run.
@@ -79,13 +86,16 @@ impl<'a> Evidence<'a> {
     /// A hypothesis at the best of its trials, and between them where that means something.
     pub fn screened(&self, machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
         let neutral = self.cost(machine);
-        let is_too_tight = |cost: f64| hypothesis.is_limit() && TOO_TIGHT * neutral < cost;
+        // One that is looser than the machine's own may cost as much, and says nothing of tighter ones.
+        let own = hypothesis.freed[0].handle.get(machine).unwrap_or(f64::INFINITY);
+        let is_too_tight =
+            |limit: f64, cost: f64| hypothesis.is_limit() && limit < own && TOO_TIGHT * neutral < cost;
         let mut tried: Vec<(Vec<f64>, f64)> =
             hypothesis.trials.iter().map(|values| (values.clone(), f64::INFINITY)).collect();
         // The loosest first: where a limit costs much, tighter ones cost more.
         for (values, cost) in tried.iter_mut().rev() {
             *cost = self.cost(&hypothesis.machine(machine, values));
-            if is_too_tight(*cost) {
+            if is_too_tight(values[0], *cost) {
                 break;
             }
         }
@@ -101,11 +111,11 @@ impl<'a> Evidence<'a> {
                 _ => (best.saturating_sub(1), (best + 1).min(tried.len() - 1)),
             };
             let freed = &hypothesis.freed[0];
-            let side = |at: usize| freed.inward(tried[at].0[0]);
+            let side = |at: usize| freed.to_internal(tried[at].0[0]);
             let (low, high) = (side(before), side(after));
             let at = |varied: f64, values: &mut Vec<f64>, cost: &mut f64| {
                 let mut there = values.clone();
-                there[0] = freed.outward(varied);
+                there[0] = freed.from_internal(varied);
                 let found = self.cost(&hypothesis.machine(machine, &there));
                 if found < *cost {
                     (*values, *cost) = (there, found);
@@ -120,7 +130,7 @@ impl<'a> Evidence<'a> {
                 if found <= closest.1 {
                     closest = (part, found);
                 }
-                if is_too_tight(found) {
+                if is_too_tight(freed.from_internal(between(part)), found) {
                     break;
                 }
             }
@@ -131,7 +141,7 @@ impl<'a> Evidence<'a> {
         if !hypothesis.is_continuous {
             deviations[0] = between_trials(&hypothesis.trials, best);
         }
-        Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost })
+        Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost, beside: Vec::new() })
     }
 
     /// A candidate by least squares, together with others that are already named.
@@ -142,9 +152,12 @@ impl<'a> Evidence<'a> {
         with: &[Candidate],
     ) -> (Candidate, Vec<Candidate>) {
         let all: Vec<Candidate> = [candidate].into_iter().chain(with).cloned().collect();
-        let (base, freed) = freed(machine, &all);
+        let (base, freed) = self.freed(machine, &all);
         let Fit { values, deviations, cost, .. } =
-            fit(&base, self.runs, &freed, &self.whitenings, HARDLY, &mut |_| {});
+            fit(&base, self.runs, &freed, &self.whitenings, FTOL, &mut |_| {});
+        let own = all.iter().filter(|each| each.hypothesis.is_continuous).map(|each| each.values.len()).sum();
+        let beside: Vec<(FreeParameter, f64)> =
+            freed.iter().zip(&values).skip(own).map(|(freed, value)| (freed.clone(), *value)).collect();
         let mut taken = 0;
         let mut take = |each: &Candidate| {
             let mut each = each.clone();
@@ -155,22 +168,57 @@ impl<'a> Evidence<'a> {
                 taken = range.end;
             }
             each.cost = cost;
+            each.beside.clone_from(&beside);
             each
         };
         let own = take(candidate);
         (own, with.iter().map(take).collect())
     }
+
+    /// What is fitted of candidates, in their order, then what the calibration had assumed and none of them frees;
+    /// and the machine with those that have no values between their trials.
+    pub fn freed(&self, machine: &Machine, all: &[Candidate]) -> (Machine, Vec<FreeParameter>) {
+        let is_fitted = |each: &&Candidate| each.hypothesis.is_continuous;
+        let taken: Vec<Candidate> = all.iter().filter(|each| !is_fitted(each)).cloned().collect();
+        let own = |each: &Candidate| {
+            let own = each.hypothesis.freed.iter().zip(&each.values);
+            own.map(|(freed, value)| freed.starting_at(*value)).collect::<Vec<FreeParameter>>()
+        };
+        let mut freed: Vec<FreeParameter> = all.iter().filter(is_fitted).flat_map(own).collect();
+        let now = with_all(machine, all);
+        let is_taken = |beside: &FreeParameter| {
+            let mut of = all.iter().flat_map(|each| &each.hypothesis.freed);
+            of.any(|own| own.handle == beside.handle)
+        };
+        let beside = self.assumed.iter().filter(|beside| !is_taken(beside));
+        freed.extend(beside.map(|own| own.starting_at(own.handle.get(&now).unwrap_or(own.start))));
+        (with_all(machine, &taken), freed)
+    }
 }
 
-/// What is fitted of candidates, in their order, and the machine with those that have no values between their trials.
-pub fn freed(machine: &Machine, all: &[Candidate]) -> (Machine, Vec<Freed>) {
-    let is_fitted = |each: &&Candidate| each.hypothesis.is_continuous;
-    let taken: Vec<Candidate> = all.iter().filter(|each| !is_fitted(each)).cloned().collect();
-    let own = |each: &Candidate| {
-        let own = each.hypothesis.freed.iter().zip(&each.values);
-        own.map(|(freed, value)| freed.starting_at(*value)).collect::<Vec<Freed>>()
+/// How far an acceleration or a rapid rate may be from the one that was assumed, as a ratio.
+const ASSUMED_BOUNDS: (f64, f64) = (0.1, 10.0);
+
+/// What no run of the calibration of a machine told: accelerations and rapid rates, the latter of the axes or
+/// along the path.
+pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
+    let of = |key: &str| {
+        let handle = Handle::number(key);
+        let own = handle.get(machine).filter(|own| own.is_finite())?;
+        Some(FreeParameter::new(
+            handle,
+            own,
+            (ASSUMED_BOUNDS.0 * own, ASSUMED_BOUNDS.1 * own),
+            VariationScale::Ratio,
+        ))
     };
-    (with_all(machine, &taken), all.iter().filter(is_fitted).flat_map(own).collect())
+    let on = &machine.calibrated_on;
+    let among = |keys: [&'static str; 3], assumed: [bool; 3]| {
+        keys.into_iter().zip(assumed).filter_map(|(key, is_assumed)| is_assumed.then_some(key))
+    };
+    let accelerations = among(ACCELERATIONS, on.assumed_accelerations);
+    let along_path = (on.assumed_rapids == [true; 3]).then_some("rapid.feed_mm_min");
+    accelerations.chain(among(RAPIDS, on.assumed_rapids)).chain(along_path).filter_map(of).collect()
 }
 
 /// The standard deviation of a first parameter that is known to be nearer to a trial than to those beside it.
@@ -190,6 +238,7 @@ pub fn with_all(machine: &Machine, candidates: &[Candidate]) -> Machine {
     let mut machine = machine.clone();
     for candidate in candidates {
         machine = candidate.hypothesis.machine(&machine, &candidate.values);
+        candidate.beside.iter().for_each(|(freed, value)| freed.apply(&mut machine, *value));
     }
     machine
 }

@@ -12,7 +12,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::identification::alignment::{Alignment, Fix, Mark, Place};
+use crate::identification::alignment::{Alignment, Fix, Mark, ProgramPlace};
 use crate::identification::effects::Kind;
 use crate::identification::fit::Run;
 use crate::simulation::toolpath::{Motion, PathMode, Segment, Stop, Toolpath};
@@ -73,7 +73,7 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
     }
     let mut kinds: BTreeMap<Option<Kind>, Vec<usize>> = BTreeMap::new();
     for (index, mark) in marks.iter().enumerate() {
-        if let Place::Stop(stop) = mark.place {
+        if let ProgramPlace::Stop(stop) = mark.place {
             kinds.entry(Kind::of(&run.toolpath.stops[stop].cause)).or_default().push(index);
         }
     }
@@ -111,10 +111,12 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let Run { toolpath, alignment, overrides } = run;
     let marks = &alignment.marks[window];
     let distances = toolpath.distances();
-    let segment_of = |place: Place| match place {
-        Place::Start => 0,
-        Place::Stop(stop) | Place::After(stop) => toolpath.stops[stop].after,
-        Place::Along(distance) => distances.partition_point(|begin| *begin <= distance).saturating_sub(1),
+    let segment_of = |place: ProgramPlace| match place {
+        ProgramPlace::Start => 0,
+        ProgramPlace::Stop(stop) | ProgramPlace::After(stop) => toolpath.stops[stop].after,
+        ProgramPlace::Along(distance) => {
+            distances.partition_point(|begin| *begin <= distance).saturating_sub(1)
+        }
     };
     let count = toolpath.segments.len();
     let first = segment_of(marks.first()?.place).min(count);
@@ -129,14 +131,14 @@ fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let stops = toolpath.stops[before..].iter().take_while(|stop| is_in(stop));
     let stops: Vec<Stop> =
         stops.map(|stop| Stop { after: stop.after.saturating_sub(from), ..*stop }).collect();
-    let moved = |place: Place| match place {
-        Place::Start => (from == 0).then_some(place),
-        Place::Along(distance) => Some(Place::Along(distance - distances[from])),
-        Place::Stop(stop) => {
-            (before <= stop && stop < before + stops.len()).then(|| Place::Stop(stop - before))
+    let moved = |place: ProgramPlace| match place {
+        ProgramPlace::Start => (from == 0).then_some(place),
+        ProgramPlace::Along(distance) => Some(ProgramPlace::Along(distance - distances[from])),
+        ProgramPlace::Stop(stop) => {
+            (before <= stop && stop < before + stops.len()).then(|| ProgramPlace::Stop(stop - before))
         }
-        Place::After(stop) => {
-            (before <= stop && stop < before + stops.len()).then(|| Place::After(stop - before))
+        ProgramPlace::After(stop) => {
+            (before <= stop && stop < before + stops.len()).then(|| ProgramPlace::After(stop - before))
         }
     };
     let marks: Vec<Mark> =

@@ -4,12 +4,13 @@
 //! common to all taken out. Values are searched over the trials and then one after another by golden
 //! sections.
 
-use crate::identification::comparison::Form;
-use crate::identification::diagnosis::ELSEWHERE;
+use crate::identification::comparison::ContourDeviation;
 use crate::identification::diagnosis::evidence::Candidate;
+use crate::identification::diagnosis::standing::{ELSEWHERE, Standing};
 use crate::identification::effects::{Hypothesis, Trace};
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::Machine;
+use crate::simulation::ordered::sort_by_number;
 
 /// What is explained whole leaves so many standard deviations of the noise, or so many mm.
 const WHOLE: (f64, f64) = (4.0, 0.01);
@@ -53,17 +54,17 @@ pub fn is_seen(error: f64, runs: &[Run]) -> bool {
 }
 
 /// The runs with their times as they are, `on_time`, or in step with the recording.
-fn forms(machine: &Machine, runs: &[Run], on_time: bool) -> Vec<Form> {
+fn forms(machine: &Machine, runs: &[Run], on_time: bool) -> Vec<ContourDeviation> {
     let of_run = |run: &Run| {
         let plan = run.plan(machine);
         let comparison = crate::identification::comparison::compare(run.toolpath, &plan, run.alignment);
         let residuals = (!on_time).then_some(&comparison.residuals[..]);
-        Form::new(run.toolpath, &plan, run.alignment, &comparison.simulated, residuals)
+        ContourDeviation::new(run.toolpath, &plan, run.alignment, &comparison.simulated, residuals)
     };
     runs.iter().filter_map(of_run).collect()
 }
 
-fn rms(forms: &[Form], machine: &Machine) -> f64 {
+fn rms(forms: &[ContourDeviation], machine: &Machine) -> f64 {
     let squares: f64 = forms.iter().map(|form| form.error(machine).0.powi(2)).sum();
     (squares / forms.len().max(1) as f64).sqrt()
 }
@@ -72,7 +73,7 @@ fn rms(forms: &[Form], machine: &Machine) -> f64 {
 /// not asked for, those that take away much of it.
 pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole: bool) -> Vec<Candidate> {
     let forms = forms(machine, runs, whole);
-    if forms.is_empty() {
+    if forms.is_empty() || Standing::of(machine) == Standing::Misses {
         return Vec::new();
     }
     let floor = floor(runs, if whole { WHOLE } else { SEARCHED });
@@ -90,7 +91,7 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
         });
         let mut tried: Vec<Candidate> =
             open.filter_map(|hypothesis| screened(&forms, &current, hypothesis)).collect();
-        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        sort_by_number(&mut tried, |one| one.cost);
         tried.truncate(REFINED);
         let refined = tried.into_iter().map(|candidate| refined(&forms, &current, candidate));
         let Some(candidate) = refined.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
@@ -111,35 +112,41 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
 }
 
 /// Whether a machine is as much closer than another without the parts of the recordings where it most is.
-fn is_all_along(forms: &[Form], without: &Machine, with: &Machine) -> bool {
+fn is_all_along(forms: &[ContourDeviation], without: &Machine, with: &Machine) -> bool {
     let parts =
         |machine: &Machine| forms.iter().flat_map(|form| form.parts(machine, PARTS)).collect::<Vec<f64>>();
     let mut both: Vec<(f64, f64)> = parts(without).into_iter().zip(parts(with)).collect();
-    both.sort_by(|a, b| (b.0 - b.1).total_cmp(&(a.0 - a.1)));
+    sort_by_number(&mut both, |one| -(one.0 - one.1));
     let rest = both.get(MOMENTS..).unwrap_or_default();
     let (before, after) = rest.iter().fold((0.0, 0.0), |sums, part| (sums.0 + part.0, sums.1 + part.1));
     after < (1.0 - WORTH).powi(2) * before
 }
 
 /// A hypothesis at the best of its trials; its cost is the form error, mm.
-fn screened(forms: &[Form], machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
+fn screened(forms: &[ContourDeviation], machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
     let tried = hypothesis.trials.iter().map(|values| {
         let cost = rms(forms, &hypothesis.machine(machine, values));
         let deviations = vec![f64::NAN; values.len()];
-        Candidate { hypothesis: hypothesis.clone(), values: values.clone(), deviations, cost }
+        Candidate {
+            hypothesis: hypothesis.clone(),
+            values: values.clone(),
+            deviations,
+            cost,
+            beside: Vec::new(),
+        }
     });
     tried.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// The same at its best values.
-fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate {
+fn refined(forms: &[ContourDeviation], machine: &Machine, candidate: Candidate) -> Candidate {
     let Candidate { hypothesis, mut values, cost: mut least, .. } = candidate;
     let error = |values: &[f64]| rms(forms, &hypothesis.machine(machine, values));
     let trials = &hypothesis.trials;
     let at = trials.iter().position(|trial| *trial == values).unwrap_or(0);
     let width = |freed: usize| match freed {
         0 => {
-            let side = |at: usize| hypothesis.freed[0].inward(trials[at][0]);
+            let side = |at: usize| hypothesis.freed[0].to_internal(trials[at][0]);
             let low = side(at.saturating_sub(1));
             let high = side((at + 1).min(trials.len() - 1));
             0.5 * (high - low).abs()
@@ -149,10 +156,10 @@ fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate
     let mut widths: Vec<f64> = (0..values.len()).map(width).collect();
     for _ in 0..ROUNDS.0 {
         for (place, freed) in hypothesis.freed.iter().enumerate() {
-            let centre = freed.inward(values[place]);
+            let centre = freed.to_internal(values[place]);
             golden_section((centre - widths[place], centre + widths[place]), ROUNDS.1, |varied| {
                 let mut there = values.clone();
-                there[place] = freed.outward(varied);
+                there[place] = freed.from_internal(varied);
                 let found = error(&there);
                 if found < least {
                     (least, values) = (found, there);
@@ -171,7 +178,7 @@ fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate
     let deviations = hypothesis.freed.iter().enumerate().map(|(place, freed)| {
         let beside = |sign: f64| {
             let mut there = values.clone();
-            there[place] = freed.outward(freed.inward(values[place]) + sign * STEP);
+            there[place] = freed.from_internal(freed.to_internal(values[place]) + sign * STEP);
             parts(&there)
         };
         let (below, above) = (beside(-1.0), beside(1.0));
@@ -187,5 +194,5 @@ fn refined(forms: &[Form], machine: &Machine, candidate: Candidate) -> Candidate
         freed.deviation(values[place], varied.min(1.0)).hypot(freed.floor(values[place]))
     });
     let deviations = deviations.collect();
-    Candidate { hypothesis: hypothesis.clone(), values, deviations, cost: least }
+    Candidate { hypothesis: hypothesis.clone(), values, deviations, cost: least, beside: Vec::new() }
 }

@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
-use crate::identification::diagnosis::evidence::{self, Candidate, Evidence};
-use crate::identification::fit::{Run, cost, left_out};
+use crate::identification::diagnosis::evidence::{Candidate, Evidence};
+use crate::identification::fit::{Run, cost, held_out_blocks};
 use crate::machine::Machine;
 
 /// By how much the cost must fall, beside ln n a parameter.
@@ -76,8 +76,8 @@ pub fn held_out(
 ) -> Option<HeldOut> {
     let sections = sections_of_each(evidence.runs.len());
     let left_out = |all: &[Candidate]| {
-        let (base, freed) = evidence::freed(base, all);
-        left_out(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections))
+        let (base, freed) = evidence.freed(base, all);
+        held_out_blocks(&base, evidence.runs, &freed, &evidence.whitenings, |count| cut(count, sections))
     };
     let own =
         after.first().filter(|cause| cause.hypothesis.is_continuous).map_or(0, |cause| cause.values.len());

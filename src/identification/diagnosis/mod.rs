@@ -19,6 +19,7 @@ mod evidence;
 mod excerpts;
 mod form;
 mod gates;
+mod model_error;
 mod places;
 mod plateaus;
 mod pulsation;
@@ -26,13 +27,16 @@ mod read_off;
 mod regions;
 mod rests;
 mod search;
+mod shown;
 mod speeds;
+mod standing;
 mod verdict;
 mod waits;
 
 pub use account::{Account, Steps, accounts};
 pub use crossed::Crossed;
 pub use evidence::{Candidate, Evidence};
+pub use model_error::ModelError;
 pub use plateaus::{Plateau, plateau};
 pub use pulsation::Pulsation;
 pub use regions::{Region, regions};
@@ -45,22 +49,23 @@ use crate::identification::diagnosis::confidence::weighed;
 use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
+use crate::identification::diagnosis::model_error::{
+    AT_ONCE, is_of_machine, is_worth_a_search, without_story,
+};
 use crate::identification::diagnosis::search::Looked;
+use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::Left;
-use crate::identification::effects::{self, Effect, Hypothesis, Nature, library};
+use crate::identification::effects::{self, Effect, Hypothesis, library};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
+use crate::simulation::ordered::sort_by_number;
 
 /// What a cause must explain, s, and what may be left without a word.
 const LEAST: f64 = 0.015;
 /// Causes named at most.
 const MOST: usize = 4;
-/// How many times what calibration left on its own runs a model may leave on others.
-const ELSEWHERE: f64 = 1.5;
 /// A calibration that leaves more than this part of the lost time explains no more than the machine file.
 const CLEARLY_LESS: f64 = 0.5;
-/// Settings and limits of machine and control that may have changed at once.
-const AT_ONCE: usize = 2;
 /// How often one of them may give way to another.
 const RECONSIDERED: usize = 2;
 /// The part of the time that is taken for finding them first.
@@ -111,6 +116,8 @@ pub struct Diagnosis {
     pub regions: Vec<Region>,
     /// Lost time that the causes leave, s, all runs together, and where most of it is.
     pub left: (f64, Option<Region>),
+    /// By how much the machine file may be off on these runs, as a part of the time, where it was calibrated on other programs.
+    pub elsewhere: Option<f64>,
     /// Whether it is unknown for the form of the path alone, which loses no time.
     pub is_of_form: bool,
     /// How the pace rises and falls with time, which nothing in the library does.
@@ -133,54 +140,46 @@ pub struct Diagnosis {
     pub messages: Vec<String>,
 }
 
-/// What a machine leaves unexplained of runs that it was calibrated on: the error of the model itself, which is no cause.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ModelError {
-    /// Lost time by region, nothing set off, as a part of the recorded time.
-    pub unexplained_time: f64,
-    /// Root mean square distance of recorded from simulated positions at equal times, mm; `None` without positions.
-    pub form: Option<f64>,
-}
-
-impl ModelError {
-    /// Of a machine on the runs that it was calibrated on.
-    pub fn of(machine: &Machine, runs: &[Run]) -> ModelError {
-        let left = Remainder::of(machine, runs);
-        ModelError {
-            unexplained_time: left.seconds / left.recorded().max(1e-9),
-            form: form::error(machine, runs),
-        }
-    }
-
-    /// Writes it into the machine that leaves it.
-    pub fn keep_in(self, machine: &mut Machine) {
-        machine.unexplained_time = Some(self.unexplained_time);
-        machine.form_error = self.form;
-    }
-}
-
 /// Diagnoses runs against the machine believed in. A machine that was never calibrated, and of which one or two causes do
 /// not explain the runs, is another machine than its file says: it is calibrated from the runs first. `progress` is told
 /// the part that is done.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
+    let (machine, elsewhere) = &standing::on_these(machine, runs);
+    let shown = elsewhere.and_then(|_| shown::shown(machine, runs));
+    let Some(shown) = shown else {
+        return Diagnosis { elsewhere: *elsewhere, ..diagnose_on(machine, runs, progress) };
+    };
+    let own = diagnose_as_it_is(&shown, Some(machine), runs, progress);
+    let message = "this program shows accelerations or rapid rates that the calibration had to assume, so Truefeed took them from the recording first; changes by that are not causes";
+    Diagnosis {
+        elsewhere: *elsewhere,
+        before: compared(machine, runs),
+        form: form::error(machine, runs).zip(own.form).map(|(before, after)| (before, after.1)),
+        messages: [message.to_string()].into_iter().chain(own.messages).collect(),
+        calibrated: Some(shown),
+        ..own
+    }
+}
+
+/// The same of a machine that says what it may be off by on these runs.
+fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
     let is_story = AT_ONCE < of_machine || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
-    if machine.cycle_time_error.is_some() || !is_story || as_it_is.pulsation.is_some() {
+    if Standing::of(machine) != Standing::Unchecked || !is_story || as_it_is.pulsation.is_some() {
         progress(1.0);
         return as_it_is;
     }
-    let mut calibrated = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part)).machine;
-    let error = ModelError::of(&calibrated, runs);
-    calibrated.cycle_time_error = Some(error.unexplained_time);
-    error.keep_in(&mut calibrated);
+    let calibration = calibrate(machine, runs, &mut |part| progress(0.5 + 0.25 * part));
+    let mut calibrated = calibration.machine.clone();
+    calibrated.cycle_time_error = Some(calibration.worst_error(|comparison| comparison.whole));
+    ModelError::of(&calibrated, runs).keep_in(&mut calibrated);
     let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
     progress(1.0);
     if CLEARLY_LESS * as_it_is.left.0 < own.left.0 {
         return as_it_is;
     }
-    let message = "the machine file does not describe this machine: it was calibrated from the recording first, and what \
-                   that changed is no cause";
+    let message = "the machine file does not describe this machine, so Truefeed calibrated it from the recording first; changes by that calibration are not causes";
     Diagnosis {
         before: as_it_is.before,
         form: as_it_is.form.zip(own.form).map(|(before, after)| (before.0, after.1)),
@@ -212,7 +211,8 @@ fn diagnose_as_it_is(
     };
     let base = with_all(&start, &candidates(&in_time.read_off));
     let with_time = with_all(&base, &candidates(&in_time.named));
-    if is_in_time {
+    // What is left of the time has moved the path as well, and a drive would only imitate that.
+    if is_in_time && !model_error::leaves_much(machine, &with_time, runs, !in_time.is_empty()) {
         drives = form::explained(&with_time, runs, &library, false);
     }
     let fitted = with_all(&with_time, &drives);
@@ -253,6 +253,7 @@ fn diagnose_as_it_is(
         accounts,
         regions,
         pulsation,
+        elsewhere: None,
         calibrated: None,
         machine: fitted,
         before,
@@ -319,10 +320,7 @@ impl InTime {
             named.clear();
             pulsation = seen(&base);
         }
-        let named = match start.cycle_time_error {
-            Some(_) => without_story(start, &base, runs, named),
-            None => named,
-        };
+        let named = without_story(start, &base, runs, named);
         InTime { named: weighed(&base, runs, named), read_off, excerpts, pulsation }
     }
 
@@ -345,62 +343,6 @@ impl InTime {
     }
 }
 
-/// Whether what a machine leaves of the runs is worth a search for a cause. A machine file without a calibration is taken at
-/// its word: nothing is known of an error of its own.
-fn is_worth_a_search(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
-    let left = Remainder::of(machine, runs);
-    match believed.cycle_time_error {
-        Some(_) => left.asks(believed, runs, is_beside),
-        None => LEAST.max(search::SIZE * left.recorded()) < left.seconds,
-    }
-}
-
-/// What a machine leaves of the runs.
-struct Remainder {
-    /// Lost time, s.
-    seconds: f64,
-    compared: Vec<Comparison>,
-}
-
-impl Remainder {
-    fn of(machine: &Machine, runs: &[Run]) -> Remainder {
-        let compared = compared(machine, runs);
-        Remainder { seconds: regions::left(&compared, &located(&compared, runs, machine), runs), compared }
-    }
-
-    fn recorded(&self) -> f64 {
-        self.compared.iter().map(|comparison| comparison.whole.recorded).sum()
-    }
-
-    /// Whether it asks for a cause, or, beside others, for a further one.
-    fn asks(&self, believed: &Machine, runs: &[Run], is_beside: bool) -> bool {
-        let before = if is_beside { Remainder::of(believed, runs).seconds } else { self.seconds };
-        Left::of(believed, (before, self.seconds), None, &self.compared).asks(is_beside)
-    }
-}
-
-/// Whether a cause is a limit or a setting of machine or control.
-fn is_of_machine(candidate: &Candidate) -> bool {
-    matches!(candidate.hypothesis.effect.nature, Nature::Limit | Nature::Setting)
-}
-
-/// The causes without those that lie in machine and control, where these make a story: more of them than change at once,
-/// or much left beside them. A part of something unknown has no name.
-fn without_story(
-    start: &Machine,
-    base: &Machine,
-    runs: &[Run],
-    mut named: Vec<AcceptedCause>,
-) -> Vec<AcceptedCause> {
-    let is_of_machine = |cause: &AcceptedCause| is_of_machine(&cause.candidate);
-    let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
-    let leaves_much = || Remainder::of(&with_all(base, &candidates(&named)), runs).asks(start, runs, true);
-    if AT_ONCE < of_machine || 0 < of_machine && leaves_much() {
-        named.retain(|cause| !is_of_machine(cause));
-    }
-    named
-}
-
 /// The accounts of the runs. The causes, given as they act, get their seconds and are put in order, the one that
 /// explains most first.
 fn accounted(
@@ -415,7 +357,7 @@ fn accounted(
         cause.seconds = seconds;
     }
     let mut order: Vec<usize> = (0..causes.len()).collect();
-    order.sort_by(|a, b| causes[*b].seconds.abs().total_cmp(&causes[*a].seconds.abs()));
+    sort_by_number(&mut order, |index| -causes[*index].seconds.abs());
     *causes = order.iter().map(|at| causes[*at].clone()).collect();
     accounts.into_iter().map(|account| account.reordered(&order)).collect()
 }

@@ -1,21 +1,23 @@
 //! Hypotheses of causes that act in one part of the program only, placed where the residual says.
 //!
-//! The override of feed moves from one line to another: with g the change of the residual between marks by
+//! The override of feed moves from one place of the path to another, wherever the switch was turned: with g the change of the residual between marks by
 //! an override on all lines, and δ that which is observed, β = Σ δ g / Σ g² over a range explains
 //! (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix sums over at most
-//! [`BINS`] parts.
+//! [`BINS`] parts; the same sums over whitened residuals say whether it is worth a range.
 //!
-//! Waits before lines: where the recorded machine rests between two long blocks, the longest ones. A feed hold: where it
-//! dips.
+//! Waits before lines: where the recorded machine rests between two long blocks, the longest ones. A feed hold:
+//! where it dips.
 
-use crate::identification::alignment::Place;
 use crate::identification::diagnosis::dips::dip;
 use crate::identification::diagnosis::evidence::Evidence;
 use crate::identification::diagnosis::gates::GAIN;
 use crate::identification::diagnosis::rests::{Rest, rests};
-use crate::identification::effects::{FEED_OVERRIDE, FROM_LINE, Hypothesis, RATIO, Reported, TO_LINE};
-use crate::identification::fit::{Freed, Run, Scale, golden_section};
+use crate::identification::effects::{
+    FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, Reported, TO_DISTANCE, TO_LINE,
+};
+use crate::identification::fit::{FreeParameter, Run, VariationScale, golden_section};
 use crate::machine::{Handle, Machine};
+use crate::simulation::ordered::sort_by_number;
 
 /// Parts of a run between which a range may begin and end.
 const BINS: usize = 300;
@@ -23,6 +25,17 @@ const BINS: usize = 300;
 const TRIED: f64 = 0.97;
 /// Golden sections in the search of the ratio of an override.
 const RATIO_SECTIONS: usize = 14;
+/// Lost time at a mark counts up to this many standard deviations, and up to what an override of 1/(1 + this) would lose: more
+/// is a wait.
+const MAX_NOISE: f64 = 20.0;
+const MAX_SLOWING: f64 = 4.0;
+/// The fewest parts that an override lasts.
+const MIN_PARTS: usize = 3;
+/// Parts of a run on either side of an edge within which it is looked for.
+const PARTS_AROUND: usize = 2;
+/// Golden sections in the search of an edge, each of which is searched so often.
+const EDGE_SECTIONS: usize = 12;
+const EDGE_ROUNDS: usize = 3;
 /// Waits before lines that are tried.
 const WAITS: usize = 3;
 /// A range that explains less than this part more than the whole program is the whole program.
@@ -38,149 +51,171 @@ pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open:
     let mut all: Vec<Hypothesis> = range.into_iter().collect();
     let mut waits = rests(machine, run);
     waits.retain(|rest| rest.place.is_none() && !machine.halts.waits.contains_key(&rest.line));
-    waits.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    sort_by_number(&mut waits, |wait| -wait.seconds);
     all.extend(waits.into_iter().take(WAITS).map(Rest::hypothesis));
     let dip = dip(machine, run).filter(|dip| !machine.halts.feed_holds.contains_key(&dip.line));
     all.extend(dip.map(Rest::hypothesis));
     all
 }
 
-/// The override of feed moves on a range of lines.
+/// The override of feed moves along a part of the path.
 fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<Hypothesis> {
     let mut other = machine.clone();
     other.overrides.feed *= TRIED;
     let whitening = evidence.whitenings.first()?;
     let now = run.residuals(machine);
     let changed = run.residuals(&other);
-    let observed = whitening.apply(&now);
-    // What an override of 1 % more time would lose, whitened.
+    // What an override that doubles the time would lose.
     let change: Vec<f64> =
         now.iter().zip(&changed).map(|(now, changed)| (now - changed) / (1.0 / TRIED - 1.0)).collect();
-    let change = whitening.apply(&change);
-    let part = observed.len().div_ceil(BINS).max(1);
-    let mut sums = vec![(0.0, 0.0)];
-    for (observed, change) in observed.chunks(part).zip(change.chunks(part)) {
-        let (mut both, mut own) = sums[sums.len() - 1];
-        for (observed, change) in observed.iter().zip(change) {
-            both += observed.clamp(-20.0, 20.0) * change;
-            own += change * change;
-        }
-        sums.push((both, own));
-    }
-    let explained = |from: usize, to: usize| {
-        let (both, own) = (sums[to].0 - sums[from].0, sums[to].1 - sums[from].1);
-        if 0.0 < own { both * both / own } else { 0.0 }
-    };
-    let bins = sums.len() - 1;
-    let mut best = (0, bins, explained(0, bins));
-    let whole = best.2;
-    for from in 0..bins {
-        for to in from + 3..=bins {
-            let found = explained(from, to);
-            if best.2 < found {
-                best = (from, to, found);
-            }
-        }
-    }
+    let marks = &run.alignment.marks;
+    let part = now.len().div_ceil(BINS).max(1);
+    let bins = now.len().div_ceil(part);
+    let end = |bin: usize| (bin * part).min(marks.len() - 1);
+    // Whitened residuals remember what was lost before, so they tell whether there is an override, and not where.
+    let lost = |of: &[f64], bin: usize| of[end(bin + 1)] - of[end(bin)];
+    let by_part = Explained::of((0..bins).map(|bin| (lost(&now, bin), lost(&change, bin))), 0.0);
+    let (from, to) = by_part.best_range();
+    let whitened = whitening.apply(&now).into_iter().zip(whitening.apply(&change));
+    let by_mark = Explained::of(whitened, MAX_NOISE);
+    let (whole, found) = (by_mark.part(0, now.len()), by_mark.part(end(from), end(to) + 1));
     // The best of so many ranges explains 2 ln of their number by chance.
     let by_chance = 2.0 * (0.5 * (bins * bins) as f64).max(1.0).ln();
-    if best.2 < WORTH_A_RANGE * whole || best.2 - whole < GAIN + by_chance {
+    let is_worth_a_range = WORTH_A_RANGE * whole <= found && whole + GAIN + by_chance <= found;
+    if !is_worth_a_range || marks[end(to)].time - marks[end(from)].time < SHORTEST_OVERRIDE {
         return None;
     }
-    let (from, to) = (best.0, best.1);
-    let mark = |bin: usize| run.alignment.marks[(bin * part).min(run.alignment.marks.len() - 1)];
-    if mark(to).time - mark(from).time < SHORTEST_OVERRIDE {
-        return None;
-    }
-    let slope = (sums[to].0 - sums[from].0) / (sums[to].1 - sums[from].1);
-    let ratio = (1.0 / (1.0 + slope)).clamp(0.05, 2.0) * machine.overrides.feed;
-    let line_of = |bin: usize| line_at(run, mark(bin).place);
-    let first = if from == 0 { 0 } else { line_of(from) };
-    let last = if to == bins { u32::MAX } else { line_of(to) };
+    let guess = (1.0 / (1.0 + by_part.slope(from, to))).clamp(0.05, 2.0) * machine.overrides.feed;
+    let distances = run.toolpath.distances();
+    let ends: Vec<f64> =
+        (0..=bins).map(|bin| marks[end(bin)].place.distance(run.toolpath, &distances)).collect();
+    let mut span = OverrideSpan { from: (from != 0).then(|| ends[from]), to: (to != bins).then(|| ends[to]) };
     // Ratio and edges lean on each other: one after the other, a few times.
-    let guess = ratio;
-    let (mut first, mut last, mut ratio) = (first, last, ratio);
-    for _ in 0..3 {
-        (first, last) = edges(machine, run, evidence, ratio, (first, last));
-        ratio = best_ratio(machine, evidence, ratio, (first, last));
+    let mut ratio = guess;
+    for _ in 0..EDGE_ROUNDS {
+        span = span.fitted(machine, evidence, ratio, &ends);
+        ratio = best_ratio(machine, evidence, ratio, span.of_path());
     }
-    let freed = Freed::new(Handle::number("override.feed"), guess, (0.01, 2.0), Scale::Ratio)
-        .exact()
-        .also(move |machine| machine.overrides.lines = (first, last));
-    let report = move |ratio| {
-        let mut reported =
-            vec![(RATIO, Reported::Number(ratio)), (FROM_LINE, Reported::Number(f64::from(first)))];
-        if last < u32::MAX {
-            reported.push((TO_LINE, Reported::Number(f64::from(last))));
-        }
-        reported
-    };
+    let of_path = span.of_path();
+    let freed =
+        FreeParameter::new(Handle::number("override.feed"), ratio, (0.01, 2.0), VariationScale::Ratio)
+            .exact()
+            .also(move |machine| machine.overrides.span = of_path);
+    let line_of = |distance: f64| f64::from(line_at(run, distance, &distances));
+    let edges = [(span.from, FROM_DISTANCE, FROM_LINE), (span.to, TO_DISTANCE, TO_LINE)];
+    let known = edges.into_iter().filter_map(|(edge, distance, line)| {
+        let at = edge?;
+        Some([(distance, Reported::Number(at)), (line, Reported::Number(line_of(at)))])
+    });
+    let known: Vec<_> = known.flatten().collect();
+    let report = move |ratio| [(RATIO, Reported::Number(ratio))].into_iter().chain(known.clone()).collect();
     let trials = [0.9, 0.97, 1.0, 1.03, 1.1].iter().map(|part| part * ratio).collect();
     Some(Hypothesis::single(FEED_OVERRIDE, freed, trials, report).variant("on some lines"))
 }
 
+/// What a change of the lost time by an override explains of the lost time that is observed, from prefix sums Σ δ g and Σ g².
+struct Explained {
+    sums: Vec<(f64, f64)>,
+}
+
+impl Explained {
+    /// Of pairs (δ, g); a δ counts up to this `noise` and [`MAX_SLOWING`] times g, since more is a wait.
+    fn of(pairs: impl Iterator<Item = (f64, f64)>, noise: f64) -> Explained {
+        let mut sums = vec![(0.0, 0.0)];
+        for (observed, change) in pairs {
+            let (both, own) = sums[sums.len() - 1];
+            let most = noise + MAX_SLOWING * change.abs();
+            sums.push((both + observed.clamp(-most, most) * change, own + change * change));
+        }
+        Explained { sums }
+    }
+
+    fn between(&self, from: usize, to: usize) -> (f64, f64) {
+        (self.sums[to].0 - self.sums[from].0, self.sums[to].1 - self.sums[from].1)
+    }
+
+    /// (Σ δ g)²/Σ g² of the pairs from one up to another.
+    fn part(&self, from: usize, to: usize) -> f64 {
+        let (both, own) = self.between(from, to);
+        if 0.0 < own { both * both / own } else { 0.0 }
+    }
+
+    /// β of the pairs from one up to another.
+    fn slope(&self, from: usize, to: usize) -> f64 {
+        let (both, own) = self.between(from, to);
+        if 0.0 < own { both / own } else { 0.0 }
+    }
+
+    /// The range of at least [`MIN_PARTS`] pairs that explains most.
+    fn best_range(&self) -> (usize, usize) {
+        let count = self.sums.len() - 1;
+        let mut best = (0, count);
+        let mut most = self.part(0, count);
+        for from in 0..count {
+            for to in from + MIN_PARTS..=count {
+                let explained = self.part(from, to);
+                if most < explained {
+                    (best, most) = ((from, to), explained);
+                }
+            }
+        }
+        best
+    }
+}
+
+/// Where an override begins and ends along the path, mm; `None` at the ends of the program.
+#[derive(Clone, Copy)]
+struct OverrideSpan {
+    from: Option<f64>,
+    to: Option<f64>,
+}
+
+impl OverrideSpan {
+    fn of_path(self) -> (f64, f64) {
+        (self.from.unwrap_or(0.0), self.to.unwrap_or(f64::INFINITY))
+    }
+
+    /// Returns the edges at which the cost is least at a ratio, one after the other; `ends` are those of the
+    /// parts of the run, mm.
+    fn fitted(mut self, machine: &Machine, evidence: &Evidence, ratio: f64, ends: &[f64]) -> OverrideSpan {
+        let least = |at: f64, with: &dyn Fn(f64) -> OverrideSpan| {
+            let cost = |at: f64| evidence.cost(&overridden(machine, ratio, with(at).of_path()));
+            let (low, high) = golden_section(around(at, ends), EDGE_SECTIONS, cost);
+            0.5 * (low + high)
+        };
+        if let Some(at) = self.from {
+            self.from = Some(least(at, &|at| OverrideSpan { from: Some(at), ..self }));
+        }
+        if let Some(at) = self.to {
+            self.to = Some(least(at, &|at| OverrideSpan { to: Some(at), ..self }));
+        }
+        self
+    }
+}
+
+/// The stretch of the path of [`PARTS_AROUND`] parts on either side of a distance, mm.
+fn around(at: f64, ends: &[f64]) -> (f64, f64) {
+    let next = ends.partition_point(|end| *end < at);
+    (ends[next.saturating_sub(PARTS_AROUND)], ends[(next + PARTS_AROUND).min(ends.len() - 1)])
+}
+
+fn overridden(machine: &Machine, ratio: f64, span: (f64, f64)) -> Machine {
+    let mut machine = machine.clone();
+    (machine.overrides.feed, machine.overrides.span) = (ratio, span);
+    machine
+}
+
 /// The override at which the cost is least, near where it was guessed.
-fn best_ratio(machine: &Machine, evidence: &Evidence, guess: f64, lines: (u32, u32)) -> f64 {
-    let cost = |ratio: f64| {
-        let mut there = machine.clone();
-        there.overrides.feed = ratio;
-        there.overrides.lines = lines;
-        evidence.cost(&there)
-    };
+fn best_ratio(machine: &Machine, evidence: &Evidence, guess: f64, span: (f64, f64)) -> f64 {
+    let cost = |ratio: f64| evidence.cost(&overridden(machine, ratio, span));
     let (low, high) = golden_section((0.85 * guess, 1.18 * guess), RATIO_SECTIONS, cost);
     0.5 * (low + high)
 }
 
-/// The first and last line at which the cost is least, near where they were guessed.
-fn edges(machine: &Machine, run: &Run, evidence: &Evidence, ratio: f64, guess: (u32, u32)) -> (u32, u32) {
-    let mut lines: Vec<u32> = run.toolpath.segments.iter().map(|segment| segment.line.0).collect();
-    lines.dedup();
-    lines.sort_unstable();
-    lines.dedup();
-    let alone = Evidence { runs: evidence.runs, whitenings: evidence.whitenings.clone() };
-    let cost = |first: u32, last: u32| {
-        let mut there = machine.clone();
-        there.overrides.feed = ratio;
-        there.overrides.lines = (first, last);
-        alone.cost(&there)
-    };
-    let place = |line: u32| lines.partition_point(|known| *known < line);
-    let mut best = guess;
-    let mut least = cost(best.0, best.1);
-    for edge in 0..2 {
-        let guessed = if edge == 0 { guess.0 } else { guess.1 };
-        if guessed == 0 || guessed == u32::MAX {
-            continue;
-        }
-        let mut reach = (lines.len() / BINS).max(4) as i64;
-        while 0 < reach {
-            let centre = place(if edge == 0 { best.0 } else { best.1 }) as i64;
-            for step in [-2 * reach, -reach, reach, 2 * reach] {
-                let Some(&line) = usize::try_from(centre + step).ok().and_then(|at| lines.get(at)) else {
-                    continue;
-                };
-                let there = if edge == 0 { (line, best.1) } else { (best.0, line) };
-                let found = cost(there.0, there.1);
-                if found < least {
-                    (best, least) = (there, found);
-                }
-            }
-            reach /= 2;
-        }
-    }
-    best
-}
-
-/// The line at a place.
-fn line_at(run: &Run, place: Place) -> u32 {
+/// The line at a distance along the path.
+fn line_at(run: &Run, distance: f64, distances: &[f64]) -> u32 {
     let segments = &run.toolpath.segments;
-    match place {
-        Place::Start => 0,
-        Place::Stop(stop) | Place::After(stop) => run.toolpath.stops[stop].line.0,
-        Place::Along(distance) => {
-            let begun = run.toolpath.distances().partition_point(|begin| *begin <= distance);
-            let last = segments.len().checked_sub(1);
-            last.map_or(0, |last| segments.at(begun.saturating_sub(1).min(last)).line.0)
-        }
-    }
+    let begun = distances.partition_point(|begin| *begin <= distance);
+    let last = segments.len().checked_sub(1);
+    last.map_or(0, |last| segments.at(begun.saturating_sub(1).min(last)).line.0)
 }

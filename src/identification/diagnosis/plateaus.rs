@@ -14,11 +14,12 @@
 //!
 //! Limits: logs with line numbers and feed; an override that is changed again and again has no pile.
 
-use crate::identification::alignment::{Place, visits};
+use crate::identification::alignment::{ProgramPlace, visits};
 use crate::identification::diagnosis::evidence::Candidate;
 use crate::identification::effects::{FEED_OVERRIDE, Hypothesis};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::Motion;
 
 /// The quantile of a pile that is its ratio: what cuts off digits, or is not yet there, is below.
@@ -59,7 +60,7 @@ struct Reading {
 /// The ratio at which a run goes where nothing else bounds it; none where no such is to be seen.
 pub fn plateau(run: &Run) -> Option<Plateau> {
     let mut readings = readings(run);
-    readings.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+    sort_by_number(&mut readings, |reading| reading.ratio);
     let whole: f64 = readings.iter().map(|reading| reading.seconds).sum();
     let mut sums = vec![0.0];
     for reading in &readings {
@@ -89,7 +90,7 @@ pub fn plateau(run: &Run) -> Option<Plateau> {
     let quantile = |part: f64, of: &dyn Fn(&Reading) -> f64| {
         let mut all: Vec<(f64, f64)> =
             readings[range.clone()].iter().map(|reading| (of(reading), weight(reading))).collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut all, |one| one.0);
         let reached: f64 = part * all.iter().map(|(_, weight)| weight).sum::<f64>();
         let mut sum = 0.0;
         all.iter()
@@ -140,7 +141,7 @@ fn programmed(run: &Run) -> Vec<(f64, f64, f64)> {
     };
     let mut at = 0;
     let mut starts: Vec<(f64, usize)> = Vec::new();
-    for mark in run.alignment.marks.iter().filter(|mark| mark.place != Place::Start) {
+    for mark in run.alignment.marks.iter().filter(|mark| mark.place != ProgramPlace::Start) {
         if let Some(found) = (at..visits.len()).find(|visit| visits[*visit].begin == mark.place) {
             starts.push((mark.time, found));
             at = found;
@@ -189,5 +190,11 @@ pub fn feed_override(machine: &Machine, runs: &[Run], library: &[Hypothesis]) ->
     let Some(hypothesis) = found.cloned() else { return Said::Nothing };
     // It is read off and not fitted: what a model is off by must not move it.
     let hypothesis = Hypothesis { is_continuous: false, ..hypothesis };
-    Said::Other(Candidate { hypothesis, values: vec![ratio], deviations: vec![deviation], cost: f64::NAN })
+    Said::Other(Candidate {
+        hypothesis,
+        values: vec![ratio],
+        deviations: vec![deviation],
+        cost: f64::NAN,
+        beside: Vec::new(),
+    })
 }

@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use crate::identification::alignment::{Alignment, Place, median, times, visits};
+use crate::identification::alignment::{Alignment, ProgramPlace, median, times, visits};
 use crate::identification::comparison::Comparison;
 use crate::identification::fit::Run;
-use crate::machine::Machine;
+use crate::machine::{Machine, Overrides};
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Motion, Segment};
 
 /// What a visit lost counts from so many standard deviations of its ends.
@@ -45,7 +46,7 @@ fn noise(alignment: &Alignment) -> f64 {
 /// The regions of the comparison of one of the runs, by what they lost, the most first.
 pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
     let mut regions = all_regions(comparison, alignment, run);
-    regions.sort_by(|a, b| b.seconds.abs().total_cmp(&a.seconds.abs()));
+    sort_by_number(&mut regions, |region| -region.seconds.abs());
     regions.truncate(MOST);
     regions
 }
@@ -104,7 +105,7 @@ fn all_regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Ve
 /// By how much a machine is slower than another on each visit of the runs, s, with its line.
 fn differences(without: &Machine, with: &Machine, run: &Run) -> Vec<(u32, f64)> {
     let visits = visits(run.toolpath);
-    let places: Vec<Place> = visits.iter().map(|visit| visit.begin).collect();
+    let places: Vec<ProgramPlace> = visits.iter().map(|visit| visit.begin).collect();
     let ends = |machine: &Machine| {
         let plan = run.plan(machine);
         let mut times = times(run.toolpath, &plan, &places);
@@ -142,11 +143,20 @@ fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
     if before == after {
         return Vec::new();
     }
-    let differs = |segment: &Segment| match segment.motion {
-        Motion::Rapid => before.of_rapid(segment.line.0) != after.of_rapid(segment.line.0),
-        Motion::Feed { .. } => before.of_feed(segment.line.0) != after.of_feed(segment.line.0),
+    let distances = run.toolpath.distances();
+    let of_feed = |overrides: &Overrides, at: usize, line: u32| {
+        let (from, to) = overrides.span;
+        if from < distances[at + 1] && distances[at] < to { overrides.of_feed(line) } else { 1.0 }
     };
-    run.toolpath.segments.iter().filter(differs).map(|segment| segment.line.0).collect()
+    let differs = |(at, segment): &(usize, Segment)| {
+        let line = segment.line.0;
+        match segment.motion {
+            Motion::Rapid => before.of_rapid(line) != after.of_rapid(line),
+            Motion::Feed { .. } => of_feed(&before, *at, line) != of_feed(&after, *at, line),
+        }
+    };
+    let segments = run.toolpath.segments.iter().enumerate().filter(differs);
+    segments.map(|(_, segment)| segment.line.0).collect()
 }
 
 /// The time (s) that one machine takes longer than another, and all that it is slower or faster, nothing set off.
@@ -177,8 +187,9 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
     ranges
 }
 
-/// Lost time, s: what the residual wanders between the first and the last mark whose times are known well, as they
-/// are not close to a stop, or by its regions.
+/// Lost time, s: by its regions, or what the residual wanders between the first and the last mark whose times are
+/// known well, as they are not close to a stop, or between the first and the last of all, less what these may be
+/// off by.
 pub fn left(comparisons: &[Comparison], regions: &[Region], runs: &[Run]) -> f64 {
     let of_run = |(at, (comparison, run)): (usize, (&Comparison, &Run))| {
         let own = regions.iter().filter(|region| region.run == at);
@@ -187,7 +198,12 @@ pub fn left(comparisons: &[Comparison], regions: &[Region], runs: &[Run]) -> f64
         let known = run.alignment.marks.iter().zip(&comparison.residuals);
         let mut known = known.filter(|(mark, _)| mark.deviation <= noise).map(|(_, residual)| *residual);
         let first = known.next().unwrap_or(0.0);
-        located.max((known.next_back().unwrap_or(first) - first).abs())
+        let wandered = (known.next_back().unwrap_or(first) - first).abs();
+        let ends = [run.alignment.marks.first(), run.alignment.marks.last()];
+        let unsure: f64 = ends.into_iter().flatten().map(|mark| SEEN * mark.deviation).sum();
+        let whole =
+            comparison.residuals.last().unwrap_or(&0.0) - comparison.residuals.first().unwrap_or(&0.0);
+        located.max(wandered).max(whole.abs() - unsure)
     };
     comparisons.iter().zip(runs).enumerate().map(of_run).sum()
 }
@@ -196,31 +212,16 @@ pub fn left(comparisons: &[Comparison], regions: &[Region], runs: &[Run]) -> f64
 mod tests {
     use super::*;
     use crate::identification::alignment::{Mark, Method};
-    use crate::identification::comparison::{Durations, Lost};
+    use crate::identification::comparison::{Durations, VisitTimes};
     use crate::simulation::gcode::LineNumber;
-    use crate::simulation::toolpath::Vector;
 
     /// The lines of the regions of visits that follow each other, by when they begin and end in the recording and how
     /// long they take in the simulation, s.
     fn lines(visits: &[(f64, f64, f64)]) -> Vec<(u32, u32)> {
-        let mark = |time: f64| Mark { place: Place::Along(time), time, deviation: 1e-3 };
-        let alignment = Alignment {
-            method: Method::Positions,
-            run: 0.0..10.0,
-            marks: (0..=100).map(|at| mark(0.1 * f64::from(at))).collect(),
-            fixes: Vec::new(),
-            covered: 0.0..1.0,
-            length: 1.0,
-            poll: None,
-            fit: 1.0,
-            spread: None,
-            track: None,
-            feed: None,
-            remarks: Vec::new(),
-            shift: Vector::zeros(),
-            passes: 1,
-        };
-        let lost = visits.iter().zip(1..).map(|((begin, end, takes), line)| Lost {
+        let mark = |time: f64| Mark { place: ProgramPlace::Along(time), time, deviation: 1e-3 };
+        let marks = (0..=100).map(|at| mark(0.1 * f64::from(at))).collect();
+        let alignment = Alignment::of_marks(Method::Positions, 0.0..10.0, marks, 1.0);
+        let lost = visits.iter().zip(1..).map(|((begin, end, takes), line)| VisitTimes {
             line: LineNumber(line),
             distance: 0.0..1.0,
             recorded: *begin..*end,

@@ -34,13 +34,13 @@ use std::ops::RangeInclusive;
 use crate::identification::alignment::{Method, Visit, median, visits};
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
 use crate::identification::effects::{FEED_HOLD, Hypothesis, LINE, Reported, SECONDS, UNMODELLED_WAIT};
-use crate::identification::fit::{Freed, Run, Scale};
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{Handle, Machine};
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Segments, Stop, Toolpath};
 
 /// The shortest rest, s.
-const LEAST: f64 = 0.1;
+pub const LEAST: f64 = 0.1;
 /// A rest is this short along the path, mm, or so many standard deviations of a position.
 const SHORT: (f64, f64) = (0.02, 6.0);
 /// From one sample to the next the machine stood if it lost this part of the time.
@@ -152,17 +152,22 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
                 rest_during(run, &visits, &profile, at, middle, lost(first, last))
             }
         };
-        match found.last_mut().zip(rest) {
-            Some((before, rest)) if (before.line, before.begin) == (rest.line, rest.begin) => {
-                let place = if before.seconds < rest.seconds { rest.place } else { before.place };
-                *before = Rest { place, seconds: before.seconds + rest.seconds, ..rest };
-            }
-            _ => found.extend(rest),
-        }
+        rest.into_iter().for_each(|rest| add(&mut found, rest));
         (from, to) = (to, to + 1);
     }
     let (at_dwells, elsewhere): (Vec<Rest>, Vec<Rest>) = found.into_iter().partition(|rest| rest.at_dwell);
     [halts(elsewhere), halts(at_dwells)].concat()
+}
+
+/// Adds a rest to those before it; rests that follow one another at one place are one.
+fn add(found: &mut Vec<Rest>, rest: Rest) {
+    match found.last_mut() {
+        Some(before) if (before.line, before.begin) == (rest.line, rest.begin) => {
+            let place = if before.seconds < rest.seconds { rest.place } else { before.place };
+            *before = Rest { place, seconds: before.seconds + rest.seconds, ..rest };
+        }
+        _ => found.push(rest),
+    }
 }
 
 /// What the recorded machine lost from one fix of a run to another, by their indices, s.
@@ -225,6 +230,10 @@ pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -
         return are_dwells.then_some(rest);
     }
     if around.contains(&0.0) || around.contains(&profile.length()) {
+        return None;
+    }
+    // There controls wait for the spindle, and an operator would hold the feed at just that place by chance alone.
+    if run.toolpath.feeds_at_new_speed().any(|segment| around.contains(&end(segment))) {
         return None;
     }
     let low = segment_at(segments, profile, at);
@@ -309,7 +318,9 @@ impl Rest {
         let start = seconds.clamp(0.0, LONGEST);
         let freed = |table: &str| {
             let handle = Handle::entry(table, line);
-            Freed::new(handle, start, (0.0, LONGEST), Scale::Difference).counted_in_cycles().linear()
+            FreeParameter::new(handle, start, (0.0, LONGEST), VariationScale::Difference)
+                .counted_in_cycles()
+                .linear()
         };
         let (effect, freed) = match place {
             Some(place) => {
@@ -335,7 +346,13 @@ pub fn feed_holds(base: &Machine, runs: &[Run], price: f64) -> Vec<(Candidate, f
             let known = |other: &Candidate| other.hypothesis.variant == hypothesis.variant;
             if !candidates.iter().any(known) {
                 let (values, deviations) = (vec![rest.seconds], vec![f64::NAN]);
-                candidates.push(Candidate { hypothesis, values, deviations, cost: f64::NAN });
+                candidates.push(Candidate {
+                    hypothesis,
+                    values,
+                    deviations,
+                    cost: f64::NAN,
+                    beside: Vec::new(),
+                });
             }
         }
     }
@@ -346,5 +363,5 @@ pub fn feed_holds(base: &Machine, runs: &[Run], price: f64) -> Vec<(Candidate, f
     candidates.extend(rest);
     let gains = evidence.gains(base, &candidates);
     let each = candidates.into_iter().zip(gains);
-    each.filter(|(candidate, gain)| price < *gain && 0.5 * LEAST < candidate.values[0]).collect()
+    each.filter(|(candidate, gain)| price < *gain && LEAST < candidate.values[0]).collect()
 }

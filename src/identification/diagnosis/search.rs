@@ -2,7 +2,8 @@
 //!
 //! Of each hypothesis the values are searched over its trials, then by least squares with all that was named
 //! before; the best are compared at the noise that the best of them leaves. Where nothing is named yet, pairs of
-//! them are fitted as well: two causes may hide each other behind a third, which alone is better than either. The
+//! them are fitted as well: two causes may hide each other behind a third, which alone is better than either; and stops at the
+//! ends of blocks are tried with the wait for position that only they bring about. The
 //! first of the best, by cost and price, that passes every gate is the next cause:
 //!
 //! | gate | what must hold |
@@ -13,23 +14,29 @@
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
+//! A clock is the only cause or none: what the law of another leaves grows with the time as well.
+//!
 //! Others that cannot be told from it on these runs are alike: those that fit as well, be it but for one place.
 
 use std::collections::BTreeSet;
 
 use crate::identification::diagnosis::cause::{AcceptedCause, UNSURE, candidates, odds};
-use crate::identification::diagnosis::evidence::with_all;
+use crate::identification::diagnosis::evidence::{assumed, with_all};
 use crate::identification::diagnosis::gates::{GAIN, HeldOut};
 use crate::identification::diagnosis::speeds::Speeds;
-use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions};
-use crate::identification::effects::{FEED_OVERRIDE, Hypothesis, Nature, Trace, UNEQUAL_FILTERS};
-use crate::identification::fit::{Run, Scale};
+use crate::identification::diagnosis::verdict::BESIDE;
+use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions, rests};
+use crate::identification::effects::{
+    FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, Trace, UNEQUAL_FILTERS, awaited_stops,
+};
+use crate::identification::fit::{Run, VariationScale};
 use crate::machine::Machine;
+use crate::simulation::ordered::sort_by_number;
 
 /// What a cause must explain, as a part of the cycle time.
 pub const SIZE: f64 = 3e-4;
-/// What a further cause must explain, as a part of what those before it do.
-const BESIDE: f64 = 0.02;
+/// A further cause may take back at most this part of what the causes before it explain.
+const MAX_CANCELLED_PART: f64 = 0.5;
 /// What a cause moves back and forth counts by this part.
 const NETTED: f64 = 0.2;
 /// A gain of this part of what is left needs no test of its place.
@@ -46,7 +53,8 @@ const IN_PLACE: f64 = 0.1;
 const BELIEVED: f64 = 6e-3;
 /// Half of the smallest step of an override switch.
 const HALF_A_STEP: f64 = 5e-3;
-/// A cause gives way to another where that leaves less than this part of the cost: what is nearly as good may be either.
+/// A cause gives way to another where that leaves less than this part of the cost: what is nearly as good may be
+/// either.
 const GIVES_WAY: f64 = 0.5;
 /// Candidates that are refined by least squares.
 const REFINED: usize = 5;
@@ -92,6 +100,11 @@ pub fn with_next(
         put_best_of_pairs_first(base, &fine, &mut refined);
     }
     progress(0.95);
+    if named.is_empty()
+        && let Some(both) = awaited_stops_first(base, looked, &fine, refined.first().map(|(best, _)| best))
+    {
+        return Some(both);
+    }
     let (found, others) = refined.iter().enumerate().find_map(|(at, (candidate, others))| {
         passed(base, &before, looked, &fine, (candidate, others), &refined[at + 1..])
     })?;
@@ -115,6 +128,7 @@ fn open(
     let mut all: Vec<Hypothesis> = in_time
         .filter(|hypothesis| !is_named(hypothesis))
         .filter(|hypothesis| !named.iter().any(|named| hypothesis.is_fitted_beside(&named.hypothesis)))
+        .filter(|hypothesis| named.is_empty() || hypothesis.effect != RECORDER_CLOCK)
         .cloned()
         .collect();
     let has_override = library.iter().any(|hypothesis| hypothesis.effect == FEED_OVERRIDE);
@@ -135,7 +149,7 @@ fn screened(
         progress(at as f64 / hypotheses.len() as f64);
         candidates.extend(coarse.screened(current, hypothesis));
     }
-    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    sort_by_number(&mut candidates, |one| one.cost);
     candidates.truncate(3 * REFINED);
     candidates
 }
@@ -154,7 +168,7 @@ fn refined(
         Candidate { cost, ..candidate.clone() }
     };
     let mut good: Vec<Candidate> = good.iter().map(at_fine).collect();
-    good.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    sort_by_number(&mut good, |one| one.cost);
     good.truncate(REFINED);
     let speeds = Speeds::of(current, fine.runs);
     let is_as_close = |candidate: &Candidate, others: &[Candidate]| {
@@ -162,7 +176,8 @@ fn refined(
     };
     let mut refined: Vec<_> = good.iter().map(|candidate| fine.refined(base, candidate, named)).collect();
     refined.retain(|(candidate, others)| {
-        !is_as_believed(candidate, base) && !is_at_bound(candidate) && is_as_close(candidate, others)
+        let is_possible = !is_as_believed(candidate, base) && !is_at_bound(candidate);
+        is_possible && !is_looser_than_assumed(candidate, base) && is_as_close(candidate, others)
     });
     refined.sort_by(|a, b| priced(fine.runs, &[&a.0]).total_cmp(&priced(fine.runs, &[&b.0])));
     refined
@@ -190,7 +205,12 @@ fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(C
     for (at, (first, _)) in refined.iter().enumerate() {
         for (second, _) in &refined[at + 1..] {
             let (own, other) = (&first.hypothesis, &second.hypothesis);
-            if own.effect == other.effect || own.is_fitted_beside(other) || other.is_fitted_beside(own) {
+            let has_clock = [own, other].iter().any(|one| one.effect == RECORDER_CLOCK);
+            if own.effect == other.effect
+                || own.is_fitted_beside(other)
+                || other.is_fitted_beside(own)
+                || has_clock
+            {
                 continue;
             }
             let (first, others) = fine.refined(base, first, std::slice::from_ref(second));
@@ -202,6 +222,36 @@ fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(C
     }
     let first = refined.remove(best.0);
     refined.insert(0, first);
+}
+
+/// Stops at the ends of blocks with the wait for position at them, where the two are worth more than the best alone and pass the
+/// gates together.
+fn awaited_stops_first(
+    base: &Machine,
+    looked: &Looked,
+    fine: &Evidence,
+    best: Option<&Candidate>,
+) -> Option<Vec<AcceptedCause>> {
+    let [stop, wait] = awaited_stops(base, fine.runs)?;
+    let stopping = stop.machine(base, &[0.0]);
+    let stop = Candidate {
+        cost: fine.cost(&stopping),
+        hypothesis: stop,
+        values: vec![0.0],
+        deviations: Vec::new(),
+        beside: Vec::new(),
+    };
+    let wait = fine.screened(&stopping, &wait)?;
+    let (wait, others) = fine.refined(base, &wait, &[stop]);
+    let worth = priced(fine.runs, &[&wait, others.first()?]);
+    let is_best = best.is_none_or(|best| worth < priced(fine.runs, &[best]));
+    let with = with_all(base, &together(&wait, &others));
+    if !is_best || is_at_bound(&wait) || !Speeds::of(base, fine.runs).are_kept(&with) {
+        return None;
+    }
+    let (found, others) = passed(base, &[], looked, fine, (&wait, &others), &[])?;
+    let stop = AcceptedCause { candidate: others.into_iter().next()?, ..found.clone() };
+    Some(vec![stop, found])
 }
 
 /// A candidate with those named before, if it passes every gate. `rest` are those that are not as good.
@@ -228,8 +278,13 @@ fn passed(
     }
     let with = with_all(base, &together(&candidate, &others));
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
-    let explained = regions::moved(base, current, runs).0.abs();
-    if weight(current, &with, runs) < LEAST.max(SIZE * whole).max(BESIDE * explained) {
+    let explained = regions::moved(base, current, runs).0;
+    if weight(current, &with, runs) < LEAST.max(SIZE * whole).max(BESIDE * explained.abs()) {
+        return None;
+    }
+    // Two that nearly cancel are one that was fitted to what the law of the other gets wrong.
+    let further = regions::moved(current, &with, runs).0;
+    if further * explained < 0.0 && MAX_CANCELLED_PART * explained.abs() < further.abs() {
         return None;
     }
     if gain < LARGE * candidate.cost && !gates::stays_in_place(&last, current, &with) {
@@ -295,18 +350,27 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
 }
 
+/// Whether a limit that the calibration had to assume is found to be looser: the machine file was off, and nothing changed.
+fn is_looser_than_assumed(candidate: &Candidate, machine: &Machine) -> bool {
+    let freed = candidate.hypothesis.freed.iter().zip(&candidate.values);
+    let assumed = assumed(machine);
+    freed.into_iter().any(|(freed, value)| {
+        assumed.iter().any(|assumed| assumed.handle == freed.handle && assumed.start < *value)
+    })
+}
+
 /// Whether a value went as far as it may go: what it is to explain is something else.
 fn is_at_bound(candidate: &Candidate) -> bool {
     let of = candidate.hypothesis.freed.iter().zip(&candidate.values);
     candidate.hypothesis.is_continuous
-        && of.filter(|(freed, _)| freed.scale == Scale::Ratio).any(|(freed, value)| {
+        && of.filter(|(freed, _)| freed.scale == VariationScale::Ratio).any(|(freed, value)| {
             let (low, high) = freed.bounds;
             *value <= low * (1.0 + BELIEVED) || high * (1.0 - BELIEVED) <= *value
         })
 }
 
-/// The causes with one of them replaced where another, found beside the rest, is worth more: which came first was settled
-/// when the others were not known. None where all stand.
+/// The causes with one of them replaced where another, found beside the rest, is worth more: which came first was
+/// settled when the others were not known. None where all stand.
 pub fn reconsidered(
     base: &Machine,
     looked: &Looked,
@@ -360,6 +424,10 @@ pub fn without_unnecessary(
         let all = candidates(&named);
         let with = with_all(base, &all);
         let is_small = |at: usize| {
+            let Candidate { hypothesis, values, .. } = &all[at];
+            if hypothesis.effect == FEED_HOLD && values[0] < rests::LEAST {
+                return true;
+            }
             let mut others = all.clone();
             others.remove(at);
             weight(&with_all(base, &others), &with, looked.runs) < LEAST

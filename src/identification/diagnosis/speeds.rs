@@ -4,13 +4,13 @@
 //! changes by more than [`ACTS`] of what they take. They may differ [`WORSE`], all in all as a model that is a little
 //! off elsewhere does, and where it acts as recorded speeds do by themselves: there the motion turns, and the foot on
 //! the path of what cuts a corner has another speed than the tool. A filter that is longer by a hundredth changes
-//! speeds by less than that.
+//! speeds by less than that. Below [`READ_MM_S`] a control shows none.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::identification::alignment::Alignment;
-use crate::identification::comparison::{FeedError, Lost, compare, feed_error_during};
+use crate::identification::comparison::{FeedError, PooledFeedError, VisitTimes, compare, feed_error_during};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
@@ -18,6 +18,8 @@ use crate::simulation::toolpath::Toolpath;
 
 /// By what ratio feedrates may differ more with a cause than without it, all in all and where it acts.
 const WORSE: [f64; 2] = [1.03, 1.05];
+/// The last digit of a feedrate that controls show, 1 mm/min, mm/s.
+const READ_MM_S: f64 = 1.0 / 60.0;
 /// A cause acts where it changes the time of a visit by this part.
 const ACTS: f64 = 2e-3;
 
@@ -40,7 +42,7 @@ impl<'a> Speeds<'a> {
 
     /// Whether they differ hardly more with a cause, all in all and where it acts.
     pub fn are_kept(&self, with: &Machine) -> bool {
-        let mut sums = [[Sum::default(); 2]; 2];
+        let mut sums = [[PooledFeedError::default(); 2]; 2];
         for (run, without) in self.runs.iter().zip(&self.without) {
             let with = Simulated::of(with, run);
             let acts = acts(without, &with);
@@ -55,7 +57,7 @@ impl<'a> Speeds<'a> {
         }
         sums.into_iter().zip(WORSE).all(|(sides, worse)| {
             let [before, after] = sides.map(|sum| sum.rms());
-            before.zip(after).is_none_or(|(before, after)| after <= worse * before)
+            before.zip(after).is_none_or(|(before, after)| after <= (worse * before).max(READ_MM_S))
         })
     }
 }
@@ -65,7 +67,7 @@ struct Simulated<'a> {
     toolpath: &'a Toolpath,
     plan: FeedPlan,
     alignment: Cow<'a, Alignment>,
-    lost: Vec<Lost>,
+    lost: Vec<VisitTimes>,
     clock: f64,
 }
 
@@ -85,33 +87,11 @@ impl<'a> Simulated<'a> {
 /// When visits took place whose time differs between two machines, s of the recorder's clock.
 fn acts(without: &Simulated, with: &Simulated) -> Vec<Range<f64>> {
     let takes = |during: &Range<f64>| during.end - during.start;
-    let differs = |(before, after): &(&Lost, &Lost)| {
+    let differs = |(before, after): &(&VisitTimes, &VisitTimes)| {
         let (before, after) = (takes(&before.simulated), takes(&after.simulated));
         ACTS * before.max(after) < (after - before).abs()
     };
     let acted = without.lost.iter().zip(&with.lost).filter(differs);
     let by_recorder = |time: f64| without.clock * time;
     acted.map(|(visit, _)| by_recorder(visit.recorded.start)..by_recorder(visit.recorded.end)).collect()
-}
-
-/// Squares, weighted by the way they were taken over.
-#[derive(Clone, Copy, Default)]
-pub struct Sum {
-    squares: f64,
-    way: f64,
-}
-
-impl Sum {
-    /// Takes in an error.
-    pub fn add(&mut self, error: Option<FeedError>) {
-        if let Some(error) = error {
-            self.squares += error.way * error.rms * error.rms;
-            self.way += error.way;
-        }
-    }
-
-    /// The root of their mean, mm/s; none of nothing.
-    pub fn rms(&self) -> Option<f64> {
-        (0.0 < self.way).then(|| (self.squares / self.way).sqrt())
-    }
 }

@@ -4,7 +4,9 @@
 //! |---|---|
 //! | `LEAST` s, and what the machine file was off by where it was calibrated | always |
 //! | `LEFT` of the cycle time | always |
-//! | `MUCH` of what there was | in place of `LEFT`, beside causes |
+//! | [`BESIDE`] of what there was | beside causes |
+//!
+//! More than `MUCH` of what there was is much, beside causes, however little of the cycle time it is.
 //!
 //! Where a machine file was calibrated, it is also known to be a little off in form. Of another one a form error
 //! that noise does not leave asks for a cause where none is named: an axis that sticks loses no time.
@@ -14,22 +16,20 @@
 //! lost there: it has one ratio, and what it leaves speaks against it, as for a place that is slow on parts of them.
 
 use crate::identification::comparison::Comparison;
-use crate::identification::diagnosis::{Cause, ELSEWHERE, LEAST, Pulsation, Verdict};
+use crate::identification::diagnosis::standing::Standing;
+use crate::identification::diagnosis::{Cause, LEAST, Pulsation, Verdict};
 use crate::identification::effects::FEED_OVERRIDE;
 use crate::machine::Machine;
 
 /// What is left unexplained without a word, as a part of the cycle time.
 const LEFT: f64 = 2e-3;
+/// What may be left beside causes, as a part of what there was: no law is that of a control to the last per cent, and
+/// what it leaves of its own is no other cause.
+pub const BESIDE: f64 = 0.05;
 /// What is left of what there was, from which on it is not explained.
 const MUCH: f64 = 0.25;
 /// A confidence from which on a cause is certain.
 const CERTAIN: f64 = 0.9;
-
-/// What the machine file is known to be off by, as a part of the time.
-fn known_error(machine: &Machine) -> f64 {
-    let net = machine.cycle_time_error.map_or(0.0, f64::abs);
-    net.max(machine.unexplained_time.map_or(0.0, |left| ELSEWHERE * left))
-}
 
 /// Lost time that causes leave.
 pub struct Left {
@@ -41,6 +41,8 @@ pub struct Left {
     whole: f64,
     /// What the machine file is known to be off by, as a part of the cycle time.
     known: f64,
+    /// Whether the machine file was calibrated and is off all the same.
+    misses: bool,
     /// How its pace pulsates.
     pulsation: Option<Pulsation>,
     /// Whether the form that is left is off by more than noise and what the machine file is known to be off by.
@@ -56,8 +58,9 @@ impl Left {
         compared: &[Comparison],
     ) -> Left {
         let whole = compared.iter().map(|comparison| comparison.whole.recorded).sum();
-        let known = known_error(machine);
-        Left { before, after, whole, known, pulsation, is_off_in_form: false }
+        let standing = Standing::of(machine);
+        let (known, misses) = (standing.known_error(), standing == Standing::Misses);
+        Left { before, after, whole, known, misses, pulsation, is_off_in_form: false }
     }
 
     /// The same where the form `is_off` by more than noise, unless the machine file is known to be off.
@@ -76,7 +79,8 @@ impl Left {
     /// Whether it asks for a cause, or, beside others, for a further one.
     pub fn asks(&self, is_beside: bool) -> bool {
         let is_seen = LEAST < self.after && !self.is_known();
-        let is_much = self.is_much_beside(is_beside) || LEFT * self.whole < self.after;
+        let beside = if is_beside { BESIDE * self.before } else { 0.0 };
+        let is_much = self.is_much_beside(is_beside) || beside.max(LEFT * self.whole) < self.after;
         self.pulsation.is_some() || is_seen && is_much
     }
 
@@ -108,12 +112,17 @@ impl Left {
     /// What to know of it, for people.
     pub fn message(&self, causes: &[Cause]) -> Option<String> {
         let Left { after, known, .. } = self;
-        if !causes.is_empty() && self.asks(true) {
-            Some(format!("{after:.2} s of lost time are left that nothing in the library explains"))
+        if self.misses && self.asks(false) {
+            Some(
+                "the machine file misses the runs that it was calibrated on: it does not describe this machine, so Truefeed \
+                 names no cause"
+                    .to_string(),
+            )
+        } else if !causes.is_empty() && self.asks(true) {
+            Some(format!("no known cause explains the remaining {after:.2} s of lost time"))
         } else if LEFT * self.whole < *after && self.is_known() {
             Some(format!(
-                "{after:.2} s of lost time are left, which is no more than the {:.1} % that the machine file was \
-                 off by where it was calibrated",
+                "{after:.2} s of lost time remain, within the {:.1} % by which the machine file may be off on this program",
                 100.0 * known
             ))
         } else {

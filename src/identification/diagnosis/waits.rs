@@ -42,7 +42,7 @@ pub fn at_functions(
         let hypothesis = library.iter().find(of_kind)?.clone();
         let is_off = LEAST < (seconds - kind.value(base)).abs();
         let (values, deviations) = (vec![seconds], vec![f64::NAN]);
-        is_off.then_some(Candidate { hypothesis, values, deviations, cost: f64::NAN })
+        is_off.then_some(Candidate { hypothesis, values, deviations, cost: f64::NAN, beside: Vec::new() })
     };
     let mut all: Vec<Candidate> = guesses(base, &pairs).into_iter().filter_map(candidate).collect();
     // What the others make unnecessary is not one of them; the least necessary goes first.

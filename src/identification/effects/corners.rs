@@ -4,7 +4,7 @@ use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios
 use crate::identification::effects::report::{
     ARC_TOLERANCE, AT, CONTOUR_TOLERANCE, RULE, Reported, TOLERANCE, VALUE,
 };
-use crate::identification::fit::{Freed, Run, Scale};
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{Handle, Junction, Machine};
 use crate::simulation::feed::rounding;
 use crate::simulation::toolpath::{Curve, Motion, Segment};
@@ -19,12 +19,16 @@ pub fn tolerances(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     // Where the program sets the tolerance, the control may hold another one.
     let (key, trials) = match context.has_tolerance {
         true => ("path_modes.tolerance_override_mm", ratios(5e-4, 0.5, 12)),
+        // One that blends freely has none to begin from.
+        false if machine.interpolator.junction.blends_in_time() => {
+            ("interpolator.contour_tolerance_mm", ratios(5e-4, 0.5, 12))
+        }
         false => {
             let parts = [0.05, 0.15, 0.3, 0.5, 0.75, 0.9, 1.1, 1.3, 2.0, 3.5, 8.0];
             ("interpolator.contour_tolerance_mm", parts.iter().map(|ratio| ratio * own).collect())
         }
     };
-    let freed = Freed::new(Handle::number(key), own, TOLERANCE_BOUNDS_MM, Scale::Ratio);
+    let freed = FreeParameter::new(Handle::number(key), own, TOLERANCE_BOUNDS_MM, VariationScale::Ratio);
     let report = |value| vec![(CONTOUR_TOLERANCE, Reported::Number(value))];
     let mut all = vec![Hypothesis::single(effect, freed, trials, report)];
     all.extend(arcs(effect, machine).filter(|_| context.has_arc));
@@ -40,7 +44,7 @@ fn arcs(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
         return None;
     }
     let handle = Handle::number("interpolator.arc_tolerance_mm");
-    let freed = Freed::new(handle, 10.0 * own, (5.0 * own, 1e5 * own), Scale::Ratio);
+    let freed = FreeParameter::new(handle, 10.0 * own, (5.0 * own, 1e5 * own), VariationScale::Ratio);
     let trials = [10.0, 30.0, 100.0].iter().map(|ratio| ratio * own).collect();
     let report = |value| vec![(AT, Reported::word("arcs")), (ARC_TOLERANCE, Reported::Number(value))];
     Some(Hypothesis::single(effect, freed, trials, report).variant("arcs"))
@@ -53,7 +57,8 @@ pub fn junctions(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         || machine.axes.iter().any(|axis| axis.acceleration.is_finite());
     let rule = |word: &'static str, key: &str, trials: Vec<f64>, unit: fn(f64) -> f64| {
         // Below the least of them every corner is a full stop, which is another cause.
-        let freed = Freed::new(Handle::number(key), trials[0], (0.5 * trials[0], 1e5), Scale::Ratio);
+        let freed =
+            FreeParameter::new(Handle::number(key), trials[0], (0.5 * trials[0], 1e5), VariationScale::Ratio);
         let report = move |value| vec![(RULE, Reported::word(word)), (VALUE, Reported::Number(unit(value)))];
         Hypothesis::single(effect, freed, trials, report).variant(word.replace('_', " "))
     };
@@ -66,7 +71,21 @@ pub fn junctions(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     }
     let (key, trials) = ("interpolator.axis_velocity_step_mm_min", ratios(0.3, 60.0, 10));
     all.push(rule("axis_velocity_step", key, trials, mm_per_min));
+    all.extend(parabolas(effect, machine));
     all
+}
+
+/// Parabolas in place of the circles of LinuxCNC. They have no value of their own: the override that circles are
+/// made for, which they do not ask for, takes its place.
+fn parabolas(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
+    if machine.interpolator.junction != Junction::AccelerationBlend {
+        return None;
+    }
+    let handle = Handle::number("interpolator.max_override_percent");
+    let freed = FreeParameter::new(handle, 1.0, (1.0, 10.0), VariationScale::Ratio)
+        .also(|machine| machine.interpolator.junction = Junction::ParabolicBlend);
+    let report = |_| vec![(RULE, Reported::word("parabolic_blend"))];
+    Some(Hypothesis::single(effect, freed, vec![1.0], report).variant("parabolas").at_trials_only())
 }
 
 pub fn smoothings(effect: Effect, context: &Context) -> Vec<Hypothesis> {
@@ -78,9 +97,11 @@ pub fn smoothings(effect: Effect, context: &Context) -> Vec<Hypothesis> {
 /// controls that are known to have the junctions of LinuxCNC do it by themselves, and may be kept from it.
 fn smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
     let handle = Handle::number("interpolator.path_smoothing_mm");
-    let freed = Freed::new(handle, 0.02, (0.0, 10.0), Scale::Difference);
+    let freed = FreeParameter::new(handle, 0.02, (0.0, 10.0), VariationScale::Difference);
     let trials = match machine.interpolator.junction {
-        Junction::AccelerationBlend => std::iter::once(0.0).chain(ratios(1e-3, 1.0, 31)).collect(),
+        Junction::AccelerationBlend | Junction::ParabolicBlend | Junction::ExactPath => {
+            std::iter::once(0.0).chain(ratios(1e-3, 1.0, 31)).collect()
+        }
         _ => {
             let least = least_joint(runs);
             if WIDEST_JOINT < least {
@@ -111,13 +132,14 @@ fn least_joint(runs: &[Run]) -> f64 {
     joints.fold(f64::INFINITY, f64::min)
 }
 
-/// Distances of curves that are tried, each passing so many more corners, and how much farther they are than the last of these.
+/// Distances of curves that are tried, each passing so many more corners, and how much farther they are than the
+/// last of these.
 const ROUNDED: usize = 16;
 const FARTHER: f64 = 1.08;
 
 /// Corners that the control passes on a curve, more and more of them.
 fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
-    if machine.interpolator.junction == Junction::AccelerationBlend {
+    if machine.interpolator.junction.blends_in_time() {
         return None;
     }
     let corners = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
@@ -130,7 +152,7 @@ fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<H
     let mut trials: Vec<f64> = (0..=ROUNDED).map(|part| FARTHER * distances[last * part / ROUNDED]).collect();
     trials.dedup_by(|b, a| *b < 1.01 * *a);
     let handle = Handle::number("interpolator.corner_smoothing_mm");
-    let freed = Freed::new(handle, trials[0], (5e-5, 2.0 * WIDEST_JOINT), Scale::Ratio);
+    let freed = FreeParameter::new(handle, trials[0], (5e-5, 2.0 * WIDEST_JOINT), VariationScale::Ratio);
     let report = |value| vec![(TOLERANCE, Reported::Number(value)), (AT, Reported::word("corners"))];
     Some(Hypothesis::single(effect, freed, trials, report).variant("corners"))
 }

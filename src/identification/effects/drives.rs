@@ -3,8 +3,8 @@
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::limits::axis_handle;
 use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, Reported, TIME_CONSTANT, WIDTH};
-use crate::identification::fit::{Freed, Run, Scale};
-use crate::machine::{AXES, Mode};
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
+use crate::machine::{AXES, StructuralMode};
 
 /// Damping tried first.
 const FIRST_DAMPING: f64 = 0.04;
@@ -21,20 +21,31 @@ fn recorded(runs: &[Run]) -> impl Iterator<Item = usize> {
     (0..3).filter(move |axis| is_recorded(*axis))
 }
 
-/// One lag of all axes.
+/// One lag of all axes, as controls are tuned to, and that of an axis alone.
 pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    let of = |_| {
-        let freed = Freed::new(axis_handle(0, "servo_lag_s"), 0.01, (1e-5, 0.5), Scale::Ratio)
-            .with(|machine, value| machine.axes.iter_mut().for_each(|axis| axis.servo_lag = value));
+    let freed = |axis: usize| {
+        FreeParameter::new(axis_handle(axis, "servo_lag_s"), 0.01, (1e-5, 0.5), VariationScale::Ratio)
+    };
+    let of_all = |_| {
+        let freed =
+            freed(0).with(|machine, value| machine.axes.iter_mut().for_each(|axis| axis.servo_lag = value));
         let report = |value| vec![(TIME_CONSTANT, Reported::Number(value))];
         Hypothesis::single(effect, freed, ratios(1e-3, 0.15, 9), report)
     };
-    recorded(context.runs).take(1).map(of).collect()
+    let of_one = |axis: usize| {
+        let name = AXES[axis].to_string();
+        let word = name.clone();
+        let report =
+            move |value| vec![(AXIS, Reported::Word(word.clone())), (TIME_CONSTANT, Reported::Number(value))];
+        Hypothesis::single(effect, freed(axis), ratios(1e-3, 0.15, 9), report).variant(name)
+    };
+    recorded(context.runs).take(1).map(of_all).chain(recorded(context.runs).map(of_one)).collect()
 }
 
 pub fn backlash(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of_axis = |axis: usize| {
-        let freed = Freed::new(axis_handle(axis, "backlash_mm"), 0.01, (1e-4, 2.0), Scale::Ratio);
+        let freed =
+            FreeParameter::new(axis_handle(axis, "backlash_mm"), 0.01, (1e-4, 2.0), VariationScale::Ratio);
         let name = AXES[axis].to_string();
         let word = name.clone();
         let report =
@@ -50,19 +61,21 @@ pub fn vibration(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let highest = (HIGHEST_FREQUENCY / interval).min(MAX_VIBRATION_HZ);
     let of_axis = |axis: usize| {
         let bounds = (1.0, highest.max(2.0));
-        let frequency = Freed::new(axis_handle(axis, "vibration_hz"), 10.0, bounds, Scale::Ratio).with(
-            move |machine, value| {
-                let damping = machine.axes[axis].mode.map_or(FIRST_DAMPING, |mode| mode.damping);
-                machine.axes[axis].mode = Some(Mode { frequency: value, damping });
-            },
-        );
+        let frequency =
+            FreeParameter::new(axis_handle(axis, "vibration_hz"), 10.0, bounds, VariationScale::Ratio).with(
+                move |machine, value| {
+                    let damping = machine.axes[axis].mode.map_or(FIRST_DAMPING, |mode| mode.damping);
+                    machine.axes[axis].mode = Some(StructuralMode { frequency: value, damping });
+                },
+            );
         let handle = axis_handle(axis, "vibration_damping");
-        let damping =
-            Freed::new(handle, FIRST_DAMPING, (1e-3, 0.7), Scale::Ratio).with(move |machine, value| {
+        let damping = FreeParameter::new(handle, FIRST_DAMPING, (1e-3, 0.7), VariationScale::Ratio).with(
+            move |machine, value| {
                 if let Some(mode) = &mut machine.axes[axis].mode {
                     mode.damping = value;
                 }
-            });
+            },
+        );
         let count = (6.0 * (highest / 3.0).max(1.0).log2()).ceil().clamp(1.0, 40.0) as usize + 1;
         let trials = ratios(3.0, highest.max(3.1), count)
             .into_iter()

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use crate::identification::effects::report::{Finding, Quantity, Report, Reported, ReportedValue};
-use crate::identification::fit::{Freed, Run, with};
+use crate::identification::fit::{FreeParameter, Run, with};
 use crate::machine::Machine;
 use crate::simulation::feed::limits::rapid_feedrate;
 use crate::simulation::toolpath::{Curve, Motion, Vector};
@@ -90,7 +90,7 @@ impl std::fmt::Debug for Effect {
 }
 
 impl Row {
-    /// Its name for people.
+    /// Returns the name of the effect as people read it: its id with blanks.
     pub fn name(&self) -> String {
         self.id.replace('_', " ")
     }
@@ -170,7 +170,7 @@ pub struct Hypothesis {
     /// Which of several of that effect, for people: the axis, the rule; may be empty.
     pub variant: String,
     /// The parameters it frees.
-    pub freed: Vec<Freed>,
+    pub freed: Vec<FreeParameter>,
     /// The values tried first, one entry a parameter.
     pub trials: Vec<Vec<f64>>,
     /// Whether values between the trials mean anything.
@@ -189,7 +189,7 @@ impl Hypothesis {
     /// An effect with parameters, the values tried first, and how values are reported.
     pub fn new(
         effect: Effect,
-        freed: Vec<Freed>,
+        freed: Vec<FreeParameter>,
         trials: Vec<Vec<f64>>,
         report: impl Fn(&[f64]) -> Vec<(Quantity, Reported)> + Send + Sync + 'static,
     ) -> Hypothesis {
@@ -200,7 +200,7 @@ impl Hypothesis {
     /// An effect with one parameter.
     pub fn single(
         effect: Effect,
-        freed: Freed,
+        freed: FreeParameter,
         trials: Vec<f64>,
         report: impl Fn(f64) -> Vec<(Quantity, Reported)> + Send + Sync + 'static,
     ) -> Hypothesis {
@@ -218,7 +218,7 @@ impl Hypothesis {
         Hypothesis { is_continuous: false, ..self }
     }
 
-    /// Its name for people.
+    /// Returns the name of the effect as people read it: its id with blanks.
     pub fn name(&self) -> String {
         let words = self.effect.name();
         if self.variant.is_empty() { words } else { format!("{words} ({})", self.variant) }

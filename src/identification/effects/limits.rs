@@ -7,7 +7,7 @@ use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios
 use crate::identification::effects::report::{
     ACCELERATION, AT, AXIS, CONTOUR_TOLERANCE, JERK, PLANNER, RAPID, Reported, TIME_CONSTANT, VELOCITY,
 };
-use crate::identification::fit::{Freed, Run, Scale};
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{AXES, Handle, Junction, Machine, Planner, TimeConstants};
 use crate::units::mm_per_min;
 
@@ -45,13 +45,14 @@ pub fn axis_accelerations(effect: Effect, context: &Context) -> Vec<Hypothesis> 
 /// Another family of controls: no filters, trapezoids within the acceleration of the axes.
 fn planner(effect: Effect, by_axis: bool) -> Hypothesis {
     let handle = Handle::row("interpolator.junction_rule");
-    let freed = Freed::new(handle, 500.0, (10.0, 1e5), Scale::Ratio).with(move |machine, value| {
-        machine.become_planner(Planner::AccelerationBlend, value);
-        if by_axis {
-            machine.axes.iter_mut().for_each(|axis| axis.rapid = axis.rapid.min(machine.rapid.feedrate));
-            machine.rapid.feedrate = f64::INFINITY;
-        }
-    });
+    let freed =
+        FreeParameter::new(handle, 500.0, (10.0, 1e5), VariationScale::Ratio).with(move |machine, value| {
+            machine.become_planner(Planner::AccelerationBlend, value);
+            if by_axis {
+                machine.axes.iter_mut().for_each(|axis| axis.rapid = axis.rapid.min(machine.rapid.feedrate));
+                machine.rapid.feedrate = f64::INFINITY;
+            }
+        });
     let variant =
         if by_axis { "planner of trapezoids" } else { "planner of trapezoids, rapid along the path" };
     let report = |value| {
@@ -71,7 +72,7 @@ pub fn path_acceleration(effect: Effect, _: &Context) -> Vec<Hypothesis> {
 /// A limit of acceleration: on what leaves the filters, and on the command before them.
 fn accelerations(effect: Effect, handle: Handle, axis: Option<String>) -> Vec<Hypothesis> {
     let of = |is_before: bool| {
-        let freed = Freed::new(handle, 1e3, (10.0, 2e5), Scale::Ratio)
+        let freed = FreeParameter::new(handle, 1e3, (10.0, 2e5), VariationScale::Ratio)
             .also(move |machine| machine.path.limits_command |= is_before);
         let word = axis.clone().map(|axis| (AXIS, Reported::Word(axis)));
         let place = is_before.then(|| (AT, Reported::word("command")));
@@ -90,7 +91,8 @@ pub fn axis_velocities(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of_axis = |axis: usize| {
         let fastest = context.axis_feedrate[axis];
         let bounds = (1e-3 * fastest, 2.0 * fastest);
-        let freed = Freed::new(axis_handle(axis, "velocity_mm_min"), fastest, bounds, Scale::Ratio);
+        let freed =
+            FreeParameter::new(axis_handle(axis, "velocity_mm_min"), fastest, bounds, VariationScale::Ratio);
         let name = AXES[axis].to_string();
         let word = name.clone();
         let report = move |value| {
@@ -106,8 +108,9 @@ pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypoth
         return Vec::new();
     }
     let handle = Handle::number("path.centripetal_acceleration_mm_s2");
-    let freed = Freed::new(handle, 1e3, (1.0, 1e6), Scale::Ratio);
-    // Arcs are as slow as their root: one that makes them 10 % slower must not lie between two that are worse than none.
+    let freed = FreeParameter::new(handle, 1e3, (1.0, 1e6), VariationScale::Ratio);
+    // Arcs are as slow as their root: one that makes them 10 % slower must not lie between two that are worse than
+    // none.
     let trials = ratios(10.0, 5e3, 32);
     vec![Hypothesis::single(effect, freed, trials, |value| vec![(ACCELERATION, Reported::Number(value))])]
 }
@@ -116,7 +119,7 @@ pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypoth
 pub fn jerks(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
     let mut all: Vec<Hypothesis> = of_constants(effect, context).into_iter().collect();
-    if machine.interpolator.junction != Junction::AccelerationBlend {
+    if !machine.interpolator.junction.blends_in_time() {
         all.extend(ramps(effect, machine));
         all.extend(context.runs.iter().any(Run::has_rapid).then(|| positioning(effect, machine)));
     }
@@ -128,7 +131,7 @@ fn of_constants(effect: Effect, context: &Context) -> Option<Hypothesis> {
     let TimeConstants::Equal(constant) = context.machine.interpolator.time_constants else { return None };
     let jerk = context.feedrate / (constant * constant);
     let handle = Handle::number("interpolator.max_jerk_mm_s3");
-    let freed = Freed::new(handle, jerk, (1e-3 * jerk, 1e3 * jerk), Scale::Ratio);
+    let freed = FreeParameter::new(handle, jerk, (1e-3 * jerk, 1e3 * jerk), VariationScale::Ratio);
     let report = |value| vec![(JERK, Reported::Number(value))];
     Some(Hypothesis::single(effect, freed, ratios(0.1 * jerk, 10.0 * jerk, 9), report))
 }
@@ -138,7 +141,7 @@ pub fn ramps(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     let TimeConstants::Equal(constant) = machine.interpolator.time_constants else { return None };
     let tolerance = machine.interpolator.contour_tolerance;
     let number = |key: &str, start: f64, bounds: (f64, f64)| {
-        Freed::new(Handle::number(key), start, bounds, Scale::Ratio)
+        FreeParameter::new(Handle::number(key), start, bounds, VariationScale::Ratio)
     };
     let freed = vec![
         number("path.jerk_mm_s3", JERKS_MM_S3[2], (1e3, 1e6)),
@@ -164,8 +167,13 @@ fn positioning(effect: Effect, machine: &Machine) -> Hypothesis {
     let rate = machine.fastest_rapid();
     let jerk = Handle::number("rapid.positioning_jerk_mm_s3");
     let freed = vec![
-        Freed::new(jerk, POSITIONING_JERKS_MM_S3[1], (5e3, 5e6), Scale::Ratio),
-        Freed::new(Handle::number("rapid.feed_mm_min"), rate, (0.02 * rate, 10.0 * rate), Scale::Ratio),
+        FreeParameter::new(jerk, POSITIONING_JERKS_MM_S3[1], (5e3, 5e6), VariationScale::Ratio),
+        FreeParameter::new(
+            Handle::number("rapid.feed_mm_min"),
+            rate,
+            (0.02 * rate, 10.0 * rate),
+            VariationScale::Ratio,
+        ),
     ];
     let trials = FASTER_RAPIDS
         .iter()

@@ -29,13 +29,14 @@ mod waits;
 pub use effect::{Context, Effect, Hypothesis, Nature, Origin, Row, Trace};
 pub use limits::POSITIONING_JERKS_MM_S3;
 pub use report::{
-    FROM_LINE, Finding, LINE, Quantity, RATIO, Report, Reported, ReportedValue, SECONDS, TO_LINE, is_whole,
+    FROM_DISTANCE, FROM_LINE, Finding, LINE, Quantity, RATIO, Report, Reported, ReportedValue, SECONDS,
+    TO_DISTANCE, TO_LINE, is_whole,
 };
 pub use table::*;
 pub use waits::{Kind, LONGEST_WAIT_S};
 
 use crate::identification::fit::Run;
-use crate::machine::Machine;
+use crate::machine::{InPosition, Machine};
 
 /// The hypotheses that the runs can excite on a machine, in the order of the table.
 pub fn library(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
@@ -46,4 +47,19 @@ pub fn library(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
 /// The jerk along the path, with the filters and the tolerance fitted again; `None` where the filters are unequal.
 pub fn ramps(machine: &Machine) -> Option<Hypothesis> {
     limits::ramps(JERK_LIMIT, machine)
+}
+
+/// A stop at the end of every block, and the wait for position at each: on a machine that does neither, the stop alone leaves
+/// so much that it fits badly, and there is no wait without it. None where the machine stops or waits already.
+pub fn awaited_stops(machine: &Machine, runs: &[Run]) -> Option<[Hypothesis; 2]> {
+    let stops = machine.interpolator.stopping_angle() < std::f64::consts::PI;
+    if stops || 0.0 < machine.halts.in_position {
+        return None;
+    }
+    let of = |effect: Effect, machine: &Machine| (effect.offered)(effect, &Context::new(machine, runs));
+    let at_every_end = |hypothesis: &Hypothesis| hypothesis.trials.contains(&vec![0.0]);
+    let stop = of(EXACT_STOP, machine).into_iter().find(at_every_end)?;
+    let at_stops = |wait: &Hypothesis| wait.variant == InPosition::ExactStops.word();
+    let wait = of(IN_POSITION_WAIT, &stop.machine(machine, &[0.0])).into_iter().find(at_stops)?;
+    Some([stop, wait])
 }

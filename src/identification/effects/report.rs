@@ -39,6 +39,8 @@ pub const DAMPING: Quantity = quantity("damping", "damping", "");
 pub const FILTERS: Quantity = quantity("filters", "filters", "");
 /// A frequency, Hz.
 pub const FREQUENCY: Quantity = quantity("frequency_hz", "frequency", "Hz");
+/// The distance along the path from which it acts, mm.
+pub const FROM_DISTANCE: Quantity = quantity("from_mm", "from", "mm");
 /// The first line on which it acts.
 pub const FROM_LINE: Quantity = quantity("from_line", "from line", "");
 /// A limit of jerk, mm/s³.
@@ -65,6 +67,8 @@ pub const TIME_CONSTANTS: Quantity = quantity("time_constants_s", "time constant
 pub const TOLERANCE: Quantity = quantity("tolerance_mm", "tolerance", "mm");
 /// The contour tolerance, mm.
 pub const CONTOUR_TOLERANCE: Quantity = quantity("contour_tolerance_mm", "contour tolerance", "mm");
+/// The distance along the path up to which it acts, mm.
+pub const TO_DISTANCE: Quantity = quantity("to_mm", "to", "mm");
 /// The last line on which it acts.
 pub const TO_LINE: Quantity = quantity("to_line", "to line", "");
 /// The value of a law of junctions.

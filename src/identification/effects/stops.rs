@@ -2,20 +2,29 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::identification::alignment::Place;
+use crate::identification::alignment::ProgramPlace;
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::report::{ANGLE, AT, BETWEEN, CODE, LINE, OR_CODE, Reported, SECONDS};
 use crate::identification::effects::waits::Kind;
-use crate::identification::fit::{Freed, Run, Scale};
-use crate::machine::{Handle, InPosition};
-use crate::simulation::toolpath::Stop;
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
+use crate::machine::{Handle, InPosition, Junction};
+use crate::simulation::ordered::sort_by_number;
+use crate::simulation::toolpath::{Motion, Stop};
 
 /// Angles between which no corner turns are one, where they are closer than this, rad.
-const CLOSE: f64 = 0.01;
+const SAME_ANGLE_RAD: f64 = 0.01;
 /// Least angles that stop, at most so many; the widest gaps between corners first.
 const MOST_ANGLES: usize = 16;
 /// Kinds of stops that are looked at beside one another, at most.
 const MOST_BESIDE: usize = 8;
+/// No corner turns by more, rad.
+const MAX_TURN_RAD: f64 = std::f64::consts::PI;
+/// The longest wait for position, s: controls stop with an alarm where an axis is not in position by then (Siemens
+/// MD36020 POSITIONING_TIME, 1 s).
+const LONGEST_IN_POSITION_S: f64 = 1.0;
+/// A machine waits for position at every rapid. Where a program has no more rapids than this, a wait is that of
+/// its line.
+const MAX_SINGLE_RAPIDS: usize = 4;
 /// Longer waits tried first, s.
 const LONGER_S: [f64; 6] = [0.0, 0.3, 1.0, 3.0, 8.0, 20.0];
 
@@ -29,37 +38,67 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
         }
         all
     };
-    let never = std::f64::consts::PI;
-    let handle = Handle::number("interpolator.exact_stop_angle_deg");
-    let freed = Freed::new(handle, never, (0.0, never), Scale::Difference);
-    vec![Hypothesis::single(effect, freed, trials, report).at_trials_only()]
+    let at = || {
+        FreeParameter::new(
+            Handle::number("interpolator.exact_stop_angle_deg"),
+            MAX_TURN_RAD,
+            (0.0, MAX_TURN_RAD),
+            VariationScale::Difference,
+        )
+    };
+    let mut all = vec![Hypothesis::single(effect, at(), trials, report).at_trials_only()];
+    // LinuxCNC's G61, which stops at corners by another law than its G61.1.
+    if matches!(context.machine.interpolator.junction, Junction::AccelerationBlend | Junction::ParabolicBlend)
+    {
+        let freed = at().also(|machine| machine.interpolator.junction = Junction::ExactPath);
+        let report = |_| vec![(AT, Reported::word("corners"))];
+        all.push(Hypothesis::single(effect, freed, vec![MAX_TURN_RAD], report).at_trials_only());
+    }
+    all
 }
 
 /// Waits for position at the full stops that there are, and at the ends of rapid moves, which it makes some.
 pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let Context { machine, runs, .. } = context;
-    let has_rapid = runs.iter().any(Run::has_rapid);
+    let rapids = runs
+        .iter()
+        .flat_map(|run| run.toolpath.segments.iter())
+        .filter(|segment| segment.motion == Motion::Rapid);
+    let has_rapid = MAX_SINGLE_RAPIDS < rapids.count();
     let has_stops = machine.interpolator.stopping_angle() < std::f64::consts::PI
         || runs.iter().any(|run| run.toolpath.segments.iter().any(|segment| segment.exact_stop));
     let of = |at: InPosition| {
-        let freed = Freed::new(Handle::number("halts.in_position_s"), 0.05, (1e-4, 60.0), Scale::Ratio)
-            .counted_in_cycles()
-            .also(move |machine| machine.halts.in_position_at = at);
+        let freed = FreeParameter::new(
+            Handle::number("halts.in_position_s"),
+            0.05,
+            (1e-4, LONGEST_IN_POSITION_S),
+            VariationScale::Ratio,
+        )
+        .counted_in_cycles()
+        .also(move |machine| machine.halts.in_position_at = at);
         let report = move |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word(at.word()))];
-        Hypothesis::single(effect, freed, ratios(2e-3, 2.0, 8), report).variant(at.word())
+        Hypothesis::single(effect, freed, ratios(2e-3, LONGEST_IN_POSITION_S, 8), report).variant(at.word())
     };
     let kinds = [(InPosition::RapidEnds, has_rapid), (InPosition::ExactStops, has_stops)];
     kinds.into_iter().filter(|(_, is_offered)| *is_offered).map(|(at, _)| of(at)).collect()
 }
 
-/// Waits of the feed at S words in blocks of motion.
+/// Waits for the spindle: of the feed at S words in blocks of motion, and of the first feed move at a new speed.
 pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
-    if context.runs.iter().all(|run| run.toolpath.speed_changes().next().is_none()) {
-        return Vec::new();
-    }
-    let freed = Freed::new(Handle::number("times.spindle_change_s"), 1.0, (1e-3, 60.0), Scale::Ratio);
-    let report = |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word("S words"))];
-    vec![Hypothesis::single(effect, freed.counted_in_cycles(), ratios(0.05, 10.0, 10), report)]
+    let runs = &context.runs;
+    let of = |key: &str, at: &'static str| {
+        let freed = FreeParameter::new(Handle::number(key), 1.0, (1e-3, 60.0), VariationScale::Ratio)
+            .counted_in_cycles();
+        let report = move |value| vec![(SECONDS, Reported::Number(value)), (AT, Reported::word(at))];
+        Hypothesis::single(effect, freed, ratios(0.05, 10.0, 10), report).variant(at)
+    };
+    let has_words = runs.iter().any(|run| run.toolpath.speed_changes().next().is_some());
+    let has_feeds = runs.iter().any(|run| run.toolpath.feeds_at_new_speed().next().is_some());
+    let all = [
+        (has_words, "times.spindle_change_s", "S words"),
+        (has_feeds, "times.spindle_at_feed_s", "first feed moves"),
+    ];
+    all.into_iter().filter(|(is_offered, ..)| *is_offered).map(|(_, key, at)| of(key, at)).collect()
 }
 
 /// Longer or shorter waits at each kind of stop.
@@ -94,11 +133,14 @@ fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
         }));
     }
     turns.sort_by(f64::total_cmp);
-    let mut gaps: Vec<(f64, f64)> =
-        turns.windows(2).map(|pair| (pair[0], pair[1])).filter(|(low, high)| CLOSE < high - low).collect();
-    gaps.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));
+    let mut gaps: Vec<(f64, f64)> = turns
+        .windows(2)
+        .map(|pair| (pair[0], pair[1]))
+        .filter(|(low, high)| SAME_ANGLE_RAD < high - low)
+        .collect();
+    sort_by_number(&mut gaps, |gap| -(gap.1 - gap.0));
     gaps.truncate(MOST_ANGLES);
-    gaps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut gaps, |gap| gap.0);
     // At all ends of blocks, even where nothing turns.
     gaps.insert(0, (0.0, 0.0));
     gaps
@@ -111,9 +153,9 @@ fn companions(runs: &[Run]) -> BTreeMap<Kind, BTreeSet<Kind>> {
         // The stops after which a mark tells them from the next one.
         let told: BTreeSet<usize> = (run.alignment.marks.iter())
             .filter_map(|mark| match mark.place {
-                Place::After(stop) => Some(stop),
-                Place::Stop(stop) => stop.checked_sub(1),
-                Place::Start | Place::Along(_) => None,
+                ProgramPlace::After(stop) => Some(stop),
+                ProgramPlace::Stop(stop) => stop.checked_sub(1),
+                ProgramPlace::Start | ProgramPlace::Along(_) => None,
             })
             .collect();
         let stops: Vec<(usize, &Stop)> = run.toolpath.stops.iter().enumerate().collect();

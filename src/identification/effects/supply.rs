@@ -2,16 +2,16 @@
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::report::{BLOCKS, CORNERS_PLANNED_BY, Quantity, Reported, SECONDS};
-use crate::identification::fit::{Freed, Run, Scale};
-use crate::machine::{Handle, PlannedBy};
+use crate::identification::fit::{FreeParameter, Run, VariationScale};
+use crate::machine::{CornerPlanning, Handle};
 use crate::simulation::toolpath::Motion;
 
 /// Parts of all blocks that are shorter than a block time that is tried, and how much longer it is than the
 /// programmed time of the longest of them.
 const SHORTER: [f64; 12] = [0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0];
-const LONGER: f64 = 1.08;
+const TRIAL_RATIO: f64 = 1.08;
 /// Where all blocks are about as long, block times between are tried as well, no farther apart than this ratio.
-const CLOSE: f64 = 1.5;
+const MAX_RATIO_OF_TRIALS: f64 = 1.5;
 
 /// Block times that act on more and more blocks, s; below the least of them none is shorter.
 fn trials(runs: &[Run]) -> Vec<f64> {
@@ -28,11 +28,14 @@ fn trials(runs: &[Run]) -> Vec<f64> {
         let place = (durations.len() as f64 * part) as usize;
         durations.get(place.min(durations.len().saturating_sub(1)))
     };
-    let mut times: Vec<f64> =
-        SHORTER.iter().filter_map(|part| at(*part)).map(|time| (LONGER * time).clamp(1e-5, 1.0)).collect();
+    let mut times: Vec<f64> = SHORTER
+        .iter()
+        .filter_map(|part| at(*part))
+        .map(|time| (TRIAL_RATIO * time).clamp(1e-5, 1.0))
+        .collect();
     times.dedup_by(|b, a| *b < 1.01 * *a);
     let between = times.windows(2).flat_map(|pair| {
-        let count = ((pair[1] / pair[0]).ln() / CLOSE.ln()).ceil() as usize;
+        let count = ((pair[1] / pair[0]).ln() / MAX_RATIO_OF_TRIALS.ln()).ceil() as usize;
         ratios(pair[0], pair[1], count + 1).into_iter().take(count)
     });
     between.chain(times.last().copied()).collect()
@@ -40,36 +43,38 @@ fn trials(runs: &[Run]) -> Vec<f64> {
 
 pub fn block_times(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let trials = trials(context.runs);
-    let of = |by: PlannedBy| {
+    let of = |by: CornerPlanning| {
         let handle = Handle::number("interpolator.block_time_s");
-        let freed = Freed::new(handle, 0.005, (1e-5, 1.0), Scale::Ratio)
+        let freed = FreeParameter::new(handle, 0.005, (1e-5, 1.0), VariationScale::Ratio)
             .counted_in_cycles()
             .also(move |machine| machine.interpolator.planned_by = by);
         let report = move |value| reported((SECONDS, Reported::Number(value)), by);
         Hypothesis::single(effect, freed, trials.clone(), report).variant(variant(by))
     };
-    PlannedBy::WORDS.into_iter().map(|(_, by)| of(by)).collect()
+    CornerPlanning::WORDS.into_iter().map(|(_, by)| of(by)).collect()
 }
 
 pub fn look_aheads(effect: Effect, _: &Context) -> Vec<Hypothesis> {
-    let of = |by: PlannedBy| {
+    let of = |by: CornerPlanning| {
         let handle = Handle::number("interpolator.look_ahead_blocks");
-        let freed = Freed::new(handle, 10.0, (1.0, 1e6), Scale::Ratio).with(move |machine, value| {
-            (machine.interpolator.look_ahead, machine.interpolator.planned_by) = (value.round(), by);
-        });
+        let freed = FreeParameter::new(handle, 10.0, (1.0, 1e6), VariationScale::Ratio).with(
+            move |machine, value| {
+                (machine.interpolator.look_ahead, machine.interpolator.planned_by) = (value.round(), by);
+            },
+        );
         let seen = [1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 80.0, 120.0];
         let report = move |value: f64| reported((BLOCKS, Reported::Number(value.round())), by);
         Hypothesis::single(effect, freed, seen.to_vec(), report).variant(variant(by)).at_trials_only()
     };
-    PlannedBy::WORDS.into_iter().map(|(_, by)| of(by)).collect()
+    CornerPlanning::WORDS.into_iter().map(|(_, by)| of(by)).collect()
 }
 
 /// A value, and by what corners are planned where that is not usual.
-fn reported(value: (Quantity, Reported), by: PlannedBy) -> Vec<(Quantity, Reported)> {
-    let by = (by != PlannedBy::default()).then(|| (CORNERS_PLANNED_BY, Reported::word(by.word())));
+fn reported(value: (Quantity, Reported), by: CornerPlanning) -> Vec<(Quantity, Reported)> {
+    let by = (by != CornerPlanning::default()).then(|| (CORNERS_PLANNED_BY, Reported::word(by.word())));
     [Some(value), by].into_iter().flatten().collect()
 }
 
-fn variant(by: PlannedBy) -> &'static str {
-    if by == PlannedBy::default() { "" } else { "planned as requested" }
+fn variant(by: CornerPlanning) -> &'static str {
+    if by == CornerPlanning::default() { "" } else { "planned as requested" }
 }

@@ -22,7 +22,17 @@ macro_rules! effects {
     };
 }
 
-/// The effect with an id of the contract.
+/// Returns the effect with this id; `None` if there is none.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::identification::effects::{ALL, LOOK_AHEAD, with_id};
+///
+/// assert_eq!(with_id("look_ahead"), Some(LOOK_AHEAD));
+/// assert!(LOOK_AHEAD.vendors.contains("G103 P (Haas)"));
+/// assert!(ALL.iter().all(|effect| with_id(effect.id) == Some(*effect)));
+/// ```
 pub fn with_id(id: &str) -> Option<Effect> {
     ALL.iter().copied().find(|effect| effect.id == id)
 }
@@ -56,8 +66,7 @@ effects! {
         vendors: "MAX_AX_ACCEL (Siemens MD32300), maxAcceleration or MP1060 (Heidenhain), $120–$122 (grbl), MAX_ACCELERATION (LinuxCNC)",
         sentence: |f| match (f.number(of::ACCELERATION), f.costs(), f.get(of::PLANNER)) {
             (a, costs, Some(_)) => format!(
-                "Ramps grow with the speed step: the planner is limited in acceleration, {a} mm/s² on each axis, \
-                 and does not filter{costs}."
+                "Ramps grow with the change of speed: the planner limits acceleration to {a} mm/s² on each axis and does not filter{costs}."
             ),
             (a, costs, None) => format!("Axis {} accelerates at {a} mm/s² at most{costs}.", f.word(of::AXIS)),
         },
@@ -67,7 +76,7 @@ effects! {
         id: "path_acceleration_limit", nature: Nature::Limit, offered: limits::path_acceleration,
         vendors: "MAX_PATH_ACCEL (Siemens), MP1061 (Heidenhain), max_accel (Klipper)",
         sentence: |f| format!(
-            "Ramps grow with the speed step: the machine accelerates along the path at {} mm/s² at most{}.",
+            "Ramps grow with the change of speed: the machine accelerates along the path at {} mm/s² at most{}.",
             f.number(of::ACCELERATION), f.costs()
         ),
     }
@@ -83,10 +92,10 @@ effects! {
         vendors: "MAX_AX_JERK (Siemens MD32431), MAX_PATH_JERK, maxPathJerk (Heidenhain)",
         sentence: |f| match (f.number(of::JERK), f.costs(), f.get(of::AT)) {
             (jerk, costs, Some(_)) => format!(
-                "Rapids run from stand to stand with a jerk of {jerk} mm/s³, so that short ones take less{costs}."
+                "Rapids start and stop at rest with a jerk of {jerk} mm/s³, so short ones take less time{costs}."
             ),
             (jerk, costs, None) => {
-                format!("Jerk is limited to {jerk} mm/s³, so that ramps grow with the speed step{costs}.")
+                format!("Jerk is limited to {jerk} mm/s³, so ramps grow with the change of speed{costs}.")
             }
         },
     }
@@ -95,7 +104,7 @@ effects! {
         id: "centripetal_acceleration_limit", nature: Nature::Limit, offered: limits::centripetal_acceleration,
         vendors: "Nos. 1730–1732 (Fanuc), MD20602 (Siemens)",
         sentence: |f| format!(
-            "Curves are taken at a centripetal acceleration of {} mm/s² at most{}.", f.number(of::ACCELERATION), f.costs()
+            "The machine takes curves at a centripetal acceleration of {} mm/s² at most{}.", f.number(of::ACCELERATION), f.costs()
         ),
     }
     /// The filters have another time constant.
@@ -109,7 +118,7 @@ effects! {
         id: "filter_order", rarity: OF_SOFTWARE, offered: filters::orders,
         vendors: "AX_JERK_MODE (Siemens MD32402), triangle or HSC filter (Heidenhain)",
         sentence: |f| format!(
-            "The control filters {} times, not as often as the machine file says{}.", f.number(of::FILTERS), f.costs()
+            "The control has {} filters in series, another number than the machine file{}.", f.number(of::FILTERS), f.costs()
         ),
     }
     /// One filter is longer than the others.
@@ -123,24 +132,28 @@ effects! {
         id: "corner_tolerance", offered: corners::tolerances,
         vendors: "cycle 32 T (Heidenhain), CYCLE832 or CTOL (Siemens), G64 P (LinuxCNC), G187 E (Haas)",
         sentence: |f| match f.word(of::AT) {
-            "arcs" => format!("Arcs are not slowed by the contour tolerance of corners{}.", f.costs()),
-            _ => format!("Corners are blended within {} mm{}.", f.number(of::CONTOUR_TOLERANCE), f.costs()),
+            "arcs" => format!("The contour tolerance of corners does not slow arcs{}.", f.costs()),
+            _ => format!("The control blends corners within {} mm{}.", f.number(of::CONTOUR_TOLERANCE), f.costs()),
         },
     }
     /// Another law limits the feedrate at corners.
     JUNCTION_RULE {
         id: "junction_rule", rarity: OF_SOFTWARE, offered: corners::junctions,
-        vendors: "$11 (grbl), square_corner_velocity (Klipper), No. 1783 (Fanuc)",
-        sentence: |f| format!(
-            "Corners follow another rule, {} of {}{}.",
-            f.word(of::RULE).replace('_', " "), f.number(of::VALUE), f.costs()
-        ),
+        vendors: "$11 (grbl), square_corner_velocity (Klipper), ARC_BLEND_ENABLE (LinuxCNC), No. 1783 (Fanuc)",
+        sentence: |f| match f.get(of::VALUE) {
+            Some(_) => format!(
+                "Corners follow another rule, {} of {}{}.",
+                f.word(of::RULE).replace('_', " "), f.number(of::VALUE), f.costs()
+            ),
+            None => format!("The control blends corners by parabolas and not by circles{}.", f.costs()),
+        },
     }
     /// The machine stops at corners.
     EXACT_STOP {
         id: "exact_stop", offered: stops::exact_stops,
         vendors: "G9, G61, G60",
         sentence: |f| match f.get(of::ANGLE) {
+            Some(of::Reported::Number(0.0)) => format!("The machine stops at the end of every block{}.", f.costs()),
             Some(_) => format!("The machine stops at every corner sharper than {}°{}.", f.number(of::ANGLE), f.costs()),
             None => format!("The machine stops exactly {}{}.", f.at_lines(), f.costs()),
         },
@@ -206,7 +219,7 @@ effects! {
     FEED_HOLD {
         id: "feed_hold", nature: Nature::Halt, origin: Origin::Operator,
         vendors: "feed hold",
-        unprovoked: Some("the operator makes it: record the same program again instead"),
+        unprovoked: Some("an operator causes it: record the same program again instead"),
         sentence: |f| format!(
             "The operator held the feed in line {} for {} s{}.", f.number(of::LINE), f.number(of::SECONDS), f.costs()
         ),
@@ -231,14 +244,18 @@ effects! {
         vendors: "SPIND_ON_SPEED_AT_IO_START (Siemens MD35500), No. 3708 bit 0 (Fanuc)",
         unprovoked: Some("a probe runs without the spindle: record a program with S words among its feed moves instead"),
         sentence: |f| format!(
-            "The feed waits {} s at S words until the spindle has its speed{}.", f.number(of::SECONDS), f.costs()
+            "The feed waits {} s at {} until the spindle has its speed{}.",
+            f.number(of::SECONDS), f.word(of::AT), f.costs()
         ),
     }
     /// The axes trail their command.
     SERVO_LAG {
         id: "servo_lag", nature: Nature::Drive, offered: drives::servo_lag,
         vendors: "POSCTRL_GAIN (Siemens MD32200), No. 1825 (Fanuc), MP1810 (Heidenhain)",
-        sentence: |f| format!("The axes follow with a lag of {} s.", f.number(of::TIME_CONSTANT)),
+        sentence: |f| match f.word(of::AXIS) {
+            "" => format!("The axes follow with a lag of {} s.", f.number(of::TIME_CONSTANT)),
+            axis => format!("Axis {axis} follows with a lag of {} s.", f.number(of::TIME_CONSTANT)),
+        },
     }
     /// An axis has play.
     BACKLASH {
@@ -262,6 +279,6 @@ effects! {
     /// The recording is of another program.
     WRONG_PROGRAM {
         id: "wrong_program", nature: Nature::Other, origin: Origin::Recorder,
-        unprovoked: Some("no program brings it out: check which program was recorded"),
+        unprovoked: Some("no program shows it: check which program was recorded"),
     }
 }

@@ -1,7 +1,7 @@
 //! The kinds of stops whose time is one number of the machine.
 
-use crate::identification::fit::Freed;
-use crate::machine::{Direction, Handle, Machine, Spin};
+use crate::identification::fit::FreeParameter;
+use crate::machine::{Handle, Machine, SpindleDirection, SpindleState};
 use crate::simulation::toolpath::StopCause;
 
 /// No wait is longer, s: an operator's pause is not a property of the machine.
@@ -73,11 +73,11 @@ impl Kind {
     }
 
     /// The parameter, beginning with `start` (s).
-    pub fn freed(self, start: f64) -> Freed {
-        Freed::wait(self.handle(), start, (0.0, LONGEST_WAIT_S)).linear()
+    pub fn freed(self, start: f64) -> FreeParameter {
+        FreeParameter::wait(self.handle(), start, (0.0, LONGEST_WAIT_S)).linear()
     }
 }
 
-fn is_standing(spin: &Spin) -> bool {
-    spin.direction == Direction::Standing
+fn is_standing(spin: &SpindleState) -> bool {
+    spin.direction == SpindleDirection::Standing
 }

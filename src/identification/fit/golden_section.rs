@@ -10,21 +10,21 @@
 //! Source: Kiefer 1953.
 
 /// g above.
-const GOLDEN: f64 = 0.381_966_011_250_105_1;
+const GOLDEN_SECTION: f64 = 0.381_966_011_250_105_1;
 
-/// Narrows a bracket around the minimum of `cost` by so many sections, and returns it.
+/// Narrows a bracket around the minimum of `cost` by a number of sections, and returns it.
 pub fn golden_section(bracket: (f64, f64), sections: usize, mut cost: impl FnMut(f64) -> f64) -> (f64, f64) {
     let (mut low, mut high) = bracket;
-    let (mut a, mut b) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
+    let (mut a, mut b) = (low + GOLDEN_SECTION * (high - low), high - GOLDEN_SECTION * (high - low));
     let (mut cost_a, mut cost_b) = (cost(a), cost(b));
     for _ in 0..sections {
         if cost_a < cost_b {
             (high, b, cost_b) = (b, a, cost_a);
-            a = low + GOLDEN * (high - low);
+            a = low + GOLDEN_SECTION * (high - low);
             cost_a = cost(a);
         } else {
             (low, a, cost_a) = (a, b, cost_b);
-            b = high - GOLDEN * (high - low);
+            b = high - GOLDEN_SECTION * (high - low);
             cost_b = cost(b);
         }
     }

@@ -1,10 +1,12 @@
-//! What a part of the runs says of the values: information and gradient of least squares with weights,
+//! Fisher information of a part of the runs on the values: information and gradient of weighted least
+//! squares,
 //!
 //! ```text
 //! H = JᵀWJ,    g = JᵀWν
 //! ```
 //!
-//! with ν the whitened residuals of the part, J their derivatives by what is varied, W Huber's weights.
+//! with ν the whitened residuals of the part, J their derivatives by the optimiser's coordinates, W Huber's
+//! weights.
 
 use std::ops::{AddAssign, Range};
 
@@ -20,12 +22,12 @@ pub struct Information {
 }
 
 impl Information {
-    /// That of nothing, on so many values.
+    /// Returns zero information about `count` parameters.
     pub fn none(count: usize) -> Information {
         Information { normal: DMatrix::zeros(count, count), gradient: DVector::zeros(count) }
     }
 
-    /// That of some rows of a run.
+    /// Returns the information of some rows of a run.
     pub fn of(whitened: &[f64], jacobian: &DMatrix<f64>, rows: Range<usize>) -> Information {
         let mut own = Information::none(jacobian.ncols());
         for row in rows {
@@ -37,7 +39,7 @@ impl Information {
         own
     }
 
-    /// That of all runs.
+    /// Returns the information of all runs.
     pub fn of_all(whitened: &[Vec<f64>], jacobians: &[DMatrix<f64>], count: usize) -> Information {
         let mut all = Information::none(count);
         for (whitened, jacobian) in whitened.iter().zip(jacobians) {
@@ -46,7 +48,7 @@ impl Information {
         all
     }
 
-    /// That on some of the values alone, the others standing still.
+    /// Returns the information on some of the values, with the others fixed.
     pub fn among(&self, known: &[usize]) -> Information {
         let normal = self.normal.select_rows(known).select_columns(known);
         Information { normal, gradient: self.gradient.select_rows(known) }
@@ -60,7 +62,7 @@ impl AddAssign for Information {
     }
 }
 
-/// The inverse, by way of one with 1 on its diagonal; none where it has none.
+/// Returns the inverse, computed from the matrix scaled to a unit diagonal; `None` if there is none.
 pub fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let count = normal.nrows();
     if (0..count).any(|at| normal[(at, at)] <= 0.0) {

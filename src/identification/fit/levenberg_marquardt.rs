@@ -4,21 +4,22 @@
 //! (JᵀWJ + λ diag JᵀWJ) Δ = −JᵀWν,     W = min(1, c / |ν|)
 //! ```
 //!
-//! A step that lowers the cost is taken, and λ falls where the gain is what the equations foretold and rises where it falls
-//! short of that (Nielsen's rule: at a kink of the residuals the search would go to and fro otherwise); if none is gained, λ
-//! rises and the step shortens. A parameter that leans against its bound, or that no residual feels, is left out of the step.
+//! A step that lowers the cost is accepted. λ falls if the gain is the predicted one and rises if it falls
+//! short (Nielsen's rule: at a kink of the residuals the search would oscillate otherwise); if there is no
+//! gain, λ rises and the step shortens. A parameter that is pushed against its bound, or that affects no
+//! residual, is left out of the step.
 //!
 //! Source: Madsen, Nielsen and Tingleff 2004, Sect. 3.2; Marquardt 1963; Huber 1964.
 
 use nalgebra::{DMatrix, DVector};
 
-/// What is minimised, by the residuals ν of one or several blocks.
+/// A problem of least squares: residuals ν in one or several blocks.
 pub trait Problem {
-    /// The residuals at a point, block by block; `None` outside of where there are any.
+    /// Returns the residuals at a point, block by block; `None` outside their domain.
     fn residuals(&self, point: &DVector<f64>) -> Option<Vec<Vec<f64>>>;
 
-    /// The derivatives of `residuals` at a point, one column a parameter, block by block. `last` are those of the
-    /// point before, empty at first.
+    /// Returns the derivatives of `residuals` at a point, one column per parameter, block by block. `last`
+    /// are those of the point before, empty at first.
     fn jacobians(
         &self,
         point: &DVector<f64>,
@@ -26,63 +27,63 @@ pub trait Problem {
         last: &[DMatrix<f64>],
     ) -> Vec<DMatrix<f64>>;
 
-    /// The point behind a step: within bounds, and no farther away than the residuals are nearly straight.
-    fn behind(&self, point: &DVector<f64>, step: &DVector<f64>) -> DVector<f64>;
+    /// Returns the point after a step: within bounds, and no farther than the residuals are nearly linear.
+    fn after_step(&self, point: &DVector<f64>, step: &DVector<f64>) -> DVector<f64>;
 
-    /// Returns `true` if a parameter lies on a bound that the way `downhill` points across.
+    /// Returns `true` if a parameter is on a bound that the direction `downhill` crosses.
     fn is_at_bound(&self, point: &DVector<f64>, parameter: usize, downhill: f64) -> bool;
 }
 
-/// How residuals count, and when the search ends.
+/// The weights of residuals, and the end of the search.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
-    /// c: residuals beyond it count less; infinite for plain squares.
+    /// c: larger residuals are weighted less; infinite for plain squares.
     pub huber: f64,
-    /// Relative decrease of the cost below which a step is the last.
+    /// Relative decrease of the cost below which a step is the last (MINPACK `ftol`).
     pub ftol: f64,
     /// Decrease of the cost below which a step is the last.
     pub atol: f64,
     /// λ of the first step.
     pub damping: f64,
-    /// λ beyond which no step is worth trying.
+    /// λ beyond which no step is tried.
     pub max_damping: f64,
     /// Most steps.
     pub max_steps: usize,
 }
 
-/// Where the search ended.
-pub struct Minimum {
-    /// The point.
+/// The end of a search.
+pub struct SearchMinimum {
+    /// Point of least cost.
     pub point: DVector<f64>,
-    /// The residuals there, block by block.
+    /// Residuals there, block by block.
     pub residuals: Vec<Vec<f64>>,
-    /// Their derivatives.
+    /// Derivatives there, block by block.
     pub jacobians: Vec<DMatrix<f64>>,
     /// Σ ρ of the residuals.
     pub cost: f64,
-    /// Whether the search ended before it ran out of steps.
+    /// `true` if the search converged before it ran out of steps.
     pub converged: bool,
 }
 
-/// Huber's weight of a residual.
+/// Returns Huber's weight of a residual.
 pub fn weight(value: f64, huber: f64) -> f64 {
     if value.abs() <= huber { 1.0 } else { huber / value.abs() }
 }
 
-/// Huber's ρ.
+/// Returns Huber's ρ of a residual.
 pub fn rho(value: f64, huber: f64) -> f64 {
     let size = value.abs();
     if size <= huber { size * size } else { 2.0 * huber * size - huber * huber }
 }
 
-/// Searches the point of least cost from `start`, at which there must be residuals. `progress` is called with the
+/// Searches the point of least cost from `start`, at which there must be residuals. Calls `progress` with the
 /// completed fraction, 0 to 1.
 pub fn minimise(
     problem: &impl Problem,
     start: DVector<f64>,
     search: Search,
     progress: &mut dyn FnMut(f64),
-) -> Minimum {
+) -> SearchMinimum {
     let cost =
         |residuals: &[Vec<f64>]| residuals.iter().flatten().map(|value| rho(*value, search.huber)).sum();
     let mut point = start;
@@ -100,8 +101,9 @@ pub fn minimise(
         if converged {
             break;
         }
-        // Where few residuals feel a parameter the equations need damping to have a solution.
-        let Some((next, foretold)) = next(problem, &point, &residuals, &jacobians, damping, search.huber)
+        // If few residuals feel a parameter, the equations need damping to have a solution.
+        let Some((next, foretold)) =
+            damped_step(problem, &point, &residuals, &jacobians, damping, search.huber)
         else {
             damping *= 10.0;
             moved = false;
@@ -124,12 +126,12 @@ pub fn minimise(
         jacobians = problem.jacobians(&point, &residuals, &jacobians);
     }
     progress(1.0);
-    Minimum { point, residuals, jacobians, cost: least, converged }
+    SearchMinimum { point, residuals, jacobians, cost: least, converged }
 }
 
-/// The point behind the damped step, and how much the cost falls to there where the residuals are straight; `None` where the
-/// equations have no solution.
-fn next(
+/// Returns the point after the damped step, and the predicted decrease of the cost for linear residuals;
+/// `None` if the equations have no solution.
+fn damped_step(
     problem: &impl Problem,
     point: &DVector<f64>,
     residuals: &[Vec<f64>],
@@ -159,7 +161,7 @@ fn next(
     });
     let right = DVector::from_fn(count, |at, _| if is_held[at] { 0.0 } else { downhill[at] * scale[at] });
     let solution = scaled.cholesky()?.solve(&right);
-    let next = problem.behind(point, &solution.component_mul(&scale));
+    let next = problem.after_step(point, &solution.component_mul(&scale));
     let step = &next - point;
     let foretold = step.dot(&(2.0 * downhill - normal * &step));
     next.iter().all(|value| value.is_finite()).then_some((next, foretold))

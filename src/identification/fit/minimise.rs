@@ -1,87 +1,98 @@
-//! Freed parameters of a machine as a problem of least squares: the whole simulation is run again for every value.
+//! Free parameters of a machine as a problem of least squares: each value needs a whole simulation.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identification::fit::levenberg_marquardt::{self, Minimum, Problem, Search};
-use crate::identification::fit::{Freed, Run, Scale, Whitening, whitened, with};
+use crate::identification::fit::levenberg_marquardt::{self, Problem, Search, SearchMinimum};
+use crate::identification::fit::{FreeParameter, Run, VariationScale, Whitening, whitened, with};
 use crate::machine::Machine;
 
-/// c: whitened residuals beyond it count less.
-const HUBER: f64 = 2.0;
-/// A step that lowers the cost by less than this is the last.
+/// c: larger whitened residuals are weighted less.
+const HUBER_THRESHOLD: f64 = 2.0;
+/// Decrease of the cost below which a step is the last.
 const ATOL: f64 = 0.02;
 /// Most steps.
 const MAX_STEPS: usize = 25;
-/// The longest step of what varies by ratios: no step is longer than the model is straight.
+/// Longest step of the logarithm of a value: the model is nearly linear over it.
 const MAX_RATIO_STEP: f64 = 0.7;
 
-/// Huber's weight of a whitened residual.
+/// Returns Huber's weight of a whitened residual.
 pub fn weight(value: f64) -> f64 {
-    levenberg_marquardt::weight(value, HUBER)
+    levenberg_marquardt::weight(value, HUBER_THRESHOLD)
 }
 
-/// Huber's ρ.
+/// Returns Huber's ρ of a whitened residual.
 pub fn rho(value: f64) -> f64 {
-    levenberg_marquardt::rho(value, HUBER)
+    levenberg_marquardt::rho(value, HUBER_THRESHOLD)
 }
 
-/// The values, as they are varied, at which the cost is least, to a relative decrease of `ftol`.
+/// Returns the point of least cost, in optimiser's coordinates, to a relative decrease of `ftol`.
 pub fn minimise(
     machine: &Machine,
     runs: &[Run],
-    freed: &[Freed],
+    freed: &[FreeParameter],
     whitenings: &[Whitening],
     ftol: f64,
     progress: &mut dyn FnMut(f64),
-) -> Minimum {
-    let problem = Fitted { machine, runs, freed, whitenings };
-    let search =
-        Search { huber: HUBER, ftol, atol: ATOL, damping: 1e-2, max_damping: 1e6, max_steps: MAX_STEPS };
+) -> SearchMinimum {
+    let problem = FitProblem { machine, runs, freed, whitenings };
+    let search = Search {
+        huber: HUBER_THRESHOLD,
+        ftol,
+        atol: ATOL,
+        damping: 1e-2,
+        max_damping: 1e6,
+        max_steps: MAX_STEPS,
+    };
     levenberg_marquardt::minimise(&problem, problem.start(), search, progress)
 }
 
-/// The whitened residuals where the values begin, and their derivatives by what is varied, run by run.
+/// Returns the whitened residuals at the initial values, and their derivatives by the optimiser's
+/// coordinates, run by run.
 pub fn linearised(
     machine: &Machine,
     runs: &[Run],
-    freed: &[Freed],
+    freed: &[FreeParameter],
     whitenings: &[Whitening],
 ) -> (Vec<Vec<f64>>, Vec<DMatrix<f64>>) {
-    let problem = Fitted { machine, runs, freed, whitenings };
+    let problem = FitProblem { machine, runs, freed, whitenings };
     let start = problem.start();
     let residuals = problem.whitened(&start);
     let jacobians = problem.jacobians(&start, &residuals, &[]);
     (residuals, jacobians)
 }
 
-/// Parameters of a machine that are fitted to runs.
-struct Fitted<'a> {
+/// The parameters of a machine to fit to runs.
+struct FitProblem<'a> {
     machine: &'a Machine,
     runs: &'a [Run<'a>],
-    freed: &'a [Freed],
+    freed: &'a [FreeParameter],
     whitenings: &'a [Whitening],
 }
 
-impl Fitted<'_> {
-    /// The values to begin with, as they are varied.
+impl FitProblem<'_> {
+    /// Returns the initial values in optimiser's coordinates.
     fn start(&self) -> DVector<f64> {
-        let start = self.freed.iter().map(|freed| freed.inward(freed.start));
+        let start = self.freed.iter().map(|freed| freed.to_internal(freed.start));
         DVector::from_iterator(self.freed.len(), start)
     }
 
     fn whitened(&self, varied: &DVector<f64>) -> Vec<Vec<f64>> {
-        let values: Vec<f64> =
-            self.freed.iter().zip(varied.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
+        let values: Vec<f64> = self
+            .freed
+            .iter()
+            .zip(varied.iter())
+            .map(|(freed, varied)| freed.from_internal(*varied))
+            .collect();
         whitened(&with(self.machine, self.freed, &values), self.runs, self.whitenings)
     }
 }
 
-impl Problem for Fitted<'_> {
+impl Problem for FitProblem<'_> {
     fn residuals(&self, varied: &DVector<f64>) -> Option<Vec<Vec<f64>>> {
         Some(self.whitened(varied))
     }
 
-    /// Central difference quotients; at a bound from one side. Columns of linear parameters are kept.
+    /// Central difference quotients; one-sided at a bound. Columns of linear parameters are kept.
     fn jacobians(
         &self,
         varied: &DVector<f64>,
@@ -97,13 +108,13 @@ impl Problem for Fitted<'_> {
                 }
                 continue;
             }
-            let step = freed.step(freed.outward(varied[column]));
+            let step = freed.step(freed.from_internal(varied[column]));
             let beside = |sign: f64| {
                 let mut beside = varied.clone();
-                beside[column] = freed.inward(freed.outward(varied[column] + sign * step));
+                beside[column] = freed.to_internal(freed.from_internal(varied[column] + sign * step));
                 (beside[column], self.whitened(&beside))
             };
-            // What is linear needs no second point.
+            // A linear parameter needs no second point.
             let below = if freed.is_linear { (varied[column], found.to_vec()) } else { beside(-1.0) };
             let ((low, below), (high, above)) = (below, beside(1.0));
             if high - low <= 0.0 {
@@ -118,17 +129,17 @@ impl Problem for Fitted<'_> {
         jacobians
     }
 
-    fn behind(&self, varied: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+    fn after_step(&self, varied: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
         DVector::from_fn(varied.len(), |at, _| {
             let freed = &self.freed[at];
-            let limit = if freed.scale == Scale::Ratio { MAX_RATIO_STEP } else { f64::INFINITY };
-            freed.inward(freed.outward(varied[at] + step[at].clamp(-limit, limit)))
+            let limit = if freed.scale == VariationScale::Ratio { MAX_RATIO_STEP } else { f64::INFINITY };
+            freed.to_internal(freed.from_internal(varied[at] + step[at].clamp(-limit, limit)))
         })
     }
 
     fn is_at_bound(&self, varied: &DVector<f64>, parameter: usize, downhill: f64) -> bool {
         let freed = &self.freed[parameter];
-        let (value, (low, high)) = (freed.outward(varied[parameter]), freed.bounds);
+        let (value, (low, high)) = (freed.from_internal(varied[parameter]), freed.bounds);
         (value <= low && downhill < 0.0) || (high <= value && 0.0 < downhill)
     }
 }

@@ -1,87 +1,87 @@
-//! Machine, runs and freed parameters → [`Fit`]: the values at which the simulation is closest.
+//! Machine, runs and free parameters → [`Fit`]: the values at which the simulation is closest.
 //!
-//! The whole simulation is run again for every value that is tried; what is minimised is
+//! Each tried value needs a whole simulation; the minimised cost is
 //!
 //! ```text
 //! Σ_runs Σ_k ρ(ν_k),    ρ(ν) = ν² for |ν| ≤ c, then 2 c |ν| − c²
 //! ```
 //!
-//! over the whitened residuals ν of `whitened`, so that a wait that nobody explained does not bend
-//! everything else (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients, a
-//! parameter at its bound standing still.
+//! over the whitened residuals ν of `whitened`, so that an unexplained wait does not bend everything else
+//! (Huber 1964). The method is Levenberg's and Marquardt's with difference quotients; a parameter at its
+//! bound is fixed.
 //!
-//! Uncertainties are those of `uncertainty`: neighbours may be related, and more samples of the same motion make
-//! nothing more certain.
+//! Uncertainties are those of `uncertainty`: neighbouring residuals may be correlated, and more samples of
+//! the same motion add no certainty.
 
-mod freed;
+mod free_parameter;
 mod golden_section;
 mod information;
-mod left_out;
+mod leave_one_out;
 pub mod levenberg_marquardt;
 mod minimise;
-mod recorded;
+mod aligned_run;
 mod uncertainty;
-mod whitened;
+mod whitening;
 
 use std::borrow::Cow;
 
 use nalgebra::DMatrix;
 
-pub use freed::{Exactness, Freed, Scale};
+pub use aligned_run::{AlignedRun, AlignedRunError};
+pub use free_parameter::{Exactness, FreeParameter, VariationScale};
 pub use golden_section::golden_section;
 pub use information::inverse;
-pub use left_out::{LeftOut, left_out};
-pub use recorded::{Recorded, RecordedError};
+pub use leave_one_out::{HeldOutBlock, held_out_blocks};
 pub use uncertainty::dispersion;
-pub use whitened::Whitening;
+pub use whitening::Whitening;
 
-use crate::identification::alignment::{Alignment, Place, times_at_marks};
+use crate::identification::alignment::{Alignment, ProgramPlace, times_at_marks};
 use crate::identification::comparison::residuals;
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::simulate;
 use crate::simulation::toolpath::{Motion, Toolpath};
 
-/// The part of the cost that is hardly worth a step.
-pub const HARDLY: f64 = 1e-4;
+/// Relative cost decrease below which the fit stops (MINPACK `ftol`).
+pub const FTOL: f64 = 1e-4;
 
 /// A program with the recording of one of its runs.
 #[derive(Clone)]
 pub struct Run<'a> {
-    /// The program.
+    /// Program.
     pub toolpath: &'a Toolpath,
-    /// The recording on it.
+    /// Recording aligned with it.
     pub alignment: &'a Alignment,
-    /// Override switches that the recording itself shows, as ratios of feed and rapid.
+    /// Override switches in the recording, as ratios of feed and rapid.
     pub overrides: (Option<f64>, Option<f64>),
 }
 
-/// Where a fit ended.
+/// The result of a fit.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// The machine with the values found.
+    /// Machine with the fitted values.
     pub machine: Machine,
-    /// The values, core units, in the order of what was freed.
+    /// Fitted values, core units, in the order of the free parameters.
     pub values: Vec<f64>,
-    /// Their standard deviations, core units; infinite where the runs say nothing of one.
+    /// Standard deviations, core units; infinite if the runs do not determine a value.
     pub deviations: Vec<f64>,
-    /// How they depend on each other; 1 on the diagonal.
+    /// Correlations of the values; 1 on the diagonal.
     pub correlations: DMatrix<f64>,
-    /// What is left, Σ ρ.
+    /// Remaining cost, Σ ρ.
     pub cost: f64,
-    /// The whitened residuals of each run.
+    /// Whitened residuals of each run.
     pub whitened: Vec<Vec<f64>>,
-    /// Whether it came to its end.
+    /// `true` if the search converged.
     pub converged: bool,
 }
 
 impl Run<'_> {
-    /// Whether the start of the program was recorded.
+    /// Returns `true` if the start of the program was recorded.
     pub fn starts(&self) -> bool {
-        self.alignment.marks.first().is_some_and(|mark| mark.place == Place::Start)
+        self.alignment.marks.first().is_some_and(|mark| mark.place == ProgramPlace::Start)
     }
 
-    /// The machine as it was set in this run.
+    /// Returns the machine with the switches of this run.
     pub fn machine(&self, machine: &Machine) -> Machine {
         let mut machine = machine.clone();
         if let Some(ratio) = self.overrides.0 {
@@ -93,12 +93,12 @@ impl Run<'_> {
         machine
     }
 
-    /// Whether the program has rapid moves.
+    /// Returns `true` if the program has rapid moves.
     pub fn has_rapid(&self) -> bool {
         self.toolpath.segments.iter().any(|segment| segment.motion == Motion::Rapid)
     }
 
-    /// Whether another run is of the same program on a machine that is set alike.
+    /// Returns `true` if another run has the same program and switches.
     pub fn is_like(&self, other: &Run, machine: &Machine) -> bool {
         let switches = |run: &Run| {
             let (feed, rapid) = run.overrides;
@@ -107,23 +107,23 @@ impl Run<'_> {
         switches(self) == switches(other) && self.toolpath == other.toolpath
     }
 
-    /// Where the machine was by a clock that is right, if the recorder's is the one that the machine file says.
+    /// Returns the alignment with true stamps, given the recorder's clock in the machine file.
     pub fn by_clock(&self, machine: &Machine) -> Cow<'_, Alignment> {
         self.alignment.by_right_clock(machine.recorder.clock_ratio)
     }
 
-    /// The plan of the run on a machine.
+    /// Returns the plan of the run on a machine.
     pub fn plan(&self, machine: &Machine) -> FeedPlan {
         simulate(self.toolpath, &self.machine(machine))
     }
 
-    /// By how much the recorded machine is later at each mark, s.
+    /// Returns the delay of the recorded machine at each mark, s.
     pub fn residuals(&self, machine: &Machine) -> Vec<f64> {
         let machine = &self.machine(machine);
         self.residuals_of(machine, &simulate(self.toolpath, machine))
     }
 
-    /// The same of a plan on the machine as it was set.
+    /// Returns the delay at each mark, s, for a plan on the machine with the switches of this run.
     fn residuals_of(&self, machine: &Machine, plan: &FeedPlan) -> Vec<f64> {
         let mut simulated = times_at_marks(self.toolpath, machine, plan, self.alignment);
         simulated.iter_mut().for_each(|time| *time *= machine.recorder.clock_ratio);
@@ -131,7 +131,7 @@ impl Run<'_> {
     }
 }
 
-/// The whitened residuals of each run on a machine; runs of one program one after another share their plan.
+/// Returns the whitened residuals of each run on a machine; consecutive runs of one program share their plan.
 pub fn whitened(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Vec<f64>> {
     let mut last: Option<(&Run, FeedPlan)> = None;
     let each = runs.iter().zip(whitenings).map(|(run, whitening)| {
@@ -146,29 +146,29 @@ pub fn whitened(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Ve
     each.collect()
 }
 
-/// Σ ρ of whitened residuals.
+/// Returns Σ ρ of whitened residuals.
 pub fn cost<'a>(whitened: impl IntoIterator<Item = &'a f64>) -> f64 {
     whitened.into_iter().map(|value| minimise::rho(*value)).sum()
 }
 
-/// The cost of a machine: what is minimised.
+/// Returns the cost of a machine, which a fit minimises.
 pub fn cost_of(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> f64 {
     cost(whitened(machine, runs, whitenings).iter().flatten())
 }
 
-/// Fits parameters of a machine to runs, from the values they begin with, until a step gains less than the
-/// part `hardly` of the cost. `progress` is told the part that is done.
+/// Fits parameters of a machine to runs, from their initial values, until a step gains less than the part
+/// `ftol` of the cost. Calls `progress` with the completed fraction, 0 to 1.
 pub fn fit(
     machine: &Machine,
     runs: &[Run],
-    freed: &[Freed],
+    freed: &[FreeParameter],
     whitenings: &[Whitening],
     hardly: f64,
     progress: &mut dyn FnMut(f64),
 ) -> Fit {
     let found = minimise::minimise(machine, runs, freed, whitenings, hardly, progress);
     let values: Vec<f64> =
-        freed.iter().zip(found.point.iter()).map(|(freed, varied)| freed.outward(*varied)).collect();
+        freed.iter().zip(found.point.iter()).map(|(freed, varied)| freed.from_internal(*varied)).collect();
     let covariance = uncertainty::covariance(&found, &clocks(runs, whitenings));
     let deviations = (0..freed.len())
         .map(|at| {
@@ -197,7 +197,7 @@ pub fn fit(
     }
 }
 
-/// What a recorder's clock that is off leaves of each run, whitened, for a rate that is off by 1.
+/// Returns the whitened residuals of each run through a recorder's clock whose rate is off by 1.
 fn clocks(runs: &[Run], whitenings: &[Whitening]) -> Vec<Vec<f64>> {
     let of_run = |(run, whitening): (&Run, &Whitening)| {
         let marks = &run.alignment.marks;
@@ -207,8 +207,8 @@ fn clocks(runs: &[Run], whitenings: &[Whitening]) -> Vec<Vec<f64>> {
     runs.iter().zip(whitenings).map(of_run).collect()
 }
 
-/// A machine with these values of what is freed, core units.
-pub fn with(machine: &Machine, freed: &[Freed], values: &[f64]) -> Machine {
+/// Returns a machine with these values of the free parameters, core units.
+pub fn with(machine: &Machine, freed: &[FreeParameter], values: &[f64]) -> Machine {
     let mut machine = machine.clone();
     for (freed, value) in freed.iter().zip(values) {
         freed.apply(&mut machine, *value);

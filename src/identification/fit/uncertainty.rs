@@ -1,39 +1,40 @@
-//! How far values may be off.
+//! Uncertainty of fitted values.
 //!
-//! Least squares believe that the whitened residuals ν are independent with variance 1. What a model leaves is not:
-//! it goes on for a while, and the recorder's clock is as good as its quartz. Three things are therefore added up,
-//! with J the derivatives of ν, W its weights and H = JᵀWJ:
+//! Least squares assume that the whitened residuals ν are independent with variance 1. The residuals of a
+//! model are not: they persist for a while, and the recorder's clock is only as good as its quartz. Three
+//! contributions are therefore combined, with J the derivatives of ν, W its weights and H = JᵀWJ:
 //!
-//! | what | how |
+//! | contribution | estimate |
 //! |---|---|
-//! | what is left, as far as it is seen | H⁻¹ ĉ, with ĉ the variance of the sums of ν over contiguous blocks over that of independent ones, at the length of block where it is largest (batch means) |
-//! | what is left, where a value acts | the jackknife that leaves out one of so many contiguous blocks (H − H_g)⁻¹ g_g, at the length at which the values move most; a value that hangs on one block is told at shorter ones |
-//! | what no residual shows | the clock: (H⁻¹ JᵀW n)² σ², n the whitened trace of a clock that is off, σ what clocks are off by |
+//! | remaining residuals, as seen | H⁻¹ ĉ, with ĉ the variance of the sums of ν over contiguous blocks over that of independent ones, at the length of block where it is largest (batch means) |
+//! | remaining residuals, where a value acts | the jackknife that leaves out one of several contiguous blocks (H − H_g)⁻¹ g_g, at the length at which the values move most; for a value that depends on one block, at shorter ones |
+//! | the clock, which no residual shows | (H⁻¹ JᵀW n)² σ², n the whitened residuals through a clock whose rate is off by 1, σ the standard deviation of the rate |
 //!
-//! The variance of a value is the larger of the first two, plus the third. What a control counts in cycles, and how far
-//! two laws agree at best, comes besides, see [`Freed::floor`](crate::identification::fit::Freed::floor). Sources: Efron and Tibshirani 1993,
-//! Sect. 11.5 and 17; Flegal and Jones 2010 for batch means. Clocks of recorders are off by 10 to
-//! 200 ppm: quartzes by 50, computers that follow no other clock by more.
+//! The variance of a value is the larger of the first two, plus the third. The cycles of a control, and the
+//! limit of agreement between two laws, are added separately, see
+//! [`FreeParameter::floor`](crate::identification::fit::FreeParameter::floor). Sources: Efron and Tibshirani
+//! 1993, Sect. 11.5 and 17; Flegal and Jones 2010 for batch means. Clocks of recorders are off by 10 to 200
+//! ppm: quartzes by 50, computers that follow no other clock by more.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::identification::fit::information::{Information, inverse};
-use crate::identification::fit::levenberg_marquardt::Minimum;
+use crate::identification::fit::levenberg_marquardt::SearchMinimum;
 use crate::identification::fit::minimise::weight;
 
-/// Standard deviation of a clock's rate: that of 10 to 200 ppm, each size as likely as its double.
-const CLOCK: f64 = 8.2e-5;
-/// Most blocks a run is cut into; each further length is twice the one before.
-const MOST_BLOCKS: usize = 512;
-/// Fewest blocks a run is cut into.
-const FEWEST_BLOCKS: usize = 8;
-/// A value that has so much of its information in one block is not told without it.
-const ALONE: f64 = 0.5;
-/// Least information on what is varied that is any.
-const KNOWN: f64 = 1e-9;
+/// Standard deviation of a clock's rate: for errors of 10 to 200 ppm, each size as likely as its double.
+const CLOCK_DEVIATION_RATIO: f64 = 8.2e-5;
+/// Most blocks of a run; each further length is twice the one before.
+const MAX_BLOCKS: usize = 512;
+/// Fewest blocks of a run.
+const MIN_BLOCKS: usize = 8;
+/// Share of information in one block from which a value is not determined without the block.
+const MIN_INFORMATION_SHARE: f64 = 0.5;
+/// Least information on an optimiser's coordinate that counts.
+const MIN_INFORMATION: f64 = 1e-9;
 
-/// By how much the variance of the sums of whitened residuals over blocks exceeds that of independent ones, at the
-/// length of block at which it does most; 1 at least.
+/// Returns the variance of sums of whitened residuals over blocks, over that of independent ones, at the
+/// length of block at which it is largest; at least 1.
 pub fn dispersion(whitened: &[Vec<f64>]) -> f64 {
     let of = |blocks: usize| {
         let (mut squares, mut expected) = (0.0, 0.0);
@@ -48,18 +49,18 @@ pub fn dispersion(whitened: &[Vec<f64>]) -> f64 {
     scales().map(of).fold(1.0, f64::max)
 }
 
-/// Numbers of blocks.
+/// Returns the numbers of blocks.
 fn scales() -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(FEWEST_BLOCKS), |blocks| Some(2 * blocks))
-        .take_while(|blocks| *blocks <= MOST_BLOCKS)
+    std::iter::successors(Some(MIN_BLOCKS), |blocks| Some(2 * blocks))
+        .take_while(|blocks| *blocks <= MAX_BLOCKS)
 }
 
-/// The covariance of what is varied; infinite on the diagonal of what the runs say nothing of. `clocks` are the
-/// whitened traces of a clock that is off, run by run.
-pub fn covariance(found: &Minimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
+/// Returns the covariance of the optimiser's coordinates; infinite on the diagonal for coordinates that the
+/// runs do not determine. `clocks` are the whitened residuals through a wrong clock, run by run.
+pub fn covariance(found: &SearchMinimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     let count = found.point.len();
     let all = Information::of_all(&found.residuals, &found.jacobians, count);
-    let known: Vec<usize> = (0..count).filter(|at| KNOWN < all.normal[(*at, *at)]).collect();
+    let known: Vec<usize> = (0..count).filter(|at| MIN_INFORMATION < all.normal[(*at, *at)]).collect();
     let mut covariance = DMatrix::from_diagonal_element(count, count, f64::INFINITY);
     covariance.fill_lower_triangle(0.0, 1);
     covariance.fill_upper_triangle(0.0, 1);
@@ -73,7 +74,7 @@ pub fn covariance(found: &Minimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
             clock += weight(*value) * trace * jacobian.row(row).transpose();
         }
     }
-    let clock = CLOCK * &inverse * clock.select_rows(&known);
+    let clock = CLOCK_DEVIATION_RATIO * &inverse * clock.select_rows(&known);
     let own = |at: usize| plain[(at, at)].max(moved[at]).sqrt();
     for (i, &row) in known.iter().enumerate() {
         for (j, &column) in known.iter().enumerate() {
@@ -84,9 +85,9 @@ pub fn covariance(found: &Minimum, clocks: &[Vec<f64>]) -> DMatrix<f64> {
     covariance
 }
 
-/// The largest variance of each known value by leaving out blocks, over all lengths at which it is told without any
-/// one of them.
-fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64> {
+/// Returns the largest variance of each determined value by leaving out blocks, over all lengths at which it
+/// is determined without any one of them.
+fn jackknife(found: &SearchMinimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64> {
     let mut largest = vec![0.0; known.len()];
     for blocks in scales() {
         let mut squares = vec![0.0; known.len()];
@@ -100,7 +101,7 @@ fn jackknife(found: &Minimum, known: &[usize], normal: &DMatrix<f64>) -> Vec<f64
                 let block = first..(first + length).min(rows);
                 let own = Information::of(whitened, jacobian, block).among(known);
                 for at in 0..known.len() {
-                    alone[at] |= ALONE * normal[(at, at)] < own.normal[(at, at)];
+                    alone[at] |= MIN_INFORMATION_SHARE * normal[(at, at)] < own.normal[(at, at)];
                 }
                 let Some(without) = inverse(&(normal - own.normal)) else { continue };
                 for (square, moved) in squares.iter_mut().zip((without * own.gradient).iter()) {
@@ -147,7 +148,7 @@ mod tests {
         let plain = normal.clone().try_inverse().expect("two values that are apart");
         let varied = -&plain * jacobian.tr_mul(&residuals);
         let whitened = vec![(residuals + &jacobian * &varied).iter().copied().collect()];
-        let found = Minimum {
+        let found = SearchMinimum {
             point: varied.clone(),
             residuals: whitened,
             jacobians: vec![jacobian],
@@ -180,7 +181,7 @@ mod tests {
     fn a_clock_that_is_off_moves_what_goes_with_time() {
         let count = 1000;
         let jacobian = DMatrix::from_element(count, 1, -0.1);
-        let found = Minimum {
+        let found = SearchMinimum {
             point: DVector::zeros(1),
             residuals: vec![vec![0.0; count]],
             jacobians: vec![jacobian],
@@ -189,6 +190,6 @@ mod tests {
         };
         let deviation = |trace: f64| covariance(&found, &[vec![trace; count]])[(0, 0)].sqrt();
         let (without, with) = (deviation(0.0), deviation(1e6));
-        assert!((with - without.hypot(CLOCK * 1e7)).abs() < 1e-6 * with, "{without} {with}");
+        assert!((with - without.hypot(CLOCK_DEVIATION_RATIO * 1e7)).abs() < 1e-6 * with, "{without} {with}");
     }
 }

@@ -1,92 +1,105 @@
-//! Machine and two causes → [`Probe`]: a short program on which the two look different.
+//! Machine and two causes → [`Probe`]: a short program that distinguishes the causes.
 //!
-//! A machine with a cause at some value is a point: what a recorder would see of it on a snippet, in
-//! standard deviations of its noise. All values of a cause are a curve, here the chords through its trials
-//! and a few between. The separation of a cause at one value from another cause is the distance of
-//! its point from the other's curve,
-//!
+//! A machine with a cause at some value is a point: its recording on a snippet, in standard deviations of the
+//! noise. All values of a cause form a curve, here chords through its trials and a few points between. The
+//! separation of a cause at one value from another cause is the distance of its point from the other's curve,
 //! ```text
 //! σ² = min_value Σ_snippets |w(cause) − w(other, value)|²
 //! ```
 //!
-//! so the other cause has been fitted to it (T-optimality: Atkinson and Fedorov 1975). What is seen is
-//! the time at places along the path, whitened as in `fit`, with [`STAMP`] a mark; where a cause leaves no
-//! time but form, positions at equal times, the common delay taken out.
+//! so that the other cause is fitted to it (T-optimality: Atkinson and Fedorov 1975). A recording consists of
+//! times at places along the path, whitened as in `fit`, with the standard deviation [`STAMP_DEVIATION_S`] per
+//! mark; for a cause that affects only the form of the path, of positions at equal times without the common delay.
 //!
-//! Snippets are taken greedily, those first that separate most a second, until every pair of variants (axes,
-//! rules), either way round, is [`ENOUGH`] apart and `SHORTEST` s are filled, or [`LONGEST`] s are used.
+//! Snippets are chosen greedily by separation per second, until every pair of variants (axes, rules), in both
+//! directions, is [`TARGET_SEPARATION_SIGMAS`] apart and `MIN_PROBE_S` s are filled, or [`MAX_PROBE_S`] s are
+//! used.
 //!
 //! Limits: a cause is tried at one middle strength; other parameters of the machine are taken as known.
 
 mod separation;
 mod snippets;
 
-pub use snippets::{SPACE, Snippet, bank, top};
+pub use snippets::{SNIPPET_SPACE_MM, Snippet, bank, top};
 
 use thiserror::Error;
 
 use crate::identification::effects::{self, Effect, Hypothesis, Trace, library};
-use crate::identification::probe::separation::{Bench, Rivalry, rivalries};
+use crate::identification::probe::separation::{ProbeTrial, Separation, separations};
 use crate::machine::Machine;
 
-/// Separated, in standard deviations.
-pub const ENOUGH: f64 = 10.0;
-/// Less than this is not told apart.
-const LEAST: f64 = 5.0;
-/// The longest program for two causes, s.
-pub const LONGEST: f64 = 90.0;
-/// A shorter program is made longer: other causes and held-out stretches want motion as well, s.
-const SHORTEST: f64 = 20.0;
+/// Separation that is aimed at, in standard deviations.
+pub const TARGET_SEPARATION_SIGMAS: f64 = 10.0;
+/// Least separation of a probe, in standard deviations.
+const MIN_SEPARATION_SIGMAS: f64 = 5.0;
+/// Longest program for two causes, s.
+pub const MAX_PROBE_S: f64 = 90.0;
+/// Shortest program, s: other causes and held-out sections need motion as well.
+const MIN_PROBE_S: f64 = 20.0;
 /// Standard deviation of the time of a mark, s: a recorder at 500 Hz.
-pub const STAMP: f64 = 1e-3;
+pub const STAMP_DEVIATION_S: f64 = 1e-3;
 
-/// A program with what it is for.
+/// A program with its purpose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
-    /// The program, G-code.
+    /// G-code.
     pub program: String,
-    /// What it does and how well, one sentence a line.
+    /// Purpose and quality, one sentence per line.
     pub summary: Vec<String>,
-    /// How long it takes on the machine believed in, s.
+    /// Duration on the assumed machine, s.
     pub seconds: f64,
-    /// How far apart the two causes are on it, in standard deviations; none where it is for all effects.
+    /// Separation of the two causes, in standard deviations; `None` for a program for all effects.
     pub separation: Option<f64>,
 }
 
-/// Why there is no such program.
+/// The reason why there is no such program.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ProbeError {
     /// No cause of this id.
     #[error("unknown cause {id}; the nearest known one is {nearest}")]
     Unknown {
-        /// What was asked for.
+        /// Given id.
         id: String,
-        /// What there is.
+        /// Nearest known id.
         nearest: &'static str,
     },
-    /// The same id twice.
-    #[error("{0} is named twice; give two different causes")]
+    /// Both ids are equal.
+    #[error("both causes are {0}; give two different causes")]
     Same(String),
-    /// Nothing in a program brings it out.
+    /// No program brings it out.
     #[error("{id} cannot be probed: {why}")]
     Unprovoked {
         /// The cause.
         id: &'static str,
-        /// Why, and what instead.
+        /// Reason and alternative.
         why: &'static str,
     },
     /// The machine does not have it, or hides it.
-    #[error("{0} shows on no program within this machine's limits; check what the machine file says of it")]
+    #[error("{0} shows on no program within this machine's limits; check its values in the machine file")]
     Hidden(&'static str),
-    /// Both look alike on everything.
+    /// Both look alike on every snippet.
     #[error(
-        "{0} and {1} cannot be told apart by a program of {LONGEST} s: {2:.1} standard deviations; \
-         change one of the two on the machine and record again"
+        "no program of {MAX_PROBE_S} s separates {0} from {1}: {2:.1} standard deviations; change one of the two on the machine and record again"
     )]
     Alike(&'static str, &'static str, f64),
 }
 
-/// A program that separates two causes on a machine.
+/// Returns a short program that distinguishes two causes on a machine.
+///
+/// # Errors
+///
+/// Returns an error if a cause is unknown, both are equal, or no program brings out one or separates the two.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::identification::probe::probe_between;
+/// use truefeed::machine::Machine;
+///
+/// let probe = probe_between(&Machine::default(), ["exact_stop", "feed_override"]).expect("they differ at corners");
+/// assert!(probe.program.contains("G1"));
+/// assert!(probe_between(&Machine::default(), ["exact_stop", "weather"]).is_err());
+/// ```
 pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, ProbeError> {
     let [one, other] = [provoked(causes[0])?, provoked(causes[1])?];
     if one == other {
@@ -94,8 +107,8 @@ pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, Prob
     }
     let bank = bank(machine);
     let programs: Vec<String> = bank.iter().map(|snippet| whole(&[], &snippet.lines)).collect();
-    let benches: Vec<Bench> = programs.iter().map(|program| Bench::new(machine, program)).collect();
-    let runs: Vec<_> = benches.iter().map(Bench::run).collect();
+    let trials: Vec<ProbeTrial> = programs.iter().map(|program| ProbeTrial::new(machine, program)).collect();
+    let runs: Vec<_> = trials.iter().map(ProbeTrial::run).collect();
     let library = library(machine, &runs);
     let of = |effect: Effect| {
         let own: Vec<&Hypothesis> = library.iter().filter(|hypothesis| hypothesis.effect == effect).collect();
@@ -103,26 +116,26 @@ pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, Prob
     };
     let sides = [of(one)?, of(other)?];
     let is_form = sides.iter().flatten().any(|hypothesis| hypothesis.trace() == Trace::Form);
-    let found = rivalries(machine, &benches, &sides, is_form);
+    let found = separations(machine, &trials, &sides, is_form);
     if let Some(side) = (0..2).find(|side| found.is_hidden[*side]) {
         return Err(ProbeError::Hidden([one, other][side].id));
     }
-    let costs: Vec<f64> = benches.iter().map(Bench::seconds).collect();
-    let chosen = chosen(&found.rivalries, &costs);
+    let costs: Vec<f64> = trials.iter().map(ProbeTrial::seconds).collect();
+    let chosen = chosen(&found.separations, &costs);
     let lines: String = chosen.iter().map(|at| bank[*at].lines.as_str()).collect();
-    // What is stated is of the program as it is written, not of its parts.
-    let bench = Bench::new(machine, &whole(&[], &lines));
-    let seconds = bench.seconds();
-    let reached = rivalries(machine, &[bench], &sides, is_form);
-    let separation = least(&reached.rivalries, &[0]);
-    if separation < LEAST {
+    // The stated separation is that of the whole program, not of its parts.
+    let trial = ProbeTrial::new(machine, &whole(&[], &lines));
+    let seconds = trial.seconds();
+    let reached = separations(machine, &[trial], &sides, is_form);
+    let separation = least(&reached.separations, &[0]);
+    if separation < MIN_SEPARATION_SIGMAS {
         return Err(ProbeError::Alike(one.id, other.id, separation));
     }
     let summary = vec![
         format!("Probe for {}", machine.name),
         format!("separates {} from {}", one.id, other.id),
         format!("{seconds:.1} s, expected separation at least {separation:.0} standard deviations"),
-        format!("recorded at 500 Hz with {:.0} ms of noise", 1e3 * STAMP),
+        format!("recorded at 500 Hz with {:.0} ms of noise", 1e3 * STAMP_DEVIATION_S),
     ];
     let mut heads = vec![space()];
     heads.extend(summary.iter().cloned());
@@ -131,11 +144,11 @@ pub fn probe_between(machine: &Machine, causes: [&str; 2]) -> Result<Probe, Prob
     Ok(Probe { program, summary, seconds, separation: Some(separation) })
 }
 
-/// A program that brings out every effect on a machine.
+/// Returns a program that brings out every effect on a machine.
 pub fn probe_all(machine: &Machine) -> Probe {
     let bank = bank(machine);
     let lines: String = bank.iter().map(|snippet| snippet.lines.as_str()).collect();
-    let seconds = Bench::new(machine, &whole(&[], &lines)).seconds();
+    let seconds = ProbeTrial::new(machine, &whole(&[], &lines)).seconds();
     let summary = vec![
         format!("Probe for {}", machine.name),
         format!("exercises all effects in {} parts", bank.len()),
@@ -146,15 +159,15 @@ pub fn probe_all(machine: &Machine) -> Probe {
     Probe { program: whole(&heads, &lines), summary, seconds, separation: None }
 }
 
-/// What space a program needs, for people.
+/// Returns the space that a program needs, for people.
 fn space() -> String {
-    let [x, y, z] = SPACE;
+    let [x, y, z] = SNIPPET_SPACE_MM;
     format!("Needs X0..{x} Y0..{y} Z0..{z} mm in air: no stock, no clamps")
 }
 
-/// A program of these lines with comments before them.
+/// Returns a program of these lines with comments before them.
 fn whole(heads: &[String], lines: &str) -> String {
-    // Brackets would end a comment, and controls read no more than ASCII.
+    // Brackets would end a comment, and controls read only ASCII.
     let plain = |text: &String| -> String {
         let text = text.replace('°', " deg").replace(['(', ')', '%', ';'], " ");
         text.chars().map(|sign| if sign.is_ascii() && !sign.is_control() { sign } else { '?' }).collect()
@@ -163,7 +176,7 @@ fn whole(heads: &[String], lines: &str) -> String {
     format!("{heads}G21 G90 G94 G17\n{lines}M30\n")
 }
 
-/// The effect with this id, if a program can bring it out.
+/// Returns the effect with this id, if a program can bring it out.
 fn provoked(id: &str) -> Result<Effect, ProbeError> {
     let Some(effect) = effects::with_id(id) else {
         let distance = |effect: &&Effect| strsim::damerau_levenshtein(effect.id, id);
@@ -176,20 +189,21 @@ fn provoked(id: &str) -> Result<Effect, ProbeError> {
     }
 }
 
-/// The least separation over all rivalries on these snippets.
-fn least(rivalries: &[Rivalry], chosen: &[usize]) -> f64 {
-    rivalries.iter().map(|rivalry| rivalry.squared(chosen).sqrt()).fold(f64::INFINITY, f64::min)
+/// Returns the least separation over all pairs on these snippets.
+fn least(separations: &[Separation], chosen: &[usize]) -> f64 {
+    separations.iter().map(|separation| separation.squared(chosen).sqrt()).fold(f64::INFINITY, f64::min)
 }
 
-/// The snippets that separate most a second, one after another, in their order in the bank.
-fn chosen(rivalries: &[Rivalry], costs: &[f64]) -> Vec<usize> {
-    // Somewhat more than enough: chords are not the curve.
-    let goal = (1.5 * ENOUGH).powi(2);
-    let score =
-        |chosen: &[usize]| -> f64 { rivalries.iter().map(|rivalry| rivalry.squared(chosen).ln_1p()).sum() };
+/// Returns the snippets that separate most per second, chosen one after another, in their order in the bank.
+fn chosen(separations: &[Separation], costs: &[f64]) -> Vec<usize> {
+    // Somewhat more than enough, as chords are not the curve.
+    let goal = (1.5 * TARGET_SEPARATION_SIGMAS).powi(2);
+    let score = |chosen: &[usize]| -> f64 {
+        separations.iter().map(|separation| separation.squared(chosen).ln_1p()).sum()
+    };
     let mut chosen: Vec<usize> = Vec::new();
     let mut used = 0.0;
-    while used < SHORTEST || least(rivalries, &chosen) < goal.sqrt() {
+    while used < MIN_PROBE_S || least(separations, &chosen) < goal.sqrt() {
         let now = score(&chosen);
         let gain = |at: usize| {
             let mut more = chosen.clone();
@@ -197,7 +211,7 @@ fn chosen(rivalries: &[Rivalry], costs: &[f64]) -> Vec<usize> {
             (score(&more) - now) / costs[at].max(1e-3)
         };
         let open = (0..costs.len()).filter(|at| !chosen.contains(at));
-        let fits = open.filter(|at| chosen.is_empty() || used + costs[*at] <= LONGEST);
+        let fits = open.filter(|at| chosen.is_empty() || used + costs[*at] <= MAX_PROBE_S);
         let best = fits.map(|at| (at, gain(at))).max_by(|a, b| a.1.total_cmp(&b.1));
         match best {
             Some((at, gain)) if 0.0 < gain || chosen.is_empty() => {
@@ -209,4 +223,26 @@ fn chosen(rivalries: &[Rivalry], costs: &[f64]) -> Vec<usize> {
     }
     chosen.sort_unstable();
     chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_cause_is_refused_with_the_nearest_known_one() {
+        let refused = |id: &str| probe_between(&Machine::default(), [id, "feed_override"]).unwrap_err();
+        assert_eq!(
+            refused("exact_stops"),
+            ProbeError::Unknown { id: "exact_stops".to_string(), nearest: "exact_stop" }
+        );
+        assert_eq!(refused("feed_override"), ProbeError::Same("feed_override".to_string()));
+    }
+
+    #[test]
+    fn comments_hold_nothing_that_ends_them() {
+        let program = whole(&["a (b) 45° %;\u{7}é".to_string()], "G1 X1\n");
+        assert_eq!(program.lines().next(), Some("(a  b  45 deg   ??)"));
+        assert!(program.ends_with("G1 X1\nM30\n"));
+    }
 }

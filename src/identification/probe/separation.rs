@@ -1,37 +1,39 @@
-//! What a recorder sees of a machine on a program, and how far apart two causes are by it.
+//! Design points of a probe: the recording of a machine on a snippet, and the separation of two causes by it.
 
 use std::sync::Arc;
 
-use crate::identification::alignment::{Alignment, Mark, Method, Place, Track};
+use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace, Track};
 use crate::identification::effects::Hypothesis;
 use crate::identification::fit::{Run, Whitening};
-use crate::identification::probe::STAMP;
+use crate::identification::probe::STAMP_DEVIATION_S;
 use crate::machine::{Axis, Machine};
 use crate::simulation::drive::actual_motion;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::gcode::read;
+use crate::simulation::interpreter::trace;
+use crate::simulation::ordered::sort_by_number;
 use crate::simulation::profile::{Profile, Resolution, Samples};
 use crate::simulation::simulate;
-use crate::simulation::toolpath::{Point, Toolpath, Vector, trace};
+use crate::simulation::toolpath::{Point, Toolpath, Vector};
 
 /// Time between two marks, s.
-const INTERVAL: f64 = 8e-3;
-/// Marks of a program at most.
-const MOST_MARKS: f64 = 20_000.0;
+const MARK_INTERVAL_S: f64 = 8e-3;
+/// Most marks of a program.
+const MAX_MARKS: f64 = 20_000.0;
 /// Noise of a recorded coordinate, mm.
-const POSITION: f64 = 2e-3;
-/// What no model knows, s/√s.
-const WANDER: f64 = 1e-3;
+const POSITION_NOISE_MM: f64 = 2e-3;
+/// Process noise, s/√s.
+const PROCESS_NOISE: f64 = 1e-3;
 /// Points of a curve between two trials.
-const BETWEEN: usize = 3;
-/// A cause that moves the point by less on the whole bank is hidden, in standard deviations.
-const SEEN: f64 = 3.0;
+const POINTS_BETWEEN_TRIALS: usize = 3;
+/// Least displacement of the point on the whole bank by a visible cause, in standard deviations.
+const MIN_VISIBLE_SIGMAS: f64 = 3.0;
 
-/// A program on the machine believed in, with the marks at which others are compared.
-pub struct Bench {
+/// A snippet on the assumed machine, with the marks at which other machines are compared.
+pub struct ProbeTrial {
     toolpath: Toolpath,
     alignment: Alignment,
-    /// The machine believed in without its drives, and what it commands.
+    /// Assumed machine without its drives, and its command.
     undriven: Machine,
     commanded: Samples,
     whitening: Whitening,
@@ -40,87 +42,76 @@ pub struct Bench {
     instants: Vec<(f64, Vector)>,
 }
 
-impl Bench {
-    /// The bench of a program.
-    pub fn new(machine: &Machine, program: &str) -> Bench {
+impl ProbeTrial {
+    /// Returns the trial of a program.
+    pub fn new(machine: &Machine, program: &str) -> ProbeTrial {
         let toolpath = trace(&read(program.as_bytes()), machine);
         let plan = simulate(&toolpath, machine);
         let profile = Profile::new(&toolpath, &plan);
         let seconds = profile.cycle_time();
-        let interval = INTERVAL.max(seconds / MOST_MARKS);
+        let interval = MARK_INTERVAL_S.max(seconds / MAX_MARKS);
         let count = (seconds / interval) as usize;
         let states: Vec<_> =
             (1..count).map(|at| (interval * at as f64, profile.at_time(interval * at as f64))).collect();
         let length = profile.length();
-        let mut places = vec![Place::Start];
+        let mut places = vec![ProgramPlace::Start];
         let mut last = 0.0;
         let distances = toolpath.distances();
         let mut stop = 0;
-        let mut pass = |until: f64, places: &mut Vec<Place>| {
+        let mut pass = |until: f64, places: &mut Vec<ProgramPlace>| {
             while stop < toolpath.stops.len() && distances[toolpath.stops[stop].after] <= until {
-                places.extend([Place::Stop(stop), Place::After(stop)]);
+                places.extend([ProgramPlace::Stop(stop), ProgramPlace::After(stop)]);
                 stop += 1;
             }
         };
         for (_, state) in &states {
             pass(state.distance - 1e-6, &mut places);
-            // Where it stands there is a stop, or it turns.
+            // The machine rests at a stop or turns a rotary axis.
             if last + 1e-4 < state.distance && state.distance < length - 1e-4 {
-                places.push(Place::Along(state.distance));
+                places.push(ProgramPlace::Along(state.distance));
                 last = state.distance;
             }
         }
         pass(f64::INFINITY, &mut places);
         let times = crate::identification::alignment::times(&toolpath, &plan, &places);
-        let mark = |(place, time): (Place, f64)| Mark { place, time, deviation: STAMP };
+        let mark = |(place, time): (ProgramPlace, f64)| Mark { place, time, deviation: STAMP_DEVIATION_S };
         let marks: Vec<Mark> = places.into_iter().zip(times).map(mark).collect();
         let track = Track {
             time: states.iter().map(|(time, _)| *time).collect(),
             position: states.iter().map(|(_, state)| state.position).collect::<Vec<Point>>(),
             recorded: [true; 3],
-            noise: POSITION,
-            interval: 0.5 * STAMP.max(4e-3),
+            noise: POSITION_NOISE_MM,
+            interval: 0.5 * STAMP_DEVIATION_S.max(4e-3),
         };
         let instants = states.iter().map(|(time, state)| (*time, state.velocity)).collect();
         let alignment = Alignment {
-            method: Method::Positions,
-            run: 0.0..seconds,
-            marks,
-            fixes: Vec::new(),
-            covered: 0.0..length,
-            length,
-            poll: None,
-            fit: 1.0,
-            spread: None,
             track: Some(Arc::new(track)),
-            feed: None,
-            remarks: Vec::new(),
-            shift: Vector::zeros(),
-            passes: 1,
+            ..Alignment::of_marks(Method::Positions, 0.0..seconds, marks, length)
         };
-        let whitening = Whitening::new(&alignment, WANDER);
+        let whitening = Whitening::new(&alignment, PROCESS_NOISE);
         let (undriven, commanded) = (without_drives(machine), commanded(&toolpath, &plan));
-        Bench { toolpath, alignment, undriven, commanded, whitening, seconds, instants }
+        ProbeTrial { toolpath, alignment, undriven, commanded, whitening, seconds, instants }
     }
 
-    /// It as a run.
+    /// Borrows this trial as a [`Run`].
     pub fn run(&self) -> Run<'_> {
         Run { toolpath: &self.toolpath, alignment: &self.alignment, overrides: (None, None) }
     }
 
-    /// How long it takes, s.
+    /// Returns the duration, s.
     pub fn seconds(&self) -> f64 {
         self.seconds
     }
 
-    /// What is seen of a machine, in standard deviations: times at places.
+    /// Returns the times at places on a machine, in standard deviations.
     fn times(&self, machine: &Machine) -> Vec<f64> {
         self.whitening.apply(&self.run().residuals(machine))
     }
 
-    /// What is seen of a machine, in standard deviations: positions at times, off the base's motion less than along it.
+    /// Returns the positions at times on a machine, in standard deviations, weighted less along the base's
+    /// motion than across it.
     fn positions(&self, machine: &Machine) -> Vec<f64> {
-        // Drives change no command, and most that is compared here are drives.
+        // Drives change no command, and most parameters compared here belong to drives.
         let other = (without_drives(machine) != self.undriven)
             .then(|| commanded(&self.toolpath, &simulate(&self.toolpath, machine)));
         let commanded = other.as_ref().unwrap_or(&self.commanded);
@@ -133,16 +124,16 @@ impl Bench {
             let (there, _) = actual.motion_at(time / ratio, &mut row);
             let speed = velocity.norm();
             let along = if 0.0 < speed { velocity / speed } else { Vector::zeros() };
-            // A stamp that is off moves the position along the motion.
-            let blurred = POSITION.hypot(speed * STAMP);
+            // A wrong stamp moves the position along the motion.
+            let blurred = POSITION_NOISE_MM.hypot(speed * STAMP_DEVIATION_S);
             let split = |vector: Vector| {
                 let part = along * along.dot(&vector);
-                (vector - part) / POSITION + part / blurred
+                (vector - part) / POSITION_NOISE_MM + part / blurred
             };
             seen.extend(split(there).iter());
             slopes.extend(split(*velocity).iter());
         }
-        // The delay common to all is not known.
+        // The common delay is unknown.
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let squares = dot(&slopes, &slopes);
         if 0.0 < squares {
@@ -153,7 +144,7 @@ impl Bench {
     }
 }
 
-/// The machine whose axes follow their command exactly.
+/// Returns the machine whose axes follow their command exactly.
 fn without_drives(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     for axis in &mut machine.axes {
@@ -162,19 +153,19 @@ fn without_drives(machine: &Machine) -> Machine {
     machine
 }
 
-/// What a plan commands over time.
+/// Returns the command of a plan over time.
 fn commanded(toolpath: &Toolpath, plan: &FeedPlan) -> Samples {
     Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 })
 }
 
 /// One cause at one value against all values of another: for each chord of the other's curve, and each
 /// snippet, |a|², a·b and |b|² of the differences a and b at its ends.
-pub struct Rivalry {
+pub struct Separation {
     chords: Vec<Vec<[f64; 3]>>,
 }
 
-impl Rivalry {
-    /// The squared distance of the point from the curve on these snippets together.
+impl Separation {
+    /// Returns the squared distance of the point from the curve on these snippets together.
     pub fn squared(&self, chosen: &[usize]) -> f64 {
         let chord = |parts: &Vec<[f64; 3]>| {
             let [a, between, b] = chosen.iter().fold([0.0; 3], |sum, at| {
@@ -190,53 +181,53 @@ impl Rivalry {
     }
 }
 
-/// What there is to tell apart, and which side shows on nothing.
-pub struct Found {
-    /// All pairs of variants, either way round.
-    pub rivalries: Vec<Rivalry>,
-    /// Whether no variant of a side shows.
+/// The separations of two causes, and the causes that have no visible effect.
+pub struct CauseSeparations {
+    /// All pairs of variants, in both directions.
+    pub separations: Vec<Separation>,
+    /// `true` for a cause without a visible variant.
     pub is_hidden: [bool; 2],
 }
 
-/// All variants of each of two causes against the other.
-pub fn rivalries(
+/// Returns all variants of each of two causes against the other.
+pub fn separations(
     machine: &Machine,
-    benches: &[Bench],
+    trials: &[ProbeTrial],
     sides: &[Vec<&Hypothesis>; 2],
     is_form: bool,
-) -> Found {
+) -> CauseSeparations {
     let see = |machine: &Machine| -> Vec<Vec<f64>> {
-        benches
+        trials
             .iter()
-            .map(|bench| if is_form { bench.positions(machine) } else { bench.times(machine) })
+            .map(|trial| if is_form { trial.positions(machine) } else { trial.times(machine) })
             .collect()
     };
     let base = see(machine);
     let curves = sides.each_ref().map(|side| {
-        side.iter().map(|hypothesis| Curve::of(machine, hypothesis, &see)).collect::<Vec<Curve>>()
+        side.iter().map(|hypothesis| CauseCurve::of(machine, hypothesis, &see)).collect::<Vec<CauseCurve>>()
     });
     let typical = curves
         .each_ref()
         .map(|side| side.iter().filter_map(|curve| curve.typical(&base)).collect::<Vec<&Vec<Vec<f64>>>>());
-    let mut rivalries = Vec::new();
+    let mut separations = Vec::new();
     for side in 0..2 {
         for truth in &typical[side] {
-            rivalries.extend(curves[1 - side].iter().map(|curve| curve.against(truth, &base)));
+            separations.extend(curves[1 - side].iter().map(|curve| curve.against(truth, &base)));
         }
     }
-    Found { rivalries, is_hidden: [typical[0].is_empty(), typical[1].is_empty()] }
+    CauseSeparations { separations, is_hidden: [typical[0].is_empty(), typical[1].is_empty()] }
 }
 
-/// What is seen of a cause at its values, in order, snippet by snippet.
-struct Curve {
+/// The recordings of a cause at its values, in order, snippet by snippet.
+struct CauseCurve {
     points: Vec<Vec<Vec<f64>>>,
-    /// Which of them are trials.
+    /// Indices of the trials.
     trials: Vec<usize>,
     is_continuous: bool,
 }
 
-impl Curve {
-    fn of(machine: &Machine, hypothesis: &Hypothesis, see: &dyn Fn(&Machine) -> Vec<Vec<f64>>) -> Curve {
+impl CauseCurve {
+    fn of(machine: &Machine, hypothesis: &Hypothesis, see: &dyn Fn(&Machine) -> Vec<Vec<f64>>) -> CauseCurve {
         let at = |values: &[f64]| see(&hypothesis.machine(machine, values));
         let (mut points, mut trials) = (Vec::new(), Vec::new());
         for (index, values) in hypothesis.trials.iter().enumerate() {
@@ -247,17 +238,18 @@ impl Curve {
                 continue;
             }
             let freed = &hypothesis.freed[0];
-            let (low, high) = (freed.inward(values[0]), freed.inward(next[0]));
-            for part in 1..=BETWEEN {
+            let (low, high) = (freed.to_internal(values[0]), freed.to_internal(next[0]));
+            for part in 1..=POINTS_BETWEEN_TRIALS {
                 let mut there = values.clone();
-                there[0] = freed.outward(low + (high - low) * part as f64 / (BETWEEN + 1) as f64);
+                there[0] = freed
+                    .from_internal(low + (high - low) * part as f64 / (POINTS_BETWEEN_TRIALS + 1) as f64);
                 points.push(at(&there));
             }
         }
-        Curve { points, trials, is_continuous: hypothesis.is_continuous }
+        CauseCurve { points, trials, is_continuous: hypothesis.is_continuous }
     }
 
-    /// Of the trials that show, one a third of the way up from the weakest.
+    /// Returns, of the visible trials, one a third of the way up from the weakest; `None` if none is visible.
     fn typical(&self, base: &[Vec<f64>]) -> Option<&Vec<Vec<f64>>> {
         let strength = |point: &Vec<Vec<f64>>| -> f64 {
             point.iter().zip(base).map(|(own, base)| product(own, base, own, base)).sum::<f64>().sqrt()
@@ -266,14 +258,14 @@ impl Curve {
             .trials
             .iter()
             .map(|at| (strength(&self.points[*at]), *at))
-            .filter(|(strength, _)| SEEN < *strength)
+            .filter(|(strength, _)| MIN_VISIBLE_SIGMAS < *strength)
             .collect();
-        seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut seen, |one| one.0);
         seen.get(seen.len() / 3).map(|(_, at)| &self.points[*at])
     }
 
-    /// A point of another cause against this curve and against no cause at all.
-    fn against(&self, truth: &[Vec<f64>], base: &[Vec<f64>]) -> Rivalry {
+    /// Returns a point of another cause against this curve and against no cause at all.
+    fn against(&self, truth: &[Vec<f64>], base: &[Vec<f64>]) -> Separation {
         let chord = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<[f64; 3]> {
             let each = truth.iter().zip(a.iter().zip(b));
             each.map(|(w, (a, b))| [product(w, a, w, a), product(w, a, w, b), product(w, b, w, b)]).collect()
@@ -283,12 +275,47 @@ impl Curve {
             chords.extend(self.points.windows(2).map(|pair| chord(&pair[0], &pair[1])));
         }
         chords.extend(self.points.iter().map(|point| chord(point, point)));
-        Rivalry { chords }
+        Separation { chords }
     }
 }
 
-/// (a − b)·(c − d).
+/// Returns (a − b)·(c − d).
 fn product(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     let each = a.iter().zip(b).zip(c.iter().zip(d));
     each.map(|((a, b), (c, d))| (a - b) * (c - d)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The separation of the point (1, 1) from the chord between two points, seen on two snippets: a coordinate each.
+    fn separation(a: [f64; 2], b: [f64; 2]) -> Separation {
+        let point = [vec![1.0], vec![1.0]];
+        let chord = (0..2).map(|snippet| {
+            let (w, a, b) = (&point[snippet], &[a[snippet]], &[b[snippet]]);
+            [product(w, a, w, a), product(w, a, w, b), product(w, b, w, b)]
+        });
+        Separation { chords: vec![chord.collect()] }
+    }
+
+    #[test]
+    fn the_separation_is_the_distance_from_the_chord() {
+        // From the diagonal of the unit square, between its ends.
+        assert!((separation([0.0, 1.0], [1.0, 0.0]).squared(&[0, 1]) - 0.5).abs() < 1e-12);
+        // Beyond the end of a chord it is the distance from that end.
+        assert!((separation([0.0, 0.0], [-5.0, 0.0]).squared(&[0, 1]) - 2.0).abs() < 1e-12);
+        // A chord of no length is a point, and a chord through the point leaves nothing.
+        assert!((separation([0.0, 0.0], [0.0, 0.0]).squared(&[0, 1]) - 2.0).abs() < 1e-12);
+        assert_eq!(separation([0.0, 0.0], [2.0, 2.0]).squared(&[0, 1]), 0.0);
+        // On one snippet only its coordinate counts.
+        assert!((separation([0.0, 7.0], [0.0, 9.0]).squared(&[0]) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn of_several_chords_the_nearest_counts() {
+        let mut curve = separation([0.0, 0.0], [0.0, 0.0]);
+        curve.chords.extend(separation([1.0, 0.0], [1.0, 0.5]).chords);
+        assert!((curve.squared(&[0, 1]) - 0.25).abs() < 1e-12);
+    }
 }

@@ -1,19 +1,19 @@
-//! Machine → the bank of micro-probes: short moves in air, each of which shows some effects and hides others.
+//! Machine → the bank of snippets: short moves in air, each of which shows some effects and hides others.
 //!
-//! | snippet | what it tells apart |
+//! | snippet | what it distinguishes |
 //! |---|---|
 //! | star of directions at a ladder of feedrates | axis from path limits; families of ramps by T(Δv) |
 //! | corners of many angles, also turned by 45° | tolerance, junction rules, constants of the filters |
 //! | circles of several radii, both ways | centripetal limits, lag, play |
 //! | chains of collinear blocks of 0.1 to 1.6 mm | block time (v ∝ L) from look-ahead (v ∝ √L) |
 //! | zigzags, one curve at several chord errors | look-ahead, smoothing, minimum feeds |
-//! | rapids along one axis, two and three | what is particular to rapid moves |
+//! | rapids along one axis, two and three | settings of rapid moves |
 //! | M-code in motion, dwells | waits; the recorder's clock from an override |
 //! | reversals and sharp stops | play, vibration |
 //!
-//! Feedrates are parts of the fastest that every axis allows; lengths shrink with it, so that a slow
-//! machine is done as soon. Each snippet begins with a rapid to its own start and ends with a dwell,
-//! so that the dynamics of one do not reach into the next.
+//! Feedrates are parts of the fastest that every axis allows; lengths shrink with it, so that a slow machine
+//! takes no longer. Each snippet begins with a rapid to its start and ends with a dwell, so that the dynamics
+//! of one do not affect the next.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::fmt::Write;
@@ -21,37 +21,37 @@ use std::fmt::Write;
 use crate::machine::Machine;
 use crate::units::mm_per_min;
 
-/// The box that every snippet stays in, mm: X, Y and Z begin at 0.
-pub const SPACE: [f64; 3] = [120.0, 120.0, 20.0];
-/// The fastest feedrate that is asked for, mm/s: 8 m/min.
-const FASTEST: f64 = 8000.0 / 60.0;
-/// The least length factor: below it coordinates of 0.1 µm show.
-const SMALLEST: f64 = 0.02;
-/// A dwell between snippets, s.
-const PAUSE: f64 = 0.1;
+/// Size of the box of every snippet, mm: X, Y and Z begin at 0.
+pub const SNIPPET_SPACE_MM: [f64; 3] = [120.0, 120.0, 20.0];
+/// Fastest feedrate, mm/s: 8 m/min.
+const MAX_FEEDRATE_MM_S: f64 = 8000.0 / 60.0;
+/// Least length factor: below it coordinates of 0.1 µm show.
+const MIN_LENGTH_FACTOR: f64 = 0.02;
+/// Dwell between snippets, s.
+const SNIPPET_DWELL_S: f64 = 0.1;
 
-/// A few lines of G-code that stand for themselves.
+/// A few self-contained lines of G-code.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snippet {
-    /// What it is, for people.
+    /// Name for people.
     pub name: String,
-    /// Its lines, each with its end.
+    /// Lines, each with its end.
     pub lines: String,
 }
 
 /// Writes the lines of one snippet.
-struct Pen {
+struct SnippetWriter {
     lines: String,
     at: [f64; 3],
     size: f64,
 }
 
-impl Pen {
-    fn new(start: [f64; 3], size: f64) -> Pen {
-        let mut pen = Pen { lines: String::new(), at: start, size };
+impl SnippetWriter {
+    fn new(start: [f64; 3], size: f64) -> SnippetWriter {
+        let mut writer = SnippetWriter { lines: String::new(), at: start, size };
         let [x, y, z] = start;
-        pen.line(&format!("G0 X{} Y{} Z{}", number(x), number(y), number(z)));
-        pen
+        writer.line(&format!("G0 X{} Y{} Z{}", number(x), number(y), number(z)));
+        writer
     }
 
     fn line(&mut self, text: &str) {
@@ -62,7 +62,7 @@ impl Pen {
         self.line(&format!("F{}", number(mm_per_min(feedrate))));
     }
 
-    /// A straight move by so much, mm at full size.
+    /// Adds a straight move by a vector, mm at full size.
     fn by(&mut self, code: &str, way: [f64; 3]) {
         for (at, part) in self.at.iter_mut().zip(way) {
             *at += self.size * part;
@@ -71,7 +71,7 @@ impl Pen {
         self.line(&format!("{code} X{} Y{} Z{}", number(x), number(y), number(z)));
     }
 
-    /// A full circle about a centre that lies so far in X, mm at full size.
+    /// Adds a full circle about a centre at this distance in X, mm at full size.
     fn circle(&mut self, code: &str, centre: f64) {
         let [x, y, _] = self.at;
         self.line(&format!("{code} X{} Y{} I{} J0", number(x), number(y), number(self.size * centre)));
@@ -82,28 +82,28 @@ impl Pen {
     }
 
     fn done(mut self, name: impl Into<String>) -> Snippet {
-        self.pause(PAUSE);
+        self.pause(SNIPPET_DWELL_S);
         Snippet { name: name.into(), lines: self.lines }
     }
 }
 
-/// A coordinate to 0.1 µm, without zeros at its end.
+/// Formats a coordinate to 0.1 µm, without trailing zeros.
 fn number(value: f64) -> String {
     let text = format!("{value:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text.is_empty() || text == "-0" { "0".to_string() } else { text.to_string() }
 }
 
-/// The feedrate that every axis allows in every direction, mm/s.
+/// Returns the feedrate that every axis allows in every direction, mm/s.
 pub fn top(machine: &Machine) -> f64 {
     let axes = machine.axes.iter().map(|axis| axis.velocity);
-    axes.fold(machine.rapid.feedrate.min(FASTEST), f64::min).max(1e-3)
+    axes.fold(machine.rapid.feedrate.min(MAX_FEEDRATE_MM_S), f64::min).max(1e-3)
 }
 
-/// All snippets for a machine, in the order of a whole program.
+/// Returns all snippets for a machine, in the order of a whole program.
 pub fn bank(machine: &Machine) -> Vec<Snippet> {
     let top = top(machine);
-    let size = (top / (0.25 * FASTEST)).clamp(SMALLEST, 1.0);
+    let size = (top / (0.25 * MAX_FEEDRATE_MM_S)).clamp(MIN_LENGTH_FACTOR, 1.0);
     let mut bank = vec![dwells(size)];
     for part in [0.12, 0.4, 1.0] {
         for (name, ways) in DIRECTIONS {
@@ -138,7 +138,7 @@ pub fn bank(machine: &Machine) -> Vec<Snippet> {
     bank
 }
 
-/// The rays of the star, mm.
+/// Rays of the star, mm.
 const DIRECTIONS: [(&str, [f64; 3]); 6] = [
     ("along X", [1.0, 0.0, 0.0]),
     ("along Y", [0.0, 1.0, 0.0]),
@@ -149,119 +149,157 @@ const DIRECTIONS: [(&str, [f64; 3]); 6] = [
 ];
 
 fn star(name: &str, ray: [f64; 3], feedrate: f64, size: f64) -> Snippet {
-    let mut pen = Pen::new([20.0, 20.0, 2.0], size);
-    pen.feedrate(feedrate);
+    let mut writer = SnippetWriter::new([20.0, 20.0, 2.0], size);
+    writer.feedrate(feedrate);
     for length in [1.0, 4.0, 15.0] {
         for sign in [1.0, -1.0] {
-            pen.by("G1", ray.map(|part| sign * length * part));
+            writer.by("G1", ray.map(|part| sign * length * part));
         }
     }
-    pen.done(format!("star {name}, F{}", number(mm_per_min(feedrate))))
+    writer.done(format!("star {name}, F{}", number(mm_per_min(feedrate))))
 }
 
 fn corners(angles: &[f64], turned: f64, feedrate: f64, size: f64) -> Snippet {
-    let mut pen = Pen::new([60.0, 60.0, 10.0], size);
-    pen.feedrate(feedrate);
+    let mut writer = SnippetWriter::new([60.0, 60.0, 10.0], size);
+    writer.feedrate(feedrate);
     for angle in angles {
         // Out, turn to the left, back by the same two directions.
         let ray = |degrees: f64| [8.0 * degrees.to_radians().cos(), 8.0 * degrees.to_radians().sin(), 0.0];
         let (first, second) = (ray(turned), ray(turned + angle));
-        pen.by("G1", first);
-        pen.by("G1", second);
-        pen.by("G1", first.map(|part| -part));
-        pen.by("G1", second.map(|part| -part));
+        writer.by("G1", first);
+        writer.by("G1", second);
+        writer.by("G1", first.map(|part| -part));
+        writer.by("G1", second.map(|part| -part));
     }
     let of: Vec<String> = angles.iter().map(|angle| format!("{angle}°")).collect();
-    pen.done(format!("corners of {} turned by {turned}°, F{}", of.join(" "), number(mm_per_min(feedrate))))
+    writer.done(format!("corners of {} turned by {turned}°, F{}", of.join(" "), number(mm_per_min(feedrate))))
 }
 
 fn circles(radius: f64, feedrate: f64, size: f64) -> Snippet {
-    let mut pen = Pen::new([60.0, 60.0, 10.0], size);
-    pen.feedrate(feedrate);
-    pen.by("G1", [0.0, -2.0, 0.0]);
-    pen.circle("G2", radius);
-    pen.circle("G3", radius);
-    pen.done(format!("circles of radius {} mm, F{}", number(size * radius), number(mm_per_min(feedrate))))
+    let mut writer = SnippetWriter::new([60.0, 60.0, 10.0], size);
+    writer.feedrate(feedrate);
+    writer.by("G1", [0.0, -2.0, 0.0]);
+    writer.circle("G2", radius);
+    writer.circle("G3", radius);
+    writer.done(format!("circles of radius {} mm, F{}", number(size * radius), number(mm_per_min(feedrate))))
 }
 
 fn chain(length: f64, feedrate: f64, size: f64) -> Snippet {
-    let mut pen = Pen::new([20.0, 40.0, 10.0], size);
-    pen.feedrate(feedrate);
+    let mut writer = SnippetWriter::new([20.0, 40.0, 10.0], size);
+    writer.feedrate(feedrate);
     let count = (16.0 / length).ceil().min(60.0) as usize;
     for _ in 0..count {
-        pen.by("G1", [length, 0.0, 0.0]);
+        writer.by("G1", [length, 0.0, 0.0]);
     }
-    pen.by("G1", [20.0, 0.0, 0.0]);
-    pen.done(format!("chain of blocks of {} mm, F{}", number(size * length), number(mm_per_min(feedrate))))
+    writer.by("G1", [20.0, 0.0, 0.0]);
+    writer.done(format!("chain of blocks of {} mm, F{}", number(size * length), number(mm_per_min(feedrate))))
 }
 
 fn zigzag(length: f64, feedrate: f64, size: f64) -> Snippet {
-    let mut pen = Pen::new([20.0, 60.0, 10.0], size);
-    pen.feedrate(feedrate);
+    let mut writer = SnippetWriter::new([20.0, 60.0, 10.0], size);
+    writer.feedrate(feedrate);
     for at in 0..12 {
-        pen.by("G1", [length, if at % 2 == 0 { 0.3 * length } else { -0.3 * length }, 0.0]);
+        writer.by("G1", [length, if at % 2 == 0 { 0.3 * length } else { -0.3 * length }, 0.0]);
     }
-    pen.done(format!("zigzag of {} mm, F{}", number(size * length), number(mm_per_min(feedrate))))
+    writer.done(format!("zigzag of {} mm, F{}", number(size * length), number(mm_per_min(feedrate))))
 }
 
-/// Half a circle of radius 10 mm in chords.
+/// Returns half a circle of radius 10 mm in chords.
 fn curve(chord: f64, feedrate: f64, size: f64) -> Snippet {
     let radius = 10.0;
     let step = 2.0 * (1.0 - chord / radius).acos();
     let count = (0.5 * TAU / step).ceil() as usize;
-    let mut pen = Pen::new([40.0, 60.0, 10.0], size);
-    pen.feedrate(feedrate);
-    pen.by("G1", [0.0, 5.0, 0.0]);
+    let mut writer = SnippetWriter::new([40.0, 60.0, 10.0], size);
+    writer.feedrate(feedrate);
+    writer.by("G1", [0.0, 5.0, 0.0]);
     for at in 0..count {
         let place = |at: usize| 0.5 * TAU * at as f64 / count as f64;
         let (a, b) = (place(at), place(at + 1));
-        pen.by("G1", [radius * (a.cos() - b.cos()), radius * (b.sin() - a.sin()), 0.0]);
+        writer.by("G1", [radius * (a.cos() - b.cos()), radius * (b.sin() - a.sin()), 0.0]);
     }
-    pen.done(format!("curve with a chord error of {} mm", number(size * chord)))
+    writer.done(format!("curve with a chord error of {} mm", number(size * chord)))
 }
 
 fn rapids(way: [f64; 3], size: f64) -> Snippet {
-    let mut pen = Pen::new([20.0, 20.0, 2.0], size);
-    pen.pause(PAUSE);
-    pen.by("G0", way);
-    pen.pause(PAUSE);
-    pen.by("G0", way.map(|part| -part));
-    pen.done(format!("rapid of X{} Y{} Z{}", way[0] * size, way[1] * size, way[2] * size))
+    let mut writer = SnippetWriter::new([20.0, 20.0, 2.0], size);
+    writer.pause(SNIPPET_DWELL_S);
+    writer.by("G0", way);
+    writer.pause(SNIPPET_DWELL_S);
+    writer.by("G0", way.map(|part| -part));
+    writer.done(format!("rapid of X{} Y{} Z{}", way[0] * size, way[1] * size, way[2] * size))
 }
 
-/// Coolant on and off in the middle of a straight line, beside the same line without.
+/// Returns coolant on and off in the middle of a straight line, and the same line without.
 fn functions(feedrate: f64, size: f64) -> Snippet {
-    let mut pen = Pen::new([20.0, 80.0, 10.0], size);
-    pen.feedrate(feedrate);
-    pen.by("G1", [15.0, 0.0, 0.0]);
-    pen.line("M8");
-    pen.by("G1", [15.0, 0.0, 0.0]);
-    pen.line("M9");
-    pen.by("G1", [15.0, 0.0, 0.0]);
-    pen.by("G1", [15.0, 0.0, 0.0]);
-    pen.done("coolant on and off in smooth motion")
+    let mut writer = SnippetWriter::new([20.0, 80.0, 10.0], size);
+    writer.feedrate(feedrate);
+    writer.by("G1", [15.0, 0.0, 0.0]);
+    writer.line("M8");
+    writer.by("G1", [15.0, 0.0, 0.0]);
+    writer.line("M9");
+    writer.by("G1", [15.0, 0.0, 0.0]);
+    writer.by("G1", [15.0, 0.0, 0.0]);
+    writer.done("coolant on and off in smooth motion")
 }
 
-/// Long waits beside a short move: a clock scales both, an override the move.
+/// Returns long waits beside a short move: a clock scales both, an override only the move.
 fn dwells(size: f64) -> Snippet {
-    let mut pen = Pen::new([20.0, 20.0, 10.0], size);
-    pen.pause(2.0);
-    pen.by("G0", [5.0, 0.0, 0.0]);
-    pen.pause(2.0);
-    pen.done("dwells")
+    let mut writer = SnippetWriter::new([20.0, 20.0, 10.0], size);
+    writer.pause(2.0);
+    writer.by("G0", [5.0, 0.0, 0.0]);
+    writer.pause(2.0);
+    writer.done("dwells")
 }
 
-/// Each axis back and forth, at its turning points at rest.
+/// Returns each axis back and forth, with a rest at its turning points.
 fn reversals(feedrate: f64, size: f64) -> Snippet {
-    let mut pen = Pen::new([40.0, 40.0, 5.0], size);
-    pen.feedrate(feedrate);
+    let mut writer = SnippetWriter::new([40.0, 40.0, 5.0], size);
+    writer.feedrate(feedrate);
     for axis in 0..3 {
         for sign in [1.0, -1.0, 1.0, -1.0] {
             let mut way = [0.0; 3];
             way[axis] = sign * 2.0;
-            pen.by("G1", way);
+            writer.by("G1", way);
         }
-        pen.pause(PAUSE);
+        writer.pause(SNIPPET_DWELL_S);
     }
-    pen.done(format!("reversals of each axis, F{}", number(mm_per_min(feedrate))))
+    writer.done(format!("reversals of each axis, F{}", number(mm_per_min(feedrate))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+
+    #[test]
+    fn every_snippet_stays_in_its_space_and_ends_at_rest() {
+        let mut slow = Machine::default();
+        slow.axes[1].velocity = 2.0;
+        for machine in [Machine::default(), slow] {
+            for snippet in bank(&machine) {
+                let program = format!("G21 G90 G94 G17\n{}", snippet.lines);
+                let toolpath = trace(&read(program.as_bytes()), &machine);
+                for segment in toolpath.segments.iter() {
+                    for axis in 0..3 {
+                        let at = segment.end[axis];
+                        let space = -1e-9..=SNIPPET_SPACE_MM[axis] + 1e-9;
+                        assert!(
+                            space.contains(&at),
+                            "{}: {at} mm along {}",
+                            snippet.name,
+                            ["X", "Y", "Z"][axis]
+                        );
+                    }
+                }
+                assert!(!toolpath.segments.is_empty() && !toolpath.stops.is_empty(), "{}", snippet.name);
+            }
+        }
+    }
+
+    #[test]
+    fn coordinates_have_four_decimals_at_most() {
+        let written = [0.0, -0.00001, 12.0, 0.1, 1.0 / 3.0, -2.50001].map(number);
+        assert_eq!(written, ["0", "0", "12", "0.1", "0.3333", "-2.5"]);
+    }
 }

@@ -1,51 +1,50 @@
-//! Signals of a reader → recordings: one channel a field, units to core, missing values left out,
-//! gaps found, and refusal of what tells nothing.
+//! Signals of a reader → recordings: one channel per field, in core units, without missing values, with gaps;
+//! signals without motion are refused.
 //!
-//! Where several signals tell the same field the one with the most values is read. Samples farther
-//! apart than [`GAP`] usual steps have a gap between them; an event that says UNAVAILABLE begins one
-//! that ends with the next value.
+//! Of several signals of one field the one with the most values is read. Samples farther apart than [`GAP`]
+//! usual steps have a gap between them; an event UNAVAILABLE begins a gap that ends with the next value.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::identification::recording::clock::{MIN_SAMPLES, seconds, usual};
-use crate::identification::recording::field::{Field, Label, Side};
-use crate::identification::recording::text::{Cell, number};
-use crate::identification::recording::unit::{FEEDS, LENGTHS, PERCENT, RATIO, RPM, Unit};
+use crate::identification::recording::clock::{MIN_SAMPLES, median_step, seconds};
+use crate::identification::recording::field::{ChannelField, ChannelLabel, LoopSide};
+use crate::identification::recording::text::{CellContent, number};
+use crate::identification::recording::unit::{FEEDS, LENGTHS, LogUnit, PERCENT, RATIO, RPM};
 use crate::identification::recording::{
-    Axes, Channel, Recording, RecordingError, Remarks, Sampling, Scale, Status, runs,
+    Axes, Channel, ChannelUnit, Recording, RecordingError, RecordingRemarks, Sampling, Status, runs,
 };
 
-/// Steps between samples beyond which there is a gap, in usual steps.
-const GAP: f64 = 5.0;
+/// Step between samples from which there is a gap, in usual steps.
+const MIN_GAP_STEPS: f64 = 5.0;
 
-/// An override above this is in per cent.
-const LARGEST_RATIO: f64 = 5.0;
+/// Largest override that is a ratio; above, it is in per cent.
+const MAX_OVERRIDE_RATIO: f64 = 5.0;
 
-/// A column or item as a reader found it.
+/// A column or item as a reader finds it.
 #[derive(Debug)]
 pub(super) struct Signal {
-    pub(super) label: Label,
+    pub(super) label: ChannelLabel,
     pub(super) sampling: Sampling,
-    /// Stamps, s from any origin that all signals of a capture share; ascending.
+    /// Stamps, s from an origin common to all signals of a capture; ascending.
     pub(super) time: Arc<[f64]>,
-    pub(super) data: Data,
+    pub(super) data: SignalData,
 }
 
-/// Values of a signal, one a stamp.
+/// Values of a signal, one per stamp.
 #[derive(Debug)]
-pub(super) enum Data {
+pub(super) enum SignalData {
     /// Numbers; NaN where missing.
     Numbers(Vec<f64>),
-    /// Words; none where missing.
+    /// Words; `None` if missing.
     Texts(Vec<Option<String>>),
 }
 
 impl Signal {
     fn known(&self) -> usize {
         match &self.data {
-            Data::Numbers(values) => values.iter().filter(|value| value.is_finite()).count(),
-            Data::Texts(values) => values.iter().flatten().count(),
+            SignalData::Numbers(values) => values.iter().filter(|value| value.is_finite()).count(),
+            SignalData::Texts(values) => values.iter().flatten().count(),
         }
     }
 }
@@ -53,15 +52,15 @@ impl Signal {
 /// All signals of one clock.
 #[derive(Debug)]
 pub(super) struct Capture {
-    /// The clock's origin, ns since 1970.
+    /// Origin of the clock, ns since 1970.
     pub(super) origin: Option<i64>,
     pub(super) signals: Vec<Signal>,
 }
 
-/// Every capture as a recording; those that tell nothing are named and left out.
+/// Returns a recording for each capture; captures without motion are named in a remark and left out.
 pub(super) fn recordings(
     captures: Vec<Capture>,
-    remarks: &mut Remarks,
+    remarks: &mut RecordingRemarks,
 ) -> Result<Vec<Recording>, RecordingError> {
     let many = 1 < captures.len();
     let mut recordings = Vec::new();
@@ -87,11 +86,11 @@ pub(super) fn recordings(
     Ok(recordings)
 }
 
-fn recording(capture: Capture, remarks: &mut Remarks) -> Result<Recording, RecordingError> {
+fn recording(capture: Capture, remarks: &mut RecordingRemarks) -> Result<Recording, RecordingError> {
     let found: Vec<String> = capture.signals.iter().map(|signal| signal.label.name.clone()).collect();
     let mut signals = points_as_axes(capture.signals);
     signals.retain(|signal| signal.label.field.is_some() && 0 < signal.known());
-    let tells_motion = |signal: &Signal| signal.label.field.is_some_and(Field::tells_motion);
+    let tells_motion = |signal: &Signal| signal.label.field.is_some_and(ChannelField::tells_motion);
     if !signals.iter().any(tells_motion) {
         return Err(RecordingError::NothingKnown { found });
     }
@@ -105,54 +104,54 @@ fn recording(capture: Capture, remarks: &mut Remarks) -> Result<Recording, Recor
         signals.iter().filter_map(|signal| signal.time.first()).copied().fold(f64::INFINITY, f64::min);
     let last =
         signals.iter().filter_map(|signal| signal.time.last()).copied().fold(f64::NEG_INFINITY, f64::max);
-    // Against a stamp that is out of all proportion others become one and the same.
+    // A stamp out of all proportion would make the others equal.
     let stays = |signal: &Signal| signal.time.windows(2).all(|pair| pair[0] - first < pair[1] - first);
     if let Some(lost) = signals.iter().find(|signal| !stays(signal)) {
         let name = &lost.label.name;
-        let message =
-            format!("{name} is left out: its times and those of other columns have nothing in common");
+        let message = format!("{name} is left out: its times do not overlap those of the other columns");
         remarks.warn(None, None, message);
         signals.retain(stays);
         if !signals.iter().any(tells_motion) {
             return Err(RecordingError::NothingKnown { found });
         }
     }
-    let mut builder = Builder { first, shifted: Vec::new(), gaps_of: None, remarks };
+    let mut builder = ChannelBuilder { first, shifted: Vec::new(), gaps_of: None, remarks };
     let mut recording = Recording {
         started: capture.origin.map(|origin| origin.saturating_add((first * 1e9) as i64)),
         duration: last - first,
         ..Recording::default()
     };
-    recording.commanded = builder.axes(&mut signals, Side::Commanded);
-    recording.actual = builder.axes(&mut signals, Side::Actual);
+    recording.commanded = builder.axes(&mut signals, LoopSide::Commanded);
+    recording.actual = builder.axes(&mut signals, LoopSide::Actual);
     recording.actual_is_stated = recording.actual.iter().any(Option::is_some);
-    let unstated = builder.axes(&mut signals, Side::Unstated);
+    let unstated = builder.axes(&mut signals, LoopSide::Unstated);
     if !recording.actual_is_stated {
         recording.actual = unstated;
     } else if recording.commanded.iter().all(Option::is_none) {
         recording.commanded = unstated;
     }
-    recording.commanded_feed = builder.number(&mut signals, Field::Feed(Side::Commanded));
+    recording.commanded_feed = builder.number(&mut signals, ChannelField::Feed(LoopSide::Commanded));
     recording.feed = builder
-        .number(&mut signals, Field::Feed(Side::Actual))
-        .or_else(|| builder.number(&mut signals, Field::Feed(Side::Unstated)));
+        .number(&mut signals, ChannelField::Feed(LoopSide::Actual))
+        .or_else(|| builder.number(&mut signals, ChannelField::Feed(LoopSide::Unstated)));
     recording.line = builder.line(&mut signals);
-    recording.feed_override = builder.number(&mut signals, Field::FeedOverride);
-    recording.rapid_override = builder.number(&mut signals, Field::RapidOverride);
-    recording.spindle_speed = builder.number(&mut signals, Field::SpindleSpeed);
-    recording.block = builder.text(&mut signals, Field::Block);
-    recording.program = builder.text(&mut signals, Field::Program);
-    recording.tool = builder.text(&mut signals, Field::Tool);
+    recording.feed_override = builder.number(&mut signals, ChannelField::FeedOverride);
+    recording.rapid_override = builder.number(&mut signals, ChannelField::RapidOverride);
+    recording.spindle_speed = builder.number(&mut signals, ChannelField::SpindleSpeed);
+    recording.block = builder.text(&mut signals, ChannelField::Block);
+    recording.program = builder.text(&mut signals, ChannelField::Program);
+    recording.tool = builder.text(&mut signals, ChannelField::Tool);
     recording.status = builder.status(&mut signals);
     recording.runs = runs::runs(&recording);
     Ok(recording)
 }
 
-/// Signals that hold X, Y and Z in one value, as three signals.
+/// Splits signals with X, Y and Z in one value into three.
 fn points_as_axes(signals: Vec<Signal>) -> Vec<Signal> {
     let mut split = Vec::with_capacity(signals.len());
     for signal in signals {
-        let (Some(Field::Point(side)), Data::Texts(texts)) = (signal.label.field, &signal.data) else {
+        let (Some(ChannelField::Point(side)), SignalData::Texts(texts)) = (signal.label.field, &signal.data)
+        else {
             split.push(signal);
             continue;
         };
@@ -161,31 +160,38 @@ fn points_as_axes(signals: Vec<Signal>) -> Vec<Signal> {
             let mut parts = text.as_deref().unwrap_or("").split_whitespace();
             for axis in &mut axes {
                 let value = parts.next().map(|part| number(part, false));
-                axis.push(if let Some(Cell::Number(value)) = value { value } else { f64::NAN });
+                axis.push(if let Some(CellContent::Number(value)) = value { value } else { f64::NAN });
             }
         }
         for (axis, values) in axes.into_iter().enumerate() {
             let name = format!("{} {}", signal.label.name, ["X", "Y", "Z"][axis]);
-            let label = Label { name, field: Some(Field::Position(side, axis)), unit: signal.label.unit };
+            let label = ChannelLabel {
+                name,
+                field: Some(ChannelField::Position(side, axis)),
+                unit: signal.label.unit,
+            };
             let time = signal.time.clone();
-            split.push(Signal { label, sampling: signal.sampling, time, data: Data::Numbers(values) });
+            split.push(Signal { label, sampling: signal.sampling, time, data: SignalData::Numbers(values) });
         }
     }
     split
 }
 
-/// Refuses a recording whose motion is constant, and names single columns that are.
-fn nothing_moves(signals: &[Signal], remarks: &mut Remarks) -> Result<(), RecordingError> {
+/// Refuses a recording whose motion is constant, and names single constant columns.
+fn nothing_moves(signals: &[Signal], remarks: &mut RecordingRemarks) -> Result<(), RecordingError> {
     let mut constant = Vec::new();
     let mut moving = 0;
     for signal in signals {
         let changes = match (&signal.label.field, &signal.data) {
-            (Some(Field::Position(..) | Field::Feed(_) | Field::Line), Data::Numbers(values)) => {
+            (
+                Some(ChannelField::Position(..) | ChannelField::Feed(_) | ChannelField::Line),
+                SignalData::Numbers(values),
+            ) => {
                 let mut known = values.iter().filter(|value| value.is_finite());
                 let first = known.next();
                 known.any(|value| Some(value) != first)
             }
-            (Some(Field::Block), Data::Texts(values)) => {
+            (Some(ChannelField::Block), SignalData::Texts(values)) => {
                 let mut known = values.iter().flatten();
                 let first = known.next();
                 known.any(|value| Some(value) != first)
@@ -208,20 +214,20 @@ fn nothing_moves(signals: &[Signal], remarks: &mut Remarks) -> Result<(), Record
     Ok(())
 }
 
-/// Makes channels of signals.
-struct Builder<'a> {
-    /// Stamp that becomes zero.
+/// Turns signals into channels.
+struct ChannelBuilder<'a> {
+    /// The stamp that becomes 0.
     first: f64,
-    /// Time vectors as they were and shifted, so that columns of a table go on sharing one.
+    /// Time vectors before and after the shift, so that columns of a table continue to share one.
     shifted: Vec<[Arc<[f64]>; 2]>,
     /// The time vector whose gaps were last remarked on.
     gaps_of: Option<Arc<[f64]>>,
-    remarks: &'a mut Remarks,
+    remarks: &'a mut RecordingRemarks,
 }
 
-impl Builder<'_> {
-    /// Takes the signal that tells `field` best.
-    fn take(&mut self, signals: &mut Vec<Signal>, field: Field) -> Option<Signal> {
+impl ChannelBuilder<'_> {
+    /// Removes and returns the signal with the most values of `field`.
+    fn take(&mut self, signals: &mut Vec<Signal>, field: ChannelField) -> Option<Signal> {
         let (told, rest): (Vec<Signal>, Vec<Signal>) =
             std::mem::take(signals).into_iter().partition(|signal| signal.label.field == Some(field));
         *signals = rest;
@@ -233,7 +239,7 @@ impl Builder<'_> {
                     let (kept, left) =
                         if best.known() < other.known() { (other, best) } else { (best, other) };
                     let message =
-                        format!("not read, because `{}` tells the same with more values", kept.label.name);
+                        format!("not read, because `{}` has the same data with more values", kept.label.name);
                     self.remarks.info(Some(&left.label.name), message);
                     kept
                 }
@@ -242,11 +248,12 @@ impl Builder<'_> {
         best
     }
 
-    fn axes(&mut self, signals: &mut Vec<Signal>, side: Side) -> Axes {
-        [0, 1, 2].map(|axis| self.number(signals, Field::Position(side, axis)))
+    /// Removes the positions of X, Y and Z on this side of the servo loop from the signals and returns them.
+    fn axes(&mut self, signals: &mut Vec<Signal>, side: LoopSide) -> Axes {
+        [0, 1, 2].map(|axis| self.number(signals, ChannelField::Position(side, axis)))
     }
 
-    /// `time` from the recording's first stamp.
+    /// Returns `time` relative to the recording's first stamp.
     fn shifted(&mut self, time: &Arc<[f64]>) -> Arc<[f64]> {
         if let Some([_, shifted]) = self.shifted.iter().find(|[from, _]| Arc::ptr_eq(from, time)) {
             return shifted.clone();
@@ -256,7 +263,7 @@ impl Builder<'_> {
         shifted
     }
 
-    /// A channel of the values `of` finds, and how many it does not understand.
+    /// Returns a channel of the values that `of` finds, and the number of values that it does not understand.
     fn channel<V>(&mut self, signal: &Signal, of: impl Fn(usize) -> Option<V>) -> (Channel<V>, usize) {
         let all = self.shifted(&signal.time);
         let values: Vec<Option<V>> = (0..all.len()).map(of).collect();
@@ -287,7 +294,7 @@ impl Builder<'_> {
         let channel = Channel {
             name: signal.label.name.clone(),
             sampling: signal.sampling,
-            scale: Scale::Unitless,
+            unit: ChannelUnit::Unitless,
             time,
             values,
             gaps,
@@ -295,17 +302,17 @@ impl Builder<'_> {
         (channel, missing)
     }
 
-    fn number(&mut self, signals: &mut Vec<Signal>, field: Field) -> Option<Channel<f64>> {
+    fn number(&mut self, signals: &mut Vec<Signal>, field: ChannelField) -> Option<Channel<f64>> {
         let signal = self.take(signals, field)?;
-        let Data::Numbers(numbers) = &signal.data else { return None };
+        let SignalData::Numbers(numbers) = &signal.data else { return None };
         let (mut channel, missing) =
             self.channel(&signal, |at| Some(numbers[at]).filter(|value| value.is_finite()));
         if 0 < missing {
             let message = format!("{missing} of {} values are missing", numbers.len());
             self.remarks.warn(None, Some(&channel.name), message);
         }
-        channel.scale = self.scale(field, &signal.label, &channel);
-        if let Scale::Stated(unit) = channel.scale
+        channel.unit = self.scale(field, &signal.label, &channel);
+        if let ChannelUnit::Stated(unit) = channel.unit
             && unit.factor != 1.0
         {
             channel.values.iter_mut().for_each(|value| *value *= unit.factor);
@@ -313,35 +320,35 @@ impl Builder<'_> {
         Some(channel)
     }
 
-    /// The unit of a channel whose values are as in the file.
-    fn scale(&mut self, field: Field, label: &Label, channel: &Channel<f64>) -> Scale {
-        let assumed = |remarks: &mut Remarks, unit: Unit| {
+    /// Returns the unit of a channel whose values are as in the file.
+    fn scale(&mut self, field: ChannelField, label: &ChannelLabel, channel: &Channel<f64>) -> ChannelUnit {
+        let assumed = |remarks: &mut RecordingRemarks, unit: LogUnit| {
             remarks.info(Some(&label.name), format!("no unit stated: taken to be in {}", unit.symbol));
-            Scale::Stated(unit)
+            ChannelUnit::Stated(unit)
         };
-        let unstated = |remarks: &mut Remarks, units: &'static [Unit]| {
+        let unstated = |remarks: &mut RecordingRemarks, units: &'static [LogUnit]| {
             let symbols: Vec<&str> = units.iter().map(|unit| unit.symbol).collect();
             let message =
-                format!("no unit stated: may be {}; the length of the path will tell", symbols.join(", "));
+                format!("no unit stated: may be {}; the length of the path decides", symbols.join(", "));
             remarks.info(Some(&label.name), message);
-            Scale::Unstated(units)
+            ChannelUnit::Unstated(units)
         };
         match (label.unit, field) {
-            (Some(unit), _) => Scale::Stated(unit),
-            (None, Field::Position(..)) => unstated(self.remarks, LENGTHS),
-            (None, Field::Feed(_)) => unstated(self.remarks, FEEDS),
-            (None, Field::SpindleSpeed) => assumed(self.remarks, RPM),
-            (None, Field::FeedOverride | Field::RapidOverride) => {
+            (Some(unit), _) => ChannelUnit::Stated(unit),
+            (None, ChannelField::Position(..)) => unstated(self.remarks, LENGTHS),
+            (None, ChannelField::Feed(_)) => unstated(self.remarks, FEEDS),
+            (None, ChannelField::SpindleSpeed) => assumed(self.remarks, RPM),
+            (None, ChannelField::FeedOverride | ChannelField::RapidOverride) => {
                 let largest = channel.extent().map_or(0.0, |(_, largest)| largest);
-                assumed(self.remarks, if LARGEST_RATIO < largest { PERCENT } else { RATIO })
+                assumed(self.remarks, if MAX_OVERRIDE_RATIO < largest { PERCENT } else { RATIO })
             }
-            _ => Scale::Unitless,
+            _ => ChannelUnit::Unitless,
         }
     }
 
     fn line(&mut self, signals: &mut Vec<Signal>) -> Option<Channel<u32>> {
-        let signal = self.take(signals, Field::Line)?;
-        let Data::Numbers(numbers) = &signal.data else { return None };
+        let signal = self.take(signals, ChannelField::Line)?;
+        let SignalData::Numbers(numbers) = &signal.data else { return None };
         let is_line = |value: f64| value.fract() == 0.0 && 0.0 <= value && value <= f64::from(u32::MAX);
         let (channel, missing) =
             self.channel(&signal, |at| is_line(numbers[at]).then_some(numbers[at] as u32));
@@ -352,12 +359,14 @@ impl Builder<'_> {
         (!channel.values.is_empty()).then_some(channel)
     }
 
-    fn text(&mut self, signals: &mut Vec<Signal>, field: Field) -> Option<Channel<String>> {
+    fn text(&mut self, signals: &mut Vec<Signal>, field: ChannelField) -> Option<Channel<String>> {
         let signal = self.take(signals, field)?;
-        let Data::Texts(texts) = &signal.data else { return None };
+        let SignalData::Texts(texts) = &signal.data else { return None };
         let clean = |text: &str| match number(text, false) {
-            // Tools come as 21.000000 from adapters that know only numbers.
-            Cell::Number(value) if field == Field::Tool && value.fract() == 0.0 => format!("{value:.0}"),
+            // Adapters that know only numbers write tools as 21.000000.
+            CellContent::Number(value) if field == ChannelField::Tool && value.fract() == 0.0 => {
+                format!("{value:.0}")
+            }
             _ => text.to_owned(),
         };
         let (channel, _) = self.channel(&signal, |at| texts[at].as_deref().map(clean));
@@ -365,8 +374,8 @@ impl Builder<'_> {
     }
 
     fn status(&mut self, signals: &mut Vec<Signal>) -> Option<Channel<Status>> {
-        let signal = self.take(signals, Field::Status)?;
-        let Data::Texts(texts) = &signal.data else { return None };
+        let signal = self.take(signals, ChannelField::Status)?;
+        let SignalData::Texts(texts) = &signal.data else { return None };
         let (channel, _) = self.channel(&signal, |at| texts[at].as_deref().and_then(status));
         if let Some(word) = texts.iter().flatten().find(|word| status(word).is_none()) {
             let message = format!("`{word}` is no known status; such values are left out");
@@ -376,7 +385,7 @@ impl Builder<'_> {
     }
 }
 
-/// The status a word names: MTConnect's Execution and what Hurco, Okuma and LinuxCNC write.
+/// Returns the status that a word names: MTConnect's Execution and the words of Hurco, Okuma and LinuxCNC.
 fn status(word: &str) -> Option<Status> {
     let word = word.trim().to_ascii_uppercase().replace([' ', '-'], "_");
     Some(match word.as_str() {
@@ -391,7 +400,7 @@ fn status(word: &str) -> Option<Status> {
     })
 }
 
-/// From every event that says UNAVAILABLE to the next value.
+/// Returns the ranges from every event UNAVAILABLE to the next value.
 fn unavailable<V>(time: &[f64], values: &[Option<V>]) -> Vec<Range<f64>> {
     let mut gaps = Vec::new();
     let mut since = None;
@@ -411,18 +420,18 @@ fn unavailable<V>(time: &[f64], values: &[Option<V>]) -> Vec<Range<f64>> {
     gaps
 }
 
-/// Where samples are missing between ascending stamps.
+/// Returns the ranges of missing samples between ascending stamps.
 fn gaps_between(time: &[f64]) -> Vec<Range<f64>> {
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if steps.len() < 3 {
         return Vec::new();
     }
-    let longest = GAP * usual(steps);
+    let longest = MIN_GAP_STEPS * median_step(steps);
     let gaps = time.windows(2).filter(|pair| longest < pair[1] - pair[0]);
     gaps.map(|pair| pair[0]..pair[1]).collect()
 }
 
-/// Seconds of `stamps` (ns) from the earliest.
+/// Returns the earliest of `stamps` (ns), and all of them in seconds from it.
 pub(super) fn from_origin(stamps: &[i64]) -> (i64, Vec<f64>) {
     let origin = stamps.first().copied().unwrap_or(0);
     (origin, stamps.iter().map(|stamp| seconds(origin, *stamp)).collect())

@@ -1,38 +1,36 @@
 //! One recorded quantity over time.
 //!
-//! Every channel has its own ascending stamps. Tables share one vector among their columns
-//! (`Arc`), logs written on change have one a channel, because an event says when *this* item
-//! changed and nothing about the others: putting both on a common grid would invent samples for
-//! the one or lose stamps of the other. Between stamps
-//!
+//! Every channel has ascending stamps. The columns of a table share one vector (`Arc`). Logs written on
+//! change have one per channel, because an event says when *this* item changed and nothing about the others:
+//! a common grid would invent samples for the one or lose stamps of the other. Between stamps
 //! ```text
 //! sampled      value(t) runs straight from sample to sample
 //! on change    value(t) = value of the last event at or before t
 //! ```
 //!
-//! and within a gap nothing is known. Missing values are left out, so all values are finite.
+//! and within a gap the value is unknown. Missing values are left out, so all values are finite.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::identification::recording::unit::Unit;
+use crate::identification::recording::unit::LogUnit;
 
-/// How a channel was written.
+/// The way in which a channel was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// At regular or irregular moments, changed or not.
     Sampled,
-    /// When the value changed, as seen by whoever polls it.
+    /// When the polled value changed.
     OnChange,
 }
 
-/// In what unit the file has a channel, and so what the values are.
+/// The unit of a channel in the file, and so of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
+pub enum ChannelUnit {
     /// The file states this unit; values are in core units.
-    Stated(Unit),
-    /// The file states none; values are as in the file and in one of these units.
-    Unstated(&'static [Unit]),
+    Stated(LogUnit),
+    /// The file states none; values are as in the file, in one of these units.
+    Unstated(&'static [LogUnit]),
     /// Words and counts have no unit.
     Unitless,
 }
@@ -42,20 +40,20 @@ pub enum Scale {
 pub struct Channel<V> {
     /// Name in the file.
     pub name: String,
-    /// How it was written.
+    /// The way in which it was written.
     pub sampling: Sampling,
     /// Its unit.
-    pub scale: Scale,
+    pub unit: ChannelUnit,
     /// Stamps, s from the start of the recording; strictly ascending.
     pub time: Arc<[f64]>,
-    /// Values, one a stamp, all finite.
+    /// Values, one per stamp, all finite.
     pub values: Vec<V>,
-    /// Stretches of time in which nothing is known, s: the recorder lost samples or its connection.
+    /// Ranges of time without values, s: the recorder lost samples or its connection.
     pub gaps: Vec<Range<f64>>,
 }
 
 impl<V: Clone> Channel<V> {
-    /// The last value at or before `time` (s); none before the first stamp and in gaps.
+    /// Returns the last value at or before `time` (s); `None` before the first stamp and in gaps.
     pub fn held(&self, time: f64) -> Option<&V> {
         let begun = self.gaps.partition_point(|gap| gap.start < time);
         if begun.checked_sub(1).is_some_and(|last| time < self.gaps[last].end) {
@@ -65,12 +63,13 @@ impl<V: Clone> Channel<V> {
         self.values.get(after.checked_sub(1)?)
     }
 
-    /// First and last stamp, s.
+    /// Returns the first and the last stamp, s; `None` for an empty channel.
     pub fn span(&self) -> Option<(f64, f64)> {
         Some((*self.time.first()?, *self.time.last()?))
     }
 
-    /// What was recorded in `range` (s), with the value an on-change channel had on entering it.
+    /// Returns the part within `range` (s); an on-change channel begins with its value at the start of the
+    /// range.
     pub fn during(&self, range: &Range<f64>) -> Channel<V> {
         let from = self.time.partition_point(|stamp| *stamp < range.start);
         let to = self.time.partition_point(|stamp| *stamp < range.end).max(from);
@@ -93,7 +92,7 @@ impl<V: Clone> Channel<V> {
 }
 
 impl Channel<f64> {
-    /// ∫ value dt up to `end` (s), gaps left out: the trapezoids of samples, the steps of events.
+    /// Returns ∫ value dt up to `end` (s) without gaps: trapezoids of samples, steps of events.
     pub fn integral(&self, end: f64) -> f64 {
         let mut gaps = self.gaps.iter().peekable();
         let mut sum = 0.0;
@@ -115,17 +114,17 @@ impl Channel<f64> {
         sum
     }
 
-    /// Smallest and largest value.
+    /// Returns the smallest and the largest value; `None` for an empty channel.
     pub fn extent(&self) -> Option<(f64, f64)> {
         let first = *self.values.first()?;
         Some(self.values.iter().fold((first, first), |(low, high), v| (low.min(*v), high.max(*v))))
     }
 
-    /// The channel with its values taken to be in `unit`, if the file states none.
-    pub fn assuming(mut self, unit: Unit) -> Channel<f64> {
-        if let Scale::Unstated(_) = self.scale {
+    /// Returns the channel with its values taken as `unit`, if the file states none.
+    pub fn assuming(mut self, unit: LogUnit) -> Channel<f64> {
+        if let ChannelUnit::Unstated(_) = self.unit {
             self.values.iter_mut().for_each(|value| *value *= unit.factor);
-            self.scale = Scale::Stated(unit);
+            self.unit = ChannelUnit::Stated(unit);
         }
         self
     }

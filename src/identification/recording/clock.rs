@@ -1,8 +1,8 @@
-//! Stamps → one ascending time axis, or several where a file holds several recordings.
+//! Stamps → one ascending time axis, or several if a file contains several recordings.
 //!
-//! Stamps are ISO 8601 with any number of decimals (`2017-02-06T17:40:26.9218750Z`, blank for `T`,
-//! comma for the point, zone `Z`, `±hh:mm` or none), times of day, or numbers with a unit. What can
-//! be wrong with them and what is made of it:
+//! Stamps are ISO 8601 with any number of decimals (`2017-02-06T17:40:26.9218750Z`, blank for `T`, comma for
+//! the point, zone `Z`, `±hh:mm` or none), times of day, or numbers with a unit. Faults of stamps, and their
+//! repairs:
 //!
 //! ```text
 //! one sample early or late, the rest in order    the sample is dropped
@@ -13,15 +13,16 @@
 //! anything beyond one sample in a hundred        refused
 //! ```
 
-use crate::identification::recording::diagnostic::few;
-use crate::identification::recording::{RecordingError, Remarks};
+use crate::identification::recording::diagnostic::is_tolerable;
+use crate::identification::recording::{RecordingError, RecordingRemarks};
 
-const NANOSECONDS: f64 = 1e9;
+const NANOSECONDS_PER_SECOND: f64 = 1e9;
 
-/// Values, all fields together, below which there is nothing to say.
+/// Least number of values of a recording, all fields together.
 pub(super) const MIN_SAMPLES: usize = 8;
 
-/// Nanoseconds since 1970 of an ISO 8601 stamp, or since midnight of a time of day.
+/// Returns the nanoseconds since 1970 of an ISO 8601 stamp, or since midnight of a time of day; `None` for
+/// any other text.
 pub(super) fn iso(text: &str) -> Option<i64> {
     let text = text.trim().trim_matches('"');
     let (date, rest) = match text.split_once(['T', 't', ' ']) {
@@ -55,7 +56,7 @@ fn digits(text: &str, below: i64) -> Option<i64> {
     text.parse().ok().filter(|value| plain && *value < below)
 }
 
-/// The decimals of a second; beyond nine they are not kept.
+/// Reads the decimals of a second; digits beyond nine are dropped.
 fn nanoseconds(decimals: &str) -> Option<i64> {
     if !decimals.bytes().all(|b| b.is_ascii_digit()) {
         return None;
@@ -65,7 +66,7 @@ fn nanoseconds(decimals: &str) -> Option<i64> {
     Some(value * 10_i64.pow(9 - kept.len() as u32))
 }
 
-/// Seconds east of Greenwich.
+/// Reads a time zone, seconds east of Greenwich.
 fn zone(text: &str) -> Option<i64> {
     let sign = match text.as_bytes().first()? {
         b'Z' | b'z' => return (text.len() == 1).then_some(0),
@@ -78,7 +79,7 @@ fn zone(text: &str) -> Option<i64> {
     Some(sign * (digits(hours, 24)? * 3600 + minutes * 60))
 }
 
-/// Days from 1970-01-01 to `yyyy-mm-dd` in the Gregorian calendar (Hinnant's algorithm).
+/// Returns the days from 1970-01-01 to `yyyy-mm-dd` in the Gregorian calendar (Hinnant's algorithm).
 fn days_since_1970(date: &str) -> Option<i64> {
     let mut parts = date.split('-');
     let (year, month, day) = (parts.next()?, parts.next()?, parts.next()?);
@@ -94,58 +95,65 @@ fn days_since_1970(date: &str) -> Option<i64> {
     Some(era * 146_097 + day_of_era - 719_468)
 }
 
-/// Seconds from stamp `from` to stamp `to`, both in ns; exact before rounding.
+/// Returns the seconds from stamp `from` to stamp `to`, both in ns; exact before rounding.
 pub(super) fn seconds(from: i64, to: i64) -> f64 {
-    to.saturating_sub(from) as f64 / NANOSECONDS
+    to.saturating_sub(from) as f64 / NANOSECONDS_PER_SECOND
 }
 
-/// Rows of one recording, and when they were.
+/// The rows of one recording with their stamps.
 #[derive(Debug)]
-pub(super) struct Stretch {
-    /// Indices of the rows kept.
+pub(super) struct RecordingRows {
+    /// Indices of the rows.
     pub(super) rows: Vec<usize>,
-    /// Their stamps, strictly ascending.
+    /// Stamps, strictly ascending.
     pub(super) time: Vec<f64>,
 }
 
-/// The median of time steps; 0 of none.
-pub(super) fn usual(mut steps: Vec<f64>) -> f64 {
+impl RecordingRows {
+    fn push(&mut self, row: usize, time: f64) {
+        self.rows.push(row);
+        self.time.push(time);
+    }
+}
+
+/// Returns the median of time steps; 0 if there are none.
+pub(super) fn median_step(mut steps: Vec<f64>) -> f64 {
     let middle = steps.len() / 2;
     if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// Rows that must ascend for time to have started again.
-const RESTART: usize = 4;
+/// Number of ascending rows after which time has started again.
+const RESTART_ROWS: usize = 4;
 
-/// A table without a row for longer than this holds two recordings, s.
+/// Longest time without a row within one recording, s.
 const MAX_GAP_S: f64 = 86_400.0;
-/// The same in usual steps, so that a wrong unit of time does not make a recording of every row.
+/// Longest time without a row within one recording, in usual steps, so that a wrong unit of time does not
+/// make a recording of every row.
 const MAX_GAP_STEPS: f64 = 1e6;
 
-/// Puts a table's `stamps` (NaN: none) in order; `line(row)` is the line a row stands in and
-/// `same(a, b)` whether two rows hold the same values.
-pub(super) fn stretches(
+/// Sorts a table's `stamps` (NaN if missing) into recordings; `line(row)` is the line of a row, and `same(a,
+/// b)` is `true` if two rows have the same values.
+pub(super) fn split_recordings(
     stamps: &[f64],
     line: impl Fn(usize) -> usize,
     same: impl Fn(usize, usize) -> bool,
-    remarks: &mut Remarks,
-) -> Result<Vec<Stretch>, RecordingError> {
-    let mut stretches = vec![Stretch { rows: Vec::with_capacity(stamps.len()), time: Vec::new() }];
-    let mut dropped = Faults::default();
-    let mut copies = Faults::default();
-    let mut restarts = Faults::default();
+    remarks: &mut RecordingRemarks,
+) -> Result<Vec<RecordingRows>, RecordingError> {
+    let mut stretches = vec![RecordingRows { rows: Vec::with_capacity(stamps.len()), time: Vec::new() }];
+    let mut dropped = FaultCount::default();
+    let mut copies = FaultCount::default();
+    let mut restarts = FaultCount::default();
     let known: Vec<usize> = (0..stamps.len()).filter(|row| stamps[*row].is_finite()).collect();
     if known.is_empty() {
         return Err(RecordingError::TooFewSamples { found: 0, needed: MIN_SAMPLES });
     }
     let steps = known.windows(2).map(|pair| stamps[pair[1]] - stamps[pair[0]]);
-    let max_gap = MAX_GAP_S.max(MAX_GAP_STEPS * usual(steps.collect()));
+    let max_gap = MAX_GAP_S.max(MAX_GAP_STEPS * median_step(steps.collect()));
     for (at, row) in known.iter().copied().enumerate() {
         let time = stamps[row];
         let current = stretches.last_mut().expect("there is always a stretch");
         let Some(last) = current.time.last().copied() else {
-            current.rows.push(row);
-            current.time.push(time);
+            current.push(row, time);
             continue;
         };
         let before_last = current.time.len().checked_sub(2).map(|at| current.time[at]);
@@ -153,51 +161,42 @@ pub(super) fn stretches(
             let message =
                 format!("nothing for {:.0} s before this row: another recording begins here", time - last);
             remarks.warn(Some(line(row)), None, message);
-            stretches.push(Stretch { rows: vec![row], time: vec![time] });
+            stretches.push(RecordingRows { rows: vec![row], time: vec![time] });
         } else if last < time {
-            current.rows.push(row);
-            current.time.push(time);
+            current.push(row, time);
         } else if last == time {
             let copy = current.rows.last().is_some_and(|last| same(*last, row));
             if copy {
                 copies.add(line(row));
             } else {
-                current.rows.push(row);
-                current.time.push(time);
+                current.push(row, time);
             }
         } else if before_last.is_some_and(|before| before < time) {
             // The sample before jumped ahead.
             dropped.add(line(*current.rows.last().expect("two were kept")));
             *current.rows.last_mut().expect("two were kept") = row;
             *current.time.last_mut().expect("two were kept") = time;
-        } else if known[at..].len() >= RESTART
-            && known[at..at + RESTART].windows(2).all(|pair| stamps[pair[0]] <= stamps[pair[1]])
-            && stamps[known[at]] < stamps[known[at + RESTART - 1]]
-            && stamps[known[at + RESTART - 1]] <= last
-        {
+        } else if known.get(at..at + RESTART_ROWS).is_some_and(|rows| starts_again(stamps, rows, last)) {
             remarks.warn(
                 Some(line(row)),
                 None,
                 "time starts again: another recording begins here".to_owned(),
             );
             restarts.add(line(row));
-            stretches.push(Stretch { rows: vec![row], time: vec![time] });
+            stretches.push(RecordingRows { rows: vec![row], time: vec![time] });
         } else {
             dropped.add(line(row));
         }
     }
     let count = dropped.count + restarts.count;
-    if !few(count, stamps.len()) {
+    if !is_tolerable(count, stamps.len()) {
         let firsts = [&dropped, &restarts].into_iter().filter(|faults| 0 < faults.count);
         let line = firsts.map(|faults| faults.first).min().unwrap_or(0);
         return Err(RecordingError::TimeDisorder { line, count, of: stamps.len() });
     }
     dropped.report(remarks, "out of order in time, dropped");
     copies.report(remarks, "copies of the sample before, dropped");
-    let mut spread = 0;
-    for stretch in &mut stretches {
-        spread += spread_equal(&mut stretch.time);
-    }
+    let spread: usize = stretches.iter_mut().map(|stretch| spread_equal(&mut stretch.time)).sum();
     if stretches.iter().all(|stretch| stretch.time.first() == stretch.time.last()) && 1 < known.len() {
         return Err(RecordingError::TimeDisorder {
             line: line(known[1]),
@@ -207,13 +206,19 @@ pub(super) fn stretches(
     }
     if 0 < spread {
         let message =
-            format!("{spread} samples share a stamp with another: spread evenly up to the next stamp");
+            format!("{spread} samples share their time stamp with another: spread evenly up to the next one");
         remarks.warn(None, None, message);
     }
     Ok(stretches)
 }
 
-/// Moves equal stamps apart, evenly up to the next; the last group goes on at the pace before it.
+/// Returns `true` if time ascends along these `rows`, all of them up to the stamp `last`.
+fn starts_again(stamps: &[f64], rows: &[usize], last: f64) -> bool {
+    let (first, end) = (stamps[rows[0]], stamps[rows[rows.len() - 1]]);
+    rows.windows(2).all(|pair| stamps[pair[0]] <= stamps[pair[1]]) && first < end && end <= last
+}
+
+/// Spreads equal stamps evenly up to the next; the last group continues at the pace before it.
 fn spread_equal(time: &mut [f64]) -> usize {
     let mut moved = 0;
     let mut step = 0.0;
@@ -237,21 +242,21 @@ fn spread_equal(time: &mut [f64]) -> usize {
     moved
 }
 
-/// How far an event may lie before the latest one and still only be late, s.
-const LATE: f64 = 2.0;
+/// Largest delay of a late event against the latest one, s.
+const MAX_LATENESS_S: f64 = 2.0;
 
-/// Splits the `stamps` of lines of events where time starts again; lines that are only late stay
-/// where they are (channels sort their own), a stray old stamp is dropped.
-pub(super) fn event_stretches(
+/// Splits the `stamps` of lines of events where time starts again. Late lines keep their place (channels sort
+/// their stamps); a stray old stamp is dropped.
+pub(super) fn split_event_recordings(
     stamps: &[f64],
     line: impl Fn(usize) -> usize,
-    remarks: &mut Remarks,
+    remarks: &mut RecordingRemarks,
 ) -> Result<Vec<Vec<usize>>, RecordingError> {
     let mut stretches = vec![Vec::with_capacity(stamps.len())];
-    let mut stray = Faults::default();
-    let mut late = Faults::default();
+    let mut stray = FaultCount::default();
+    let mut late = FaultCount::default();
     let mut latest = f64::NEG_INFINITY;
-    // Where `latest` was found, and what it was before.
+    // The row of `latest`, and its earlier value.
     let mut latest_at = (0, f64::NEG_INFINITY);
     let mut before = f64::NEG_INFINITY;
     for (row, time) in stamps.iter().copied().enumerate() {
@@ -259,19 +264,19 @@ pub(super) fn event_stretches(
             late.add(line(row));
         }
         before = time;
-        if latest - LATE <= time {
+        if latest - MAX_LATENESS_S <= time {
             if latest < time {
                 latest_at = (row, latest);
                 latest = time;
             }
-        } else if latest_at.0 + 1 == row && latest_at.1 - LATE <= time && latest_at.1.is_finite() {
+        } else if latest_at.0 + 1 == row && latest_at.1 - MAX_LATENESS_S <= time && latest_at.1.is_finite() {
             // The line before jumped ahead.
             stray.add(line(row - 1));
             stretches.last_mut().expect("there is always a stretch").pop();
             latest = latest_at.1.max(time);
-        } else if stamps[row..].len() >= RESTART
-            && stamps[row..row + RESTART].iter().all(|stamp| *stamp < latest - LATE)
-            && time <= stamps[row + RESTART - 1]
+        } else if stamps[row..].len() >= RESTART_ROWS
+            && stamps[row..row + RESTART_ROWS].iter().all(|stamp| *stamp < latest - MAX_LATENESS_S)
+            && time <= stamps[row + RESTART_ROWS - 1]
         {
             remarks.warn(
                 Some(line(row)),
@@ -291,7 +296,7 @@ pub(super) fn event_stretches(
         return Err(RecordingError::TooFewSamples { found: 0, needed: MIN_SAMPLES });
     }
     let disorder = stray.count + stretches.len() - 1;
-    if !few(disorder, stamps.len()) || stamps.len() < 5 * late.count.saturating_sub(3) {
+    if !is_tolerable(disorder, stamps.len()) || stamps.len() < 5 * late.count.saturating_sub(3) {
         return Err(RecordingError::TimeDisorder {
             line: if 0 < late.count { late.first } else { stray.first },
             count: late.count.max(disorder),
@@ -305,14 +310,14 @@ pub(super) fn event_stretches(
     Ok(stretches)
 }
 
-/// A count of like faults and where the first one is.
+/// The number of faults of one kind and the line of the first.
 #[derive(Default)]
-struct Faults {
+struct FaultCount {
     count: usize,
     first: usize,
 }
 
-impl Faults {
+impl FaultCount {
     fn add(&mut self, line: usize) {
         if self.count == 0 {
             self.first = line;
@@ -320,7 +325,7 @@ impl Faults {
         self.count += 1;
     }
 
-    fn report(&self, remarks: &mut Remarks, what: &str) {
+    fn report(&self, remarks: &mut RecordingRemarks, what: &str) {
         if 0 < self.count {
             remarks.warn(Some(self.first), None, format!("{} samples {what}; this is the first", self.count));
         }

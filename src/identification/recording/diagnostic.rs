@@ -1,64 +1,63 @@
-//! What is said about a log: remarks on what was repaired or assumed, and reasons not to read it.
+//! Messages on a log: remarks on repairs and assumptions, and reasons to refuse it.
 //!
-//! A log is repaired where at most one sample in a hundred is concerned and the repair can be
-//! named; anything beyond is refused, because a guess about the time axis looks plausible in every
-//! later stage.
+//! A log is repaired if at most one sample in a hundred is concerned and the repair can be named; anything
+//! beyond is refused, because a guess about the time axis looks plausible in every later stage.
 
 use std::collections::HashSet;
 use thiserror::Error;
 
-/// How much a remark matters.
+/// The severity of a remark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// Something was found or assumed that changes nothing by itself.
+pub enum RecordingSeverity {
+    /// An observation or assumption without consequences.
     Info,
-    /// Something was repaired or left out.
+    /// A repair or omission.
     Warning,
 }
 
 /// A remark on a log that was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Remark {
-    /// How much it matters.
-    pub severity: Severity,
-    /// Line of the file, counted from 1, where that means something.
+pub struct RecordingRemark {
+    /// Severity.
+    pub severity: RecordingSeverity,
+    /// Line of the file, counted from 1; `None` if it has none.
     pub line: Option<usize>,
-    /// Name of the column or item concerned, if it is one.
+    /// Name of the column or item, if the remark concerns one.
     pub column: Option<String>,
-    /// What was found and what was made of it.
+    /// Observation and consequence.
     pub message: String,
 }
 
 /// Remarks in the order they were made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Remarks(pub Vec<Remark>);
+pub struct RecordingRemarks(pub Vec<RecordingRemark>);
 
-impl Remarks {
-    /// Says everything once: channels made of one column have the same to say.
-    pub(super) fn said_once(mut self) -> Remarks {
+impl RecordingRemarks {
+    /// Removes repeated remarks: channels of one column have the same remarks.
+    pub(super) fn deduplicated(mut self) -> RecordingRemarks {
         let mut said = HashSet::new();
         self.0.retain(|remark| said.insert((remark.line, remark.column.clone(), remark.message.clone())));
         self
     }
 
-    /// Adds something found or assumed.
+    /// Adds an observation or assumption.
     pub(super) fn info(&mut self, column: Option<&str>, message: String) {
-        self.0.push(Remark {
-            severity: Severity::Info,
+        self.0.push(RecordingRemark {
+            severity: RecordingSeverity::Info,
             line: None,
             column: column.map(str::to_owned),
             message: shown(&message),
         });
     }
 
-    /// Adds something repaired or left out.
+    /// Adds a repair or omission.
     pub(super) fn warn(&mut self, line: Option<usize>, column: Option<&str>, message: String) {
         let (column, message) = (column.map(str::to_owned), shown(&message));
-        self.0.push(Remark { severity: Severity::Warning, line, column, message });
+        self.0.push(RecordingRemark { severity: RecordingSeverity::Warning, line, column, message });
     }
 }
 
-/// Why a log cannot be read.
+/// The reason why a log cannot be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RecordingError {
     /// Nothing but blanks.
@@ -74,10 +73,10 @@ pub enum RecordingError {
         names: Vec<String>,
     },
     /// Text of no known form.
-    #[error("no known kind of log: {0}")]
+    #[error("not a known kind of log: {0}")]
     UnknownFormat(&'static str),
-    /// Columns or items, but none that tells of motion.
-    #[error("no column tells positions, feed or program line; found: {}", listed(.found))]
+    /// Columns or items, but none with motion.
+    #[error("no column has positions, feed or program line; found: {}", listed(.found))]
     NothingKnown {
         /// Names in the file.
         found: Vec<String>,
@@ -90,7 +89,7 @@ pub enum RecordingError {
         /// Names in the file.
         found: Vec<String>,
     },
-    /// Stamps that could be in seconds as well as in milliseconds.
+    /// Stamps that could be in seconds or in milliseconds.
     #[error(
         "column `{}`: steps of {step} may be s, ms or µs; say which in its name, such as `t_s` or `t_ms`", shown(.name)
     )]
@@ -102,22 +101,22 @@ pub enum RecordingError {
     },
     /// Time that does not advance.
     #[error(
-        "line {line}: time steps back or stands still {count} times in {of} samples; the order is not trusted"
+        "line {line}: time goes back or repeats {count} times in {of} samples, so the order of the rows is unreliable"
     )]
     TimeDisorder {
         /// Line of the first such step.
         line: usize,
-        /// How many there are.
+        /// Number of such steps.
         count: usize,
         /// Samples in the file.
         of: usize,
     },
-    /// Too little to say anything.
+    /// Too few samples.
     #[error("{}; at least {needed} are needed", samples(*.found))]
     TooFewSamples {
         /// Samples with a time.
         found: usize,
-        /// The least that is read.
+        /// Least number of samples.
         needed: usize,
     },
     /// Positions and feed never change.
@@ -126,7 +125,7 @@ pub enum RecordingError {
         /// Names of the columns.
         constant: Vec<String>,
     },
-    /// A cell that should be a number, in more rows than are repaired.
+    /// A cell that should be a number, in more rows than can be repaired.
     #[error(
         "line {line}, column {column} (`{}`): `{}` is not a number, and {count} cells like it", shown(.name), shown(.text)
     )]
@@ -139,10 +138,10 @@ pub enum RecordingError {
         name: String,
         /// The cell.
         text: String,
-        /// How many cells of the column are not numbers.
+        /// Number of such cells in the column.
         count: usize,
     },
-    /// Rows of another width than the head, in more rows than are repaired.
+    /// Rows of another width than the head, in more rows than can be repaired.
     #[error(
         "line {line}: {found} fields where the first row has {expected}, in {count} rows; a decimal comma needs \
          another separator than the comma"
@@ -154,29 +153,29 @@ pub enum RecordingError {
         found: usize,
         /// Fields in the first row.
         expected: usize,
-        /// How many rows differ.
+        /// Number of such rows.
         count: usize,
     },
-    /// A line that no row of a table is as long as.
+    /// A line longer than any row of a table.
     #[error("line {line} has {bytes} bytes where a row has {most} at most: is it a table without line ends?")]
     LongLine {
         /// Line counted from 1.
         line: usize,
         /// Its length.
         bytes: usize,
-        /// The longest that is read.
+        /// Longest line that is read.
         most: usize,
     },
-    /// A stamp that is none, in more lines than are repaired.
+    /// An invalid stamp, in more lines than can be repaired.
     #[error("line {line}, column {column}: `{}` is not a time stamp, and {count} like it", shown(.text))]
     Stamp {
         /// Line counted from 1.
         line: usize,
         /// Field of the line counted from 1.
         column: usize,
-        /// What stands there.
+        /// The cell.
         text: String,
-        /// How many there are.
+        /// Number of such stamps.
         count: usize,
     },
     /// XML or JSON that is not well-formed, or lacks a part.
@@ -186,7 +185,7 @@ pub enum RecordingError {
         line: usize,
         /// Column counted from 1.
         column: usize,
-        /// What is wrong.
+        /// Description of the fault.
         message: String,
     },
     /// A head without its data.
@@ -194,33 +193,33 @@ pub enum RecordingError {
     Missing(&'static str),
 }
 
-/// As much of a text from a file is shown in a message, characters.
-const SHOWN: usize = 400;
+/// Most characters of a file that a message shows.
+const MAX_SHOWN_CHARACTERS: usize = 400;
 
-/// What stands in a file, fit for one line: a control character would break a message apart.
+/// Returns a text of a file for one line: a control character would break a message.
 fn shown(text: &str) -> String {
     let mut shown: String = text
         .chars()
-        .take(SHOWN)
+        .take(MAX_SHOWN_CHARACTERS)
         .map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c })
         .collect();
-    if text.chars().nth(SHOWN).is_some() {
+    if text.chars().nth(MAX_SHOWN_CHARACTERS).is_some() {
         shown.push('…');
     }
     shown
 }
 
-/// Names that are listed before the rest is counted.
-const LISTED: usize = 12;
+/// Most names that are listed; more are only counted.
+const MAX_NAMES_LISTED: usize = 12;
 
 fn listed(names: &[String]) -> String {
-    match names.len().saturating_sub(LISTED) {
+    match names.len().saturating_sub(MAX_NAMES_LISTED) {
         0 => shown(&names.join(", ")),
-        more => format!("{} and {more} more", shown(&names[..LISTED].join(", "))),
+        more => format!("{} and {more} more", shown(&names[..MAX_NAMES_LISTED].join(", "))),
     }
 }
 
-/// A number of samples, in words.
+/// Returns a number of samples in words.
 fn samples(found: usize) -> String {
     match found {
         0 => "no sample has a time and values".to_owned(),
@@ -229,7 +228,7 @@ fn samples(found: usize) -> String {
     }
 }
 
-/// Whether `count` faults among `of` samples are few enough to repair: three, or one in a hundred.
-pub(super) fn few(count: usize, of: usize) -> bool {
+/// Returns `true` if `count` faults among `of` samples can be repaired: three, or one in a hundred.
+pub(super) fn is_tolerable(count: usize, of: usize) -> bool {
     count <= 3.max(of / 100) && count < of
 }

@@ -1,4 +1,4 @@
-//! What a column or item is, told by its name.
+//! The field of a column or item, identified by its name.
 //!
 //! A name is cut into words at everything that is not a letter or digit and where capitals begin,
 //! so that `act_pos_x`, `ActPosX` and `X actual position [mm]` are the same words; a unit in
@@ -7,35 +7,35 @@
 //! adapters, Heidenhain's scope (`x_s_actual`: s position, v speed) and Siemens' recorders
 //! (`DES_POS|1`) are known as such.
 //!
-//! Not read, by intent: loads, torques, currents, accelerations, speeds of single axes, feed per
-//! revolution, rotary axes, machine coordinates beside work coordinates. They are named in a remark.
+//! Not read: loads, torques, currents, accelerations, speeds of single axes, feed per revolution, rotary
+//! axes, machine coordinates beside work coordinates. They are named in a remark.
 
-use crate::identification::recording::unit::{Dimension, Unit};
+use crate::identification::recording::unit::{Dimension, LogUnit};
 
-/// Which side of the servo loop a value is from.
+/// The side of the servo loop of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// What the drives are told.
+pub enum LoopSide {
+    /// The command of the drives.
     Commanded,
-    /// What they do.
+    /// The motion of the drives.
     Actual,
     /// The file does not say.
     Unstated,
 }
 
-/// What a column or item tells.
+/// The meaning of a column or item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Field {
-    /// When.
+pub(super) enum ChannelField {
+    /// Time.
     Time,
     /// A count of samples.
     SampleNumber,
     /// A coordinate; the axis is 0 for X, 1 for Y, 2 for Z.
-    Position(Side, usize),
+    Position(LoopSide, usize),
     /// X, Y and Z in one value, separated by blanks.
-    Point(Side),
+    Point(LoopSide),
     /// Speed along the path.
-    Feed(Side),
+    Feed(LoopSide),
     /// Line or block number of the program.
     Line,
     /// Text of the block.
@@ -44,7 +44,7 @@ pub(super) enum Field {
     FeedOverride,
     /// Part of the rapid feed.
     RapidOverride,
-    /// What the control is doing.
+    /// State of the control.
     Status,
     /// Name of the program.
     Program,
@@ -54,48 +54,62 @@ pub(super) enum Field {
     SpindleSpeed,
 }
 
-impl Field {
-    /// Whether it tells where the machine is, how fast it moves or which block it runs.
+impl ChannelField {
+    /// Returns `true` for a field with the position, the speed or the block of the machine.
     pub(super) fn tells_motion(self) -> bool {
-        matches!(self, Field::Position(..) | Field::Point(_) | Field::Feed(_) | Field::Line | Field::Block)
+        matches!(
+            self,
+            ChannelField::Position(..)
+                | ChannelField::Point(_)
+                | ChannelField::Feed(_)
+                | ChannelField::Line
+                | ChannelField::Block
+        )
     }
 
-    /// Whether values are words rather than numbers.
+    /// Returns `true` if values are words rather than numbers.
     pub(super) fn is_text(self) -> bool {
-        matches!(self, Field::Block | Field::Status | Field::Program | Field::Tool | Field::Point(_))
+        matches!(
+            self,
+            ChannelField::Block
+                | ChannelField::Status
+                | ChannelField::Program
+                | ChannelField::Tool
+                | ChannelField::Point(_)
+        )
     }
 
-    /// What its unit must measure, if it has one.
+    /// Returns the dimension of its unit; `None` if it has no unit.
     pub(super) fn dimension(self) -> Option<Dimension> {
         match self {
-            Field::Time => Some(Dimension::Time),
-            Field::Position(..) | Field::Point(_) => Some(Dimension::Length),
-            Field::Feed(_) => Some(Dimension::Feed),
-            Field::FeedOverride | Field::RapidOverride => Some(Dimension::Ratio),
-            Field::SpindleSpeed => Some(Dimension::Rotation),
+            ChannelField::Time => Some(Dimension::Time),
+            ChannelField::Position(..) | ChannelField::Point(_) => Some(Dimension::Length),
+            ChannelField::Feed(_) => Some(Dimension::Feed),
+            ChannelField::FeedOverride | ChannelField::RapidOverride => Some(Dimension::Ratio),
+            ChannelField::SpindleSpeed => Some(Dimension::Rotation),
             _ => None,
         }
     }
 }
 
-/// A column's name, understood.
+/// The name of a column, with its meaning.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Label {
-    /// As in the file.
+pub(super) struct ChannelLabel {
+    /// Name in the file.
     pub(super) name: String,
-    /// What it tells; none where nothing is made of it.
-    pub(super) field: Option<Field>,
-    /// The unit stated.
-    pub(super) unit: Option<Unit>,
+    /// Field; `None` if the column is not read.
+    pub(super) field: Option<ChannelField>,
+    /// Stated unit.
+    pub(super) unit: Option<LogUnit>,
 }
 
-impl Label {
-    /// Understands `name`, with a unit stated elsewhere if `stated`.
-    pub(super) fn read(name: &str, stated: Option<Unit>) -> Label {
+impl ChannelLabel {
+    /// Interprets `name`; `stated` is a unit stated elsewhere.
+    pub(super) fn read(name: &str, stated: Option<LogUnit>) -> ChannelLabel {
         let name = name.trim().trim_matches('"').trim();
         let (bare, bracketed) = without_brackets(name);
-        let mut label = Label { name: name.to_owned(), field: None, unit: stated.or(bracketed) };
-        // A unit may end the name, but so may a word that only looks like one (`x_s`).
+        let mut label = ChannelLabel { name: name.to_owned(), field: None, unit: stated.or(bracketed) };
+        // A name may end with a unit, or with a word that only looks like one (`x_s`).
         for (front, unit) in endings(&bare) {
             let field = field_of(&front);
             if field.is_some_and(|field| field.dimension() == Some(unit.dimension)) {
@@ -108,19 +122,19 @@ impl Label {
         if let (Some(field), Some(unit)) = (label.field, label.unit)
             && field.dimension().is_some_and(|dimension| dimension != unit.dimension)
         {
-            // An axis in degrees is a rotary axis, a line number has no unit to contradict.
+            // An axis in degrees is a rotary axis; a line number has no unit that could contradict.
             label.field = None;
         }
         label
     }
 }
 
-/// The name without what stands in brackets, and the unit that stood there.
-fn without_brackets(name: &str) -> (String, Option<Unit>) {
+/// Returns the name without the text in brackets, and the unit in it.
+fn without_brackets(name: &str) -> (String, Option<LogUnit>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let (Some(from), Some(to)) = (name.find(open), name.rfind(close))
             && from < to
-            && let Some(unit) = Unit::parse(&name[from + 1..to])
+            && let Some(unit) = LogUnit::parse(&name[from + 1..to])
         {
             return (format!("{} {}", &name[..from], &name[to + 1..]), Some(unit));
         }
@@ -128,18 +142,18 @@ fn without_brackets(name: &str) -> (String, Option<Unit>) {
     (name.to_owned(), None)
 }
 
-/// Ways to cut a unit off the end of `name`, longest unit first.
-fn endings(name: &str) -> Vec<(String, Unit)> {
+/// Returns the ways to cut a unit off the end of `name`, longest unit first.
+fn endings(name: &str) -> Vec<(String, LogUnit)> {
     let cuts: Vec<usize> =
         name.char_indices().filter(|(_, c)| matches!(c, '_' | ' ' | '/')).map(|(at, _)| at).collect();
     let last = cuts.len().saturating_sub(3);
     cuts[last..]
         .iter()
-        .filter_map(|at| Some((name[..*at].to_owned(), Unit::parse(name[*at + 1..].trim())?)))
+        .filter_map(|at| Some((name[..*at].to_owned(), LogUnit::parse(name[*at + 1..].trim())?)))
         .collect()
 }
 
-/// Words of `name` in lower case.
+/// Returns the words of `name` in lower case.
 fn words(name: &str) -> Vec<String> {
     let letters: Vec<char> = name.chars().collect();
     let mut words = vec![String::new()];
@@ -167,8 +181,8 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Words that tell of something not read, wherever they stand.
-const NOT_READ: &[&str] = &[
+/// Words of fields that are not read, anywhere in a name.
+const UNREAD_WORDS: &[&str] = &[
     "surface",
     "load",
     "torque",
@@ -206,7 +220,7 @@ const NOT_READ: &[&str] = &[
     "raw",
 ];
 
-const COMMANDED: &[&str] = &[
+const COMMANDED_WORDS: &[&str] = &[
     "cmd",
     "command",
     "commanded",
@@ -230,11 +244,11 @@ const COMMANDED: &[&str] = &[
     "cmdpos",
     "despos",
 ];
-const ACTUAL: &[&str] = &[
+const ACTUAL_WORDS: &[&str] = &[
     "act", "actual", "ist", "enc", "enc1", "enc2", "encoder", "meas", "measured", "fb", "feedback", "actpos",
     "actvelo", "fact", "encpos",
 ];
-const POSITION: &[&str] = &[
+const POSITION_WORDS: &[&str] = &[
     "pos",
     "position",
     "abs",
@@ -253,7 +267,7 @@ const POSITION: &[&str] = &[
     "encpos",
     "cmdpos",
 ];
-const FEED: &[&str] = &[
+const FEED_WORDS: &[&str] = &[
     "feed",
     "feedrate",
     "feedrateact",
@@ -270,50 +284,82 @@ const FEED: &[&str] = &[
     "bahngeschwindigkeit",
     "feedrateipo",
 ];
-const OVERRIDE: &[&str] =
+const OVERRIDE_WORDS: &[&str] =
     &["ovr", "override", "ovrd", "ovw", "ovrt", "fovr", "feedovr", "frapidovr", "rapidovr", "fov"];
 
-/// What `name` tells, its unit taken off.
-fn field_of(name: &str) -> Option<Field> {
+/// The words of a name.
+struct NameWords(Vec<String>);
+
+impl NameWords {
+    /// Returns `true` if one of these is among them.
+    fn has(&self, list: &[&str]) -> bool {
+        self.0.iter().any(|word| list.contains(&word.as_str()))
+    }
+
+    /// Returns `true` if there is one word, and it is one of these.
+    fn only(&self, list: &[&str]) -> bool {
+        self.0.len() == 1 && self.has(list)
+    }
+}
+
+/// Returns the field of `name` without its unit; `None` if it is not read.
+fn field_of(name: &str) -> Option<ChannelField> {
     if let Some(field) = vendor(name) {
         return field;
     }
     let mut words = words(name);
-    // A path or device in front, such as `p1`, says whose value it is, not what.
+    // A leading path or device, such as `p1`, is the owner of the value.
     if 1 < words.len() && is_path(&words[0]) {
         words.remove(0);
     }
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    let only = |list: &[&str]| words.len() == 1 && list.contains(&words[0].as_str());
-    if words.is_empty() || has(NOT_READ) {
+    let words = NameWords(words);
+    if words.0.is_empty() || words.has(UNREAD_WORDS) {
         return None;
     }
-    if only(&["t", "time", "zeit", "timestamp", "stamp", "datetime", "seconds", "elapsed", "ts"])
-        || has(&["time", "timestamp", "zeit"])
-            && words.len() <= 2
-            && !has(&["spindle", "cycle", "run", "dwell"])
-    {
-        return Some(Field::Time);
-    }
-    if only(&["sample", "samples", "index", "nr", "cycle"])
-        || words == ["hf", "probe", "counter"]
-        || has(&["sample"]) && has(&["number", "no", "nr"])
-    {
-        return Some(Field::SampleNumber);
-    }
-    let side = match (has(COMMANDED), has(ACTUAL)) {
-        (true, false) => Side::Commanded,
-        (false, true) => Side::Actual,
-        _ => Side::Unstated,
+    let side = match (words.has(COMMANDED_WORDS), words.has(ACTUAL_WORDS)) {
+        (true, false) => LoopSide::Commanded,
+        (false, true) => LoopSide::Actual,
+        _ => LoopSide::Unstated,
     };
-    if has(OVERRIDE) {
-        return match () {
-            _ if has(&["spindle", "s", "s1", "s2", "s6"]) => None,
-            _ if has(&["rapid", "eilgang", "frapidovr", "rapidovr", "g0"]) => Some(Field::RapidOverride),
-            _ => Some(Field::FeedOverride),
-        };
+    if let Some(count) = time_or_count(&words) {
+        return Some(count);
     }
-    if has(&[
+    if words.has(OVERRIDE_WORDS) {
+        let is_of_spindle = words.has(&["spindle", "s", "s1", "s2", "s6"]);
+        let is_of_rapids = words.has(&["rapid", "eilgang", "frapidovr", "rapidovr", "g0"]);
+        let field = if is_of_rapids { ChannelField::RapidOverride } else { ChannelField::FeedOverride };
+        return (!is_of_spindle).then_some(field);
+    }
+    if let Some(state) = state_of_program(&words) {
+        return Some(state);
+    }
+    if words.has(&["spindle", "s1speed", "rpm", "spindel", "drehzahl", "s1", "rotaryvelocity"])
+        && words.has(&["speed", "rpm", "s1speed", "velocity", "drehzahl", "rotaryvelocity"])
+    {
+        // A commanded value is no speed of the spindle.
+        return (side != LoopSide::Commanded).then_some(ChannelField::SpindleSpeed);
+    }
+    motion(&words, side)
+}
+
+/// Recognises a time, or the number of a sample.
+fn time_or_count(words: &NameWords) -> Option<ChannelField> {
+    if words.only(&["t", "time", "zeit", "timestamp", "stamp", "datetime", "seconds", "elapsed", "ts"])
+        || words.has(&["time", "timestamp", "zeit"])
+            && words.0.len() <= 2
+            && !words.has(&["spindle", "cycle", "run", "dwell"])
+    {
+        return Some(ChannelField::Time);
+    }
+    let is_number = words.only(&["sample", "samples", "index", "nr", "cycle"])
+        || words.0 == ["hf", "probe", "counter"]
+        || words.has(&["sample"]) && words.has(&["number", "no", "nr"]);
+    is_number.then_some(ChannelField::SampleNumber)
+}
+
+/// Recognises the active line, block, program or tool, or the state of the control.
+fn state_of_program(words: &NameWords) -> Option<ChannelField> {
+    const LINE: &[&str] = &[
         "line",
         "lineno",
         "linenumber",
@@ -323,48 +369,48 @@ fn field_of(name: &str) -> Option<Field> {
         "blockno",
         "seekoffset",
         "motion_line",
-    ]) || has(&["block", "satz", "n", "sequence"]) && has(&["number", "no", "nr", "num"])
-        || only(&["n"])
-    {
-        return Some(Field::Line);
-    }
-    if only(&["block", "gcode", "satz", "blocktext"]) || has(&["block"]) && has(&["text"]) {
-        return Some(Field::Block);
-    }
-    if has(&["status", "execution", "state", "exec"])
-        && !has(&["door", "coolant", "chuck", "tool", "spindle"])
-    {
-        return Some(Field::Status);
-    }
-    if has(&["program", "programname", "prog"]) && (words.len() == 1 || has(&["name", "running", "active"])) {
-        return Some(Field::Program);
-    }
-    if has(&["tool", "toolnumber", "toolid", "werkzeug", "toolno"]) {
-        return Some(Field::Tool);
-    }
-    if has(&["spindle", "s1speed", "rpm", "spindel", "drehzahl", "s1", "rotaryvelocity"])
-        && has(&["speed", "rpm", "s1speed", "velocity", "drehzahl", "rotaryvelocity"])
-    {
-        // What was asked for is no speed of the spindle.
-        return (side != Side::Commanded).then_some(Field::SpindleSpeed);
-    }
-    let axis = words.iter().find_map(|word| axis(word));
-    let moves = has(FEED) && !has(&["s", "pos", "position"]);
+    ];
+    let is_line = words.has(LINE)
+        || words.has(&["block", "satz", "n", "sequence"]) && words.has(&["number", "no", "nr", "num"])
+        || words.only(&["n"]);
+    let is_block =
+        words.only(&["block", "gcode", "satz", "blocktext"]) || words.has(&["block"]) && words.has(&["text"]);
+    let is_status = words.has(&["status", "execution", "state", "exec"])
+        && !words.has(&["door", "coolant", "chuck", "tool", "spindle"]);
+    let is_program = words.has(&["program", "programname", "prog"])
+        && (words.0.len() == 1 || words.has(&["name", "running", "active"]));
+    let is_tool = words.has(&["tool", "toolnumber", "toolid", "werkzeug", "toolno"]);
+    let fields = [
+        (is_line, ChannelField::Line),
+        (is_block, ChannelField::Block),
+        (is_status, ChannelField::Status),
+        (is_program, ChannelField::Program),
+        (is_tool, ChannelField::Tool),
+    ];
+    fields.into_iter().find(|(is_it, _)| *is_it).map(|(_, field)| field)
+}
+
+/// Recognises a position or a feedrate.
+fn motion(words: &NameWords, side: LoopSide) -> Option<ChannelField> {
+    let axis = words.0.iter().find_map(|word| axis(word));
+    let is_feed = words.has(FEED_WORDS) && !words.has(&["s", "pos", "position"]);
     match axis {
-        Some(_) if moves || has(&["current", "strom"]) => None,
-        Some(axis) if words.len() == 1 || has(POSITION) || side != Side::Unstated => {
-            Some(Field::Position(side, axis))
+        Some(_) if is_feed || words.has(&["current", "strom"]) => None,
+        Some(axis) if words.0.len() == 1 || words.has(POSITION_WORDS) || side != LoopSide::Unstated => {
+            Some(ChannelField::Position(side, axis))
         }
         Some(_) => None,
-        None if moves && !has(&["rev", "frcmd", "fract"]) => Some(Field::Feed(side)),
-        None if has(&["pathpos", "pathposition"]) || has(&["path"]) && has(&["pos", "position"]) => {
-            Some(Field::Point(side))
+        None if is_feed && !words.has(&["rev", "frcmd", "fract"]) => Some(ChannelField::Feed(side)),
+        None if words.has(&["pathpos", "pathposition"])
+            || words.has(&["path"]) && words.has(&["pos", "position"]) =>
+        {
+            Some(ChannelField::Point(side))
         }
         None => None,
     }
 }
 
-/// X, Y or Z, alone or numbered: X, X1, MX1.
+/// Returns the axis of X, Y or Z, alone or numbered: X, X1, MX1.
 fn axis(word: &str) -> Option<usize> {
     let bare = word.strip_prefix('m').filter(|rest| 2 <= rest.len()).unwrap_or(word);
     match bare {
@@ -375,22 +421,24 @@ fn axis(word: &str) -> Option<usize> {
     }
 }
 
-/// A path's or channel's number in front of a name.
+/// Returns `true` for the number of a path or channel in front of a name.
 fn is_path(word: &str) -> bool {
     let rest =
         word.strip_prefix("path").or_else(|| word.strip_prefix('p')).or_else(|| word.strip_prefix("ch"));
     rest.is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// Names whose makers do not follow the rules of words; `Some(None)` is known and not read.
-fn vendor(name: &str) -> Option<Option<Field>> {
+/// Recognises the names of vendors that do not follow the rules of words; `Some(None)` is known and not read.
+fn vendor(name: &str) -> Option<Option<ChannelField>> {
     let lower = name.trim().to_lowercase();
     // Okuma's adapter: axis, turret, `act`, `w`ork or `m`achine coordinates.
     if let Some(front) = lower.strip_suffix("actw")
         && (1..=3).contains(&front.len())
     {
-        // `YI1` is the Y axis made of the slanted X and Y; turret 4 is another path's.
-        return Some(axis(&front.replace('i', "")).map(|axis| Field::Position(Side::Actual, axis)));
+        // `YI1` is the Y axis made of the slanted X and Y; turret 4 belongs to another path.
+        return Some(
+            axis(&front.replace('i', "")).map(|axis| ChannelField::Position(LoopSide::Actual, axis)),
+        );
     }
     if lower.ends_with("actm") && lower.len() <= 7 {
         return Some(None);
@@ -400,23 +448,23 @@ fn vendor(name: &str) -> Option<Option<Field>> {
         .strip_prefix('p')
         .map_or(lower.as_str(), |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
     match bare {
-        "lpathpos" => return Some(Some(Field::Point(Side::Actual))),
-        "fact" => return Some(Some(Field::Feed(Side::Actual))),
-        "fovr" => return Some(Some(Field::FeedOverride)),
-        "linenumber" | "blocknumber" => return Some(Some(Field::Line)),
-        "block" => return Some(Some(Field::Block)),
-        "execution" => return Some(Some(Field::Status)),
-        "program" if lower != "program" => return Some(Some(Field::Program)),
-        "currenttool" => return Some(Some(Field::Tool)),
+        "lpathpos" => return Some(Some(ChannelField::Point(LoopSide::Actual))),
+        "fact" => return Some(Some(ChannelField::Feed(LoopSide::Actual))),
+        "fovr" => return Some(Some(ChannelField::FeedOverride)),
+        "linenumber" | "blocknumber" => return Some(Some(ChannelField::Line)),
+        "block" => return Some(Some(ChannelField::Block)),
+        "execution" => return Some(Some(ChannelField::Status)),
+        "program" if lower != "program" => return Some(Some(ChannelField::Program)),
+        "currenttool" => return Some(Some(ChannelField::Tool)),
         // Feed per revolution, and a command whose unit follows G94 and G95.
         "fract" | "frcmd" | "fcmd" | "toolassetid" => return Some(None),
         _ => {}
     }
     if matches!(bare, "xact" | "xabs" | "yact" | "yabs" | "zact" | "zabs") {
-        return Some(axis(&bare[..1]).map(|axis| Field::Position(Side::Actual, axis)));
+        return Some(axis(&bare[..1]).map(|axis| ChannelField::Position(LoopSide::Actual, axis)));
     }
     if matches!(bare, "xcom" | "ycom" | "zcom") {
-        return Some(axis(&bare[..1]).map(|axis| Field::Position(Side::Commanded, axis)));
+        return Some(axis(&bare[..1]).map(|axis| ChannelField::Position(LoopSide::Commanded, axis)));
     }
     // Siemens' data recorder: signal and number of the axis.
     let (signal, number) = lower.split_once('|')?;
@@ -427,13 +475,15 @@ fn vendor(name: &str) -> Option<Option<Field>> {
         .filter(|number| (1..=3).contains(number))
         .map(|number| number - 1);
     match signal.trim() {
-        "des_pos" => Some(axis.map(|axis| Field::Position(Side::Commanded, axis))),
-        "enc_pos" | "enc1_pos" | "enc2_pos" => Some(axis.map(|axis| Field::Position(Side::Actual, axis))),
+        "des_pos" => Some(axis.map(|axis| ChannelField::Position(LoopSide::Commanded, axis))),
+        "enc_pos" | "enc1_pos" | "enc2_pos" => {
+            Some(axis.map(|axis| ChannelField::Position(LoopSide::Actual, axis)))
+        }
         _ => Some(None),
     }
 }
 
-/// Whether `names` are those of a SINUMERIK recorder, whose table counts position-control cycles.
+/// Returns `true` if `names` are those of a SINUMERIK recorder, whose table counts position-control cycles.
 pub(super) fn is_siemens_recorder(names: &[&str]) -> bool {
     let counts = |name: &&str| matches!(*name, "CYCLE" | "HFProbeCounter");
     let tells = |name: &&str| {
@@ -442,7 +492,7 @@ pub(super) fn is_siemens_recorder(names: &[&str]) -> bool {
     names.iter().any(counts) && names.iter().any(tells)
 }
 
-/// Whether names without a time are those of Heidenhain's scope: an axis and `s`, `v`, `a` or `j`
+/// Returns `true` if names without a time are those of Heidenhain's scope: an axis and `s`, `v`, `a` or `j`
 /// with `actual`, `nominal` or `diff`.
 pub(super) fn is_scope(names: &[&str]) -> bool {
     names.iter().all(|name| {

@@ -9,46 +9,38 @@
 //! | content | module |
 //! |---|---|
 //! | rows of numbers with a row of names: CSV of any separator, Heidenhain `scope2csv` | `table` |
-//! | rows of numbers without names: LinuxCNC `halsampler` | `nameless` |
+//! | rows of numbers without names: LinuxCNC `halsampler` | `headerless` |
 //! | `time\|item\|value…`: SHDR of MTConnect adapters; the same as a long table | `events` |
 //! | MTConnect streams XML | `mtconnect` |
 //! | SINUMERIK trace XML | `siemens_trace` |
 //! | SINUMERIK data recorder JSON | `siemens_recorder` |
 //! | Beckhoff TwinCAT Scope CSV | `beckhoff` |
 //!
-//! A log is what it says: nothing is resampled, interpolated or smoothed. Every channel has its own
-//! stamps (see [`Channel`]), so a table at 1 kHz and an event log that names the line five times a
-//! second are the same type. One file may hold several recordings (their clocks do not compare) and
-//! a recording several runs of programs (ranges of one clock); both are kept apart, never merged.
+//! A log is not changed: nothing is resampled, interpolated or smoothed. Every channel has its stamps (see
+//! [`Channel`]), so a table at 1 kHz and an event log that names the line five times a second have one type.
+//! One file may contain several recordings (their clocks do not compare), and a recording several runs of
+//! programs (ranges of one clock); both are kept separate.
 //!
-//! Units stated in the file are converted. Where none is stated the values stay as they are and
-//! name their candidates; [`closure`] settles which, against the length of the path. Cost is linear
-//! in the size of the file.
+//! Stated units are converted. Without a stated unit the values remain as in the file and name their
+//! candidates; [`check_unit`] selects one by the length of the path. The cost is linear in the size of the file.
 //!
 //! A log may be packed by gzip, or as the only file of a ZIP archive.
 //!
-//! Not read: zlib streams (Klipper's motan logs), archives of several files, binary files, rotary axes, loads; thousands separators in numbers; logs across midnight stamped with the
-//! time of day alone.
+//! Not read: zlib streams (Klipper's motan logs), archives of several files, binary files, rotary axes,
+//! loads; thousands separators in numbers; logs across midnight with only the time of day.
 
 mod assemble;
-mod beckhoff;
 mod channel;
 mod clock;
-mod closure;
-mod columns;
+mod unit_check;
 mod diagnostic;
-mod events;
 mod field;
-mod layout;
-mod mtconnect;
-mod nameless;
+mod formats;
+mod noise;
 mod packed;
 mod runs;
-mod siemens_recorder;
-mod siemens_trace;
 mod sniff;
-mod switches;
-mod table;
+mod overrides;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -56,53 +48,57 @@ pub mod unit;
 
 use std::ops::Range;
 
-pub use channel::{Channel, Sampling, Scale};
-pub use closure::{Closure, ClosureError, Measure, TOLERANCE, closure, closure_of, closure_on, path_length};
-pub use diagnostic::{RecordingError, Remark, Remarks, Severity};
-pub use field::Side;
-pub use packed::is_packed_log;
+pub use channel::{Channel, ChannelUnit, Sampling};
+pub use diagnostic::{RecordingError, RecordingRemark, RecordingRemarks, RecordingSeverity};
+pub use field::LoopSide;
+pub use noise::noise;
+pub use overrides::OverrideSwitches;
+pub use packed::{archived, is_packed_log};
 pub use sniff::{SNIFFED_BYTES, is_recording};
-pub use switches::Switches;
+pub use unit_check::{
+    MAX_LENGTH_DIFFERENCE_RATIO, Measure, UnitCheck, UnitCheckError, check_unit, check_unit_by,
+    check_unit_on_lines, path_length,
+};
 
-use crate::identification::recording::unit::Unit;
+use crate::identification::recording::unit::LogUnit;
 
-/// What a file may leave open.
+/// Properties of a log that its file may not state.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Options {
+pub struct ReadingOptions {
     /// Time between rows of a table without a time column, s.
     pub interval: Option<f64>,
     /// Unit of a time column that states none.
-    pub time_unit: Option<Unit>,
+    pub time_unit: Option<LogUnit>,
     /// Names of the columns of a table without names.
     pub columns: Option<Vec<String>>,
 }
 
-/// A file, read.
+/// The content of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
-    /// What kind of file it is, for people.
+    /// Kind of the file, for people.
     pub format: &'static str,
     /// Recordings in the order of the file; at least one. Time starts again in each.
     pub recordings: Vec<Recording>,
-    /// What was repaired, assumed or left out.
-    pub remarks: Remarks,
+    /// Repairs, assumptions and omissions.
+    pub remarks: RecordingRemarks,
 }
 
-/// X, Y and Z; an axis that was not recorded is none.
+/// X, Y and Z; `None` for an axis that was not recorded.
 pub type Axes = [Option<Channel<f64>>; 3];
 
-/// One stretch of recording under one clock.
+/// A part of a log under one clock.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     /// When it began, ns since 1970 (UTC where the file says so), if stamps are dates.
     pub started: Option<i64>,
     /// Time from the first stamp to the last, s.
     pub duration: f64,
-    /// Positions the drives were told, mm.
+    /// Commanded axis positions, mm.
     pub commanded: Axes,
-    /// Positions the axes had, mm; also those of which the file does not say which they are.
+    /// Measured axis positions, mm; also positions of unstated origin (see `actual_is_stated`).
     pub actual: Axes,
-    /// Whether `actual` says by name that it is measured.
+    /// `true` if the file states that `actual` is measured.
     pub actual_is_stated: bool,
     /// Speed along the path, mm/s.
     pub feed: Option<Channel<f64>>,
@@ -116,7 +112,7 @@ pub struct Recording {
     pub feed_override: Option<Channel<f64>>,
     /// Part of the rapid feed, 1 at 100 %.
     pub rapid_override: Option<Channel<f64>>,
-    /// What the control was doing.
+    /// State of the control.
     pub status: Option<Channel<Status>>,
     /// Name of the program.
     pub program: Option<Channel<String>>,
@@ -124,16 +120,16 @@ pub struct Recording {
     pub tool: Option<Channel<String>>,
     /// Speed of the spindle, rad/s.
     pub spindle_speed: Option<Channel<f64>>,
-    /// Runs of programs found in it, in order of time; at least one.
-    pub runs: Vec<Run>,
+    /// Runs of programs, in order of time; at least one.
+    pub runs: Vec<RecordingRun>,
 }
 
-/// What a control is doing, in the words of MTConnect's Execution.
+/// The state of a control, in the words of MTConnect's Execution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// A program runs.
     Active,
-    /// Somebody holds the feed, or the program is interrupted.
+    /// The feed is held, or the program is interrupted.
     Held,
     /// The program waits: M0, M1.
     Stopped,
@@ -145,20 +141,20 @@ pub enum Status {
 
 /// One run of a program within a recording.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct RecordingRun {
     /// From its start to its end, s from the start of the recording.
     pub time: Range<f64>,
-    /// Name of the program, where it was recorded.
+    /// Name of the program, if it was recorded.
     pub program: Option<String>,
-    /// What marks it off.
+    /// The mark that separates it from other runs.
     pub found_by: RunMark,
-    /// Whether its start was recorded.
+    /// `true` if its start was recorded.
     pub has_start: bool,
-    /// Whether its end was recorded.
+    /// `true` if its end was recorded.
     pub has_end: bool,
 }
 
-/// What marks off a run.
+/// The mark that separates a run from others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunMark {
     /// The control's status.
@@ -167,39 +163,61 @@ pub enum RunMark {
     Program,
     /// The line number starts again.
     Line,
-    /// Nothing: the run is all there is.
+    /// None: the run is the whole recording.
     Whole,
 }
 
-/// Reads a log with nothing known beside it.
+/// Reads the log of a machine, in the format that its content shows.
+///
+/// # Errors
+///
+/// Returns an error if it is in no known format, or if it has more faults than can be repaired.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::identification::recording::read;
+///
+/// let rows: String = (0..20).map(|row| format!("{},{}\n", 10 * row, 0.5 * f64::from(row))).collect();
+/// let log = read(format!("t_ms,x_mm\n{rows}").as_bytes()).expect("a table");
+/// let x = log.recordings[0].actual[0].as_ref().expect("positions of X");
+/// assert_eq!(x.span(), Some((0.0, 0.19)), "s");
+/// assert_eq!(x.held(0.1), Some(&5.0), "mm");
+/// assert!(read(b"no table").is_err());
+/// ```
 pub fn read(bytes: &[u8]) -> Result<Log, RecordingError> {
-    read_with(bytes, &Options::default())
+    read_with(bytes, &ReadingOptions::default())
 }
 
-/// Reads a log; the format is told by content, never by a file's name.
-pub fn read_with(bytes: &[u8], options: &Options) -> Result<Log, RecordingError> {
+/// Reads a log as [`read`] does, given properties that its file does not state. The format is identified by
+/// content, never by a file's name.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_with(bytes: &[u8], options: &ReadingOptions) -> Result<Log, RecordingError> {
     let text = text::decode(&packed::unpacked(bytes)?)?;
-    let mut remarks = Remarks::default();
+    let mut remarks = RecordingRemarks::default();
     let start = text.trim_start();
     let (format, captures) = if start.starts_with('<') && start.contains("MTConnectStreams") {
-        ("MTConnect streams", mtconnect::read(&text, &mut remarks)?)
+        ("MTConnect streams", formats::mtconnect::read(&text, &mut remarks)?)
     } else if start.starts_with('<') {
-        ("SINUMERIK trace", siemens_trace::read(&text, &mut remarks)?)
+        ("SINUMERIK trace", formats::siemens_trace::read(&text, &mut remarks)?)
     } else if start.starts_with('{') {
-        ("SINUMERIK data recorder", siemens_recorder::read(&text, &mut remarks)?)
-    } else if events::is_shdr(&text) {
-        ("SHDR event log", events::read(&text, &mut remarks)?)
-    } else if beckhoff::is_scope(&text) {
-        ("TwinCAT Scope export", beckhoff::read(&text, &mut remarks)?)
+        ("SINUMERIK data recorder", formats::siemens_recorder::read(&text, &mut remarks)?)
+    } else if formats::events::is_shdr(&text) {
+        ("SHDR event log", formats::events::read(&text, &mut remarks)?)
+    } else if formats::beckhoff::is_scope(&text) {
+        ("TwinCAT Scope export", formats::beckhoff::read(&text, &mut remarks)?)
     } else {
-        table::read(&text, options, &mut remarks)?
+        formats::table::read(&text, options, &mut remarks)?
     };
     let recordings = assemble::recordings(captures, &mut remarks)?;
-    Ok(Log { format, recordings, remarks: remarks.said_once() })
+    Ok(Log { format, recordings, remarks: remarks.deduplicated() })
 }
 
 impl Recording {
-    /// What was recorded in `range` (s); stamps keep their origin, runs outside are left out.
+    /// Returns the part within `range` (s); stamps keep their origin, runs outside are left out.
     pub fn during(&self, range: &Range<f64>) -> Recording {
         fn cut<V: Clone>(channel: &Option<Channel<V>>, range: &Range<f64>) -> Option<Channel<V>> {
             channel.as_ref().map(|channel| channel.during(range)).filter(|channel| !channel.values.is_empty())
@@ -230,11 +248,11 @@ impl Recording {
         }
     }
 
-    /// The recording with the unit that closes put on what the file states none for.
-    pub fn settled(self, closure: &Closure) -> Recording {
-        let unit = closure.unit;
+    /// Returns the recording with the unit that passed the check on channels without a stated unit.
+    pub fn settled(self, check: &UnitCheck) -> Recording {
+        let unit = check.unit;
         let settle = |channel: Option<Channel<f64>>| channel.map(|channel| channel.assuming(unit));
-        match closure.measure {
+        match check.measure {
             Measure::Feed => {
                 Recording { feed: settle(self.feed), commanded_feed: settle(self.commanded_feed), ..self }
             }
@@ -244,7 +262,7 @@ impl Recording {
         }
     }
 
-    /// The positions to compare with a path: actual ones where recorded, else commanded ones.
+    /// Returns the positions to compare with a path: actual ones if recorded, else commanded ones.
     pub fn positions(&self) -> &Axes {
         if self.actual.iter().any(Option::is_some) { &self.actual } else { &self.commanded }
     }

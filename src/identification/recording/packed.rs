@@ -1,7 +1,7 @@
 //! Packed logs → the bytes inside: gzip, and ZIP archives of one file.
 //!
-//! Of a ZIP archive the directory at its end is read; folders and what systems add (`__MACOSX/`, `.DS_Store`) do not
-//! count as files. Left out: ZIP64, encryption, and methods other than stored and deflated.
+//! A ZIP archive is read by the directory at its end; folders and files that systems add (`__MACOSX/`,
+//! `.DS_Store`) do not count. Left out: ZIP64, encryption, and methods other than stored and deflated.
 //!
 //! Sources: RFC 1952; PKWARE's APPNOTE.TXT, sections 4.3.7, 4.3.12 and 4.3.16.
 
@@ -12,35 +12,43 @@ use flate2::read::{DeflateDecoder, MultiGzDecoder};
 
 use crate::identification::recording::RecordingError;
 
-/// Bytes inside a packed log at most, and how many for each packed one: rows of numbers shrink to a hundredth at best.
+/// Most bytes of an unpacked log, and most of them per packed byte: rows of numbers shrink to a hundredth at
+/// best.
 const MAX_UNPACKED_BYTES: u64 = 1 << 30;
 const MAX_UNPACKED_RATIO: u64 = 300;
 
-const GZIP: &[u8] = b"\x1f\x8b";
+const GZIP_BEGINNING: &[u8] = b"\x1f\x8b";
 const LOCAL_HEADER: &[u8] = b"PK\x03\x04";
 const DIRECTORY_ENTRY: &[u8] = b"PK\x01\x02";
 const DIRECTORY_END: &[u8] = b"PK\x05\x06";
-/// Methods of packing.
-const STORED: usize = 0;
-const DEFLATED: usize = 8;
-/// Length of the end of a directory without its comment, and of the longest comment.
-const END_BYTES: (usize, usize) = (22, 65_535);
+/// Packing methods.
+const STORED_METHOD: usize = 0;
+const DEFLATED_METHOD: usize = 8;
+/// Length of the end of a directory without its comment, bytes.
+const DIRECTORY_END_BYTES: usize = 22;
+/// Longest comment at the end of a directory, bytes.
+const MAX_COMMENT_BYTES: usize = 65_535;
 
-/// Endings of logs; the first file of an Office document is `[Content_Types].xml` or `mimetype`.
+/// File extensions of logs; the first file of an Office document is `[Content_Types].xml` or `mimetype`.
 const LOG_ENDINGS: [&str; 7] = ["csv", "json", "log", "shdr", "tsv", "txt", "xml"];
 
-const DAMAGED: RecordingError =
-    RecordingError::Binary("a ZIP archive that is damaged or packed in a way of its own");
+const DAMAGED_ARCHIVE: RecordingError =
+    RecordingError::Binary("a ZIP archive that is damaged or packed in an unusual way");
 
-/// The bytes of a log, unpacked where they are packed.
+const OVERSIZED_ARCHIVE: RecordingError =
+    RecordingError::Binary("a ZIP archive that unpacks to far too much");
+
+/// Returns the bytes of a log, unpacked if they are packed.
 ///
 /// # Errors
-/// [`RecordingError::Binary`] where the archive is damaged, [`RecordingError::Archive`] where it holds several files.
+///
+/// Returns [`RecordingError::Binary`] if the archive is damaged, and [`RecordingError::Archive`] if it
+/// contains several files.
 pub(super) fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
-    if bytes.starts_with(GZIP) {
+    if bytes.starts_with(GZIP_BEGINNING) {
         whole(MultiGzDecoder::new(bytes), bytes.len())
             .map(Cow::Owned)
-            .ok_or(RecordingError::Binary("a gzip file that is damaged or unpacks to far too much"))
+            .ok_or(RecordingError::Binary("a gzip file that is damaged or far too large unpacked"))
     } else if bytes.starts_with(LOCAL_HEADER) {
         only_file(bytes)
     } else {
@@ -48,10 +56,10 @@ pub(super) fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
     }
 }
 
-/// Whether a file that begins so is a packed log: of an archive the name of its first file tells, so that nothing is
-/// unpacked for it. A program is never read from gzip.
+/// Returns `true` if a file that begins with `head` is a packed log. The name of the first file identifies an
+/// archive, so that nothing is unpacked. A program is never read from gzip.
 pub fn is_packed_log(head: &[u8]) -> bool {
-    head.starts_with(GZIP)
+    head.starts_with(GZIP_BEGINNING)
         || number(head, 26, 2)
             .filter(|_| head.starts_with(LOCAL_HEADER))
             .and_then(|name| head.get(30..30 + name))
@@ -60,7 +68,8 @@ pub fn is_packed_log(head: &[u8]) -> bool {
             .is_some_and(|ending| LOG_ENDINGS.iter().any(|log| ending.eq_ignore_ascii_case(log.as_bytes())))
 }
 
-/// All that a decoder gives; none where it fails, or gives out of all proportion to what is `packed`.
+/// Returns all bytes of a decoder; `None` if it fails, or returns far more than is plausible for `packed`
+/// bytes.
 fn whole(decoder: impl Read, packed: usize) -> Option<Vec<u8>> {
     let most = MAX_UNPACKED_BYTES.min(MAX_UNPACKED_RATIO * packed as u64 + (1 << 16));
     let mut bytes = Vec::new();
@@ -69,7 +78,7 @@ fn whole(decoder: impl Read, packed: usize) -> Option<Vec<u8>> {
 }
 
 /// A file in the directory of an archive.
-struct Entry {
+struct ArchiveEntry {
     name: String,
     is_encrypted: bool,
     method: usize,
@@ -78,30 +87,57 @@ struct Entry {
 }
 
 fn only_file(bytes: &[u8]) -> Result<Cow<'_, [u8]>, RecordingError> {
-    let mut files = entries(bytes).ok_or(DAMAGED)?;
-    files.retain(|file| {
-        !file.name.ends_with('/') && !file.name.starts_with("__MACOSX/") && !file.name.ends_with(".DS_Store")
-    });
-    let file = match files.as_slice() {
-        [file] => file,
-        _ => {
-            return Err(RecordingError::Archive { names: files.into_iter().map(|file| file.name).collect() });
+    match files(bytes)?.as_slice() {
+        [file] => inside(bytes, file),
+        several => {
+            Err(RecordingError::Archive { names: several.iter().map(|file| file.name.clone()).collect() })
         }
-    };
-    if file.is_encrypted {
-        return Err(RecordingError::Binary("an encrypted ZIP archive"));
-    }
-    let packed = data(bytes, file.header).and_then(|data| data.get(..file.packed)).ok_or(DAMAGED)?;
-    match file.method {
-        STORED => Ok(Cow::Borrowed(packed)),
-        DEFLATED => whole(DeflateDecoder::new(packed), packed.len()).map(Cow::Owned).ok_or(DAMAGED),
-        _ => Err(DAMAGED),
     }
 }
 
-/// The entries of the directory; none where it is damaged.
-fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
-    let from = bytes.len().saturating_sub(END_BYTES.0 + END_BYTES.1);
+/// Returns all files of a ZIP archive with their names, including folders; together no more than one packed
+/// log may contain.
+///
+/// # Errors
+///
+/// Returns [`RecordingError::Binary`] if the archive is damaged, encrypted or too large.
+pub fn archived(bytes: &[u8]) -> Result<Vec<(String, Vec<u8>)>, RecordingError> {
+    let mut room = MAX_UNPACKED_BYTES;
+    let unpacked = files(bytes)?.into_iter().map(|file| {
+        let inside = inside(bytes, &file)?.into_owned();
+        room = room.checked_sub(inside.len() as u64).ok_or(OVERSIZED_ARCHIVE)?;
+        Ok((file.name, inside))
+    });
+    unpacked.collect()
+}
+
+/// Returns the files of the directory, without folders and files that systems add.
+fn files(bytes: &[u8]) -> Result<Vec<ArchiveEntry>, RecordingError> {
+    let mut files = entries(bytes).ok_or(DAMAGED_ARCHIVE)?;
+    files.retain(|file| {
+        !file.name.ends_with('/') && !file.name.starts_with("__MACOSX/") && !file.name.ends_with(".DS_Store")
+    });
+    Ok(files)
+}
+
+/// Returns the bytes of a file of the archive.
+fn inside<'a>(bytes: &'a [u8], file: &ArchiveEntry) -> Result<Cow<'a, [u8]>, RecordingError> {
+    if file.is_encrypted {
+        return Err(RecordingError::Binary("an encrypted ZIP archive"));
+    }
+    let packed = data(bytes, file.header).and_then(|data| data.get(..file.packed)).ok_or(DAMAGED_ARCHIVE)?;
+    match file.method {
+        STORED_METHOD => Ok(Cow::Borrowed(packed)),
+        DEFLATED_METHOD => {
+            whole(DeflateDecoder::new(packed), packed.len()).map(Cow::Owned).ok_or(DAMAGED_ARCHIVE)
+        }
+        _ => Err(DAMAGED_ARCHIVE),
+    }
+}
+
+/// Returns the entries of the directory; `None` if it is damaged.
+fn entries(bytes: &[u8]) -> Option<Vec<ArchiveEntry>> {
+    let from = bytes.len().saturating_sub(DIRECTORY_END_BYTES + MAX_COMMENT_BYTES);
     let end = bytes[from..].windows(4).rposition(|window| window == DIRECTORY_END)? + from;
     let count = number(bytes, end + 10, 2)?;
     let mut at = number(bytes, end + 16, 4)?;
@@ -112,7 +148,7 @@ fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
         }
         let name = number(bytes, at + 28, 2)?;
         let beside = number(bytes, at + 30, 2)? + number(bytes, at + 32, 2)?;
-        entries.push(Entry {
+        entries.push(ArchiveEntry {
             name: String::from_utf8_lossy(bytes.get(at + 46..at + 46 + name)?).into_owned(),
             is_encrypted: number(bytes, at + 8, 2)? & 1 == 1,
             method: number(bytes, at + 10, 2)?,
@@ -124,7 +160,7 @@ fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
     Some(entries)
 }
 
-/// What follows the local header at `header`.
+/// Returns the bytes after the local header at `header`.
 fn data(bytes: &[u8], header: usize) -> Option<&[u8]> {
     if bytes.get(header..header + 4)? != LOCAL_HEADER {
         return None;
@@ -132,7 +168,7 @@ fn data(bytes: &[u8], header: usize) -> Option<&[u8]> {
     bytes.get(header + 30 + number(bytes, header + 26, 2)? + number(bytes, header + 28, 2)?..)
 }
 
-/// A number of `count` bytes, the least significant first.
+/// Reads a number of `count` bytes, the least significant first.
 fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
     let bytes = bytes.get(at..at.checked_add(count)?)?;
     Some(bytes.iter().rev().fold(0, |number, byte| (number << 8) | usize::from(*byte)))

@@ -1,24 +1,24 @@
-//! Where programs begin and end within a recording.
+//! Beginnings and ends of programs within a recording.
 //!
 //! ```text
 //! status   READY | ACTIVE … FEED_HOLD … ACTIVE … PROGRAM_COMPLETED | ACTIVE …
 //!                 └───────────── a run ─────────────────────────┘ └── the next
 //! ```
 //!
-//! Without a status the program's name marks runs off, without a name a line number that has come
-//! near its largest value and starts again from the first. A loop or subprogram goes back, too, but
-//! not from the end to the beginning. Ranges may leave parts of the recording in no run.
+//! Without a status the program's name separates runs, and without a name a line number that has come near
+//! its largest value and starts again from the first. A loop or subprogram also goes back, but not from the
+//! end to the beginning. Ranges may leave parts of the recording in no run.
 
-use crate::identification::recording::{Channel, Recording, Run, RunMark, Status};
+use crate::identification::recording::{Channel, Recording, RecordingRun, RunMark, Status};
 
-/// Part of the largest line number that counts as the end of a program.
-const END: f64 = 0.9;
+/// Part of the largest line number from which on a program may end.
+const MIN_END_SHARE: f64 = 0.9;
 
-/// Part of the largest line number that counts as its beginning.
-const BEGINNING: f64 = 0.1;
+/// Part of the largest line number up to which a program may begin.
+const MAX_BEGINNING_SHARE: f64 = 0.1;
 
-/// The runs of a recording; at least one.
-pub(super) fn runs(recording: &Recording) -> Vec<Run> {
+/// Returns the runs of a recording; at least one.
+pub(super) fn runs(recording: &Recording) -> Vec<RecordingRun> {
     let mut runs =
         recording.status.as_ref().map(|status| by_status(status, recording.duration)).unwrap_or_default();
     if runs.is_empty() {
@@ -33,7 +33,7 @@ pub(super) fn runs(recording: &Recording) -> Vec<Run> {
         }
     }
     if runs.is_empty() {
-        runs.push(Run {
+        runs.push(RecordingRun {
             time: 0.0..recording.duration,
             program: None,
             found_by: RunMark::Whole,
@@ -46,12 +46,13 @@ pub(super) fn runs(recording: &Recording) -> Vec<Run> {
         for run in runs.iter_mut().filter(|run| !run.has_start) {
             let first = line.time.partition_point(|stamp| *stamp < run.time.start);
             run.has_start =
-                line.values.get(first).is_some_and(|line| f64::from(*line) <= BEGINNING * largest);
+                line.values.get(first).is_some_and(|line| f64::from(*line) <= MAX_BEGINNING_SHARE * largest);
         }
     }
     if let Some(program) = &recording.program {
         for run in &mut runs {
-            // The name often follows the start by a fraction of a second, so the end knows it best.
+            // The name often follows the start by a fraction of a second, so that the name at the end is the
+            // right one.
             let last = program.time.partition_point(|stamp| *stamp < run.time.end);
             run.program = last.checked_sub(1).and_then(|last| program.values.get(last)).cloned();
         }
@@ -59,21 +60,21 @@ pub(super) fn runs(recording: &Recording) -> Vec<Run> {
     runs
 }
 
-fn by_status(status: &Channel<Status>, duration: f64) -> Vec<Run> {
+fn by_status(status: &Channel<Status>, duration: f64) -> Vec<RecordingRun> {
     let mut runs = Vec::new();
     let mut open: Option<(f64, bool)> = None;
     let mut running_before = None;
     for (stamp, status) in status.time.iter().zip(&status.values) {
         match status {
             Status::Active | Status::Held | Status::Stopped if open.is_none() => {
-                // A file that begins in the middle of a run says ACTIVE first, too: only what was idle
-                // or at an end before is known to start here.
+                // A file that begins in the middle of a run also begins with ACTIVE: a start is known only
+                // after an idle or completed state.
                 open = Some((*stamp, running_before == Some(false)));
             }
             Status::Ended | Status::Idle => {
                 if let Some((from, has_start)) = open.take() {
                     let time = from..*stamp;
-                    runs.push(Run {
+                    runs.push(RecordingRun {
                         time,
                         program: None,
                         found_by: RunMark::Status,
@@ -88,13 +89,13 @@ fn by_status(status: &Channel<Status>, duration: f64) -> Vec<Run> {
     }
     if let Some((from, has_start)) = open {
         let time = from..duration;
-        runs.push(Run { time, program: None, found_by: RunMark::Status, has_start, has_end: false });
+        runs.push(RecordingRun { time, program: None, found_by: RunMark::Status, has_start, has_end: false });
     }
     runs.retain(|run| run.time.start < run.time.end);
     runs
 }
 
-fn by_program(program: &Channel<String>, duration: f64) -> Vec<Run> {
+fn by_program(program: &Channel<String>, duration: f64) -> Vec<RecordingRun> {
     let mut starts: Vec<(f64, &String)> = Vec::new();
     for (stamp, name) in program.time.iter().zip(&program.values) {
         if starts.last().is_none_or(|(_, last)| *last != name) {
@@ -102,9 +103,9 @@ fn by_program(program: &Channel<String>, duration: f64) -> Vec<Run> {
         }
     }
     let ends = starts.iter().skip(1).map(|(stamp, _)| *stamp).chain([duration]);
-    let mut runs: Vec<Run> = Vec::with_capacity(starts.len());
+    let mut runs: Vec<RecordingRun> = Vec::with_capacity(starts.len());
     for (nth, ((from, name), to)) in starts.iter().zip(ends).enumerate() {
-        runs.push(Run {
+        runs.push(RecordingRun {
             time: *from..to,
             program: Some((*name).clone()),
             found_by: RunMark::Program,
@@ -113,14 +114,14 @@ fn by_program(program: &Channel<String>, duration: f64) -> Vec<Run> {
         });
     }
     if let Some(first) = runs.first_mut() {
-        // Before its first mention the same program ran, as far as anybody knows.
+        // The same program is assumed to run before its first mention.
         first.time.start = 0.0;
     }
     runs.retain(|run| run.time.start < run.time.end);
     runs
 }
 
-fn by_line(line: &Channel<u32>, duration: f64) -> Vec<Run> {
+fn by_line(line: &Channel<u32>, duration: f64) -> Vec<RecordingRun> {
     let largest = f64::from(line.values.iter().copied().max().unwrap_or(0));
     let mut runs = Vec::new();
     let mut from = 0.0;
@@ -128,10 +129,10 @@ fn by_line(line: &Channel<u32>, duration: f64) -> Vec<Run> {
     let mut reached_end = false;
     for (stamp, line) in line.time.iter().zip(&line.values) {
         let line = f64::from(*line);
-        if END * largest <= line {
+        if MIN_END_SHARE * largest <= line {
             reached_end = true;
-        } else if reached_end && 0.0 < line && line <= BEGINNING * largest {
-            runs.push(Run {
+        } else if reached_end && 0.0 < line && line <= MAX_BEGINNING_SHARE * largest {
+            runs.push(RecordingRun {
                 time: from..*stamp,
                 program: None,
                 found_by: RunMark::Line,
@@ -141,7 +142,7 @@ fn by_line(line: &Channel<u32>, duration: f64) -> Vec<Run> {
             (from, has_start, reached_end) = (*stamp, true, false);
         }
     }
-    runs.push(Run {
+    runs.push(RecordingRun {
         time: from..duration,
         program: None,
         found_by: RunMark::Line,

@@ -1,19 +1,20 @@
-//! Bytes → whether they are a machine log rather than a G-code program, by the first of them.
+//! Bytes → machine log or G-code program, by the first of them.
 //!
 //! A log is XML, JSON, events with stamps or rows of numbers; a line of a program begins with a letter, a
-//! number and a letter, or a remark, and has no second number in a row without a letter before it. What cannot
-//! be told, an empty file or a binary one, counts as a program, whose reader says what is wrong.
+//! number and a letter, or a remark, and has no second number in a row without a letter before it. Anything
+//! else, such as an empty or a binary file, counts as a program, whose reader reports the fault.
 
-use crate::identification::recording::text::{Cell, decode, number};
-use crate::identification::recording::{beckhoff, events, packed};
+use crate::identification::recording::formats::{beckhoff, events};
+use crate::identification::recording::packed;
+use crate::identification::recording::text::{CellContent, decode, number};
 
-/// So many bytes are enough to tell.
+/// Number of bytes that determine the kind of a file.
 pub const SNIFFED_BYTES: usize = 1 << 16;
 
-/// So many lines are looked at.
+/// Number of lines that are inspected.
 const SNIFFED_LINES: usize = 200;
 
-/// Whether `bytes`, a file or its beginning, are a machine log.
+/// Returns `true` if `bytes`, a file or its beginning, are a machine log.
 pub fn is_recording(bytes: &[u8]) -> bool {
     if packed::is_packed_log(bytes) {
         return true;
@@ -29,11 +30,12 @@ pub fn is_recording(bytes: &[u8]) -> bool {
         all += 1;
         rows += usize::from(is_row(line));
     }
-    // Names and units stand above even the shortest table.
+    // Even the shortest table has names and units above it.
     0 < rows && all <= 2 * rows + 2
 }
 
-/// Whether a line is a row of at least two numbers, most of its fields. Brackets are those of a cycle's call.
+/// Returns `true` for a row of at least two numbers, most of its fields. Brackets belong to the call of a
+/// cycle.
 fn is_row(line: &str) -> bool {
     if line.contains('(') {
         return false;
@@ -43,8 +45,8 @@ fn is_row(line: &str) -> bool {
         let (mut numbers, mut others) = (0, 0);
         for cell in cells {
             match number(cell, *separator != ",") {
-                Cell::Number(_) | Cell::Missing => numbers += 1,
-                Cell::Other => others += 1,
+                CellContent::Number(_) | CellContent::Missing => numbers += 1,
+                CellContent::Other => others += 1,
             }
         }
         2 <= numbers && others <= numbers

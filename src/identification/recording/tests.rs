@@ -1,18 +1,18 @@
 use crate::identification::recording::clock::iso;
-use crate::identification::recording::field::{Field, Label, Side, is_scope};
-use crate::identification::recording::text::{Cell, decode, number};
-use crate::identification::recording::unit::{self, Unit};
+use crate::identification::recording::field::{ChannelField, ChannelLabel, LoopSide, is_scope};
+use crate::identification::recording::text::{CellContent, decode, number};
+use crate::identification::recording::unit::{self, LogUnit};
 
 #[test]
 fn names_of_columns_are_understood() {
-    let (cmd, act, any) = (Side::Commanded, Side::Actual, Side::Unstated);
-    let position = |side, axis| Some(Field::Position(side, axis));
+    let (cmd, act, any) = (LoopSide::Commanded, LoopSide::Actual, LoopSide::Unstated);
+    let position = |side, axis| Some(ChannelField::Position(side, axis));
     let known = [
-        ("t", Some(Field::Time), None),
-        ("t_s", Some(Field::Time), Some(unit::SECOND)),
-        ("Time (ms)", Some(Field::Time), Some(unit::MILLISECOND)),
-        ("timestamp", Some(Field::Time), None),
-        ("Zeit [µs]", Some(Field::Time), Some(unit::MICROSECOND)),
+        ("t", Some(ChannelField::Time), None),
+        ("t_s", Some(ChannelField::Time), Some(unit::SECOND)),
+        ("Time (ms)", Some(ChannelField::Time), Some(unit::MILLISECOND)),
+        ("timestamp", Some(ChannelField::Time), None),
+        ("Zeit [µs]", Some(ChannelField::Time), Some(unit::MICROSECOND)),
         ("x", position(any, 0), None),
         ("y_mm", position(any, 1), Some(unit::MM)),
         ("Position Z [inch]", position(any, 2), Some(unit::INCH)),
@@ -25,29 +25,29 @@ fn names_of_columns_are_understood() {
         ("ENC_POS|3", position(act, 2), None),
         ("Yabs", position(act, 1), None),
         ("X1actw", position(act, 0), None),
-        ("p1LPathPos", Some(Field::Point(act)), None),
-        ("feed_mm_min", Some(Field::Feed(any)), Some(unit::MM_PER_MIN)),
-        ("feed_mm_per_s", Some(Field::Feed(any)), Some(unit::MM_PER_S)),
-        ("Actual feedrate [inch/min]", Some(Field::Feed(act)), Some(unit::INCH_PER_MIN)),
-        ("Feed_Rate", Some(Field::Feed(any)), None),
-        ("actFeedRateIpo", Some(Field::Feed(act)), None),
-        ("M1_CURRENT_FEEDRATE", Some(Field::Feed(any)), None),
-        ("p1Fact", Some(Field::Feed(act)), None),
-        ("Feed_Override", Some(Field::FeedOverride), None),
-        ("Fovr", Some(Field::FeedOverride), None),
-        ("Rapid_Override", Some(Field::RapidOverride), None),
-        ("line", Some(Field::Line), None),
-        ("Block_Number", Some(Field::Line), None),
-        ("M1_sequence_number", Some(Field::Line), None),
-        ("p1block", Some(Field::Block), None),
-        ("Program_Status", Some(Field::Status), None),
-        ("pexecution", Some(Field::Status), None),
-        ("Program_Name_Running", Some(Field::Program), None),
-        ("Current_Tool", Some(Field::Tool), None),
-        ("Spindle_Speed", Some(Field::SpindleSpeed), None),
+        ("p1LPathPos", Some(ChannelField::Point(act)), None),
+        ("feed_mm_min", Some(ChannelField::Feed(any)), Some(unit::MM_PER_MIN)),
+        ("feed_mm_per_s", Some(ChannelField::Feed(any)), Some(unit::MM_PER_S)),
+        ("Actual feedrate [inch/min]", Some(ChannelField::Feed(act)), Some(unit::INCH_PER_MIN)),
+        ("Feed_Rate", Some(ChannelField::Feed(any)), None),
+        ("actFeedRateIpo", Some(ChannelField::Feed(act)), None),
+        ("M1_CURRENT_FEEDRATE", Some(ChannelField::Feed(any)), None),
+        ("p1Fact", Some(ChannelField::Feed(act)), None),
+        ("Feed_Override", Some(ChannelField::FeedOverride), None),
+        ("Fovr", Some(ChannelField::FeedOverride), None),
+        ("Rapid_Override", Some(ChannelField::RapidOverride), None),
+        ("line", Some(ChannelField::Line), None),
+        ("Block_Number", Some(ChannelField::Line), None),
+        ("M1_sequence_number", Some(ChannelField::Line), None),
+        ("p1block", Some(ChannelField::Block), None),
+        ("Program_Status", Some(ChannelField::Status), None),
+        ("pexecution", Some(ChannelField::Status), None),
+        ("Program_Name_Running", Some(ChannelField::Program), None),
+        ("Current_Tool", Some(ChannelField::Tool), None),
+        ("Spindle_Speed", Some(ChannelField::SpindleSpeed), None),
     ];
     for (name, field, unit) in known {
-        let label = Label::read(name, None);
+        let label = ChannelLabel::read(name, None);
         assert_eq!((label.field, label.unit), (field, unit), "{name}");
     }
     let not_read = [
@@ -74,7 +74,7 @@ fn names_of_columns_are_understood() {
         "tool offset",
     ];
     for name in not_read {
-        assert_eq!(Label::read(name, None).field, None, "{name}");
+        assert_eq!(ChannelLabel::read(name, None).field, None, "{name}");
     }
     assert!(is_scope(&["x_s_actual", "y_v_nominal", "s-diff"]));
     assert!(!is_scope(&["x_mm", "y_mm"]));
@@ -117,15 +117,15 @@ fn stamps_of_any_precision_and_zone_are_exact() {
 fn numbers_come_with_point_or_comma() {
     for (text, expected) in [("1.5", 1.5), (" -2e3 ", -2000.0), ("0,25", 0.25), ("\"7\"", 7.0), ("+.5", 0.5)]
     {
-        assert_eq!(number(text, true), Cell::Number(expected), "{text}");
+        assert_eq!(number(text, true), CellContent::Number(expected), "{text}");
     }
     for text in ["", "NaN", "inf", "UNAVAILABLE", "-", "1e999"] {
-        assert_eq!(number(text, true), Cell::Missing, "{text}");
+        assert_eq!(number(text, true), CellContent::Missing, "{text}");
     }
     for text in ["1,234.5", "1,2,3", "12:30", "x", "0x10", "1.2.3"] {
-        assert_eq!(number(text, true), Cell::Other, "{text}");
+        assert_eq!(number(text, true), CellContent::Other, "{text}");
     }
-    assert_eq!(number("0,25", false), Cell::Other);
+    assert_eq!(number("0,25", false), CellContent::Other);
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn units_are_read_as_people_write_them() {
         ("1/min", unit::RPM),
         ("%", unit::PERCENT),
     ] {
-        assert_eq!(Unit::parse(text), Some(expected), "{text}");
+        assert_eq!(LogUnit::parse(text), Some(expected), "{text}");
     }
-    assert_eq!(Unit::parse("furlong"), None);
+    assert_eq!(LogUnit::parse("furlong"), None);
 }

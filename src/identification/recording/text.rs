@@ -8,7 +8,7 @@ use crate::identification::recording::RecordingError;
 use crate::simulation::gcode::characters;
 
 /// First bytes of files that people drop by mistake or still have to unpack.
-const MAGIC: &[(&[u8], &str)] = &[
+const FOREIGN_BEGINNINGS: &[(&[u8], &str)] = &[
     (b"\x78\x9c", "zlib-compressed (Klipper's motan logs are); it is not read"),
     (b"\x78\xda", "zlib-compressed (Klipper's motan logs are); it is not read"),
     (b"\x78\x01", "zlib-compressed (Klipper's motan logs are); it is not read"),
@@ -20,9 +20,9 @@ const MAGIC: &[(&[u8], &str)] = &[
     (b"\x89HDF", "an HDF5 file"),
 ];
 
-/// The text of a log.
+/// Returns the text of a log.
 pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
-    if let Some((_, kind)) = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+    if let Some((_, kind)) = FOREIGN_BEGINNINGS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Err(RecordingError::Binary(kind));
     }
     let text = match bytes {
@@ -34,7 +34,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<String, RecordingError> {
     if text.trim().is_empty() {
         return Err(RecordingError::Empty);
     }
-    // Line ends of old recorders; everything after this knows `\n` and `\r\n`.
+    // Line ends of old recorders; all further readers expect `
+    // ` and `\r
+    // `.
     let text = if text.contains('\n') { text } else { text.replace('\r', "\n") };
     let control =
         text.chars().filter(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t' | '\u{c}')).count();
@@ -50,43 +52,44 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
     char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
-/// What a cell holds where a number is expected.
+/// The content of a cell where a number is expected.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Cell {
+pub(super) enum CellContent {
     /// A finite number.
     Number(f64),
-    /// Nothing known: empty, NaN, infinite or nearly so, UNAVAILABLE.
+    /// Missing: empty, NaN, infinite or nearly so, UNAVAILABLE.
     Missing,
     /// Something else.
     Other,
 }
 
-/// Larger than anything that a machine records, in any unit, and small enough for every conversion.
-const LARGEST: f64 = 1e30;
+/// Largest plausible number: larger than anything that a machine records, in any unit, and small enough for
+/// every conversion.
+const MAX_NUMBER: f64 = 1e30;
 
-/// Whether `value` may be one of a machine.
+/// Returns `true` if a machine may record `value`.
 pub(super) fn is_plausible(value: f64) -> bool {
-    value.abs() <= LARGEST
+    value.abs() <= MAX_NUMBER
 }
 
-/// Words for a value that is not known.
-const MISSING: &[&str] =
+/// Words for an unknown value.
+const MISSING_WORDS: &[&str] =
     &["nan", "-nan", "inf", "+inf", "-inf", "infinity", "unavailable", "null", "none", "n/a", "na", "-", "?"];
 
-/// Whether `text` says that the value is not known.
+/// Returns `true` if `text` means that the value is unknown.
 pub(super) fn is_missing(text: &str) -> bool {
-    text.is_empty() || MISSING.iter().any(|word| text.eq_ignore_ascii_case(word))
+    text.is_empty() || MISSING_WORDS.iter().any(|word| text.eq_ignore_ascii_case(word))
 }
 
-/// What `text` holds. `comma` allows a decimal comma.
-pub(super) fn number(text: &str, comma: bool) -> Cell {
+/// Returns the content of `text`. `comma` allows a decimal comma.
+pub(super) fn number(text: &str, comma: bool) -> CellContent {
     let text = text.trim().trim_matches('"').trim();
     if is_missing(text) {
-        return Cell::Missing;
+        return CellContent::Missing;
     }
     // `parse` also takes words such as `infinity`, which are no decimals of a file.
     if !text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.' | b',' | b'e' | b'E')) {
-        return Cell::Other;
+        return CellContent::Other;
     }
     let parsed = if comma && text.contains(',') && !text.contains('.') {
         text.replacen(',', ".", 1).parse::<f64>()
@@ -94,8 +97,8 @@ pub(super) fn number(text: &str, comma: bool) -> Cell {
         text.parse::<f64>()
     };
     match parsed {
-        Ok(value) if is_plausible(value) => Cell::Number(value),
-        Ok(_) => Cell::Missing,
-        Err(_) => Cell::Other,
+        Ok(value) if is_plausible(value) => CellContent::Number(value),
+        Ok(_) => CellContent::Missing,
+        Err(_) => CellContent::Other,
     }
 }

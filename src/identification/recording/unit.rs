@@ -1,18 +1,18 @@
 //! Units a log can be written in, found in names (`feed_mm_min`), in brackets (`Time [ms]`) or in
-//! a row of their own, and what they are in core units:
+//! a separate row, and their conversion to core units:
 //!
 //! ```text
 //! value in core units = factor · value in the file      (s, mm, mm/s, rad, rad/s, ratio)
 //! ```
 //!
-//! Where no unit is stated a value stays as it is in the file and carries the units it may have;
-//! `closure` tells which of them it is. Left out: temperatures, loads, accelerations.
+//! Without a stated unit a value remains as in the file and carries its possible units; the unit check
+//! selects one. Left out: temperatures, loads, accelerations.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::units::{MM_PER_INCH, SECONDS_PER_MINUTE};
 
-/// What a unit measures.
+/// The dimension of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// Time; core unit s.
@@ -29,75 +29,75 @@ pub enum Dimension {
     Ratio,
 }
 
-/// A unit values are written in.
+/// A unit of values in a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unit {
-    /// As people write it.
+pub struct LogUnit {
+    /// Symbol.
     pub symbol: &'static str,
-    /// What it measures.
+    /// Dimension.
     pub dimension: Dimension,
     /// Core units in one of it.
     pub factor: f64,
 }
 
-const fn unit(symbol: &'static str, dimension: Dimension, factor: f64) -> Unit {
-    Unit { symbol, dimension, factor }
+const fn unit(symbol: &'static str, dimension: Dimension, factor: f64) -> LogUnit {
+    LogUnit { symbol, dimension, factor }
 }
 
 /// Millimetre.
-pub const MM: Unit = unit("mm", Dimension::Length, 1.0);
+pub const MM: LogUnit = unit("mm", Dimension::Length, 1.0);
 /// Inch.
-pub const INCH: Unit = unit("inch", Dimension::Length, MM_PER_INCH);
+pub const INCH: LogUnit = unit("inch", Dimension::Length, MM_PER_INCH);
 /// Micrometre.
-pub const MICROMETRE: Unit = unit("µm", Dimension::Length, 1e-3);
+pub const MICROMETRE: LogUnit = unit("µm", Dimension::Length, 1e-3);
 /// Metre.
-pub const METRE: Unit = unit("m", Dimension::Length, 1e3);
+pub const METRE: LogUnit = unit("m", Dimension::Length, 1e3);
 /// Second.
-pub const SECOND: Unit = unit("s", Dimension::Time, 1.0);
+pub const SECOND: LogUnit = unit("s", Dimension::Time, 1.0);
 /// Millisecond.
-pub const MILLISECOND: Unit = unit("ms", Dimension::Time, 1e-3);
+pub const MILLISECOND: LogUnit = unit("ms", Dimension::Time, 1e-3);
 /// Microsecond.
-pub const MICROSECOND: Unit = unit("µs", Dimension::Time, 1e-6);
+pub const MICROSECOND: LogUnit = unit("µs", Dimension::Time, 1e-6);
 /// Nanosecond.
-pub const NANOSECOND: Unit = unit("ns", Dimension::Time, 1e-9);
+pub const NANOSECOND: LogUnit = unit("ns", Dimension::Time, 1e-9);
 /// Minute.
-pub const MINUTE: Unit = unit("min", Dimension::Time, SECONDS_PER_MINUTE);
+pub const MINUTE: LogUnit = unit("min", Dimension::Time, SECONDS_PER_MINUTE);
 /// Millimetre per second.
-pub const MM_PER_S: Unit = unit("mm/s", Dimension::Feed, 1.0);
+pub const MM_PER_S: LogUnit = unit("mm/s", Dimension::Feed, 1.0);
 /// Millimetre per minute.
-pub const MM_PER_MIN: Unit = unit("mm/min", Dimension::Feed, 1.0 / SECONDS_PER_MINUTE);
+pub const MM_PER_MIN: LogUnit = unit("mm/min", Dimension::Feed, 1.0 / SECONDS_PER_MINUTE);
 /// Metre per minute.
-pub const M_PER_MIN: Unit = unit("m/min", Dimension::Feed, 1e3 / SECONDS_PER_MINUTE);
+pub const M_PER_MIN: LogUnit = unit("m/min", Dimension::Feed, 1e3 / SECONDS_PER_MINUTE);
 /// Metre per second.
-pub const M_PER_S: Unit = unit("m/s", Dimension::Feed, 1e3);
+pub const M_PER_S: LogUnit = unit("m/s", Dimension::Feed, 1e3);
 /// Inch per minute.
-pub const INCH_PER_MIN: Unit = unit("inch/min", Dimension::Feed, MM_PER_INCH / SECONDS_PER_MINUTE);
+pub const INCH_PER_MIN: LogUnit = unit("inch/min", Dimension::Feed, MM_PER_INCH / SECONDS_PER_MINUTE);
 /// Inch per second.
-pub const INCH_PER_S: Unit = unit("inch/s", Dimension::Feed, MM_PER_INCH);
+pub const INCH_PER_S: LogUnit = unit("inch/s", Dimension::Feed, MM_PER_INCH);
 /// Per cent.
-pub const PERCENT: Unit = unit("%", Dimension::Ratio, 1e-2);
+pub const PERCENT: LogUnit = unit("%", Dimension::Ratio, 1e-2);
 /// A pure ratio.
-pub const RATIO: Unit = unit("1", Dimension::Ratio, 1.0);
+pub const RATIO: LogUnit = unit("1", Dimension::Ratio, 1.0);
 /// Revolutions per minute.
-pub const RPM: Unit = unit("rev/min", Dimension::Rotation, TAU / SECONDS_PER_MINUTE);
+pub const RPM: LogUnit = unit("rev/min", Dimension::Rotation, TAU / SECONDS_PER_MINUTE);
 /// Revolutions per second.
-pub const REV_PER_S: Unit = unit("rev/s", Dimension::Rotation, TAU);
+pub const REV_PER_S: LogUnit = unit("rev/s", Dimension::Rotation, TAU);
 /// Degrees per second.
-pub const DEGREE_PER_S: Unit = unit("°/s", Dimension::Rotation, PI / 180.0);
+pub const DEGREE_PER_S: LogUnit = unit("°/s", Dimension::Rotation, PI / 180.0);
 /// Degree.
-pub const DEGREE: Unit = unit("°", Dimension::Angle, PI / 180.0);
+pub const DEGREE: LogUnit = unit("°", Dimension::Angle, PI / 180.0);
 /// Radian.
-pub const RADIAN: Unit = unit("rad", Dimension::Angle, 1.0);
+pub const RADIAN: LogUnit = unit("rad", Dimension::Angle, 1.0);
 
-/// What a length without a unit may be in, most usual first.
-pub const LENGTHS: &[Unit] = &[MM, INCH, MICROMETRE, METRE];
-/// What a feed without a unit may be in, most usual first.
-pub const FEEDS: &[Unit] = &[MM_PER_MIN, MM_PER_S, INCH_PER_MIN, M_PER_MIN, INCH_PER_S, M_PER_S];
-/// What a spindle speed without a unit may be in: nobody writes anything else.
-pub const ROTATIONS: &[Unit] = &[RPM];
+/// Units of a length without one, most usual first.
+pub const LENGTHS: &[LogUnit] = &[MM, INCH, MICROMETRE, METRE];
+/// Units of a feed without one, most usual first.
+pub const FEEDS: &[LogUnit] = &[MM_PER_MIN, MM_PER_S, INCH_PER_MIN, M_PER_MIN, INCH_PER_S, M_PER_S];
+/// Units of a spindle speed without one: logs use no other.
+pub const ROTATIONS: &[LogUnit] = &[RPM];
 
 /// Spellings, in lower case and without blanks, of every unit.
-const SPELLINGS: &[(&str, Unit)] = &[
+const SPELLINGS: &[(&str, LogUnit)] = &[
     ("s", SECOND),
     ("sec", SECOND),
     ("second", SECOND),
@@ -154,9 +154,10 @@ const SPELLINGS: &[(&str, Unit)] = &[
     ("rad", RADIAN),
 ];
 
-impl Unit {
-    /// The unit written as `text`, such as `mm/min`, `mm_per_min`, `[ms]` or `mm (Length)`.
-    pub fn parse(text: &str) -> Option<Unit> {
+impl LogUnit {
+    /// Returns the unit written as `text`, such as `mm/min`, `mm_per_min`, `[ms]` or `mm (Length)`; `None` if
+    /// it is none.
+    pub fn parse(text: &str) -> Option<LogUnit> {
         let text = text.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
         let text = text.split([' ', '(']).next().unwrap_or("").to_lowercase();
         let text = text.replace("_per_", "/").replace('_', "/").replace("·", "");

@@ -10,11 +10,11 @@ use crate::identification::step::response::Response;
 const SEARCH: Search =
     Search { huber: f64::INFINITY, ftol: 1e-12, atol: 0.0, damping: 1e-3, max_damping: 1e12, max_steps: 300 };
 
-/// Where the search ended.
+/// The end of the search.
 pub struct Minimum {
     pub parameters: DVector<f64>,
     pub residuals: Vec<f64>,
-    /// (JᵀJ)⁻¹; none where the recording says nothing of some parameter.
+    /// (JᵀJ)⁻¹; `None` if the recording does not determine some parameter.
     pub cofactors: Option<DMatrix<f64>>,
     pub converged: bool,
 }
@@ -47,7 +47,7 @@ impl Problem for Misfit<'_> {
         vec![self.response.jacobian(parameters)]
     }
 
-    fn behind(&self, parameters: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+    fn after_step(&self, parameters: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
         self.response.bounded(parameters + step)
     }
 

@@ -1,4 +1,4 @@
-//! What a recording of one move should show, as a function of a few parameters.
+//! The response of filters: a recording of one move as a function of a few parameters.
 //!
 //! ```text
 //!       F  ........._________
@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::identification::step::{Estimate, Filters};
 use crate::simulation::filter::FilterChain;
 
-/// What is recorded.
+/// The recorded quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Position along the move, mm.
@@ -41,7 +41,7 @@ pub struct Response<'a> {
 
 /// The parameters by name.
 pub struct Shape {
-    /// mm/s.
+    /// Feedrate, mm/s.
     pub feedrate: f64,
     /// Middle of the rising ramp, s.
     pub rise: f64,
@@ -52,13 +52,13 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Whether the feedrate rises or falls at a time, s.
+    /// Returns `true` if the feedrate rises or falls at a time, s.
     pub fn on_ramp(&self, time: f64) -> bool {
         [self.rise, self.fall].iter().any(|middle| (time - middle).abs() < self.chain.half_delay())
     }
 }
 
-/// What parameters mean to people.
+/// The meaning of parameters, for people.
 pub struct Derived {
     pub time_constants: Vec<Estimate>,
     pub start: Estimate,
@@ -67,8 +67,8 @@ pub struct Derived {
 }
 
 /// Step of the central differences, as a part of the parameter.
-const STEP: f64 = 1e-5;
-/// Most of q: T2 is at least a 4000th of T1.
+const DIFFERENCE_STEP: f64 = 1e-5;
+/// Largest q: T2 is at least a 4000th of T1.
 const MOST_UNEQUAL: f64 = 0.999;
 
 /// Place of the parameters in their vector; F, rise and fall come first.
@@ -78,7 +78,7 @@ impl Response<'_> {
     /// F, rise, fall, two for the filters, and p0.
     pub const MOST_PARAMETERS: usize = 6;
 
-    /// How many parameters the filters have.
+    /// Returns the number of parameters of the filters.
     fn filter_parameters(&self) -> usize {
         match self.filters {
             Filters::Equal(_) => 1,
@@ -86,17 +86,17 @@ impl Response<'_> {
         }
     }
 
-    /// How many parameters there are.
+    /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
         FILTER + self.filter_parameters() + usize::from(self.quantity == Quantity::Position)
     }
 
-    /// How many parameters only samples on the ramps can tell: rise, fall and the filters.
+    /// Returns the number of parameters that only samples on the ramps determine: rise, fall and the filters.
     pub fn parameters_on_ramps(&self) -> usize {
         2 + self.filter_parameters()
     }
 
-    /// The filters of some parameters; none where there are no such filters.
+    /// Returns the filters of some parameters; `None` if there are no such filters.
     fn chain(&self, parameters: &DVector<f64>) -> Option<FilterChain> {
         let size = parameters[FILTER];
         let extent = self.times[self.times.len() - 1] - self.times[0];
@@ -116,7 +116,7 @@ impl Response<'_> {
         (shortest_pulse < pulse).then_some(chain)
     }
 
-    /// The parameters by name; they must be those of a minimum or of a guess.
+    /// Returns the parameters by name; they must be those of a minimum or of a guess.
     pub fn shape(&self, parameters: &DVector<f64>) -> Shape {
         Shape {
             feedrate: parameters[0],
@@ -133,7 +133,7 @@ impl Response<'_> {
         }
     }
 
-    /// The response at each time; none where there are no such filters.
+    /// Returns the response at each time; `None` if there are no such filters.
     pub fn values(&self, parameters: &DVector<f64>) -> Option<DVector<f64>> {
         let chain = self.chain(parameters)?;
         let (feedrate, rise, fall) = (parameters[0], parameters[1], parameters[2]);
@@ -141,7 +141,7 @@ impl Response<'_> {
         Some(self.at_times(|time| origin + feedrate * self.unit(&chain, time - rise, time - fall)))
     }
 
-    /// The response for F = 1 mm/s and p0 = 0, by the times since the middles of the ramps.
+    /// Returns the response for F = 1 mm/s and p0 = 0, by the times since the middles of the ramps.
     fn unit(&self, chain: &FilterChain, since_rise: f64, since_fall: f64) -> f64 {
         let half = chain.half_delay();
         match self.quantity {
@@ -156,7 +156,7 @@ impl Response<'_> {
         DVector::from_iterator(self.times.len(), self.times.iter().map(|&time| value(time)))
     }
 
-    /// The derivatives of the response by each parameter, a column each.
+    /// Returns the derivatives of the response by each parameter, a column each.
     pub fn jacobian(&self, parameters: &DVector<f64>) -> DMatrix<f64> {
         let Shape { feedrate, rise, fall, chain, .. } = self.shape(parameters);
         let slope = |age: f64| match self.quantity {
@@ -169,7 +169,7 @@ impl Response<'_> {
         jacobian.set_column(2, &self.at_times(|time| feedrate * slope(time - fall)));
         for column in FILTER..FILTER + self.filter_parameters() {
             // q is a part already, and may be 0 or at its bound.
-            let step = if column == FILTER { STEP * parameters[FILTER] } else { STEP };
+            let step = if column == FILTER { DIFFERENCE_STEP * parameters[FILTER] } else { DIFFERENCE_STEP };
             let moved = |by: f64| {
                 let mut moved = parameters.clone();
                 moved[column] += by;
@@ -188,7 +188,7 @@ impl Response<'_> {
         jacobian
     }
 
-    /// Brings parameters that left the bounds of q back to them.
+    /// Moves parameters that left the bounds of q back to them.
     pub fn bounded(&self, mut parameters: DVector<f64>) -> DVector<f64> {
         if self.filters == Filters::UnequalPair {
             parameters[FILTER + 1] = parameters[FILTER + 1].clamp(0.0, MOST_UNEQUAL);
@@ -196,7 +196,7 @@ impl Response<'_> {
         parameters
     }
 
-    /// Returns `true` if a parameter lies on a bound that `direction` points across.
+    /// Returns `true` if a parameter lies on a bound that `direction` crosses.
     pub fn is_at_bound(&self, parameters: &DVector<f64>, parameter: usize, direction: f64) -> bool {
         let value = parameters[parameter];
         self.filters == Filters::UnequalPair
@@ -204,8 +204,8 @@ impl Response<'_> {
             && ((value <= 0.0 && direction < 0.0) || (MOST_UNEQUAL <= value && 0.0 < direction))
     }
 
-    /// The best of a grid of parameters for a move whose middle (s) and time from 10 % to 90 % of
-    /// the way (s) are known roughly; none where the squares of the values are no numbers.
+    /// Returns the best of a grid of parameters for a move whose middle (s) and time from 10 % to 90 % of the
+    /// length (s) are known roughly; `None` if the squares of the values are no numbers.
     pub fn guess(&self, values: &[f64], middle: f64, width: f64) -> Option<DVector<f64>> {
         let values = DVector::from_column_slice(values);
         let mut best = (f64::INFINITY, None);
@@ -236,7 +236,7 @@ impl Response<'_> {
         best.1
     }
 
-    /// The factor and the origin with which `unit` comes closest to `values`.
+    /// Returns the factor and the origin with which `unit` comes closest to `values`.
     fn straight_line(&self, unit: &DVector<f64>, values: &DVector<f64>) -> (f64, f64) {
         let (middle, level) = match self.quantity {
             Quantity::Feedrate => (0.0, 0.0),
@@ -247,7 +247,8 @@ impl Response<'_> {
         (factor, level - factor * middle)
     }
 
-    /// What the parameters mean; `uncertainty` gives that of a linear combination of them.
+    /// Returns the meaning of the parameters; `uncertainty` returns the uncertainty of a linear combination
+    /// of them.
     pub fn derived(&self, parameters: &DVector<f64>, uncertainty: impl Fn(&[f64]) -> f64) -> Derived {
         let along = |weights: &[(usize, f64)]| {
             let mut gradient = vec![0.0; self.parameters()];
@@ -287,7 +288,7 @@ impl Response<'_> {
     }
 }
 
-/// T1 ≥ T2 of D = T1 + T2 (s) and q; none where q is out of its bounds.
+/// Returns T1 ≥ T2 of D = T1 + T2 (s) and q; `None` if q is out of its bounds.
 fn pair(delay: f64, q: f64) -> Option<[f64; 2]> {
     let root = q.sqrt();
     ((0.0..=MOST_UNEQUAL).contains(&q)).then_some([0.5 * delay * (1.0 + root), 0.5 * delay * (1.0 - root)])

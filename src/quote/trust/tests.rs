@@ -1,13 +1,13 @@
 use super::*;
-use crate::simulation::feed::Rule;
+use crate::simulation::feed::CornerPolicy;
 use crate::simulation::gcode::read;
+use crate::simulation::interpreter::trace;
 use crate::simulation::simulate;
-use crate::simulation::toolpath::trace;
 
 fn timed(text: &str) -> (f64, Trust) {
     let machine = crate::machine::presets()[1].machine.clone();
     let toolpath = trace(&read(text.as_bytes()), &machine);
-    let plan = simulate::by_rule(&toolpath, &machine, Rule::Programmed);
+    let plan = simulate::with_policy(&toolpath, &machine, CornerPolicy::Programmed);
     (plan.cycle_time(), trust(&toolpath, &machine, &plan))
 }
 
@@ -40,6 +40,50 @@ fn an_arc_that_does_not_close_is_bounded_by_those_that_do() {
     }
 }
 
+/// A helix of one turn, with turns that the control may run beside it.
+#[test]
+fn turns_that_may_be_run_have_a_cause_of_their_own() {
+    let helix = |words: &str| format!("G0 X10 Y0 Z1\nG2 X10 Y0 I-10 Z-5{words} F1000\nG0 Z50\n");
+    let (one, sure) = timed(&helix(""));
+    let (three, _) = timed(&helix(" P3"));
+    assert_eq!(sure, Trust::default());
+    for words in [" L3", " K2", " L3 K2", " P3.5"] {
+        let (stated, trust) = timed(&helix(words));
+        assert_eq!(causes(&trust), [Cause::UnclearTurns], "{words}");
+        assert_eq!((trust.doubts[0].count, trust.is_bounded()), (1, true), "{words}: {trust:?}");
+        for meant in [one, three] {
+            let (error, doubt) = ((stated - meant).abs(), trust.seconds_in_doubt());
+            assert!(error <= doubt && doubt < 2.0 * (three - one), "{words}: {error} s off, {trust:?}");
+        }
+    }
+}
+
+/// The time grows with the pecks by as much for each, so that two programs with few of them tell that of many.
+#[test]
+fn pecks_that_are_left_out_are_bounded() {
+    let iso = |peck: f64| format!("G0 X0 Y0 Z5\nG98 G83 X10 Z-48 R2 Q{peck} F500\nX20\nG80\nM30\n");
+    let klartext = |peck: f64| {
+        format!(
+            "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nL X+0 Y+0 Z+5 R0 FMAX\nCYCL DEF 200 Q200=2 Q201=-48 Q206=500 Q202={peck} Q210=0.1 Q203=0 Q204=5 Q211=0\nL X+10 Y+0 R0 FMAX M99\nL X+20 R0 FMAX M99\nEND PGM A MM\n"
+        )
+    };
+    let programs = [("G83", iso as fn(f64) -> String, 50.0), ("cycle 200", klartext, 48.0)];
+    for (name, program, depth) in programs {
+        let pecked = |pecks: f64| timed(&program(depth / pecks));
+        let ((few, none), (more, _)) = (pecked(400.0), pecked(800.0));
+        assert_eq!(none, Trust::default(), "{name}");
+        let true_time = more + (more - few) / 400.0 * (5000.0 - 800.0);
+        let (stated, trust) = pecked(5000.0);
+        assert_eq!((causes(&trust), trust.doubts[0].count), (vec![Cause::UnmadeHoles], 2), "{name}");
+        let (error, doubt) = (true_time - stated, trust.seconds_in_doubt());
+        assert!(error <= doubt && doubt < 1.3 * error, "{name}: {error} s off, {trust:?}");
+    }
+    // Pecks that shrink without a least one have no number.
+    let text = "G0 X0 Y0 Z5 F100\nMCALL CYCLE83(5,0,1,-50,,-5,,-0.5,0,0,1,0)\nX10 Y0\nMCALL\nM30\n";
+    let (_, trust) = timed(text);
+    assert_eq!((causes(&trust), trust.is_bounded()), (vec![Cause::UnmadeHoles], false), "{trust:?}");
+}
+
 #[test]
 fn words_and_blocks_that_cannot_be_read_are_bounded_by_the_moves_around_them() {
     for (from, to, cause) in [
@@ -59,7 +103,7 @@ fn a_feed_that_is_missing_is_bounded_by_those_of_the_program() {
     let trust = broken(" F500", "");
     assert_eq!(causes(&trust), [Cause::MissingFeeds]);
     let (stated, trust) = timed(&SOUND.replace(" F500", "").replace(" F900", ""));
-    // Nobody knows it: more than the time itself is in doubt.
+    // It is unknown: more than the time itself is in doubt.
     assert!(stated < trust.seconds_in_doubt() && trust.is_bounded(), "{trust:?}");
 }
 
@@ -86,4 +130,20 @@ fn every_doubt_counts() {
     let text = "G1 X1 F500\n".to_string() + &"X2 Y\nX1 Y3\nG2 X5 I1\n".repeat(3000);
     let (_, trust) = timed(&text);
     assert!(3000 <= trust.doubts.iter().map(|doubt| doubt.count).max().unwrap_or(0));
+}
+
+/// The length is noticed at the end of the program, and in doubt at its line.
+#[test]
+fn a_length_without_its_point_is_in_doubt_where_it_stands() {
+    let text =
+        "G21 G90\nG0 X0.5 Y0.5\nG1 Y5000 F1000\nY6.5\nX10.5\n".to_string() + &"X0.5\nX10.5\n".repeat(50);
+    let (stated, trust) = timed(&text);
+    let (right, _) = timed(&text.replace("Y5000", "Y5."));
+    assert_eq!(causes(&trust), [Cause::MissingPoints]);
+    assert_eq!(trust.doubts[0].lines, (LineNumber(3), LineNumber(3)));
+    let (error, doubt) = ((stated - right).abs(), trust.seconds_in_doubt());
+    assert!(error <= doubt && doubt < 1.1 * error, "{error} s off, {doubt} s in doubt");
+    // A shift may be off for all that follows.
+    let (_, trust) = timed("G21 G90\nG52 X5000\nG0 X0.5\nG1 X9.5 F1000\n");
+    assert_eq!((causes(&trust), trust.is_bounded()), (vec![Cause::MissingPoints], false));
 }

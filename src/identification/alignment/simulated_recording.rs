@@ -1,0 +1,67 @@
+//! Simulated recordings: when a recorder would see a simulated machine at places along the path.
+//!
+//! Lag and vibration move the tool off the path, and so the projection of its position onto it. A recording
+//! of such a machine is therefore compared with a simulated recording: the actual motion at the recorder's
+//! interval, aligned in the same way.
+
+use crate::identification::alignment::map_matching::{Track, follow};
+use crate::identification::alignment::path::Path;
+use crate::identification::alignment::place::{ProgramPlace, times};
+use crate::identification::alignment::{Alignment, Method};
+use crate::machine::Machine;
+use crate::simulation::drive::actual_motion;
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::profile::{Profile, Resolution};
+use crate::simulation::toolpath::{Point, Toolpath};
+
+/// Most samples of a simulated recording.
+const MAX_SAMPLES: f64 = 200_000.0;
+
+/// Returns when the simulated machine is at each mark, s: on its path, or as a recorder would see its drives.
+pub fn times_at_marks(
+    toolpath: &Toolpath,
+    machine: &Machine,
+    plan: &FeedPlan,
+    alignment: &Alignment,
+) -> Vec<f64> {
+    let places: Vec<ProgramPlace> = alignment.marks.iter().map(|mark| mark.place).collect();
+    let ideal = times(toolpath, plan, &places);
+    let drives =
+        |axis: &crate::machine::Axis| 0.0 < axis.servo_lag || axis.mode.is_some() || 0.0 < axis.backlash;
+    let track = match (&alignment.track, alignment.method) {
+        (Some(track), Method::Positions) if machine.axes.iter().any(drives) => track,
+        _ => return ideal,
+    };
+    let profile = Profile::new(toolpath, plan);
+    let samples = profile.samples(Resolution { feedrate: 2e-3, position: 1e-3 });
+    let actual = actual_motion(&samples, machine);
+    let interval = track.interval.max(profile.cycle_time() / MAX_SAMPLES);
+    let mut simulated = Track { time: Vec::new(), position: Vec::new(), ..**track };
+    let mut row = 0;
+    let count = (profile.cycle_time() / interval).ceil() as usize + 1;
+    for at in 0..count {
+        let time = at as f64 * interval;
+        let (position, _) = actual.motion_at(time, &mut row);
+        simulated.time.push(time);
+        let recorded = |axis: usize| if track.recorded[axis] { position[axis] } else { 0.0 };
+        simulated.position.push(Point::new(recorded(0), recorded(1), recorded(2)));
+    }
+    let path = Path::new(toolpath, track.recorded);
+    let Ok(matched) = follow(&simulated, &path, machine.interpolator.contour_tolerance) else { return ideal };
+    let fixes = matched.fixes;
+    let mut next = 0;
+    let seen = places.iter().zip(ideal).map(|(place, ideal)| {
+        let ProgramPlace::Along(distance) = *place else { return ideal };
+        while next < fixes.len() && fixes[next].distance < distance {
+            next += 1;
+        }
+        match (next.checked_sub(1).map(|before| fixes[before]), fixes.get(next)) {
+            (Some(before), Some(after)) if before.distance < after.distance => {
+                let share = (distance - before.distance) / (after.distance - before.distance);
+                before.time + share * (after.time - before.time)
+            }
+            _ => ideal,
+        }
+    });
+    seen.collect()
+}

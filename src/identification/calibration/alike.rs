@@ -1,0 +1,81 @@
+//! Axes of one machine are alike, until the runs contradict it.
+//!
+//! Arcs and corners are limited by two axes at once, and one that is too high beside one that is too low fits nearly as well as
+//! the true ones, which are often equal. The accelerations of all axes are therefore fitted as one value; where its cost is
+//! higher by less than [`CONTRADICTED`] for each value that is saved, the machine has it in all axes. Else X and Y alone are tried.
+
+use crate::identification::calibration::judgement::Judgement;
+use crate::identification::calibration::motion::{ACCELERATIONS, axis_of};
+use crate::identification::calibration::{CONTRADICTED, Estimate, Verdict};
+use crate::identification::fit::{Fit, FreeParameter};
+use crate::machine::{Handle, Machine};
+
+/// Axes that may be alike, those that save most first.
+const GROUPS: [&[usize]; 2] = [&[0, 1, 2], &[0, 1]];
+
+/// Returns the judgement with the accelerations of axes that may be alike as one parameter, and which axes these are.
+/// `fitted` fits parameters from a machine on.
+pub fn alike(
+    judgement: Judgement,
+    mut fitted: impl FnMut(&Machine, &[(FreeParameter, f64)]) -> Fit,
+) -> (Judgement, &'static [usize]) {
+    for group in GROUPS {
+        let Some(as_one) = as_one(&judgement, group) else { continue };
+        let parameters: Vec<(FreeParameter, f64)> = as_one.fitted().cloned().collect();
+        let last = fitted(&as_one.last.machine, &parameters);
+        let saved = (group.len() - 1) as f64;
+        if last.cost < judgement.last.cost + saved * CONTRADICTED {
+            return (Judgement { last, ..as_one }, group);
+        }
+    }
+    (judgement, &[])
+}
+
+/// The estimates with one for each axis of a group whose accelerations are one parameter, which stands for that of the first.
+pub fn of_each_axis(estimates: Vec<Estimate>, group: &[usize], before: &Machine) -> Vec<Estimate> {
+    let of_group = |estimate: Estimate| -> Vec<Estimate> {
+        let is_one = group.first().is_some_and(|first| estimate.key == ACCELERATIONS[*first]);
+        let others = if is_one { &group[1..] } else { &[] };
+        let of_axis = |axis: &usize| Estimate {
+            key: ACCELERATIONS[*axis].to_string(),
+            before: before.axes[*axis].acceleration,
+            ..estimate.clone()
+        };
+        let others: Vec<Estimate> = others.iter().map(of_axis).collect();
+        [estimate].into_iter().chain(others).collect()
+    };
+    estimates.into_iter().flat_map(of_group).collect()
+}
+
+/// The judgement with one parameter for the accelerations of a group, not yet fitted; `None` where one of them was not freed.
+fn as_one(judgement: &Judgement, group: &'static [usize]) -> Option<Judgement> {
+    let place =
+        |axis: &usize| (0..judgement.all.len()).find(|at| axis_of(&judgement.all[*at].0) == Some(*axis));
+    let places: Vec<usize> = group.iter().filter_map(place).collect();
+    let values: Vec<f64> = group.iter().map(|axis| judgement.last.machine.axes[*axis].acceleration).collect();
+    if places.len() < group.len() || !values.iter().all(|value| value.is_finite()) {
+        return None;
+    }
+    let mean = (values.iter().map(|value| value.ln()).sum::<f64>() / values.len() as f64).exp();
+    let (first, before) = &judgement.all[places[0]];
+    let one = FreeParameter::new(Handle::number(ACCELERATIONS[group[0]]), mean, first.bounds, first.scale)
+        .also(move |machine| {
+            let own = machine.axes[group[0]].acceleration;
+            group.iter().for_each(|axis| machine.axes[*axis].acceleration = own);
+        });
+    let mut as_one = judgement.clone();
+    (as_one.all[places[0]], as_one.verdicts[places[0]]) = ((one, *before), Verdict::Fitted);
+    for at in places[1..].iter().rev() {
+        as_one.all.remove(*at);
+        as_one.believed.remove(*at);
+        as_one.verdicts.remove(*at);
+        as_one.deviations.remove(*at);
+    }
+    // Each value that is fitted goes on from where it was.
+    let machine = &as_one.last.machine;
+    for (freed, _) in &mut as_one.all {
+        let own = freed.handle.get(machine).unwrap_or(freed.start);
+        *freed = freed.starting_at(if axis_of(freed) == Some(group[0]) { mean } else { own });
+    }
+    Some(as_one)
+}

@@ -1,0 +1,48 @@
+//! Accelerations of axes that the runs do not tell.
+//!
+//! An axis that never ramps at its limit leaves its acceleration open: any larger one fits as well, and a fit ends
+//! wherever its last step took it. Axes of one machine are alike, and the geometric mean of the others is the
+//! better guess for programs in which the axis does ramp.
+//!
+//! Limits: none is lent where no axis is known; a rotary axis has nothing in common with these.
+
+use crate::identification::calibration::is_unknown;
+use crate::identification::calibration::motion::axis_of;
+use crate::identification::fit::{Fit, FreeParameter};
+use crate::machine::Machine;
+
+/// Ratios by which accelerations are raised that stood in for another.
+const RAISED_BY: [f64; 3] = [1.0, 1.3, 1.7];
+/// Gives each acceleration of which the runs hardly say anything, and which was not there before, that of the
+/// others to go back to.
+pub fn lend(all: &mut [(FreeParameter, f64)], best: &Fit) {
+    for (at, mean) in lent(all, best) {
+        all[at].1 = mean;
+    }
+}
+
+/// Machines to fit again from, where anything would be lent: with it, and with the accelerations of the axes from
+/// which it comes raised by these ratios. Where one axis has no limit the others stand in for it, and are too low.
+pub fn starts(all: &[(FreeParameter, f64)], best: &Fit) -> Vec<Machine> {
+    let lent = lent(all, best);
+    if lent.is_empty() {
+        return Vec::new();
+    }
+    let of = |ratio: f64| {
+        let mut machine = best.machine.clone();
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration *= ratio);
+        lent.iter().for_each(|(at, mean)| all[*at].0.apply(&mut machine, *mean));
+        machine
+    };
+    RAISED_BY.map(of).to_vec()
+}
+
+/// What is to be lent, by its place among the parameters.
+fn lent(all: &[(FreeParameter, f64)], best: &Fit) -> Vec<(usize, f64)> {
+    let (open, known): (Vec<usize>, Vec<usize>) = (0..all.len())
+        .filter(|at| axis_of(&all[*at].0).is_some())
+        .partition(|at| is_unknown(&all[*at].0, best.values[*at], best.deviations[*at]));
+    let mean = known.iter().map(|at| best.values[*at].ln()).sum::<f64>() / known.len() as f64;
+    let is_lent = |at: &usize| mean.is_finite() && !all[*at].1.is_finite();
+    open.into_iter().filter(is_lent).map(|at| (at, mean.exp())).collect()
+}

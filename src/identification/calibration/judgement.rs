@@ -1,0 +1,110 @@
+//! A fitted model → what of it the runs show: every other parameter goes back to the value that it had.
+
+use crate::identification::calibration::choice::{Fitting, Model};
+use crate::identification::calibration::{
+    CONTRADICTED, DOUBTFUL, SEPARATED, Verdict, assumed, is_unknown, polled, put_back, settle_waits,
+};
+use crate::identification::fit::{Exactness, Fit, FreeParameter};
+use crate::simulation::ordered::sort_by_number;
+
+/// The parameters after all was judged.
+#[derive(Clone)]
+pub struct Judgement {
+    /// Each with the value that it goes back to.
+    pub all: Vec<(FreeParameter, f64)>,
+    /// The values before the calibration.
+    pub believed: Vec<f64>,
+    pub verdicts: Vec<Verdict>,
+    /// The standard deviations where all of them are fitted.
+    pub deviations: Vec<f64>,
+    /// The fit of those that are fitted, with the others where they were.
+    pub last: Fit,
+}
+
+impl Judgement {
+    /// The parameters that are fitted, each with the value that it goes back to.
+    pub fn fitted(&self) -> impl Iterator<Item = &(FreeParameter, f64)> {
+        let is_fitted = |(_, verdict): &(&(FreeParameter, f64), &Verdict)| **verdict == Verdict::Fitted;
+        self.all.iter().zip(&self.verdicts).filter(is_fitted).map(|(parameter, _)| parameter)
+    }
+}
+
+impl Fitting<'_> {
+    /// Judges the parameters of a model, one after another.
+    pub fn judgement(&mut self, model: &Model) -> Judgement {
+        let best = &model.best;
+        let mut all = self.parameters(model.order, &best.machine);
+        let believed: Vec<f64> = all.iter().map(|(_, before)| *before).collect();
+        assumed::lend(&mut all, best);
+        let are_polled = self.runs.iter().all(|run| polled(run).is_some());
+        let verdicts = first_verdicts(&all, best, are_polled);
+        self.share.part = 0.04;
+        let last = put_back(best, &all, &verdicts, self.runs, &model.whitenings, &mut self.share);
+        let mut judgement = Judgement { all, believed, verdicts, deviations: best.deviations.clone(), last };
+        self.keep_sums_of_waits(model, &mut judgement);
+        self.put_back_doubtful(model, &mut judgement);
+        if are_polled {
+            settle_waits(&mut judgement.last, &judgement.all, &judgement.verdicts, self.runs);
+        }
+        judgement
+    }
+
+    /// Of two waits one after another neither is known, but their sum is: what goes back may not contradict it.
+    fn keep_sums_of_waits(&mut self, model: &Model, judgement: &mut Judgement) {
+        let is_contradicted = model.best.cost + CONTRADICTED < judgement.last.cost;
+        if !is_contradicted {
+            return;
+        }
+        let is_unknown = |at: &usize| judgement.verdicts[*at] == Verdict::Unknown;
+        let unknown: Vec<usize> = (0..judgement.all.len()).filter(is_unknown).collect();
+        unknown.iter().for_each(|at| judgement.verdicts[*at] = Verdict::Fitted);
+        judgement.last = self.put_back(model, judgement);
+        unknown.into_iter().rev().for_each(|at| self.put_one_back(model, judgement, at, Verdict::Unknown));
+    }
+
+    /// Puts back what the runs do not contradict, the least contradicted first; what is put back stays there while the
+    /// others are looked at.
+    fn put_back_doubtful(&mut self, model: &Model, judgement: &mut Judgement) {
+        let best = &model.best;
+        let doubt = |at: usize| (best.values[at] - judgement.all[at].1).abs() / best.deviations[at];
+        let mut doubtful: Vec<usize> = (0..judgement.all.len())
+            .filter(|at| judgement.verdicts[*at] == Verdict::Fitted)
+            .filter(|at| (best.values[*at] - judgement.all[*at].1).abs() < DOUBTFUL * best.deviations[*at])
+            .collect();
+        sort_by_number(&mut doubtful, |one| doubt(*one));
+        self.share.part = 0.1 / doubtful.len().max(1) as f64;
+        doubtful.into_iter().for_each(|at| self.put_one_back(model, judgement, at, Verdict::Agrees));
+    }
+
+    /// Puts one more parameter back, with this verdict, unless the runs contradict that.
+    fn put_one_back(&mut self, model: &Model, judgement: &mut Judgement, at: usize, verdict: Verdict) {
+        judgement.verdicts[at] = verdict;
+        let without = self.put_back(model, judgement);
+        if without.cost < judgement.last.cost + CONTRADICTED {
+            judgement.last = without;
+        } else {
+            judgement.verdicts[at] = Verdict::Fitted;
+        }
+    }
+
+    fn put_back(&mut self, model: &Model, judgement: &Judgement) -> Fit {
+        let Judgement { all, verdicts, .. } = judgement;
+        put_back(&model.best, all, verdicts, self.runs, &model.whitenings, &mut self.share)
+    }
+}
+
+/// What the runs say hardly anything of, and what is fitted at first.
+fn first_verdicts(all: &[(FreeParameter, f64)], best: &Fit, are_polled: bool) -> Vec<Verdict> {
+    let verdict = |(at, (freed, before)): (usize, &(FreeParameter, f64))| {
+        let deviation = best.deviations[at];
+        let is_unknown = match are_polled && freed.exactness == Exactness::Wait {
+            // Of a log of lines waits are read off, and the fit only says whether anything separates them.
+            true => !deviation.is_finite() || SEPARATED < deviation,
+            false => is_unknown(freed, best.values[at], deviation),
+        };
+        // What was not there before cannot be put back; but a limit that no run comes near is taken away again.
+        let is_idle = freed.handle.table() == "path" && !deviation.is_finite();
+        if is_unknown && (before.is_finite() || is_idle) { Verdict::Unknown } else { Verdict::Fitted }
+    };
+    all.iter().enumerate().map(verdict).collect()
+}

@@ -1,0 +1,225 @@
+//! Contour deviation: recorded positions against simulated ones, without differences of time.
+//!
+//! A recorded sample at t is compared with the simulated position at t − t0 − r̃(t) − δ. r̃ is 0 if the
+//! simulation is assumed to lose no time, or else the median of the residual over [`MEDIAN_REACH_S`] on both
+//! sides, which keeps jumps; δ is a common delay, as drives and recorders have. δ is found by Newton steps, δ
+//! = −Σ e·v / Σ v·v, for e the difference and v the simulated velocity. The part of e along the motion is
+//! weighted by σ²/(σ² + (v τ)²), with σ the noise and τ the uncertainty of stamps: at rapid speed a
+//! millisecond is a third of a millimetre. The remainder is the deviation of the path: lag at corners,
+//! backlash at reversals, vibration.
+
+use crate::identification::alignment::{Alignment, median};
+use crate::machine::Machine;
+use crate::simulation::drive::actual_motion;
+use crate::simulation::feed::FeedPlan;
+use crate::simulation::profile::{Profile, Resolution, Samples};
+use crate::simulation::toolpath::Toolpath;
+
+/// Time before and after a mark over which the median of the residuals is taken, s.
+const MEDIAN_REACH_S: f64 = 1.0;
+/// Most samples compared.
+const MAX_SAMPLES: usize = 8000;
+/// Uncertainty of a recorder's stamps, s; times the speed it is a difference along the motion.
+const STAMP_DEVIATION_S: f64 = 1e-3;
+/// Most Newton steps for the delay, and the least step, s.
+const MAX_DELAY_STEPS: usize = 8;
+const MIN_DELAY_STEP_S: f64 = 1e-6;
+
+/// Recorded positions with the simulated times that they belong to.
+pub struct ContourDeviation {
+    samples: Samples,
+    /// Simulated time, s, and recorded position of each sample.
+    rows: Vec<(f64, [f64; 3])>,
+    recorded: [bool; 3],
+    /// Standard deviation of a recorded coordinate, mm.
+    noise: f64,
+}
+
+impl ContourDeviation {
+    /// Returns the deviations of a run whose simulation is at the marks at these times (s), with the
+    /// residuals (s) there if it loses time; `None` without positions.
+    pub fn new(
+        toolpath: &Toolpath,
+        plan: &FeedPlan,
+        alignment: &Alignment,
+        simulated: &[f64],
+        residuals: Option<&[f64]>,
+    ) -> Option<ContourDeviation> {
+        let track = alignment.track.as_ref()?;
+        let offset = alignment.marks.first()?.time - simulated.first()?;
+        let smooth =
+            residuals.map_or(vec![0.0; simulated.len()], |residuals| running_medians(simulated, residuals));
+        let every = alignment.fixes.len().div_ceil(MAX_SAMPLES).max(1);
+        let mut mark = 0;
+        let mut rows = Vec::new();
+        for fix in alignment.fixes.iter().step_by(every) {
+            let Some(sample) = fix.sample else { continue };
+            while mark + 1 < alignment.marks.len() && alignment.marks[mark + 1].time <= fix.time {
+                mark += 1;
+            }
+            let at = track.position[sample];
+            rows.push((fix.time - offset - smooth[mark], [at.x, at.y, at.z]));
+        }
+        let samples = Profile::new(toolpath, plan).samples(Resolution { feedrate: 2e-3, position: 5e-4 });
+        Some(ContourDeviation { samples, rows, recorded: track.recorded, noise: track.noise.max(2e-3) })
+    }
+
+    /// Returns the RMS distance between recorded and simulated positions on a machine with these drives, mm,
+    /// and the delay that minimises it, s.
+    pub fn error(&self, machine: &Machine) -> (f64, f64) {
+        let actual = actual_motion(&self.samples, machine);
+        let (mut delay, mut best) = (0.0, 0.0);
+        let mut rms = f64::INFINITY;
+        for _ in 0..MAX_DELAY_STEPS {
+            let (mut along, mut speed, mut squares) = (0.0, 0.0, 0.0);
+            let mut row = 0;
+            for (time, position) in &self.rows {
+                let (forward, own, square) = self.difference(&actual, time - delay, position, &mut row);
+                along += forward;
+                speed += own;
+                squares += square;
+            }
+            let found = f64::sqrt(squares / self.rows.len().max(1) as f64);
+            if found < rms {
+                (rms, best) = (found, delay);
+            }
+            let step = if 0.0 < speed { along / speed } else { 0.0 };
+            if step.abs() < MIN_DELAY_STEP_S {
+                break;
+            }
+            delay -= step;
+        }
+        (rms, best)
+    }
+
+    /// Returns the sum of squared deviations (mm²) of each of `count` contiguous parts of the recording.
+    pub fn parts(&self, machine: &Machine, count: usize) -> Vec<f64> {
+        let (_, delay) = self.error(machine);
+        let actual = actual_motion(&self.samples, machine);
+        let mut row = 0;
+        let mut square =
+            |(time, position): &(f64, [f64; 3])| self.difference(&actual, time - delay, position, &mut row).2;
+        let parts = self.rows.chunks(self.rows.len().div_ceil(count).max(1));
+        parts.map(|part| part.iter().map(&mut square).sum()).collect()
+    }
+
+    /// Returns e·v, v·v and the weighted square of the difference of a position from that of a table at a
+    /// time.
+    fn difference(
+        &self,
+        actual: &Samples,
+        time: f64,
+        position: &[f64; 3],
+        row: &mut usize,
+    ) -> (f64, f64, f64) {
+        let (there, velocity) = actual.motion_at(time, row);
+        let (mut all, mut forward, mut own) = (0.0, 0.0, 0.0);
+        for axis in (0..3).filter(|axis| self.recorded[*axis]) {
+            let difference = position[axis] - there[axis];
+            all += difference * difference;
+            forward += difference * velocity[axis];
+            own += velocity[axis] * velocity[axis];
+        }
+        // The difference along the motion is weighted by the uncertainty of the stamps.
+        let ahead = if 0.0 < own { forward * forward / own } else { 0.0 };
+        let certain = self.noise * self.noise;
+        let square = (all - ahead).max(0.0)
+            + ahead * certain / (certain + own * STAMP_DEVIATION_S * STAMP_DEVIATION_S);
+        (forward, own, square)
+    }
+}
+
+/// Returns the running median of the residuals within [`MEDIAN_REACH_S`] of each mark, s. Marks nearer to
+/// each other than a tenth of that share one median, so that the work grows linearly with their number.
+fn running_medians(simulated: &[f64], residuals: &[f64]) -> Vec<f64> {
+    let mut smooth = vec![0.0; residuals.len()];
+    let mut window = Vec::new();
+    let (mut from, mut to) = (0, 0);
+    let mut last = f64::NEG_INFINITY;
+    for at in 0..residuals.len() {
+        if simulated[at] - last < 0.1 * MEDIAN_REACH_S && 0 < at {
+            smooth[at] = smooth[at - 1];
+            continue;
+        }
+        last = simulated[at];
+        while to < residuals.len() && simulated[to] <= simulated[at] + MEDIAN_REACH_S {
+            to += 1;
+        }
+        while simulated[from] < simulated[at] - MEDIAN_REACH_S {
+            from += 1;
+        }
+        window.clear();
+        window.extend_from_slice(&residuals[from..to]);
+        smooth[at] = median(&mut window);
+    }
+    smooth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_running_median_keeps_a_jump_and_drops_an_outlier() {
+        let simulated: Vec<f64> = (0..100).map(|mark| 0.2 * f64::from(mark)).collect();
+        let mut residuals: Vec<f64> =
+            simulated.iter().map(|time| if *time < 10.0 { 0.0 } else { 1.0 }).collect();
+        residuals[20] = 50.0;
+        let medians = running_medians(&simulated, &residuals);
+        for (time, median) in simulated.iter().zip(&medians) {
+            let expected = if *time < 10.0 { 0.0 } else { 1.0 };
+            // At the jump itself the window has marks of both sides.
+            assert!(*median == expected || (time - 10.0).abs() < 0.25, "{median} at {time} s");
+        }
+    }
+
+    /// A square of 20 mm, commanded on each axis as the samples of a machine without drives.
+    fn square() -> Samples {
+        let mut samples = Samples::default();
+        for row in 0..400 {
+            let time = 0.01 * f64::from(row);
+            let side = time.floor() as usize;
+            let part = 20.0 * (time - time.floor());
+            let ([x, y], [vx, vy]) = [
+                ([part, 0.0], [20.0, 0.0]),
+                ([20.0, part], [0.0, 20.0]),
+                ([20.0 - part, 20.0], [-20.0, 0.0]),
+                ([0.0, 20.0 - part], [0.0, -20.0]),
+            ][side];
+            samples.time.push(time);
+            samples.distance.push(20.0 * time);
+            samples.feedrate.push(20.0);
+            samples.line.push(1);
+            for (axis, (position, velocity)) in [(x, vx), (y, vy), (0.0, 0.0)].into_iter().enumerate() {
+                samples.position[axis].push(position);
+                samples.velocity[axis].push(velocity);
+            }
+        }
+        samples
+    }
+
+    #[test]
+    fn a_recorded_lag_is_found_and_a_common_delay_is_no_deviation() {
+        let machine = Machine::default();
+        let mut lagging = machine.clone();
+        lagging.axes[0].servo_lag = 0.02;
+        let samples = square();
+        let recorded = actual_motion(&samples, &lagging);
+        let delay = 0.03;
+        let mut row = 0;
+        let rows = (1..380).map(|row| 0.01 * f64::from(row)).map(|time| {
+            let (position, _) = recorded.motion_at(time, &mut row);
+            (time + delay, [position.x, position.y, position.z])
+        });
+        let rows = rows.collect();
+        let deviation = ContourDeviation { samples, rows, recorded: [true; 3], noise: 2e-3 };
+        let (right, found) = deviation.error(&lagging);
+        let (wrong, _) = deviation.error(&machine);
+        assert!(right < 0.01, "{right} mm with the lag");
+        assert!((found - delay).abs() < 1e-3, "{found} s");
+        assert!(10.0 * right < wrong, "{wrong} mm without it");
+        let parts = deviation.parts(&machine, 8);
+        let sum: f64 = parts.iter().sum();
+        assert!((f64::sqrt(sum / 379.0) - wrong).abs() < 1e-9, "the parts add up to the whole");
+    }
+}

@@ -1,0 +1,50 @@
+//! What a calibration had to assume, as another program shows it.
+//!
+//! No calibrating run determined these accelerations and rapid rates, so a program that reaches them shows their
+//! value for the first time. That is no cause: a diagnosis takes them from the recording before it looks for
+//! causes, if they lower the cost by more than a cause with as many parameters must.
+//!
+//! Limits: if one of them was changed after the calibration, nobody can see it.
+
+use crate::identification::calibration::RapidPlateaus;
+use crate::identification::diagnosis::evidence::{Evidence, assumed};
+use crate::identification::diagnosis::gates::price;
+use crate::identification::fit::{FTOL, Run, fit};
+use crate::machine::Machine;
+
+/// The machine with what its calibration had assumed as the runs show it; `None` where they do not.
+pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
+    let count = assumed(machine).len();
+    if count == 0 {
+        return None;
+    }
+    let fitted = |machine: &Machine| {
+        let evidence = Evidence::of(runs, machine);
+        fit(machine, runs, &assumed(machine), &evidence.whitenings, FTOL, &mut |_| {}).machine
+    };
+    // At the noise that the first leaves: at that of what was assumed wrongly hardly anything is seen.
+    let found = fitted(&fitted(&with_plateaus(machine, runs)));
+    let fine = Evidence::of(runs, &found);
+    (price(runs, count) < fine.cost(machine) - fine.cost(&found)).then_some(found)
+}
+
+/// The machine with the assumed rapid rates that the runs hold for a while: a rate that nothing reaches has no
+/// slope to fit it by.
+fn with_plateaus(machine: &Machine, runs: &[Run]) -> Machine {
+    let mut machine = machine.clone();
+    let Some(seen) = RapidPlateaus::of(runs) else { return machine };
+    let assumed = machine.calibrated_on.assumed_rapids;
+    for ((axis, seen), _) in
+        machine.axes.iter_mut().zip(seen.axes).zip(assumed).filter(|(_, assumed)| *assumed)
+    {
+        let has_one_velocity = axis.velocity == axis.rapid;
+        axis.rapid = seen.filter(|_| axis.rapid.is_finite()).unwrap_or(axis.rapid);
+        if has_one_velocity {
+            axis.velocity = axis.rapid;
+        }
+    }
+    if assumed == [true; 3] && machine.rapid.feedrate.is_finite() {
+        machine.rapid.feedrate = seen.path.unwrap_or(machine.rapid.feedrate);
+    }
+    machine
+}

@@ -1,0 +1,110 @@
+//! Leave-one-out: the residuals of a section of the path at the values that all other sections give.
+//!
+//! From the values θ of all sections, at which the gradient nearly vanishes, one Gauss-Newton step leads to
+//! the values without the section s:
+//!
+//! ```text
+//! θ₋ₛ − θ = (H − Hₛ)⁻¹ gₛ,     νₛ(θ₋ₛ) = νₛ + Jₛ (θ₋ₛ − θ)
+//! ```
+//!
+//! with ν, J, H and g as in `information`. A value without information from the others is fixed. Source: Cook
+//! and Weisberg 1982, Sect. 3.4. Limits: valid as far as the residuals are linear in the values.
+
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+
+use crate::identification::fit::information::{Information, inverse};
+use crate::identification::fit::minimise::linearised;
+use crate::identification::fit::{FreeParameter, Run, Whitening};
+use crate::machine::Machine;
+
+/// Largest share of the information on a value that one section may have; beyond it the others do not
+/// determine the value.
+const MAX_INFORMATION_SHARE: f64 = 0.95;
+
+/// The whitened residuals of one section that is held out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOutBlock {
+    /// Residuals at the values that the other sections give.
+    pub whitened: Vec<f64>,
+    /// Share of the information on each value that lies in the section.
+    pub shares: Vec<f64>,
+}
+
+impl HeldOutBlock {
+    /// Returns `true` if the other sections determine a value.
+    pub fn is_known(&self, value: usize) -> bool {
+        self.shares[value] < MAX_INFORMATION_SHARE
+    }
+}
+
+/// Returns every section of every run, one run after another, at the values fitted to all others. The initial
+/// values are those fitted to all sections.
+pub fn held_out_blocks(
+    machine: &Machine,
+    runs: &[Run],
+    freed: &[FreeParameter],
+    whitenings: &[Whitening],
+    sections: impl Fn(usize) -> Vec<Range<usize>>,
+) -> Vec<HeldOutBlock> {
+    let (whitened, jacobians) = linearised(machine, runs, freed, whitenings);
+    let all = Information::of_all(&whitened, &jacobians, freed.len());
+    let runs = whitened.iter().zip(&jacobians);
+    runs.flat_map(|(whitened, jacobian)| {
+        sections(whitened.len()).into_iter().map(|rows| without(&all, whitened, jacobian, rows))
+    })
+    .collect()
+}
+
+fn without(all: &Information, whitened: &[f64], jacobian: &DMatrix<f64>, rows: Range<usize>) -> HeldOutBlock {
+    let own = Information::of(whitened, jacobian, rows.clone());
+    let share = |at: usize| match all.normal[(at, at)] {
+        whole if 0.0 < whole => own.normal[(at, at)] / whole,
+        _ => 1.0,
+    };
+    let shares = (0..jacobian.ncols()).map(share).collect();
+    let mut left = HeldOutBlock { whitened: whitened[rows.clone()].to_vec(), shares };
+    let known: Vec<usize> = (0..left.shares.len()).filter(|at| left.is_known(*at)).collect();
+    let (all, own) = (all.among(&known), own.among(&known));
+    if let Some(inverse) = inverse(&(all.normal - own.normal)) {
+        let step = inverse * own.gradient;
+        let slopes = jacobian.rows(rows.start, rows.len()).select_columns(&known);
+        left.whitened.iter_mut().zip((slopes * step).iter()).for_each(|(left, moved)| *left += moved);
+    }
+    left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// For a mean, the residual of a held-out section is its distance from the mean of the others.
+    #[test]
+    fn the_mean_of_the_others_is_what_a_section_is_held_against() {
+        let values = [0.3, -0.2, 0.5, 0.1, -0.4, 0.0, 0.2, 0.6];
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let whitened: Vec<f64> = values.iter().map(|value| value - mean).collect();
+        let jacobian = DMatrix::from_element(values.len(), 1, -1.0);
+        let all = Information::of(&whitened, &jacobian, 0..values.len());
+        let others = values[3..].iter().sum::<f64>() / 5.0;
+        let found = without(&all, &whitened, &jacobian, 0..3);
+        assert!(found.is_known(0));
+        for (left, value) in found.whitened.iter().zip(&values) {
+            assert!((left - (value - others)).abs() < 1e-12, "{left} is not {value} − {others}");
+        }
+    }
+
+    #[test]
+    fn a_value_of_one_section_alone_is_not_known_without_it() {
+        let whitened = [0.2, -0.2, 0.1, 0.3];
+        let jacobian = DMatrix::from_row_slice(4, 2, &[1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0]);
+        let all = Information::of(&whitened, &jacobian, 0..4);
+        assert_eq!(without(&all, &whitened, &jacobian, 0..2).shares, [0.5, 1.0]);
+        assert_eq!(without(&all, &whitened, &jacobian, 2..4).shares, [0.5, 0.0]);
+        let known = |rows: Range<usize>| {
+            [0, 1].map(|value| without(&all, &whitened, &jacobian, rows.clone()).is_known(value))
+        };
+        assert_eq!((known(0..2), known(2..4)), ([true, false], [true, true]));
+    }
+}

@@ -1,0 +1,191 @@
+//! Whitening: the residual of a run as independent numbers.
+//!
+//! The delay of a recording at the marks is a sum: the time lost so far, which persists from mark to mark,
+//! and the error of each mark, which does not. For a process
+//!
+//! ```text
+//! x_k = x_{k−1} + w,  var w = q² Δt        lost so far, s, by what no model knows; q in s/√s
+//! r_k = x_k + v,      var v = σ_k²         the residual, s, with the error of the mark
+//! ```
+//!
+//! the innovations ν_k = r_k − E(x_k | r_1 … r_{k−1}), each divided by its standard deviation, are
+//! independent with variance 1 (Kalman 1960). They are linear in r, so that the same recursion whitens
+//! residuals and derivatives. The start offset is not known, so that the first mark gives none.
+//!
+//! Robust weights forgive deviations that are rare and always of one sign, such as a delay at each entry into
+//! a contour, which can add up to minutes. A fit for cycle times therefore also uses long sections: the gain
+//! of each of `SECTIONS_PER_RUN` equal parts of the run's time, over its standard deviation by the same process.
+//!
+//! q is chosen so that the median of |ν| is that of a normal variable: outliers do not count.
+
+use crate::identification::alignment::{Alignment, median};
+
+/// Median of the absolute value of a standard normal variable.
+const NORMAL_MEDIAN_DEVIATION: f64 = 0.6745;
+
+/// Number of sections of a run.
+const SECTIONS_PER_RUN: usize = 16;
+
+/// The whitening of the residuals of one run.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    /// Gain of each mark, and one over the standard deviation of its innovation.
+    steps: Vec<(f64, f64)>,
+    /// Process noise q, s/√s.
+    pub process_noise: f64,
+    /// First and last mark of each section, and one over the standard deviation of its gain.
+    sections: Vec<(usize, usize, f64)>,
+}
+
+impl Whitening {
+    /// Returns the whitening of marks with this process noise (s/√s).
+    pub fn new(alignment: &Alignment, wander: f64) -> Whitening {
+        let marks = &alignment.marks;
+        let mut variance = f64::INFINITY;
+        let mut before = marks.first().map_or(0.0, |mark| mark.time);
+        let steps = marks.iter().map(|mark| {
+            let error = mark.deviation * mark.deviation;
+            let predicted = variance + wander * wander * (mark.time - before).max(0.0);
+            before = mark.time;
+            if predicted.is_infinite() {
+                variance = error;
+                return (1.0, 0.0);
+            }
+            let gain = predicted / (predicted + error);
+            variance = (1.0 - gain) * predicted;
+            (gain, 1.0 / (predicted + error).sqrt())
+        });
+        Whitening { steps: steps.collect(), process_noise: wander, sections: Vec::new() }
+    }
+
+    /// Adds the sections as further residuals after those of the marks.
+    pub fn with_sections(self, alignment: &Alignment) -> Whitening {
+        let marks = &alignment.marks;
+        let Some((first, last)) = marks.first().zip(marks.last()) else { return self };
+        let length = (last.time - first.time) / SECTIONS_PER_RUN as f64;
+        let bound = |at: usize| {
+            let time = first.time + at as f64 * length;
+            marks.partition_point(|mark| mark.time < time).min(marks.len() - 1)
+        };
+        let section = |at: usize| {
+            let (begin, end) = (bound(at), bound(at + 1));
+            let lasts = marks[end].time - marks[begin].time;
+            let errors = marks[begin].deviation.powi(2) + marks[end].deviation.powi(2);
+            let variance = self.process_noise * self.process_noise * lasts + errors;
+            (begin < end).then(|| (begin, end, 1.0 / variance.sqrt()))
+        };
+        let sections = (0..SECTIONS_PER_RUN).filter_map(section).collect();
+        Whitening { sections, ..self }
+    }
+
+    /// Scales the whitened residuals so that the run counts as `weight` runs.
+    pub fn with_weight(mut self, weight: f64) -> Whitening {
+        let part = weight.sqrt();
+        self.steps.iter_mut().for_each(|(_, scale)| *scale *= part);
+        self.sections.iter_mut().for_each(|(_, _, scale)| *scale *= part);
+        self
+    }
+
+    /// Removes the weight of the marks that satisfy `is_ignored`; the process continues through them.
+    pub fn ignore(&mut self, is_ignored: impl Fn(usize) -> bool) {
+        for (mark, (_, scale)) in self.steps.iter_mut().enumerate() {
+            if is_ignored(mark) {
+                *scale = 0.0;
+            }
+        }
+    }
+
+    /// Returns the normalised innovations of residuals, one per mark, 0 at the first; then the sections.
+    pub fn apply(&self, residuals: &[f64]) -> Vec<f64> {
+        let mut state = 0.0;
+        let whiten = |(residual, (gain, scale)): (&f64, &(f64, f64))| {
+            let innovation = residual - state;
+            state += gain * innovation;
+            innovation * scale
+        };
+        let marks = residuals.iter().zip(&self.steps).map(whiten);
+        let gained =
+            |(begin, end, scale): &(usize, usize, f64)| (residuals[*end] - residuals[*begin]) * scale;
+        marks.chain(self.sections.iter().map(gained)).collect()
+    }
+
+    /// Returns the whitening under which residuals are normal.
+    pub fn of(alignment: &Alignment, residuals: &[f64]) -> Whitening {
+        Whitening::new(alignment, Whitening::common(&[(alignment, residuals)]))
+    }
+
+    /// Returns the process noise (s/√s) under which the residuals of several recordings are normal, all
+    /// together.
+    pub fn common(runs: &[(&Alignment, &[f64])]) -> f64 {
+        let typical = |wander: f64| {
+            let whitened = runs.iter().map(|(alignment, residuals)| {
+                Whitening::new(alignment, wander).apply(residuals).into_iter().skip(1)
+            });
+            let mut sizes: Vec<f64> = whitened.flatten().map(f64::abs).collect();
+            median(&mut sizes)
+        };
+        let (mut low, mut high) = (1e-6f64, 1.0f64);
+        if typical(low) <= NORMAL_MEDIAN_DEVIATION {
+            return low;
+        }
+        for _ in 0..30 {
+            let middle = (low * high).sqrt();
+            if typical(middle) <= NORMAL_MEDIAN_DEVIATION { high = middle } else { low = middle }
+        }
+        high
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::alignment::{Alignment, Mark, Method, ProgramPlace};
+
+    fn alignment(deviation: f64, count: usize) -> Alignment {
+        let mark =
+            |at: usize| Mark { place: ProgramPlace::Along(at as f64), time: 0.1 * at as f64, deviation };
+        Alignment::of_marks(Method::Positions, 0.0..1.0, (0..count).map(mark).collect(), count as f64)
+    }
+
+    /// Normal numbers of variance 1, sums of twelve uniform ones, the same every time.
+    fn noise(seed: &mut u64) -> f64 {
+        let uniform = (0..12).map(|_| {
+            *seed ^= *seed << 13;
+            *seed ^= *seed >> 7;
+            *seed ^= *seed << 17;
+            (*seed >> 11) as f64 / (1u64 << 53) as f64
+        });
+        uniform.sum::<f64>() - 6.0
+    }
+
+    #[test]
+    fn innovations_of_the_process_are_white() {
+        let (deviation, wander, count) = (2e-3, 4e-3, 20_000);
+        let alignment = alignment(deviation, count);
+        let (mut seed, mut lost) = (7, 5.0);
+        let residuals: Vec<f64> = (0..count)
+            .map(|_| {
+                lost += noise(&mut seed) * wander * 0.1f64.sqrt();
+                lost + noise(&mut seed) * deviation
+            })
+            .collect();
+        let white = Whitening::new(&alignment, wander).apply(&residuals);
+        let white = &white[1..];
+        let mean_square = white.iter().map(|v| v * v).sum::<f64>() / white.len() as f64;
+        let lagged = white.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / white.len() as f64;
+        assert!((mean_square - 1.0).abs() < 0.05, "{mean_square}");
+        assert!(lagged.abs() < 0.03, "{lagged}");
+        let found = Whitening::of(&alignment, &residuals).process_noise;
+        assert!((found / wander - 1.0).abs() < 0.15, "{found}");
+    }
+
+    #[test]
+    fn a_start_offset_changes_nothing() {
+        let alignment = alignment(1e-3, 50);
+        let residuals: Vec<f64> = (0..50).map(|at| f64::from(at * at) * 1e-5).collect();
+        let shifted: Vec<f64> = residuals.iter().map(|residual| residual + 17.0).collect();
+        let whitening = Whitening::new(&alignment, 1e-3);
+        let (one, other) = (whitening.apply(&residuals), whitening.apply(&shifted));
+        assert!(one.iter().zip(&other).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,159 @@
+//! The error of a calibrated machine on other programs, estimated by leaving out each program of the
+//! calibration.
+//!
+//! The parameters fitted to all programs are fitted again without one, and the error of that one's motion
+//! time is then an error that the fit did not see. With n such errors e and a prior of [`PRIOR_WEIGHT`] errors of
+//! the size [`USUAL_ERROR`], half of the range that contains nine of ten others is
+//!
+//! ```text
+//! r = t(0.95, PRIOR + n) · s √(1 + 1/programs),     s² = (PRIOR · USUAL² + Σ e²) / (PRIOR + n)
+//! ```
+//!
+//! so that one program, which leaves nothing out, has the range that calibrations have shown elsewhere (see
+//! docs/diagnosis.md), and each further program moves it towards its errors. Sources: the predictive
+//! distribution of a normal mean of unknown variance, Gelman et al. 2013, Sect. 3.3; leaving out, Stone 1974.
+
+use crate::identification::comparison::compare;
+use crate::identification::fit::{FreeParameter, Run, Whitening, fit};
+use crate::machine::{CalibratedOn, Machine};
+use crate::quote::features_of;
+use crate::simulation::profile::{Profile, Resolution};
+
+/// Weight of the prior, in errors of the size [`USUAL_ERROR`].
+const PRIOR_WEIGHT: f64 = 4.0;
+/// RMS error of calibrations from one program on others, as a part of the time: those of grbl, Klipper and
+/// LinuxCNC in docs/diagnosis.md.
+const USUAL_ERROR: f64 = 0.0066;
+/// Quantile of the normal distribution below which 95 % lie.
+const NORMAL_QUANTILE_95: f64 = 1.645;
+/// Relative cost decrease below which a step is the last.
+const ROUGH_FTOL: f64 = 1e-2;
+
+/// Returns the calibration entries of a machine file: the possible error on other programs, and the features
+/// of these programs. `freed` are the fitted parameters, each with its value before the fit.
+pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f64)]) -> CalibratedOn {
+    let programs = programs(runs);
+    let errors = left_out(machine, runs, freed, &programs);
+    CalibratedOn {
+        range: Some(half_range(&errors, programs.len())),
+        velocities: Some(velocities(machine, runs)),
+        assumed_accelerations: machine.calibrated_on.assumed_accelerations,
+        assumed_rapids: machine.calibrated_on.assumed_rapids,
+        ..features_of(runs.iter().map(|run| run.toolpath))
+    }
+}
+
+/// Mean velocities over this time are compared, s: noise of a micrometre moves them by less than 0.1 mm/s.
+const VELOCITY_WINDOW_S: f64 = 0.02;
+
+/// Returns the highest velocity of each axis in the runs, mm/s: as recorded, or as simulated where a run has no positions.
+fn velocities(machine: &Machine, runs: &[Run]) -> [f64; 3] {
+    let mut highest = [0.0f64; 3];
+    for run in runs {
+        let Some(track) = &run.alignment.track else {
+            let plan = run.plan(machine);
+            let samples = Profile::new(run.toolpath, &plan).samples(Resolution::CHART);
+            for (highest, velocities) in highest.iter_mut().zip(&samples.velocity) {
+                *highest = velocities.iter().map(|velocity| velocity.abs()).fold(*highest, f64::max);
+            }
+            continue;
+        };
+        let window = (VELOCITY_WINDOW_S / track.interval).ceil().max(1.0) as usize;
+        for first in 0..track.time.len().saturating_sub(window) {
+            let velocity = track.velocity_between(first, first + window);
+            for (highest, velocity) in highest.iter_mut().zip(&velocity) {
+                *highest = highest.max(velocity.abs());
+            }
+        }
+    }
+    highest
+}
+
+/// Groups the runs by program, by index.
+fn programs(runs: &[Run]) -> Vec<Vec<usize>> {
+    let mut programs: Vec<Vec<usize>> = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        match programs.iter_mut().find(|own| runs[own[0]].toolpath == run.toolpath) {
+            Some(own) => own.push(index),
+            None => programs.push(vec![index]),
+        }
+    }
+    programs
+}
+
+/// Returns the relative error of each program's motion time on the machine fitted to all others.
+fn left_out(
+    machine: &Machine,
+    runs: &[Run],
+    freed: &[(FreeParameter, f64)],
+    programs: &[Vec<usize>],
+) -> Vec<f64> {
+    if programs.len() < 2 {
+        return Vec::new();
+    }
+    let error = |out: &Vec<usize>| {
+        let others: Vec<Run> =
+            runs.iter().enumerate().filter(|(at, _)| !out.contains(at)).map(|(_, run)| run.clone()).collect();
+        let machine = without(machine, &others, freed);
+        let own = out.iter().map(|at| {
+            let run = &runs[*at];
+            compare(run.toolpath, &run.plan(&machine), run.alignment).motion
+        });
+        let (simulated, recorded) = own.fold((0.0, 0.0), |(simulated, recorded), motion| {
+            (simulated + motion.simulated, recorded + motion.recorded)
+        });
+        simulated / recorded - 1.0
+    };
+    programs.iter().map(error).filter(|error| error.is_finite()).collect()
+}
+
+/// Returns the machine fitted to these runs alone; parameters that they do not determine keep their value.
+fn without(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f64)]) -> Machine {
+    let whiten =
+        |run: &Run| Whitening::of(run.alignment, &run.residuals(machine)).with_sections(run.alignment);
+    let whitenings: Vec<Whitening> = runs.iter().map(whiten).collect();
+    let all: Vec<FreeParameter> = freed.iter().map(|(freed, _)| freed.clone()).collect();
+    let found = fit(machine, runs, &all, &whitenings, ROUGH_FTOL, &mut |_| {});
+    let mut machine = found.machine;
+    for ((freed, before), deviation) in freed.iter().zip(&found.deviations) {
+        if !deviation.is_finite() && before.is_finite() {
+            freed.apply(&mut machine, *before);
+        }
+    }
+    machine
+}
+
+fn half_range(errors: &[f64], programs: usize) -> f64 {
+    let squares: f64 = errors.iter().map(|error| error * error).sum();
+    let freedom = PRIOR_WEIGHT + errors.len() as f64;
+    let size = ((PRIOR_WEIGHT * USUAL_ERROR * USUAL_ERROR + squares) / freedom).sqrt();
+    student_95(freedom) * size * (1.0 + 1.0 / programs.max(1) as f64).sqrt()
+}
+
+/// Returns the quantile of Student's distribution below which 95 % lie, to a hundredth from four degrees of
+/// freedom on, by the Cornish-Fisher expansion.
+fn student_95(freedom: f64) -> f64 {
+    let z = NORMAL_QUANTILE_95;
+    let first = (z.powi(3) + z) / (4.0 * freedom);
+    z + first + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * freedom * freedom)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quantiles_are_those_of_tables() {
+        for (freedom, tabled) in [(4.0, 2.132), (7.0, 1.895), (12.0, 1.782), (60.0, 1.671)] {
+            assert!((student_95(freedom) / tabled - 1.0).abs() < 0.01, "{freedom}");
+        }
+    }
+
+    #[test]
+    fn errors_that_programs_show_take_the_place_of_the_usual_one() {
+        let alone = half_range(&[], 1);
+        let small = half_range(&[1e-4; 12], 12);
+        let large = half_range(&[0.05; 12], 12);
+        assert!(small < 0.5 * alone && alone < 0.5 * large, "{small} {alone} {large}");
+    }
+}

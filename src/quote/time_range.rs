@@ -1,0 +1,297 @@
+//! The range of a program's time on a machine that was calibrated on other programs.
+//!
+//! ```text
+//! half of the range = r + Σ U · (time of what the calibration did not show / time of the motion)
+//! ```
+//!
+//! r is the error on programs left out of the calibration, from the machine file; U is [`UNSHOWN_ERROR`] or
+//! [`UNSHOWN_FEED_ERROR`]. The calibrating programs did not show corners that turn more, arcs and blocks of other
+//! size, faster feeds, and faster rapids of an axis. The times are lengths over feedrates, around a corner no
+//! more than [`CORNER_REACH_S`] of them.
+//!
+//! A feed is faster if it moves an axis faster than the runs did in feed and rapid: an axis can cut as fast as it
+//! moved in rapid. A rapid is faster if an axis, whose rapid rate no run showed, travels a way w that is long enough to
+//! exceed V, its highest velocity in the runs or half of that of the fastest axis. Its rate may be as low as V, and at
+//! an acceleration A
+//!
+//! ```text
+//! U = t(V) / t(R) − 1,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
+//! ```
+
+use crate::machine::{CalibratedOn, Machine};
+use crate::simulation::feed::limits::{largest_share, requested_feedrate};
+use crate::simulation::ordered::sort_by_number;
+use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
+
+/// Additional relative error of the time of features that were not shown. Faster feeds have longer ramps,
+/// whose acceleration slow ones hardly show; the parameters of the other laws hold beyond what was shown, where
+/// the family of the control was found (docs/diagnosis.md has the errors).
+const UNSHOWN_FEED_ERROR: f64 = 0.2;
+const UNSHOWN_ERROR: f64 = 0.05;
+/// Time on either side that a corner affects, s.
+const CORNER_REACH_S: f64 = 0.1;
+/// Least turn of a corner, rad.
+const MIN_TURN_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// Least difference of turns beyond the largest one shown, rad.
+const MIN_TURN_EXCESS_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+/// Radii and lengths are of other size from this ratio on; feedrates and rapids are longer or faster from these.
+const MIN_SIZE_RATIO: f64 = 2.0;
+const MIN_FASTER_RATIO: f64 = 1.25;
+const MIN_LONGER_RATIO: f64 = 1.5;
+/// Least time of a block that is not short, s: length over feedrate.
+const MAX_SHORT_BLOCK_S: f64 = 0.1;
+
+/// A feature of a program that a calibration did not show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum UnshownFeature {
+    /// Corners that turn more.
+    Corners,
+    /// Arcs of other radii.
+    Arcs,
+    /// Shorter blocks.
+    Blocks,
+    /// Faster feeds.
+    Feeds,
+    /// Faster rapids.
+    Rapids,
+}
+
+impl UnshownFeature {
+    /// All features.
+    pub const ALL: [UnshownFeature; 5] = [
+        UnshownFeature::Corners,
+        UnshownFeature::Arcs,
+        UnshownFeature::Blocks,
+        UnshownFeature::Feeds,
+        UnshownFeature::Rapids,
+    ];
+
+    /// Returns by how much more the time of the feature may be off, as a part of it.
+    fn error_ratio(self) -> f64 {
+        if self == UnshownFeature::Feeds { UNSHOWN_FEED_ERROR } else { UNSHOWN_ERROR }
+    }
+
+    /// Returns the words for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            UnshownFeature::Corners => "corners that turn more",
+            UnshownFeature::Arcs => "arcs of other radii",
+            UnshownFeature::Blocks => "shorter blocks",
+            UnshownFeature::Feeds => "faster feeds",
+            UnshownFeature::Rapids => "faster rapids",
+        }
+    }
+}
+
+/// A symmetric range around the motion time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeRange {
+    /// Half of the range, as a part of the time.
+    pub ratio: f64,
+    /// Features that were not shown, with their part of the time, the largest first.
+    pub unshown: Vec<(UnshownFeature, f64)>,
+}
+
+/// Returns the range of features that programs show.
+pub fn features_of<'a>(toolpaths: impl IntoIterator<Item = &'a Toolpath>) -> CalibratedOn {
+    let mut asked = CalibratedOn::default();
+    for toolpath in toolpaths {
+        for segment in 0..toolpath.segments.len() {
+            add(&mut asked, toolpath, segment);
+        }
+        if !is_among(&asked.travels, toolpath) {
+            asked.travels.push(travel(toolpath));
+        }
+    }
+    asked
+}
+
+/// Largest relative difference of travels of one program.
+const EQUAL_TRAVEL_RATIO: f64 = 1e-4;
+
+/// Returns `true` if one of these programs travels equally far along the path and in each axis.
+fn is_among(travels: &[[f64; 4]], toolpath: &Toolpath) -> bool {
+    let own = travel(toolpath);
+    let apart = EQUAL_TRAVEL_RATIO * own[0];
+    travels.iter().any(|travel| travel.iter().zip(own).all(|(travel, own)| (travel - own).abs() <= apart))
+}
+
+/// Returns the travel of a program along the path and along each axis, from end to end of its segments, mm.
+fn travel(toolpath: &Toolpath) -> [f64; 4] {
+    (0..toolpath.segments.len()).fold([0.0; 4], |sum, segment| {
+        let [x, y, z] = axis_travels(toolpath, segment);
+        let of = [toolpath.segments.length(segment), x, y, z];
+        [0, 1, 2, 3].map(|at| sum[at] + of[at])
+    })
+}
+
+/// Returns the possible error of a program's time, as a part of it, on a machine calibrated on other
+/// programs; `None` for programs that served the calibration, and on machines without that figure.
+pub fn error_beyond_calibration(toolpath: &Toolpath, machine: &Machine) -> Option<f64> {
+    let travels = &machine.calibrated_on.travels;
+    if travels.is_empty() || is_among(travels, toolpath) {
+        return None;
+    }
+    range(toolpath, machine).map(|range| range.ratio)
+}
+
+fn add(asked: &mut CalibratedOn, toolpath: &Toolpath, segment: usize) {
+    match toolpath.segments.motion(segment) {
+        Motion::Rapid => {
+            let way = axis_travels(toolpath, segment);
+            let longest = asked.rapids.get_or_insert([0.0; 3]);
+            longest.iter_mut().zip(way).for_each(|(longest, way)| *longest = longest.max(way));
+        }
+        Motion::Feed { feedrate } => {
+            asked.feedrates = asked.feedrates.with(feedrate);
+            match toolpath.segments.curve(segment) {
+                Curve::Arc(arc) => asked.radii = asked.radii.with(arc.mean_radius()),
+                Curve::Line => asked.blocks = asked.blocks.with(toolpath.segments.length(segment)),
+            }
+            if let Some(turn) = turn_after(toolpath, segment) {
+                asked.turns = asked.turns.with(turn);
+            }
+        }
+    }
+}
+
+/// Returns the travel of each axis along a segment, mm.
+fn axis_travels(toolpath: &Toolpath, segment: usize) -> [f64; 3] {
+    let way = toolpath.segments.direction(segment) * toolpath.segments.length(segment);
+    [way.x.abs(), way.y.abs(), way.z.abs()]
+}
+
+/// Returns the turn to the next feed move, rad; `None` if there is no corner.
+fn turn_after(toolpath: &Toolpath, segment: usize) -> Option<f64> {
+    let next = segment + 1;
+    let is_feed = |at: usize| toolpath.segments.motion(at) != Motion::Rapid;
+    if toolpath.segments.len() <= next || !is_feed(segment) || !is_feed(next) {
+        return None;
+    }
+    let (_, [_, end]) = toolpath.segments.length_and_tangents(segment);
+    let (_, [begin, _]) = toolpath.segments.length_and_tangents(next);
+    Some(end.dot(&begin).clamp(-1.0, 1.0).acos()).filter(|turn| MIN_TURN_RAD <= *turn)
+}
+
+/// A part of a program that was not shown.
+struct Unshown {
+    feature: UnshownFeature,
+    /// Its time, s.
+    lasts: f64,
+    /// Largest error of that time, as a part of it.
+    error: f64,
+}
+
+/// Largest error of the time of a rapid, as a part of it.
+const MAX_RAPID_ERROR: f64 = 1.0;
+/// Least velocity of an axis relative to the fastest one of the same machine.
+const MIN_AXIS_RATIO: f64 = 0.5;
+
+/// Returns the velocities of the axes that a segment asks for, mm/s, the largest along it.
+fn axis_velocities(segment: &Segment, machine: &Machine) -> [f64; 3] {
+    (requested_feedrate(segment, machine) * largest_share(segment)).into()
+}
+
+/// Returns what of a rapid is faster than any move of the runs; `None` if nothing is.
+fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option<Unshown> {
+    let velocities = axis_velocities(segment, machine);
+    let of_others = MIN_AXIS_RATIO * shown.into_iter().fold(0.0, f64::max);
+    let of_axis = |axis: usize| {
+        let shown = shown[axis].max(of_others);
+        let acceleration = machine.axes[axis].acceleration;
+        let way = (segment.end[axis] - segment.start[axis]).abs();
+        let reached = velocities[axis].min((way * acceleration).sqrt());
+        let lasts = |velocity: f64| way / velocity + velocity / acceleration;
+        let error = if 0.0 < shown { lasts(shown) / lasts(reached) - 1.0 } else { MAX_RAPID_ERROR };
+        let is_faster = machine.calibrated_on.assumed_rapids[axis] && shown < reached;
+        is_faster.then(|| Unshown {
+            feature: UnshownFeature::Rapids,
+            lasts: lasts(reached),
+            error: error.min(MAX_RAPID_ERROR),
+        })
+    };
+    let all = [0, 1, 2].into_iter().filter_map(of_axis);
+    all.max_by(|one, other| (one.error * one.lasts).total_cmp(&(other.error * other.lasts)))
+}
+
+/// Returns `true` if a segment moves an axis faster than any move of the runs.
+fn has_faster_axis(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> bool {
+    let velocities = axis_velocities(segment, machine);
+    velocities.iter().zip(shown).any(|(velocity, shown)| MIN_FASTER_RATIO * shown < *velocity)
+}
+
+/// Returns what of a segment that `lasts` so long (s) was not shown; `None` if all was.
+fn unshown(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -> Option<Unshown> {
+    let on = &machine.calibrated_on;
+    if let (Motion::Rapid, Some(shown)) = (toolpath.segments.motion(segment), on.velocities) {
+        return faster_rapid(&toolpath.segments.at(segment), machine, shown);
+    }
+    let feature = unshown_feature(toolpath, on, segment)?;
+    let is_shown_by_velocity = feature == UnshownFeature::Feeds
+        && on
+            .velocities
+            .is_some_and(|shown| !has_faster_axis(&toolpath.segments.at(segment), machine, shown));
+    (!is_shown_by_velocity).then(|| Unshown { feature, lasts, error: feature.error_ratio() })
+}
+
+/// Returns a feature of a segment that was not shown; `None` if all were.
+fn unshown_feature(toolpath: &Toolpath, on: &CalibratedOn, segment: usize) -> Option<UnshownFeature> {
+    let length = toolpath.segments.length(segment);
+    match (toolpath.segments.motion(segment), toolpath.segments.curve(segment)) {
+        (Motion::Rapid, _) => {
+            let longest = on.rapids.unwrap_or_default();
+            let is_longer =
+                |(way, longest): (f64, f64)| MIN_LONGER_RATIO * longest < way && 0.5 * length < way;
+            axis_travels(toolpath, segment)
+                .into_iter()
+                .zip(longest)
+                .any(is_longer)
+                .then_some(UnshownFeature::Rapids)
+        }
+        (Motion::Feed { feedrate }, _) if on.feedrates.is_below(feedrate / MIN_FASTER_RATIO) => {
+            Some(UnshownFeature::Feeds)
+        }
+        (Motion::Feed { .. }, Curve::Arc(arc)) => {
+            let radius = arc.mean_radius();
+            let is_known =
+                !on.radii.is_below(radius / MIN_SIZE_RATIO) && !on.radii.is_above(radius * MIN_SIZE_RATIO);
+            (!is_known).then_some(UnshownFeature::Arcs)
+        }
+        (Motion::Feed { feedrate }, Curve::Line) => {
+            let is_shorter =
+                length < MAX_SHORT_BLOCK_S * feedrate && on.blocks.is_above(MIN_SIZE_RATIO * length);
+            is_shorter.then_some(UnshownFeature::Blocks)
+        }
+    }
+}
+
+/// Returns the range of a program; `None` on a machine that was not calibrated.
+pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
+    let on = &machine.calibrated_on;
+    let own = on.range?;
+    let mut seconds = [0.0; UnshownFeature::ALL.len()];
+    let (mut whole, mut off) = (0.0, 0.0);
+    let is_sharper = |segment: usize| {
+        turn_after(toolpath, segment).is_some_and(|turn| on.turns.is_below(turn - MIN_TURN_EXCESS_RAD))
+    };
+    for segment in 0..toolpath.segments.len() {
+        let length = toolpath.segments.length(segment);
+        let lasts = match toolpath.segments.motion(segment) {
+            Motion::Rapid => length / machine.fastest_rapid(),
+            Motion::Feed { feedrate } => length / feedrate,
+        };
+        let ends = [segment.checked_sub(1), Some(segment)].into_iter().flatten();
+        let corners = ends.filter(|end| is_sharper(*end)).count();
+        let lasts_at_corners = lasts.min(CORNER_REACH_S * corners as f64);
+        let corners =
+            Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error: UNSHOWN_ERROR };
+        let unshown = unshown(toolpath, machine, segment, lasts).unwrap_or(corners);
+        whole += lasts.max(unshown.lasts);
+        seconds[unshown.feature as usize] += unshown.lasts;
+        off += unshown.error * unshown.lasts;
+    }
+    let shares = UnshownFeature::ALL.into_iter().zip(seconds.map(|own| own / whole.max(1e-9)));
+    let mut unshown: Vec<(UnshownFeature, f64)> = shares.filter(|(_, share)| 0.0 < *share).collect();
+    sort_by_number(&mut unshown, |one| -one.1);
+    Some(TimeRange { ratio: own + off / whole.max(1e-9), unshown })
+}
