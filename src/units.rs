@@ -37,52 +37,52 @@ pub const PERCENT: f64 = 100.0;
 /// Micrometres in a millimetre.
 const MICROMETRES_PER_MM: f64 = 1000.0;
 
-/// A length in µm from one in mm.
+/// Converts mm to µm.
 pub fn micrometres(length: f64) -> f64 {
     length * MICROMETRES_PER_MM
 }
 
-/// A length in mm from one in µm.
+/// Converts µm to mm.
 pub fn mm_of_micrometres(length_micrometres: f64) -> f64 {
     length_micrometres / MICROMETRES_PER_MM
 }
 
-/// A feedrate in mm/s from one in mm/min.
+/// Converts mm/min to mm/s.
 pub fn mm_per_s(feedrate_mm_per_min: f64) -> f64 {
     feedrate_mm_per_min / SECONDS_PER_MINUTE
 }
 
-/// A feedrate in mm/min from one in mm/s.
+/// Converts mm/s to mm/min.
 pub fn mm_per_min(feedrate: f64) -> f64 {
     feedrate * SECONDS_PER_MINUTE
 }
 
-/// A torque in N·m from one in N·mm.
+/// Converts N·mm to N·m.
 pub fn n_m_of_n_mm(torque: f64) -> f64 {
     torque / MM_PER_M
 }
 
-/// A torque in N·mm from one in N·m.
+/// Converts N·m to N·mm.
 pub fn n_mm_of_n_m(torque_n_m: f64) -> f64 {
     torque_n_m * MM_PER_M
 }
 
-/// A modulus in N/mm² from one in GPa.
+/// Converts GPa to N/mm².
 pub fn n_per_mm2_of_gpa(modulus_gpa: f64) -> f64 {
     modulus_gpa * MM_PER_M
 }
 
-/// A power in W from one in N·mm/s.
+/// Converts N·mm/s to W.
 pub fn watts_of_n_mm_per_s(power: f64) -> f64 {
     power / MM_PER_M
 }
 
-/// A power in N·mm/s from one in W.
+/// Converts W to N·mm/s.
 pub fn n_mm_per_s_of_watts(power_watts: f64) -> f64 {
     power_watts * MM_PER_M
 }
 
-/// The unit in which a machine parameter is written at the borders.
+/// The unit of a machine parameter in files and forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// A pure number.
@@ -114,7 +114,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The value in core units (mm, s, rad) of `value` given in this unit.
+    /// Converts `value` from this unit to core units (mm, s, rad).
     pub fn to_core(self, value: f64) -> f64 {
         match self {
             Unit::MillimetrePerMinute => mm_per_s(value),
@@ -128,7 +128,7 @@ impl Unit {
         }
     }
 
-    /// The value in this unit of `value` given in core units.
+    /// Converts `value` from core units to this unit.
     pub fn from_core(self, value: f64) -> f64 {
         match self {
             Unit::MillimetrePerMinute => mm_per_min(value),
@@ -142,7 +142,7 @@ impl Unit {
         }
     }
 
-    /// The symbol shown to people.
+    /// Returns the symbol for people.
     pub fn symbol(self) -> &'static str {
         match self {
             Unit::Number => "",

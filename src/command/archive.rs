@@ -1,8 +1,8 @@
-//! `truefeed predict --ndjson`: many programs, a line of JSON each, on all processors.
+//! `truefeed predict --ndjson`: many programs, one line of JSON each, on all processors.
 //!
-//! Lines come in the order in which programs are done; what is in a line depends on its program and the request
-//! alone. With `--out` a run continues where an earlier one stopped, however it stopped ([`ArchiveFile`]): a program is
-//! skipped while its line is current ([`Keys`]).
+//! Lines appear in the order in which programs finish; the content of a line depends only on its program and
+//! the request. With `--out` a run continues an earlier one, however that stopped ([`ArchiveFile`]): a
+//! program is skipped while its line is current ([`ArchiveKeys`]).
 
 use std::any::Any;
 use std::collections::{HashMap, HashSet};
@@ -17,49 +17,49 @@ use std::thread::{available_parallelism, scope};
 use std::time::{Duration, Instant};
 
 use truefeed::machine::Machine;
-use truefeed::project::{ArchiveLine, Keys, LineOwner, Prediction};
+use truefeed::project::{ArchiveKeys, ArchiveLine, LineOwner, Prediction};
 use truefeed::quote::{programmed_time, quote};
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::Options;
+use truefeed::simulation::interpreter::trace_text;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::trace_text;
 
 use crate::command::archive_file::{Earlier, Sink, open};
 use crate::command::input::bytes_of;
-use crate::command::programs::{Found, programs};
-use crate::command::{Refusal, declined, print};
+use crate::command::programs::{FoundProgram, programs};
+use crate::command::{CommandError, declined, print};
 
-/// Exit status where every program was gone through and some line says an error.
-const HAS_ERRORS: u8 = 1;
+/// Exit status if all programs were processed and some line contains an error.
+const STATUS_WITH_ERRORS: u8 = 1;
 
-/// What to predict, and where to.
-pub struct Archive {
-    /// Programs, and folders of them.
+/// A request for an archive.
+pub struct ArchiveRequest {
+    /// Programs, and folders of programs.
     pub paths: Vec<PathBuf>,
-    /// The machine.
+    /// Machine.
     pub machine: Machine,
-    /// Its file.
+    /// Machine file.
     pub machine_path: PathBuf,
-    /// Contour tolerances, mm; none: those of the program.
+    /// Contour tolerances, mm; if empty, those of the program.
     pub tolerances: Vec<f64>,
-    /// The control the programs are for; none: what each shows.
+    /// Reading options, such as the dialect of all programs.
     pub options: Options,
-    /// The file that lines are added to; none: standard output.
+    /// File to append lines to; `None` for standard output.
     pub out: Option<PathBuf>,
-    /// Only say which programs there are to do.
+    /// `true` to list the outstanding programs instead.
     pub is_list: bool,
-    /// Programs at work at a time; none: one a processor.
+    /// Programs processed at a time; `None` for one per processor.
     pub jobs: Option<NonZero<usize>>,
 }
 
-impl Archive {
-    /// Carries it out; the exit status.
-    pub fn run(&self) -> Result<ExitCode, Refusal> {
+impl ArchiveRequest {
+    /// Runs the request; returns the exit status.
+    pub fn run(&self) -> Result<ExitCode, CommandError> {
         if self.paths.iter().any(|path| path == Path::new("-")) {
-            return Err("--ndjson takes files and folders; - has no name to go on by".to_string());
+            return Err("--ndjson takes files and folders; standard input has no name".to_string());
         }
         let found = programs(&self.paths);
-        let keys = Keys::new(&self.machine, &self.tolerances, &self.options);
+        let keys = ArchiveKeys::new(&self.machine, &self.tolerances, &self.options);
         let asked: HashMap<String, &PathBuf> =
             found.iter().flatten().map(|program| (name(program), program)).collect();
         let key_of = |program: &Path| bytes_of(program).ok().map(|bytes| keys.of(&bytes));
@@ -76,17 +76,22 @@ impl Archive {
                 open(out, &inputs, &state)?
             }
         };
-        let to_do: Vec<Found> =
+        let to_do: Vec<FoundProgram> =
             found.into_iter().filter(|found| !current.contains(&name(place(found)))).collect();
         if self.is_list {
             return list(&to_do).map(|()| ExitCode::SUCCESS);
         }
         let errors = self.work(&to_do, &keys, &mut sink)?;
-        Ok(if errors == 0 { ExitCode::SUCCESS } else { ExitCode::from(HAS_ERRORS) })
+        Ok(if errors == 0 { ExitCode::SUCCESS } else { ExitCode::from(STATUS_WITH_ERRORS) })
     }
 
-    /// Predicts all on all processors; how many lines say an error.
-    fn work(&self, to_do: &[Found], keys: &Keys, sink: &mut Sink) -> Result<usize, Refusal> {
+    /// Predicts all programs on all processors; returns the number of lines with an error.
+    fn work(
+        &self,
+        to_do: &[FoundProgram],
+        keys: &ArchiveKeys,
+        sink: &mut Sink,
+    ) -> Result<usize, CommandError> {
         let jobs = self.jobs.map_or_else(available_parallelism, Ok);
         let threads = jobs.map_or(1, NonZero::get).min(to_do.len());
         let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
@@ -109,8 +114,8 @@ impl Archive {
         })
     }
 
-    /// The line of a program, and whether it says an error.
-    fn line(&self, found: &Found, keys: &Keys) -> (String, bool) {
+    /// Returns the line of a program, and `true` if it contains an error.
+    fn line(&self, found: &FoundProgram, keys: &ArchiveKeys) -> (String, bool) {
         let path = name(place(found));
         let failed = |key: Option<&str>, error: &str| {
             (ArchiveLine { path: &path, key, prediction: None, error: Some(error) }.to_line(), true)
@@ -131,14 +136,15 @@ impl Archive {
                     ArchiveLine { path: &path, key: Some(&key), prediction: Some(&prediction), error: None };
                 (line.to_line(), false)
             }
-            Err(panic) => {
-                failed(Some(&key), &format!("a fault of truefeed, please report it: {}", told(&*panic)))
-            }
+            Err(panic) => failed(
+                Some(&key),
+                &format!("a fault of truefeed, please report it: {}", panic_message(&*panic)),
+            ),
         }
     }
 
-    /// What `predict --json` says of a program, its tolerances one after another.
-    fn prediction(&self, file: &Path, bytes: Vec<u8>) -> Result<Prediction, Refusal> {
+    /// Returns the prediction of a program, its tolerances one after another.
+    fn prediction(&self, file: &Path, bytes: Vec<u8>) -> Result<Prediction, CommandError> {
         let toolpath = trace_text(bytes, &self.options, &self.machine);
         if let Some(reason) = declined(&toolpath) {
             return Err(reason);
@@ -158,8 +164,8 @@ impl Archive {
     }
 }
 
-/// Puts lines where they belong as they come, and says how far it is; how many say an error.
-fn collect(lines: &Receiver<(String, bool)>, all: usize, sink: &mut Sink) -> Result<usize, Refusal> {
+/// Writes lines as they arrive, and reports progress; returns the number of lines with an error.
+fn collect(lines: &Receiver<(String, bool)>, all: usize, sink: &mut Sink) -> Result<usize, CommandError> {
     let mut progress = Progress::new(all);
     loop {
         match lines.recv_timeout(progress.patience()) {
@@ -177,7 +183,7 @@ fn collect(lines: &Receiver<(String, bool)>, all: usize, sink: &mut Sink) -> Res
     Ok(progress.errors)
 }
 
-/// How far a run is.
+/// The progress of a run.
 struct Progress {
     all: usize,
     done: usize,
@@ -193,12 +199,12 @@ impl Progress {
         Progress { all, done: 0, errors: 0, start: now, said: now, is_terminal: stderr().is_terminal() }
     }
 
-    /// Time between two reports: a terminal shows one line that changes, a file one line each.
+    /// Returns the time between two reports: a terminal shows one changing line, a file one line each.
     fn patience(&self) -> Duration {
         if self.is_terminal { Duration::from_millis(200) } else { Duration::from_secs(10) }
     }
 
-    /// Says it where it is due; a standard error that went away is no reason to stop.
+    /// Reports progress if it is due; a closed standard error does not stop the run.
     fn say(&mut self, is_last: bool) {
         if !is_last && self.said.elapsed() < self.patience() {
             return;
@@ -220,8 +226,8 @@ impl Progress {
 }
 
 /// Prints the programs, a line of JSON each.
-fn list(to_do: &[Found]) -> Result<(), Refusal> {
-    let line = |found: &Found| {
+fn list(to_do: &[FoundProgram]) -> Result<(), CommandError> {
+    let line = |found: &FoundProgram| {
         let path = name(place(found));
         ArchiveLine { path: &path, key: None, prediction: None, error: None }.to_line()
     };
@@ -229,13 +235,13 @@ fn list(to_do: &[Found]) -> Result<(), Refusal> {
     if lines.is_empty() { Ok(()) } else { print(lines.trim_end()) }
 }
 
-fn place(found: &Found) -> &Path {
+fn place(found: &FoundProgram) -> &Path {
     match found {
         Ok(path) | Err((path, _)) => path,
     }
 }
 
-/// A path as text, one for each; bytes that are no UTF-8 as `\xFF`.
+/// Returns a path as unique text; bytes that are not UTF-8 as `\xFF`.
 fn name(path: &Path) -> String {
     let mut name = String::new();
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
@@ -245,8 +251,8 @@ fn name(path: &Path) -> String {
     name
 }
 
-/// What a panic says.
-fn told(panic: &(dyn Any + Send)) -> String {
+/// Returns the message of a panic.
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(ToString::to_string);
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_string())
 }

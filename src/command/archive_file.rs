@@ -1,83 +1,92 @@
-//! The file of an archive, `--ndjson --out`: whole lines, by one run at a time, and nothing lost.
+//! The file of an archive, `--ndjson --out`: whole lines, written by one run at a time, without loss.
 //!
-//! A line is written by a single call, so that a run that is killed leaves whole lines and at most half of one more,
-//! which the next run removes. Lines of programs that are not asked for stay. A file with anything else in it is
-//! refused.
+//! Each line is written by a single call, so that a killed run leaves whole lines and at most a part of one
+//! more, which the next run removes. Lines of programs outside the request are kept. A file with other
+//! content is refused.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write, stdout};
 use std::path::{Path, PathBuf};
 
-use truefeed::project::{LineOwner, begins_a_line};
+use truefeed::project::{LineBeginning, LineOwner};
 
-use crate::command::Refusal;
-use crate::command::output::{Kind, is_at, prepared, stream};
+use crate::command::CommandError;
+use crate::command::output::{OutputKind, is_at, prepared, stream};
 
-/// Where lines go.
+/// The destination of lines.
 pub enum Sink {
-    /// To standard output.
+    /// Standard output.
     Standard,
-    /// To a file, which is locked if it is a regular one.
+    /// A file, locked if it is a regular one.
     File(File, PathBuf),
 }
 
-/// What becomes of a line of an earlier run.
+/// The fate of a line of an earlier run.
 pub enum Earlier {
-    /// Its program is not asked for: it stays.
+    /// Its program is outside the request: the line is kept.
     Other,
-    /// It says what this run would say: it stays, and its program is skipped.
+    /// The line is current: it is kept, and its program is skipped.
     Current,
     /// Its program, the machine or the version has changed: this run replaces it.
     Outdated,
 }
 
 /// The lines of earlier runs.
-struct Lines {
-    /// Those that stay.
+struct EarlierLines {
+    /// Lines to keep.
     kept: Vec<u8>,
-    /// The programs whose lines are current.
+    /// Programs with a current line.
     current: HashSet<String>,
 }
 
-/// Opens `out` to add lines to. Returns it with the programs whose lines in it are current.
+/// Opens `out` to append lines. Returns it with the programs whose lines in it are current.
 ///
 /// # Errors
 ///
-/// Says why no line can be added: `out` is among the `inputs`, holds something else, or another run writes to it.
+/// Returns an error if `out` is among the `inputs`, has other content, or another run writes to it.
 pub fn open(
     out: &Path,
     inputs: &[&Path],
     state: &dyn Fn(&LineOwner) -> Earlier,
-) -> Result<(Sink, HashSet<String>), Refusal> {
+) -> Result<(Sink, HashSet<String>), CommandError> {
     let refused = |error: std::io::Error| format!("{}: {error}", out.display());
-    let place = match Kind::of(out, inputs)? {
-        Kind::Standard => return Ok((Sink::Standard, HashSet::new())),
-        Kind::Stream => {
+    let place = match OutputKind::of(out, inputs)? {
+        OutputKind::Standard => return Ok((Sink::Standard, HashSet::new())),
+        OutputKind::Stream => {
             return Ok((Sink::File(stream(out).map_err(refused)?, out.to_path_buf()), HashSet::new()));
         }
-        Kind::File(place) => place,
+        OutputKind::File(place) => place,
     };
     let mut file = locked(&place, out)?;
     let mut before = Vec::new();
     file.read_to_end(&mut before).map_err(refused)?;
-    let Lines { kept, current } = lines(&before, out, state)?;
+    let EarlierLines { kept, current } = lines(&before, out, state)?;
     if kept != before {
         let replacement = prepared(&place, &kept).map_err(refused)?;
         lock(replacement.as_file(), out)?;
-        // The former file is locked until the new one has its place.
+        // The old file is locked until the new one has replaced it.
         file = replacement.persist(&place).map_err(|error| refused(error.error))?;
     }
     Ok((Sink::File(file, out.to_path_buf()), current))
 }
 
 /// Sorts the lines of earlier runs.
-fn lines(before: &[u8], out: &Path, state: &dyn Fn(&LineOwner) -> Earlier) -> Result<Lines, Refusal> {
+fn lines(
+    before: &[u8],
+    out: &Path,
+    state: &dyn Fn(&LineOwner) -> Earlier,
+) -> Result<EarlierLines, CommandError> {
     let (mut kept, mut current) = (Vec::new(), HashSet::new());
     for (index, line) in before.split_inclusive(|byte| *byte == b'\n').enumerate() {
         let Some(owner) = LineOwner::of(line) else {
-            // A run that was killed in the middle of a line.
-            if !line.ends_with(b"\n") && begins_a_line(line) {
+            // A part of a line, from a killed run; the first one must show that it is a prediction.
+            let is_part = match LineBeginning::of(line) {
+                LineBeginning::Line => true,
+                LineBeginning::Perhaps => 0 < index,
+                LineBeginning::Other => false,
+            };
+            if is_part && !line.ends_with(b"\n") {
                 continue;
             }
             let (out, number) = (out.display(), index + 1);
@@ -95,28 +104,28 @@ fn lines(before: &[u8], out: &Path, state: &dyn Fn(&LineOwner) -> Earlier) -> Re
             }
         }
     }
-    Ok(Lines { kept, current })
+    Ok(EarlierLines { kept, current })
 }
 
-/// Opens the file at `place`, creates it if there is none, and locks it.
-fn locked(place: &Path, out: &Path) -> Result<File, Refusal> {
+/// Opens the file at `place`, creates it if it is missing, and locks it.
+fn locked(place: &Path, out: &Path) -> Result<File, CommandError> {
     let refused = |error: std::io::Error| format!("{}: {error}", out.display());
     loop {
         let file = OpenOptions::new().read(true).append(true).create(true).open(place).map_err(refused)?;
         lock(&file, out)?;
-        // Between the two another run may have put a new file in its place.
+        // Another run may have replaced the file between the two calls.
         if is_at(&file, place).map_err(refused)? {
             return Ok(file);
         }
     }
 }
 
-/// Keeps a second run from adding to the same file.
-fn lock(file: &File, out: &Path) -> Result<(), Refusal> {
+/// Prevents a second run from appending to the file.
+fn lock(file: &File, out: &Path) -> Result<(), CommandError> {
     match file.try_lock() {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => Err(format!(
-            "{}: another run writes to it; wait for its end, or give another --out",
+            "{}: another run is writing to this file; wait until it ends, or give another --out",
             out.display()
         )),
         // Some file systems have no locks.
@@ -125,8 +134,8 @@ fn lock(file: &File, out: &Path) -> Result<(), Refusal> {
 }
 
 impl Sink {
-    /// Adds a line.
-    pub fn put(&mut self, line: &str) -> Result<(), Refusal> {
+    /// Writes a line.
+    pub fn put(&mut self, line: &str) -> Result<(), CommandError> {
         match self {
             Sink::File(file, path) => {
                 file.write_all(line.as_bytes()).map_err(|error| format!("{}: {error}", path.display()))
@@ -134,7 +143,7 @@ impl Sink {
             Sink::Standard => {
                 stdout().write_all(line.as_bytes()).and_then(|()| stdout().flush()).map_err(|error| {
                     match error.kind() {
-                        ErrorKind::BrokenPipe => "nobody reads the lines any more".to_string(),
+                        ErrorKind::BrokenPipe => "the reader of the lines has closed its end".to_string(),
                         _ => error.to_string(),
                     }
                 })

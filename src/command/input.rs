@@ -1,5 +1,5 @@
-//! The files that commands read. Each has a bound on its length, so that an input without an end is refused before
-//! it fills the memory.
+//! Input files of commands. Each has a largest length, so that an endless input is refused before it fills
+//! the memory.
 
 use std::fs::File;
 use std::io::{Read, stdin};
@@ -8,9 +8,10 @@ use std::path::Path;
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::Options;
-use truefeed::simulation::toolpath::{Toolpath, trace_text};
+use truefeed::simulation::interpreter::trace_text;
+use truefeed::simulation::toolpath::Toolpath;
 
-use crate::command::{Refusal, declined};
+use crate::command::{CommandError, declined};
 
 /// Maximum length of a program or a recording, bytes: three times the longest program the project has seen.
 const MAX_DATA_BYTES: u64 = 1 << 30;
@@ -22,12 +23,12 @@ const MAX_SETTINGS_BYTES: u64 = 1 << 20;
 const STANDARD_INPUT: &str = "-";
 
 /// Returns the machine of a machine file.
-pub fn machine_of(path: &Path) -> Result<Machine, Refusal> {
+pub fn machine_of(path: &Path) -> Result<Machine, CommandError> {
     machine_from_toml(&settings_of(path)?).map_err(|fault| format!("{}: {fault}", path.display()))
 }
 
-/// Returns the toolpath of a program on a machine; an error names what a program is declined for.
-pub fn toolpath_of(program: &Path, options: &Options, machine: &Machine) -> Result<Toolpath, Refusal> {
+/// Returns the toolpath of a program on a machine; the error names the reason if the program is declined.
+pub fn toolpath_of(program: &Path, options: &Options, machine: &Machine) -> Result<Toolpath, CommandError> {
     let toolpath = trace_text(bytes_of(program)?, options, machine);
     match declined(&toolpath) {
         Some(reason) => Err(format!("{}: {reason}", program.display())),
@@ -36,24 +37,24 @@ pub fn toolpath_of(program: &Path, options: &Options, machine: &Machine) -> Resu
 }
 
 /// Returns the bytes of a program or a recording.
-pub fn bytes_of(path: &Path) -> Result<Vec<u8>, Refusal> {
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>, CommandError> {
     read(path, MAX_DATA_BYTES)
 }
 
 /// Returns the text of a machine file or a cutting job.
-pub fn settings_of(path: &Path) -> Result<String, Refusal> {
+pub fn settings_of(path: &Path) -> Result<String, CommandError> {
     String::from_utf8(read(path, MAX_SETTINGS_BYTES)?).map_err(|error| {
         format!("{}: not UTF-8 text at byte {}", path.display(), error.utf8_error().valid_up_to())
     })
 }
 
-/// Returns the path under which the operating system knows an input, standard input too.
+/// Returns the operating system's path of an input, standard input included.
 pub fn system_path(path: &Path) -> &Path {
     if path == Path::new(STANDARD_INPUT) { Path::new("/dev/stdin") } else { path }
 }
 
 /// Reads a file, or standard input, of at most `max_bytes`.
-fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Refusal> {
+fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, CommandError> {
     let refused = |error: std::io::Error| format!("{}: {error}", path.display());
     let outcome = if path == Path::new(STANDARD_INPUT) {
         read_within(stdin().lock(), 0, max_bytes)

@@ -1,5 +1,5 @@
-//! The files that commands write. A regular file is replaced as a whole or left as it was; no output replaces an
-//! input of its command, and what is no regular file (a pipe, a terminal, `/dev/null`) is written through.
+//! Output files of commands. A regular file is replaced as a whole or not at all; no output replaces an input
+//! of its command, and anything but a regular file (a pipe, a terminal, `/dev/null`) is written through.
 
 use std::fs::{File, Metadata, OpenOptions, metadata};
 use std::io::{ErrorKind, Write, stdout};
@@ -7,21 +7,21 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
 
-use crate::command::Refusal;
+use crate::command::CommandError;
 use crate::command::input::system_path;
 
 /// Maximum number of symbolic links from a name to its file, that of Linux.
 const MAX_LINKS: usize = 40;
 
-/// A file to write, checked before the work that its content takes.
+/// An output file, checked before its content is computed.
 pub struct Output {
-    /// As the user named it.
+    /// Path as the user wrote it.
     pub path: PathBuf,
-    kind: Kind,
+    kind: OutputKind,
 }
 
-/// How a target is written.
-pub enum Kind {
+/// The way in which a target is written.
+pub enum OutputKind {
     /// Through standard output, which is the same file.
     Standard,
     /// Through the path, to a pipe or a device.
@@ -35,10 +35,10 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// Says why nothing can be written there: it is an input, a folder, a disk, or in a folder that takes no files.
-    pub fn new(path: PathBuf, inputs: &[&Path]) -> Result<Output, Refusal> {
-        let kind = Kind::of(&path, inputs)?;
-        if let Kind::File(place) = &kind {
+    /// Returns an error if the path is an input, a folder, a disk, or in a folder that cannot be written.
+    pub fn new(path: PathBuf, inputs: &[&Path]) -> Result<Output, CommandError> {
+        let kind = OutputKind::of(&path, inputs)?;
+        if let OutputKind::File(place) = &kind {
             let refused = |error| refused(&path, error);
             if place.exists() {
                 OpenOptions::new().write(true).open(place).map_err(refused)?;
@@ -48,20 +48,23 @@ impl Output {
         Ok(Output { path, kind })
     }
 
-    /// Returns the outputs of a command that reads `inputs`, each to a file of its own.
+    /// Returns the outputs of a command that reads `inputs`, each to a different file.
     ///
     /// # Errors
     ///
-    /// Those of [`Output::new`], and two outputs to one file.
+    /// Returns the errors of [`Output::new`], and an error for two outputs to one file.
     pub fn all<const N: usize>(
         paths: [Option<PathBuf>; N],
         inputs: &[&Path],
-    ) -> Result<[Option<Output>; N], Refusal> {
+    ) -> Result<[Option<Output>; N], CommandError> {
         let given: Vec<&PathBuf> = paths.iter().flatten().collect();
         for (index, path) in given.iter().enumerate() {
             let replaced = replaced(path);
             if replaced.is_some() && given[..index].iter().any(|other| identity(other) == replaced) {
-                return Err(format!("{}: two outputs of one command; give each a file", path.display()));
+                return Err(format!(
+                    "{}: two outputs of this command go to one file; give each its own",
+                    path.display()
+                ));
             }
         }
         let mut outputs = [const { None }; N];
@@ -72,86 +75,90 @@ impl Output {
     }
 
     /// Writes the text as the whole content.
-    pub fn write(&self, text: &str) -> Result<(), Refusal> {
+    pub fn write(&self, text: &str) -> Result<(), CommandError> {
         let outcome = match &self.kind {
-            Kind::Standard => stdout().write_all(text.as_bytes()).and_then(|()| stdout().flush()),
-            Kind::Stream => stream(&self.path).and_then(|mut file| file.write_all(text.as_bytes())),
-            Kind::File(place) => prepared(place, text.as_bytes())
+            OutputKind::Standard => stdout().write_all(text.as_bytes()).and_then(|()| stdout().flush()),
+            OutputKind::Stream => stream(&self.path).and_then(|mut file| file.write_all(text.as_bytes())),
+            OutputKind::File(place) => prepared(place, text.as_bytes())
                 .and_then(|file| file.persist(place).map(drop).map_err(|error| error.error)),
         };
         match outcome {
-            // A reader that stops reading has what it wanted.
+            // A reader that stops reading has enough.
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
             outcome => outcome.map_err(|error| refused(&self.path, error)),
         }
     }
 }
 
-impl Kind {
-    /// Returns how the target at `path` is written by a command that reads `inputs`.
-    pub fn of(path: &Path, inputs: &[&Path]) -> Result<Kind, Refusal> {
+impl OutputKind {
+    /// Returns the way in which a command that reads `inputs` writes the target at `path`.
+    pub fn of(path: &Path, inputs: &[&Path]) -> Result<OutputKind, CommandError> {
         let replaced = replaced(path);
         let is_replaced = |input: &&&Path| replaced.is_some() && identity(system_path(input)) == replaced;
         if let Some(input) = inputs.iter().find(is_replaced) {
             let input = input.display();
-            return Err(format!("{}: this is the input {input}; write to another file", path.display()));
+            return Err(format!(
+                "{}: would replace the input {input}; write to another file",
+                path.display()
+            ));
         }
         match metadata(path) {
-            Ok(found) if found.is_dir() => Err(format!("{}: a folder; name a file", path.display())),
-            Ok(found) if is_disk(&found) => Err(format!("{}: a disk; name a file", path.display())),
-            Ok(found) if !found.is_file() => Ok(Kind::Stream),
-            Ok(_) if identity(Path::new("/dev/stdout")) == replaced => Ok(Kind::Standard),
-            _ => resolved(path).map(Kind::File).map_err(|error| refused(path, error)),
+            Ok(found) if found.is_dir() => Err(format!("{}: is a folder; name a file", path.display())),
+            Ok(found) if is_disk(&found) => Err(format!("{}: is a disk; name a file", path.display())),
+            Ok(found) if !found.is_file() => Ok(OutputKind::Stream),
+            Ok(_) if identity(Path::new("/dev/stdout")) == replaced => Ok(OutputKind::Standard),
+            _ => resolved(path).map(OutputKind::File).map_err(|error| refused(path, error)),
         }
     }
 }
 
-/// Opens what is no regular file.
+/// Opens a target that is no regular file.
 pub fn stream(path: &Path) -> std::io::Result<File> {
     OpenOptions::new().write(true).open(path)
 }
 
-/// Returns a temporary file with this content, and the owner and mode of the file at `place`, ready to take its place.
+/// Returns a temporary file with this content, and the owner and mode of the file at `place`, ready to
+/// replace it.
 pub fn prepared(place: &Path, content: &[u8]) -> std::io::Result<NamedTempFile> {
     let mut file = beside(place)?;
-    // Before the content is in it, which others may not be allowed to read.
+    // Before the content is written, which others may not be allowed to read.
     if let Ok(old) = metadata(place) {
         keep_owner(file.as_file(), &old);
         file.as_file().set_permissions(old.permissions())?;
     }
     file.write_all(content)?;
-    // A name that survives a power failure has its content.
+    // The content must reach the disk before the name does.
     file.as_file().sync_all()?;
     Ok(file)
 }
 
-/// Creates a temporary file in the folder of `place`, which disappears unless it takes that place.
+/// Creates a temporary file in the folder of `place`, which is deleted unless it replaces the file there.
 fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".truefeed-").suffix(".part").append(true);
-    // As any new file, and not for its owner alone.
+    // With the mode of any new file, not readable only by its owner.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder_of(place))
 }
 
-/// Returns the identity of the file that writing to `path` replaces, or `None` where it is written through.
+/// Returns the identity of the file that writing to `path` replaces; `None` if it is written through.
 fn replaced(path: &Path) -> Option<Identity> {
     let is_regular = metadata(path).map_or(true, |found| found.is_file());
     is_regular.then(|| identity(path)).flatten()
 }
 
-/// What tells a file from all others.
+/// The identity of a file.
 #[derive(PartialEq, Eq)]
 enum Identity {
     /// Device and inode.
     #[cfg(unix)]
     Node(u64, u64),
-    /// The canonical path, of a file that is not there yet, or where files have no inodes.
+    /// The canonical path, of a missing file, or if files have no inodes.
     Path(PathBuf),
 }
 
-/// Returns the identity of the file at `path`, or `None` where none can be.
+/// Returns the identity of the file at `path`; `None` if it has none.
 fn identity(path: &Path) -> Option<Identity> {
     match metadata(path) {
         #[cfg(unix)]
@@ -171,7 +178,8 @@ fn node(found: &Metadata) -> Identity {
     Identity::Node(found.dev(), found.ino())
 }
 
-/// Whether an open file is the one at `path` still. Where files have no inodes, an open file cannot be replaced.
+/// Returns `true` if an open file is still the one at `path`. Without inodes, an open file cannot be
+/// replaced.
 pub fn is_at(file: &File, path: &Path) -> std::io::Result<bool> {
     #[cfg(unix)]
     return Ok(Some(node(&file.metadata()?)) == identity(path));
@@ -179,7 +187,7 @@ pub fn is_at(file: &File, path: &Path) -> std::io::Result<bool> {
     Ok(true)
 }
 
-/// Returns the path behind symbolic links; there may be no file at it yet.
+/// Returns the path behind symbolic links; a file need not exist there.
 fn resolved(path: &Path) -> std::io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..MAX_LINKS {
@@ -196,7 +204,8 @@ fn folder_of(path: &Path) -> &Path {
     if parent == Path::new("") { Path::new(".") } else { parent }
 }
 
-/// Gives a file the owner and group of another. Only the superuser may give files away; anyone else keeps the new one.
+/// Gives a file the owner and group of another. Only the superuser may do so; for anyone else the file keeps
+/// its own.
 fn keep_owner(file: &File, old: &Metadata) {
     #[cfg(unix)]
     {
@@ -207,7 +216,7 @@ fn keep_owner(file: &File, old: &Metadata) {
     let _ = (file, old);
 }
 
-/// Whether it is a disk or a part of one, whose content is more than a file.
+/// Returns `true` for a disk or a part of one.
 fn is_disk(found: &Metadata) -> bool {
     #[cfg(unix)]
     return std::os::unix::fs::FileTypeExt::is_block_device(&found.file_type());
@@ -218,6 +227,6 @@ fn is_disk(found: &Metadata) -> bool {
     }
 }
 
-fn refused(path: &Path, error: std::io::Error) -> Refusal {
+fn refused(path: &Path, error: std::io::Error) -> CommandError {
     format!("{}: {error}", path.display())
 }

@@ -1,4 +1,4 @@
-//! `truefeed predict`: the cycle time of a program for each contour tolerance.
+//! `truefeed predict`: the cycle time of a program at each contour tolerance.
 
 use std::num::NonZero;
 use std::panic::resume_unwind;
@@ -7,24 +7,26 @@ use std::process::ExitCode;
 use std::thread::{available_parallelism, scope};
 
 use lexopt::prelude::*;
-use truefeed::project::{Prediction, doubt_sentence, profile_csv, severity_word, spacing_note};
-use truefeed::quote::{Functions, Quote, Share, programmed_time, quote};
+use truefeed::project::{
+    Prediction, doubt_sentence, profile_csv, range_sentence, severity_word, spacing_note,
+};
+use truefeed::quote::{FunctionBreakdown, Quote, TimeShare, programmed_time, quote};
 use truefeed::simulation::drive::actual_motion;
-use truefeed::simulation::feed::{Held, Tolerances};
+use truefeed::simulation::feed::{ToleranceRange, Tolerances};
 use truefeed::simulation::gcode::{ArcCenters, Dialect, Options};
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Blending, Toolpath};
 
-use crate::command::archive::Archive;
-use crate::command::cutting::Cut;
+use crate::command::archive::ArchiveRequest;
+use crate::command::cutting::CutForces;
 use crate::command::input::{machine_of, toolpath_of};
 use crate::command::output::Output;
-use crate::command::{Refusal, arc_centers, dialect, once, print, value};
+use crate::command::{CommandError, arc_centers, dialect, help, once, print, value};
 
 /// The request of `predict`.
 #[derive(Default)]
-struct Request {
+struct PredictRequest {
     programs: Vec<PathBuf>,
     machine: Option<PathBuf>,
     tolerances: Vec<f64>,
@@ -40,18 +42,19 @@ struct Request {
     jobs: Option<NonZero<usize>>,
 }
 
-/// Carries out `predict`.
-pub fn predict(parser: &mut lexopt::Parser) -> Result<ExitCode, Refusal> {
+/// Runs `predict`.
+pub fn predict(parser: &mut lexopt::Parser) -> Result<ExitCode, CommandError> {
     match request(parser)? {
-        None => print(crate::USAGE).map(|()| ExitCode::SUCCESS),
+        None => print(help::PREDICT).map(|()| ExitCode::SUCCESS),
         Some(request) if request.is_archive => archive(request)?.run(),
         Some(request) => predict_one(request).map(|()| ExitCode::SUCCESS),
     }
 }
 
-/// The archive that is asked for.
-fn archive(request: Request) -> Result<Archive, Refusal> {
-    let Request { programs, machine, tolerances, dialect, arc_centers, out, is_list, jobs, .. } = request;
+/// Returns the request for an archive.
+fn archive(request: PredictRequest) -> Result<ArchiveRequest, CommandError> {
+    let PredictRequest { programs, machine, tolerances, dialect, arc_centers, out, is_list, jobs, .. } =
+        request;
     let others = [
         ("--json", request.json),
         ("--profile", request.profile.is_some()),
@@ -59,28 +62,28 @@ fn archive(request: Request) -> Result<Archive, Refusal> {
         ("--forces", request.forces.is_some()),
     ];
     if let Some((other, _)) = others.iter().find(|(_, is_given)| *is_given) {
-        return Err(format!("{other} is of a single program; leave it out, or --ndjson"));
+        return Err(format!("{other} works for a single program only; remove it, or --ndjson"));
     }
     if programs.is_empty() {
-        return Err("which programs? Give G-code files or folders".to_string());
+        return Err("no programs; give G-code files or folders".to_string());
     }
-    let machine_path = machine.ok_or("which machine? Give --machine M.toml")?;
+    let machine_path = machine.ok_or("no machine; give --machine M.toml")?;
     let machine = machine_of(&machine_path)?;
     let options = Options { dialect, arc_centers, ..Options::default() };
-    Ok(Archive { paths: programs, machine, machine_path, tolerances, options, out, is_list, jobs })
+    Ok(ArchiveRequest { paths: programs, machine, machine_path, tolerances, options, out, is_list, jobs })
 }
 
-/// Carries out `predict` for one program.
-fn predict_one(request: Request) -> Result<(), Refusal> {
+/// Runs `predict` for one program.
+fn predict_one(request: PredictRequest) -> Result<(), CommandError> {
     if request.out.is_some() || request.is_list || request.jobs.is_some() {
         return Err("--out, --list and --jobs need --ndjson".to_string());
     }
     let mut programs = request.programs.into_iter();
-    let program = programs.next().ok_or("which program? Give a G-code file, or - for standard input")?;
+    let program = programs.next().ok_or("no program; give a G-code file, or - for standard input")?;
     if programs.next().is_some() {
         return Err("PROGRAM is given twice; several programs and folders need --ndjson".to_string());
     }
-    let machine_path = request.machine.ok_or("which machine? Give --machine M.toml")?;
+    let machine_path = request.machine.ok_or("no machine; give --machine M.toml")?;
     if request.forces.is_some() && request.cutting.is_none() {
         return Err("--forces needs --cutting JOB.toml".to_string());
     }
@@ -88,19 +91,19 @@ fn predict_one(request: Request) -> Result<(), Refusal> {
         [&program, &machine_path].into_iter().chain(&request.cutting).map(PathBuf::as_path).collect();
     let [profile, forces] = Output::all([request.profile, request.forces], &inputs)?;
     let machine = machine_of(&machine_path)?;
-    let Request { dialect, arc_centers, .. } = request;
+    let PredictRequest { dialect, arc_centers, .. } = request;
     let options = Options { dialect, arc_centers, ..Options::default() };
     let toolpath = toolpath_of(&program, &options, &machine)?;
 
     let mut cut = match &request.cutting {
-        Some(job) => Some(Cut::new(job, forces, &machine, &toolpath)?),
+        Some(job) => Some(CutForces::new(job, forces, &machine, &toolpath)?),
         None => None,
     };
     let tolerances = match request.tolerances {
         none if none.is_empty() => vec![Tolerances::Programmed],
         given => given.into_iter().map(Tolerances::One).collect(),
     };
-    // A plan is large: it is kept only for what is made of it below.
+    // A plan is large: it is dropped once its results are computed.
     let is_kept = |index: usize| cut.is_some() || (index == 0 && profile.is_some());
     let results = side_by_side(tolerances.len(), |index| {
         let tolerance = tolerances[index];
@@ -137,8 +140,8 @@ fn predict_one(request: Request) -> Result<(), Refusal> {
     }
 }
 
-/// What `work` makes of the numbers below `count`, in their order, on as many threads as there are processors.
-fn side_by_side<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+/// Returns the results of `work` for the numbers below `count`, in order, computed on all processors.
+pub(super) fn side_by_side<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let threads = available_parallelism().map_or(1, NonZero::get).min(count);
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
     scope(|scope| {
@@ -154,9 +157,9 @@ fn side_by_side<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<
     results.into_iter().flatten().collect()
 }
 
-/// Reads the rest of the command line; none where help was asked for.
-fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
-    let mut request = Request::default();
+/// Reads the rest of the command line; `None` if it requests help.
+fn request(parser: &mut lexopt::Parser) -> Result<Option<PredictRequest>, CommandError> {
+    let mut request = PredictRequest::default();
     while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
         match argument {
             Long("machine") => once(&mut request.machine, value(parser)?, "--machine")?,
@@ -196,7 +199,7 @@ fn request(parser: &mut lexopt::Parser) -> Result<Option<Request>, Refusal> {
     Ok(Some(request))
 }
 
-/// The result for people.
+/// Returns the result for people.
 fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> String {
     let mut text = format!(
         "{name} ({}): {} blocks of motion, programmed time {programmed:.2} s\n",
@@ -220,13 +223,16 @@ fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> 
             quote.max_contour_error
         );
     }
+    if let Some(range) = quotes.first().and_then(|quote| quote.range.as_ref()) {
+        text += &format!("\nCycle time {}", range_sentence(range));
+    }
     if let Some(sentence) = quotes.first().and_then(|quote| doubt_sentence(&quote.trust)) {
         text += &format!("\n{sentence}");
     }
-    for held in quotes.iter().flat_map(|quote| &quote.held) {
-        text += &format!("\n{}", held_text(held));
+    for held in quotes.iter().flat_map(|quote| &quote.tolerance_ranges) {
+        text += &format!("\n{}", tolerance_range_text(held));
     }
-    // What functions and whole changes take is the same for all tolerances.
+    // Functions and tool changes take equally long at all tolerances.
     text += &quotes.first().map_or(String::new(), |quote| other_parts(&quote.breakdown.functions));
     for quote in quotes {
         text += &parts(quote);
@@ -238,16 +244,16 @@ fn table(name: &str, programmed: f64, quotes: &[Quote], toolpath: &Toolpath) -> 
     text
 }
 
-/// What the other time is made of, a line for each part that takes any.
-fn other_parts(functions: &Functions) -> String {
-    let Functions { spindle, coolant, stops, pallet, clamp, m_words, start, halts } = *functions;
+/// Returns the parts of the other time, a line for each that is not 0.
+fn other_parts(functions: &FunctionBreakdown) -> String {
+    let FunctionBreakdown { spindle, coolant, stops, pallet, clamp, m_words, start, halts } = *functions;
     let names = [
         "spindle",
         "coolant",
         "program stops",
         "pallet changes",
         "clamping",
-        "other M-words",
+        "other M-codes",
         "program start",
         "halts",
     ];
@@ -256,11 +262,11 @@ fn other_parts(functions: &Functions) -> String {
     parts.map(|(name, seconds)| format!("\nother: {name} {seconds:.2} s")).collect()
 }
 
-/// Operations and tools of one tolerance, where there is more than one.
+/// Returns operations and tools at one tolerance, if there are several.
 fn parts(quote: &Quote) -> String {
     const TITLES: &str = "     time s     lost s  cutting s    rapid s    dwell s  changes s    other s    feed mm   rapid mm  blocks";
     let mut text = String::new();
-    let row = |share: &Share| {
+    let row = |share: &TimeShare| {
         let b = &share.breakdown;
         let times = [share.time(), share.lost(), b.cutting, b.rapid, b.dwell, b.tool_change, b.other];
         let columns = times.into_iter().chain([share.feed_length, share.rapid_length]);
@@ -285,15 +291,15 @@ fn parts(quote: &Quote) -> String {
     text
 }
 
-/// Where a tolerance of the program holds.
-fn held_text(held: &Held) -> String {
+/// Describes the range of one tolerance of the program.
+fn tolerance_range_text(held: &ToleranceRange) -> String {
     let (first, last) = (held.lines.0.0, held.lines.1.0);
     let what = match held.blending {
-        Blending::ExactStop => "exact stop".to_string(),
+        Blending::ExactStop | Blending::ExactPath => "exact stop".to_string(),
         Blending::Machine => format!("{} mm, the machine's", held.tolerance),
         Blending::Within(tolerance) => format!("{tolerance} mm"),
         Blending::Distance(distance) => {
-            format!("{distance} mm before each corner, up to {} mm beside it", held.tolerance)
+            format!("from {distance} mm before each corner, deviating by up to {} mm", held.tolerance)
         }
     };
     let source = if held.source.is_empty() { String::new() } else { format!(" ({})", held.source) };

@@ -7,10 +7,10 @@ use truefeed::identification::probe::{probe_all, probe_between};
 
 use crate::command::input::machine_of;
 use crate::command::output::Output;
-use crate::command::{Refusal, once, print, value};
+use crate::command::{CommandError, help, once, print, value};
 
-/// Carries out `probe`.
-pub fn probe(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
+/// Runs `probe`.
+pub fn probe(parser: &mut lexopt::Parser) -> Result<(), CommandError> {
     let (mut machine, mut out) = (None, None);
     let mut between: Option<[String; 2]> = None;
     while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
@@ -28,15 +28,15 @@ pub fn probe(parser: &mut lexopt::Parser) -> Result<(), Refusal> {
                 let pair = values.next().zip(values.next());
                 let (one, other) = pair.ok_or("--between needs two causes: --between CAUSE CAUSE")?;
                 if let Some(more) = values.next() {
-                    return Err(format!("--between takes two causes; {more} is one too many"));
+                    return Err(format!("--between takes two causes; remove {more}"));
                 }
                 between = Some([one, other]);
             }
-            Long("help") | Short('h') => return print(crate::USAGE),
+            Long("help") | Short('h') => return print(help::PROBE),
             other => return Err(other.unexpected().to_string()),
         }
     }
-    let machine: PathBuf = machine.ok_or("which machine? Give --machine M.toml")?;
+    let machine: PathBuf = machine.ok_or("no machine; give --machine M.toml")?;
     let out = out.map(|out| Output::new(out, &[&*machine])).transpose()?;
     let machine = machine_of(&machine)?;
     let probe = match &between {

@@ -1,8 +1,9 @@
 //! Files and folders → the programs among them.
 //!
-//! A file that is named is a program, whatever is in it. In a folder and those below it a file is one by its
+//! A named file is a program, whatever its content. In a folder and its subfolders a file is a program by its
 //! extension, unless it holds binary data or a recording, or by its content: most of its first lines are
-//! blocks. What begins with a dot is left out, and links to folders are not followed, so that a walk ends.
+//! blocks. Names that begin with a dot are ignored, and links to folders are not followed, so that the search
+//! ends.
 
 use std::ffi::OsStr;
 use std::fs::{DirEntry, File};
@@ -11,22 +12,23 @@ use std::path::{Path, PathBuf};
 
 use truefeed::identification::recording::{SNIFFED_BYTES, is_recording};
 
-/// Extensions of nothing but programs, in lower case; of others (`.h`, `.txt`, none) the content decides.
-const EXTENSIONS: [&str; 11] = ["nc", "ngc", "cnc", "ncp", "tap", "gcode", "gco", "mpf", "spf", "eia", "hnc"];
+/// Extensions of programs, in lower case; for others (`.h`, `.txt`, none) the content decides.
+const PROGRAM_EXTENSIONS: [&str; 11] =
+    ["nc", "ngc", "cnc", "ncp", "tap", "gcode", "gco", "mpf", "spf", "eia", "hnc"];
 
-/// How many of the first lines that are not empty are looked at.
-const LINES: usize = 100;
+/// Number of the first nonempty lines that are inspected.
+const INSPECTED_LINES: usize = 100;
 
-/// A program, or a place that cannot be looked into and why.
-pub type Found = Result<PathBuf, (PathBuf, String)>;
+/// A program, or a place that cannot be read with the reason.
+pub type FoundProgram = Result<PathBuf, (PathBuf, String)>;
 
-/// The programs of files and folders, folders in the order of names, none twice.
-pub fn programs(paths: &[PathBuf]) -> Vec<Found> {
+/// Returns the programs of files and folders, folders in the order of names, each once.
+pub fn programs(paths: &[PathBuf]) -> Vec<FoundProgram> {
     let mut found = Vec::new();
     for path in paths {
         if path.is_dir() { walk(path, &mut found) } else { found.push(Ok(path.clone())) }
     }
-    let place = |found: &Found| match found {
+    let place = |found: &FoundProgram| match found {
         Ok(path) | Err((path, _)) => path.clone(),
     };
     let mut seen = std::collections::HashSet::new();
@@ -34,7 +36,7 @@ pub fn programs(paths: &[PathBuf]) -> Vec<Found> {
     found
 }
 
-fn walk(folder: &Path, found: &mut Vec<Found>) {
+fn walk(folder: &Path, found: &mut Vec<FoundProgram>) {
     let refused = |error: std::io::Error| Err((folder.to_path_buf(), error.to_string()));
     let entries = match std::fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<DirEntry>, _>>) {
         Ok(entries) => entries,
@@ -66,14 +68,15 @@ fn is_program(path: &Path) -> std::io::Result<bool> {
     File::open(path)?.take(SNIFFED_BYTES as u64).read_to_end(&mut head)?;
     let extension = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
     let is_text = !head.contains(&0) || head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
-    let is_named = extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()));
+    let is_named = extension.is_some_and(|extension| PROGRAM_EXTENSIONS.contains(&extension.as_str()));
     Ok(is_text && !is_recording(&head) && (is_named || holds_blocks(&head)))
 }
 
-/// Whether most of the first lines are blocks or remarks, and some line moves or sets a mode.
+/// Returns `true` if most of the first lines are blocks or remarks, and some line moves or sets a mode.
 fn holds_blocks(head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
-    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).take(LINES).collect();
+    let lines: Vec<&str> =
+        text.lines().map(str::trim).filter(|line| !line.is_empty()).take(INSPECTED_LINES).collect();
     let blocks = lines.iter().filter(|line| is_block(line)).count();
     let words = lines.iter().filter(|line| has_word(line)).count();
     0 < words && lines.len() * 9 <= blocks * 10
@@ -94,7 +97,7 @@ fn is_block(line: &str) -> bool {
             && (is_word(numbered) || is_statement.iter().any(|word| numbered.starts_with(word))))
 }
 
-/// A letter and a number, as a block begins.
+/// Returns `true` if the text begins with a letter and a number, as a block does.
 fn is_word(text: &str) -> bool {
     let mut characters = text.chars();
     let letter = characters.next().is_some_and(|first| first.is_ascii_alphabetic());
@@ -102,7 +105,7 @@ fn is_word(text: &str) -> bool {
     letter && number.starts_with(|first: char| first.is_ascii_digit())
 }
 
-/// A G word, or a line or tool of a conversational program.
+/// Returns `true` for a line with a G word, or a line or tool of a conversational program.
 fn has_word(line: &str) -> bool {
     let upper = line.to_ascii_uppercase();
     upper.split(['G', ' ']).skip(1).any(|rest| rest.starts_with(|first: char| first.is_ascii_digit()))

@@ -2,29 +2,29 @@
 
 use std::path::{Path, PathBuf};
 
-use truefeed::identification::fit::{Recorded, RecordedError};
-use truefeed::identification::recording::Options;
+use truefeed::identification::fit::{AlignedRun, AlignedRunError};
+use truefeed::identification::recording::ReadingOptions;
 use truefeed::machine::Machine;
-use truefeed::project::Refusal as Reason;
+use truefeed::project::ComparisonRefusal as Reason;
 use truefeed::simulation::gcode::Options as Reading;
 
 use crate::command::input::{bytes_of, toolpath_of};
-use crate::command::{Refusal, value};
+use crate::command::{CommandError, value};
 
-/// A program and a recording, as named.
-pub struct Pair {
-    /// The program.
+/// A program and a recording, by path.
+pub struct ProgramRun {
+    /// Path of the program.
     pub program: PathBuf,
-    /// The recording.
+    /// Path of the recording.
     pub recording: PathBuf,
 }
 
-impl Pair {
-    /// The two values of `--run`.
-    pub fn of_option(parser: &mut lexopt::Parser) -> Result<Pair, Refusal> {
+impl ProgramRun {
+    /// Reads the two values of `--run`.
+    pub fn of_option(parser: &mut lexopt::Parser) -> Result<ProgramRun, CommandError> {
         let both = "--run: expected a program and a recording";
         let mut next = || value(parser).map(PathBuf::from).map_err(|_| both.to_string());
-        Ok(Pair { program: next()?, recording: next()? })
+        Ok(ProgramRun { program: next()?, recording: next()? })
     }
 
     /// Returns both paths.
@@ -32,39 +32,41 @@ impl Pair {
         [&self.program, &self.recording]
     }
 
-    /// The name of the recording for people.
+    /// Returns the name of the recording for people.
     pub fn name(&self) -> String {
         let name = self.recording.file_name().unwrap_or(self.recording.as_os_str());
         name.to_string_lossy().into_owned()
     }
 
-    /// The recording on the program; the inner error where the files can be read but not be compared.
+    /// Aligns the recording with the program; the inner error means that the files were read but cannot be
+    /// compared.
     pub fn read(
         &self,
         machine: &Machine,
-        options: &Options,
-    ) -> Result<Result<Recorded, RecordedError>, Refusal> {
+        options: &ReadingOptions,
+    ) -> Result<Result<AlignedRun, AlignedRunError>, CommandError> {
         let toolpath = toolpath_of(&self.program, &Reading::default(), machine)?;
-        Ok(Recorded::with(toolpath, &bytes_of(&self.recording)?, options, machine))
+        Ok(AlignedRun::with(toolpath, &bytes_of(&self.recording)?, options, machine))
     }
 }
 
-/// The option that states the time between rows of a recording without a column of time.
-pub const INTERVAL: &str = "--interval-s";
+/// The option with the time between rows of a recording without a column of time.
+pub const INTERVAL_OPTION: &str = "--interval-s";
 
-/// What the options say of a recording.
-pub fn options(interval: Option<PathBuf>) -> Result<Options, Refusal> {
-    let Some(text) = interval else { return Ok(Options::default()) };
+/// Returns the reading options of a recording.
+pub fn options(interval: Option<PathBuf>) -> Result<ReadingOptions, CommandError> {
+    let Some(text) = interval else { return Ok(ReadingOptions::default()) };
     let seconds = text.to_str().and_then(|text| text.parse::<f64>().ok());
     match seconds.filter(|seconds| seconds.is_finite() && 0.0 < *seconds) {
-        Some(seconds) => Ok(Options { interval: Some(seconds), ..Options::default() }),
-        None => {
-            Err(format!("{INTERVAL} {}: expected a number of seconds above 0, such as 0.002", text.display()))
-        }
+        Some(seconds) => Ok(ReadingOptions { interval: Some(seconds), ..ReadingOptions::default() }),
+        None => Err(format!(
+            "{INTERVAL_OPTION} {}: expected a number of seconds above 0, such as 0.002",
+            text.display()
+        )),
     }
 }
 
-/// One line that says why a recording cannot be compared, and what to do.
-pub fn refusal(recording: &Path, error: &RecordedError) -> Refusal {
+/// Returns one line with the reason why a recording cannot be compared, and advice.
+pub fn refusal(recording: &Path, error: &AlignedRunError) -> CommandError {
     format!("{}: {}", recording.display(), Reason::from(error))
 }

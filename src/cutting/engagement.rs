@@ -1,7 +1,7 @@
-//! Toolpath → engagement: where along the path the teeth are in the material, and what is removed.
+//! Toolpath → engagement: where along the path the teeth are in the material, and the removed volume.
 //!
-//! The mill is run along the programmed path over the height map. At each place its circumference
-//! is asked where it stands in material, over the half that moves forward:
+//! The mill moves along the programmed path over the height map. At each place the half of its circumference
+//! that moves forward is compared with the material:
 //!
 //! ```text
 //!             feed t          φ = 0 beside the tool where its teeth move with the feed (M3: left),
@@ -10,11 +10,10 @@
 //!  φ = 0  (    +    )  φ = π  conventionally, in π/2 … π alone climbing.
 //! ```
 //!
-//! A sector is a range of φ with the depth of material above the tip of the tool. The map lags a few
-//! cells behind the tool, so that what is cut just there still stands; within ten degrees of either
-//! side, where a chip is less than a fifth of the feed thick and a cell says little, the sector next
-//! to it goes on. Angles are known to a few a/R (a side of a cell, R radius), radial depth to a few
-//! cells.
+//! A sector is a range of φ with the depth of material above the tip of the tool. The map lags a few cells
+//! behind the tool, so that material being cut is still in it; within ten degrees of either side, where a
+//! chip is thinner than a fifth of the feed and a cell says little, the neighbouring sector is extended.
+//! Angles are accurate to a few a/R (a side of a cell, R radius), radial depth to a few cells.
 //!
 //! Left out: cutting by the bottom when the tool goes straight down (its volume counts), the shape
 //! of a rounded corner of the tool in the sectors, and the deviation of the real path from the
@@ -26,15 +25,15 @@ use std::ops::Range;
 
 use crate::cutting::setup::{CuttingError, Mill, Setup};
 use crate::cutting::stock::HeightMap;
-use crate::machine::Direction;
+use crate::machine::SpindleDirection;
 use crate::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Toolpath};
 
-/// Teeth in material between two angles.
+/// A range of angles with material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sector {
-    /// Where a tooth enters, rad, 0 to π.
+    /// Angle at which a tooth enters, rad, 0 to π.
     pub entry: f64,
-    /// Where it leaves, rad, above `entry`, at most π.
+    /// Angle at which it leaves, rad, above `entry`, at most π.
     pub exit: f64,
     /// Depth of the material above the tip, mm.
     pub depth: f64,
@@ -42,119 +41,147 @@ pub struct Sector {
 
 /// A place on the path where material is cut.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
-    /// Distance along the programmed path, mm: the middle of the stretch it stands for.
+pub struct CutPlace {
+    /// Distance along the programmed path, mm: the middle of the section that it represents.
     pub distance: f64,
-    /// Length of that stretch, mm.
+    /// Length of that section, mm.
     pub length: f64,
-    /// Its segment.
+    /// Index of the segment.
     pub segment: usize,
     /// Line of the program.
     pub line: u32,
-    /// Volume removed on the stretch, mm³.
+    /// Volume removed along the section, mm³.
     pub removed: f64,
     /// Share of the motion that is level, 0 straight down to 1.
     pub level: f64,
-    /// Which sectors are its own.
+    /// Indices of its sectors.
     sectors: Range<usize>,
 }
 
 /// A rapid move through material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collision {
-    /// Its segment.
+    /// Index of the segment.
     pub segment: usize,
     /// Line of the program.
     pub line: u32,
-    /// Where it begins along the path, mm.
+    /// Distance along the path at which it begins, mm.
     pub distance: f64,
-    /// Volume it went through, mm³.
+    /// Volume removed, mm³.
     pub removed: f64,
 }
 
-/// What is cut along a path.
+/// The engagement of the tool along a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Engagement {
-    /// Where material is cut, by ascending distance; between them nothing is.
-    pub places: Vec<Place>,
+    /// Places where material is cut, by ascending distance; nothing is cut between them.
+    pub places: Vec<CutPlace>,
     /// Rapid moves through material, in order.
     pub collisions: Vec<Collision>,
     /// Side of a cell, mm.
     pub resolution: f64,
-    /// The material that is left.
-    pub rest: HeightMap,
+    /// The remaining material.
+    pub remaining: HeightMap,
     sectors: Vec<Sector>,
 }
 
 impl Engagement {
-    /// The distance along the path of each place, mm.
+    /// Returns the distance along the path of each place, mm.
     pub fn distances(&self) -> impl Iterator<Item = f64> {
         self.places.iter().map(|place| place.distance)
     }
 
-    /// The sectors of a place, by ascending angle.
-    pub fn sectors(&self, place: &Place) -> &[Sector] {
+    /// Returns the sectors of a place, by ascending angle.
+    pub fn sectors(&self, place: &CutPlace) -> &[Sector] {
         &self.sectors[place.sectors.clone()]
     }
 
-    /// Largest depth along the axis at a place, mm.
-    pub fn axial(&self, place: &Place) -> f64 {
+    /// Returns the largest axial depth at a place, mm.
+    pub fn axial(&self, place: &CutPlace) -> f64 {
         self.sectors(place).iter().map(|sector| sector.depth).fold(0.0, f64::max)
     }
 
-    /// Width across the feed that is in material at a place, mm, given the tool's radius (mm).
-    pub fn radial(&self, place: &Place, radius: f64) -> f64 {
+    /// Returns the radial width of the material at a place, mm, given the tool's radius (mm).
+    pub fn radial(&self, place: &CutPlace, radius: f64) -> f64 {
         self.sectors(place).iter().map(|sector| radius * (sector.entry.cos() - sector.exit.cos())).sum()
     }
 }
 
-/// Part of the way after which progress is told.
-pub(crate) const TOLD: f64 = 0.01;
+/// Part of the path after which progress is reported.
+pub(crate) const PROGRESS_STEP_RATIO: f64 = 0.01;
 
-/// How far the map lags behind the tool, cells.
-const LAG: f64 = 4.0;
+/// Lag of the map behind the tool, cells.
+const MAP_LAG_CELLS: f64 = 4.0;
 
-/// A tool is asked at least so often on its way over its own radius.
-const PLACES_A_RADIUS: f64 = 25.0;
+/// Least number of places on a path as long as the tool's radius.
+const PLACES_PER_RADIUS: f64 = 25.0;
 
-/// Stretches of a path at most; more would fill the memory of a browser.
-const MOST_STRETCHES: f64 = 3e6;
+/// Most places of a path; more would fill the memory of a browser.
+const MAX_CUT_PLACES: f64 = 3e6;
 
-/// Depths within this part of a cell are one.
-const SAME_DEPTH: f64 = 0.25;
+/// Largest difference of depths that count as equal, cells.
+const EQUAL_DEPTH_CELLS: f64 = 0.25;
 
-/// A step of the tool that has not reached the map yet.
-struct Step {
+/// A position of the tool that the map does not include yet.
+struct PendingStep {
     position: Point,
     distance: f64,
-    owner: Owner,
+    owner: VolumeOwner,
 }
 
-/// What a removed volume belongs to.
+/// The owner of a removed volume.
 #[derive(Clone, Copy)]
-enum Owner {
+enum VolumeOwner {
     Place(usize),
     Rapid { segment: usize, line: u32, distance: f64 },
 }
 
-/// The run of one tool after the other over the map.
-struct Run<'a> {
+/// The state of a run of one tool after another over the map.
+struct ToolRun<'a> {
     engagement: Engagement,
     mill: &'a Mill,
-    waiting: VecDeque<Step>,
-    /// Where the same mill cut last.
+    waiting: VecDeque<PendingStep>,
+    /// Position at which the same mill cut last.
     last: Option<Point>,
-    /// Stretches run so far.
+    /// Number of sections run so far.
     stretches: f64,
 }
 
-/// What is cut along a toolpath.
+/// Returns the engagement of the tools with the stock along a toolpath.
+///
+/// # Errors
+///
+/// If the set-up has no stock or no tool for a place, if rotary axes turn, or if a line is too long for the cells.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::cutting::{Mill, Setup, StockBox, engagement, loads, material};
+/// use truefeed::machine::Machine;
+/// use truefeed::simulation::{gcode::read, interpreter::trace};
+///
+/// let toolpath = trace(&read(b"G21 G90 G0 X-10 Y0 Z-2\nM3 S8000\nG1 X40 F1000"), &Machine::default());
+/// let setup = Setup {
+///     stock: Some(StockBox { min: [0.0, -20.0, -10.0], max: [40.0, 20.0, 0.0] }),
+///     coefficients: Some(material("al7075").expect("it is in the table").coefficients),
+///     tool: Some(Mill { diameter: Some(10.0), teeth: Some(2), ..Mill::default() }),
+///     ..Setup::default()
+/// };
+/// let slot = engagement(&toolpath, &setup).expect("nothing is missing");
+/// let feedrates = vec![1000.0 / 60.0; slot.places.len()];
+/// let loads = loads(&slot, &toolpath, &setup, &[&feedrates]).expect("nothing is missing");
+/// assert!(10.0 < loads[0].force.value, "N");
+/// ```
 pub fn engagement(toolpath: &Toolpath, setup: &Setup) -> Result<Engagement, CuttingError> {
-    engagement_told(toolpath, setup, &mut |_| {})
+    engagement_with_progress(toolpath, setup, &mut |_| {})
 }
 
-/// The same; `progress` is called with the part done, from 0 to 1.
-pub fn engagement_told(
+/// Returns the result of [`engagement`]; calls `progress` with the completed fraction, 0 to 1.
+///
+/// # Errors
+///
+/// As [`engagement`].
+pub fn engagement_with_progress(
     toolpath: &Toolpath,
     setup: &Setup,
     progress: &mut dyn FnMut(f64),
@@ -170,12 +197,12 @@ pub fn engagement_told(
         return Err(CuttingError::Rotary { line: line.0 });
     }
     let none = Mill::default();
-    let mut run = Run {
+    let mut run = ToolRun {
         engagement: Engagement {
             places: Vec::new(),
             collisions: Vec::new(),
             resolution: map.resolution(),
-            rest: map,
+            remaining: map,
             sectors: Vec::new(),
         },
         mill: &none,
@@ -186,11 +213,11 @@ pub fn engagement_told(
     let mut operations = toolpath.operations.iter().peekable();
     let mut spins = toolpath.spins.iter().peekable();
     let (mut tool, mut mirrored, mut is_new) = (None, false, true);
-    let mut distance = 0.0;
-    let whole: f64 = toolpath.segments.iter().map(|segment| segment.length).sum();
+    let distances = toolpath.distances();
+    let whole = distances[toolpath.segments.len()];
     let mut told = 0.0;
-    for (index, segment) in toolpath.segments.iter().enumerate() {
-        if told + TOLD * whole < distance {
+    for ((index, segment), distance) in toolpath.segments.iter().enumerate().zip(distances) {
+        if told + PROGRESS_STEP_RATIO * whole < distance {
             progress(distance / whole);
             told = distance;
         }
@@ -198,9 +225,9 @@ pub fn engagement_told(
             (tool, is_new) = (operation.tool, is_new || operation.tool != tool);
         }
         while let Some((_, spin)) = spins.next_if(|(first, _)| *first <= index) {
-            mirrored = spin.direction == Direction::Counterclockwise;
+            mirrored = spin.direction == SpindleDirection::Counterclockwise;
         }
-        // The way there may be run before there is a tool: only what cuts or feeds needs one.
+        // Moves before the first tool are allowed: only cuts and feed moves need one.
         if is_new {
             let mill = setup.mill(tool, segment.line.0);
             match (mill, segment.motion) {
@@ -208,15 +235,11 @@ pub fn engagement_told(
                     run.change(mill);
                     is_new = false;
                 }
-                (Err(_), Motion::Rapid) => {
-                    distance += segment.length;
-                    continue;
-                }
+                (Err(_), Motion::Rapid) => continue,
                 (Err(error), Motion::Feed { .. }) => return Err(error),
             }
         }
         run.segment(index, &segment, distance, mirrored)?;
-        distance += segment.length;
     }
     run.cut_up_to(f64::INFINITY);
     let mut engagement = run.engagement;
@@ -224,7 +247,7 @@ pub fn engagement_told(
     Ok(engagement)
 }
 
-impl<'a> Run<'a> {
+impl<'a> ToolRun<'a> {
     fn change(&mut self, mill: &'a Mill) {
         self.cut_up_to(f64::INFINITY);
         (self.mill, self.last) = (mill, None);
@@ -240,7 +263,7 @@ impl<'a> Run<'a> {
     ) -> Result<(), CuttingError> {
         let (radius, resolution) = (self.mill.radius(), self.engagement.resolution);
         let reach = match segment.curve {
-            Curve::Line => self.engagement.rest.reach(radius, segment.start, segment.end),
+            Curve::Line => self.engagement.remaining.reach(radius, segment.start, segment.end),
             Curve::Arc(_) => Some((0.0, 1.0)),
         };
         let Some((from, to)) = reach else {
@@ -253,10 +276,10 @@ impl<'a> Run<'a> {
             self.last = None;
         }
         let way = (to - from) * segment.length;
-        let spacing = resolution.max(radius / PLACES_A_RADIUS);
+        let spacing = resolution.max(radius / PLACES_PER_RADIUS);
         let stretches = (way / spacing).ceil().max(1.0);
         self.stretches += stretches;
-        if MOST_STRETCHES < self.stretches {
+        if MAX_CUT_PLACES < self.stretches {
             return Err(CuttingError::TooLong { resolution, line: segment.line.0 });
         }
         let length = way / stretches;
@@ -265,15 +288,19 @@ impl<'a> Run<'a> {
             let start = from * segment.length + stretch as f64 * length;
             let middle = start + 0.5 * length;
             let owner = match segment.motion {
-                Motion::Rapid => Owner::Rapid { segment: index, line: segment.line.0, distance },
+                Motion::Rapid => VolumeOwner::Rapid { segment: index, line: segment.line.0, distance },
                 Motion::Feed { .. } => {
-                    self.cut_up_to(distance + middle - LAG * resolution);
+                    self.cut_up_to(distance + middle - MAP_LAG_CELLS * resolution);
                     self.place(index, segment, middle, distance + middle, length, mirrored)
                 }
             };
             for step in 1..=steps as usize {
                 let s = start + length * step as f64 / steps;
-                self.waiting.push_back(Step { position: segment.point(s), distance: distance + s, owner });
+                self.waiting.push_back(PendingStep {
+                    position: segment.point(s),
+                    distance: distance + s,
+                    owner,
+                });
             }
         }
         if segment.motion == Motion::Rapid || to < 1.0 {
@@ -285,14 +312,14 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Brings the map up to a distance, mm.
+    /// Updates the map up to a distance, mm.
     fn cut_up_to(&mut self, distance: f64) {
         while let Some(step) = self.waiting.pop_front_if(|step| step.distance <= distance) {
-            let removed = self.engagement.rest.cut(self.mill, self.last, step.position);
+            let removed = self.engagement.remaining.cut(self.mill, self.last, step.position);
             self.last = Some(step.position);
             match step.owner {
-                Owner::Place(place) => self.engagement.places[place].removed += removed,
-                Owner::Rapid { segment, line, distance } if 0.0 < removed => {
+                VolumeOwner::Place(place) => self.engagement.places[place].removed += removed,
+                VolumeOwner::Rapid { segment, line, distance } if 0.0 < removed => {
                     match self.engagement.collisions.last_mut().filter(|last| last.segment == segment) {
                         Some(last) => last.removed += removed,
                         None => {
@@ -300,12 +327,12 @@ impl<'a> Run<'a> {
                         }
                     }
                 }
-                Owner::Rapid { .. } => {}
+                VolumeOwner::Rapid { .. } => {}
             }
         }
     }
 
-    /// A place in the middle of a stretch, with the sectors there.
+    /// Adds a place in the middle of a section, with its sectors.
     fn place(
         &mut self,
         index: usize,
@@ -314,16 +341,16 @@ impl<'a> Run<'a> {
         distance: f64,
         length: f64,
         mirrored: bool,
-    ) -> Owner {
+    ) -> VolumeOwner {
         let first = self.engagement.sectors.len();
         let tangent = segment.tangent(s);
         let level = tangent.x.hypot(tangent.y);
-        // Along a steeper way the tool cuts with its bottom.
+        // On a steeper path the tool cuts with its bottom.
         if 1e-3 < level {
             let forward = [tangent.x / level, tangent.y / level];
             self.sectors(segment.point(s), forward, mirrored);
         }
-        self.engagement.places.push(Place {
+        self.engagement.places.push(CutPlace {
             distance,
             length,
             segment: index,
@@ -332,13 +359,13 @@ impl<'a> Run<'a> {
             level,
             sectors: first..self.engagement.sectors.len(),
         });
-        Owner::Place(self.engagement.places.len() - 1)
+        VolumeOwner::Place(self.engagement.places.len() - 1)
     }
 
     /// Finds the sectors of the tool at a point, moving `forward`.
     fn sectors(&mut self, tip: Point, forward: [f64; 2], mirrored: bool) {
         let (radius, resolution) = (self.mill.radius(), self.engagement.resolution);
-        let Engagement { rest, sectors, .. } = &mut self.engagement;
+        let Engagement { remaining: rest, sectors, .. } = &mut self.engagement;
         let side = if mirrored { [forward[1], -forward[0]] } else { [-forward[1], forward[0]] };
         let bins = (PI * radius / resolution).ceil().clamp(36.0, 720.0) as usize;
         let width = PI / bins as f64;
@@ -348,13 +375,13 @@ impl<'a> Run<'a> {
             rest.height(at(0), at(1)).map_or(0.0, |height| (height - tip.z).max(0.0))
         };
         // Nearer to the sides the layer that the map still holds is thinner than a cell.
-        let unsure = (std::f64::consts::FRAC_1_SQRT_2 / LAG).asin();
+        let unsure = (std::f64::consts::FRAC_1_SQRT_2 / MAP_LAG_CELLS).asin();
         let unsure = ((unsure / width).ceil() as usize).min(bins / 2 - 1);
         let depths: Vec<f64> = (0..bins).map(|bin| depth_at(bin.clamp(unsure, bins - 1 - unsure))).collect();
         let first = sectors.len();
         let mut count = 0.0;
         for bin in 0..bins {
-            // A single bin is a cell at most; what its neighbours do not know is not there.
+            // A single bin is a cell at most; material that its neighbours do not see is not there.
             let (before, after) = (depths[bin.saturating_sub(1)], depths[(bin + 1).min(bins - 1)]);
             let depth = depths[bin].clamp(before.min(after), before.max(after));
             let (entry, exit) = (bin as f64 * width, (bin + 1) as f64 * width);
@@ -362,7 +389,7 @@ impl<'a> Run<'a> {
                 Some(last)
                     if last.exit == entry
                         && 0.0 < depth
-                        && (last.depth - depth).abs() <= SAME_DEPTH * resolution =>
+                        && (last.depth - depth).abs() <= EQUAL_DEPTH_CELLS * resolution =>
                 {
                     last.exit = exit;
                     last.depth += (depth - last.depth) / (count + 1.0);

@@ -11,7 +11,7 @@
 //!
 //! θ rotation, N number of teeth, β helix angle, R radius; mm, N, N·mm. Along z each integral over a
 //! tooth has a closed form: with φ_m the angle in the middle of the part in material and w half of
-//! what it turns by, ∫ sin aφ dz = Δz sin aφ_m · sin(aw)/(aw), which holds without helix too. The mean
+//! its turn, ∫ sin aφ dz = Δz sin aφ_m · sin(aw)/(aw), which holds without helix too. The mean
 //! over a revolution has one in φ by the same formula, and does not depend on the helix. The peak is
 //! sought in steps of three degrees and wherever an end of an edge enters or leaves.
 //!
@@ -39,11 +39,11 @@ pub struct Rotor {
     pub lag: f64,
     /// ρ, mm.
     pub runout: f64,
-    /// What an edge meets.
+    /// Coefficients of tool and material.
     pub coefficients: Coefficients,
 }
 
-/// What a mill feels over one revolution.
+/// The forces on a mill over one revolution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Force {
     /// Mean along the feed, towards φ = 0 and along the axis, N.
@@ -59,44 +59,44 @@ pub struct Force {
 }
 
 /// Along the feed, towards φ = 0, along the axis (N), and torque (N·mm).
-type Action = [f64; 4];
+type ForceAction = [f64; 4];
 
-/// The action of one rotation: a part for each mm of feed per tooth, and one that is always there.
+/// The action at one rotation: a part per mm of feed per tooth, and a constant part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Share {
-    cutting: Action,
-    edge: Action,
+struct EdgeAction {
+    cutting: ForceAction,
+    edge: ForceAction,
 }
 
 /// One revolution, ready for any feed.
 #[derive(Clone, Debug, Default)]
 pub struct Revolution {
-    mean: Share,
-    /// At each rotation looked at.
-    shares: Vec<Share>,
+    mean: EdgeAction,
+    /// At each sampled rotation.
+    shares: Vec<EdgeAction>,
     /// Largest sin φ.
     steepest: f64,
 }
 
-/// A slice of an edge in a sector, where there is run-out.
-struct Slice {
+/// A slice of an edge in a sector, if there is run-out.
+struct EdgeSlice {
     entry: f64,
     exit: f64,
     height: f64,
-    /// How far the edge lies behind its tip, rad.
+    /// Angle of the edge behind its tip, rad.
     back: f64,
-    /// The leads of each tooth, mm.
+    /// Leads of each tooth, mm.
     leads: Vec<Vec<f64>>,
 }
 
-/// Rotation between two looks, rad.
-const STEP: f64 = PI / 60.0;
+/// Step between sampled rotations, rad.
+const ROTATION_STEP_RAD: f64 = PI / 60.0;
 
-/// Slices along the depth of a sector, where there is run-out.
-const SLICES: usize = 24;
+/// Slices along the depth of a sector, if there is run-out.
+const SLICES_PER_SECTOR: usize = 24;
 
 impl Rotor {
-    /// The mill on a material; none without diameter or teeth.
+    /// Returns the mill on a material; `None` without diameter or teeth.
     pub fn new(mill: &Mill, coefficients: Coefficients) -> Option<Rotor> {
         let (radius, teeth) = (0.5 * mill.diameter?, mill.teeth?);
         let is_real = 0.0 < radius && 0 < teeth;
@@ -104,7 +104,7 @@ impl Rotor {
         is_real.then_some(Rotor { radius, teeth, lag, runout: mill.runout, coefficients })
     }
 
-    /// Its forces in these sectors at each feed per tooth, mm.
+    /// Returns the forces in these sectors at each feed per tooth, mm.
     pub fn forces(&self, sectors: &[Sector], feeds: &[f64]) -> Vec<Force> {
         if self.runout != 0.0 {
             return self.with_runout(sectors, feeds);
@@ -113,9 +113,9 @@ impl Rotor {
         feeds.iter().map(|feed| revolution.at(*feed)).collect()
     }
 
-    /// One revolution in these sectors, without run-out.
+    /// Returns one revolution in these sectors, without run-out.
     pub fn revolution(&self, sectors: &[Sector]) -> Revolution {
-        let mut mean = Share::default();
+        let mut mean = EdgeAction::default();
         for sector in sectors {
             let half = 0.5 * (sector.exit - sector.entry);
             let turns = f64::from(self.teeth) * sector.depth * 2.0 * half / TAU;
@@ -124,7 +124,7 @@ impl Rotor {
         let mut shares = Vec::new();
         if !sectors.is_empty() {
             let pitch = TAU / f64::from(self.teeth);
-            let steps = (pitch / STEP).ceil() as usize;
+            let steps = (pitch / ROTATION_STEP_RAD).ceil() as usize;
             let regular = (0..steps).map(|step| pitch * step as f64 / steps as f64);
             let ends = sectors.iter().flat_map(|sector| {
                 let turned = self.lag * sector.depth;
@@ -135,14 +135,14 @@ impl Rotor {
         Revolution { mean, shares, steepest: self.steepest(sectors) }
     }
 
-    /// All teeth at a rotation, rad.
-    fn share(&self, sectors: &[Sector], rotation: f64) -> Share {
-        let mut share = Share::default();
+    /// Returns the action of all teeth at a rotation, rad.
+    fn share(&self, sectors: &[Sector], rotation: f64) -> EdgeAction {
+        let mut share = EdgeAction::default();
         for tooth in 0..self.teeth {
             let tip = (rotation + TAU * f64::from(tooth) / f64::from(self.teeth)).rem_euclid(TAU);
             for sector in sectors {
                 let turned = self.lag * sector.depth;
-                // Along a long edge the same sector may be met again a turn further back.
+                // A long edge may meet the same sector again a turn further back.
                 let turns = (turned.abs() / TAU).ceil() as i32 + 1;
                 for turn in -turns..=turns {
                     let tip = tip + TAU * f64::from(turn);
@@ -155,7 +155,7 @@ impl Rotor {
         share
     }
 
-    /// Between which heights an edge with its tip at an angle stands in a sector, mm.
+    /// Returns the heights between which an edge with its tip at an angle lies in a sector, mm.
     fn in_sector(&self, tip: f64, sector: &Sector) -> Option<(f64, f64)> {
         // Without helix the whole edge enters at once; the angle may have lost its last digits.
         if self.lag.abs() * sector.depth < 1e-9 {
@@ -167,27 +167,27 @@ impl Rotor {
         (from < to).then_some((from, to))
     }
 
-    /// One revolution with run-out at each feed per tooth, mm: sums over slices of the edges.
+    /// Returns the forces with run-out at each feed per tooth, mm: sums over slices of the edges.
     fn with_runout(&self, sectors: &[Sector], feeds: &[f64]) -> Vec<Force> {
         let mut forces = vec![Force::default(); feeds.len()];
-        let mut actions = vec![Action::default(); feeds.len()];
-        let steps = (TAU / STEP).ceil() as usize;
+        let mut actions = vec![ForceAction::default(); feeds.len()];
+        let steps = (TAU / ROTATION_STEP_RAD).ceil() as usize;
         let pitch = TAU / f64::from(self.teeth);
-        let slices: Vec<Slice> = sectors
+        let slices: Vec<EdgeSlice> = sectors
             .iter()
             .flat_map(|sector| {
-                let height = sector.depth / SLICES as f64;
-                (0..SLICES).map(move |index| (sector, height, height * (index as f64 + 0.5)))
+                let height = sector.depth / SLICES_PER_SECTOR as f64;
+                (0..SLICES_PER_SECTOR).map(move |index| (sector, height, height * (index as f64 + 0.5)))
             })
             .map(|(sector, height, z)| {
                 let back = self.lag * z;
                 let leads = (0..self.teeth).map(|tooth| self.leads(tooth, back)).collect();
-                Slice { entry: sector.entry, exit: sector.exit, height, back, leads }
+                EdgeSlice { entry: sector.entry, exit: sector.exit, height, back, leads }
             })
             .collect();
         for step in 0..steps {
             let rotation = TAU * step as f64 / steps as f64;
-            actions.fill(Action::default());
+            actions.fill(ForceAction::default());
             for slice in &slices {
                 for (tooth, leads) in slice.leads.iter().enumerate() {
                     let angle = (rotation + pitch * tooth as f64 - slice.back).rem_euclid(TAU);
@@ -219,28 +219,28 @@ impl Rotor {
         forces
     }
 
-    /// Largest sin φ in sectors.
+    /// Returns the largest sin φ in sectors.
     fn steepest(&self, sectors: &[Sector]) -> f64 {
         let top = |sector: &Sector| (0.5 * PI).clamp(sector.entry, sector.exit).sin();
         sectors.iter().map(top).fold(0.0, f64::max)
     }
 
-    /// How much further out a tooth lies than each of those before it, the nearest first, mm, at a
-    /// height where the edge lies `back` (rad) behind its tip.
+    /// Returns how much larger the radius of a tooth is than that of each tooth before it, the nearest first,
+    /// mm, at a height where the edge lies `back` (rad) behind its tip.
     fn leads(&self, tooth: u32, back: f64) -> Vec<f64> {
         let pitch = TAU / f64::from(self.teeth);
         let radius = |tooth: u32| self.runout * (pitch * f64::from(tooth) - back).cos();
         (1..=self.teeth).map(|passes| radius(tooth) - radius(tooth + passes)).collect()
     }
 
-    /// Chip of a tooth with run-out, mm, at a height where the edge lies `back` (rad) behind its tip
-    /// and an even tooth would cut `even` (mm); not above 0: it cuts nothing.
+    /// Returns the chip of a tooth with run-out, mm, at a height where the edge lies `back` (rad) behind its
+    /// tip and an even tooth would cut `even` (mm). A tooth with a chip of 0 or less cuts nothing.
     pub fn chip(&self, tooth: u32, back: f64, even: f64) -> f64 {
         thickness(&self.leads(tooth, back), even)
     }
 
     /// Adds an element of an edge at the sine and cosine of its angle, `height` (mm) long.
-    fn element(&self, action: &mut Action, chip: f64, height: f64, (sin, cos): (f64, f64)) {
+    fn element(&self, action: &mut ForceAction, chip: f64, height: f64, (sin, cos): (f64, f64)) {
         let Coefficients { cutting, edge } = &self.coefficients;
         let [t, r, a] = [0, 1, 2].map(|k: usize| (cutting[k] * chip + edge[k]) * height);
         let more = [-t * cos - r * sin, t * sin - r * cos, a, t * self.radius];
@@ -248,12 +248,12 @@ impl Rotor {
     }
 }
 
-impl Share {
+impl EdgeAction {
     /// Adds an edge of this length (mm) that turns by twice `half` (rad) around `middle` (rad).
     fn add(&mut self, rotor: &Rotor, length: f64, middle: f64, half: f64) {
         let spread = |multiple: f64| {
             let w = multiple * half;
-            // The series is exact to the last digit where the quotient is not defined.
+            // The series is exact to the last digit where the quotient is undefined.
             length * if w.abs() < 1e-4 { 1.0 - w * w / 6.0 } else { w.sin() / w }
         };
         let (sin, cos) = middle.sin_cos();
@@ -275,13 +275,13 @@ impl Share {
         }
     }
 
-    fn at(&self, feed: f64) -> Action {
+    fn at(&self, feed: f64) -> ForceAction {
         [0, 1, 2, 3].map(|axis: usize| feed * self.cutting[axis] + self.edge[axis])
     }
 }
 
 impl Revolution {
-    /// The force at a feed per tooth, mm; a tool that does not move cuts nothing.
+    /// Returns the force at a feed per tooth, mm; a tool at rest cuts nothing.
     pub fn at(&self, feed: f64) -> Force {
         if feed <= 0.0 {
             return Force::default();
@@ -298,12 +298,12 @@ impl Revolution {
     }
 }
 
-/// What a tooth with these leads (mm) cuts where an even one would cut `even` (mm).
+/// Returns the chip of a tooth with these leads, mm, where an even one would cut `even` (mm).
 fn thickness(leads: &[f64], even: f64) -> f64 {
     let left = |(passes, lead): (usize, &f64)| (passes + 1) as f64 * even + lead;
     leads.iter().enumerate().map(left).fold(f64::INFINITY, f64::min).max(0.0)
 }
 
-fn resultant(action: &Action) -> f64 {
+fn resultant(action: &ForceAction) -> f64 {
     action[0].hypot(action[1]).hypot(action[2])
 }

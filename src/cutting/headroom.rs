@@ -1,63 +1,63 @@
 //! Loads at raised feedrates → headroom: where the programmed feedrate could be higher.
 //!
-//! At each place the load is also computed at the programmed feedrate times 1.1, 1.2, … 3. The largest
-//! of these up to which no limit of tool or spindle is exceeded is the room there; where nothing limits,
-//! or the way is too steep for a load to be known, there is none. Operations in which it is nowhere
-//! below the first step are told as a whole, by programmed feedrate, and otherwise the stretches of
-//! them in which it is not.
+//! The load at each place is also computed at the programmed feedrate times 1.1, 1.2, … 3. The headroom is
+//! the largest of these factors up to which no limit of tool or spindle is exceeded; there is none if nothing
+//! limits, or if the path is too steep for a known load. An operation with headroom everywhere is reported as
+//! a whole, by programmed feedrate, any other by its parts with headroom.
 //!
-//! What it saves is counted at the programmed feedrate. Where the machine does not reach that, as the
-//! predicted feedrate beside it shows, a higher one saves less or nothing.
+//! The saved time refers to the programmed feedrate. If the machine does not reach that, as the predicted
+//! feedrate shows, a higher one saves less or nothing.
 
-use crate::cutting::engagement::{Engagement, Place};
-use crate::cutting::limits::{CLOSE, FACTORS, Limit};
+use crate::cutting::engagement::{CutPlace, Engagement};
+use crate::cutting::limits::{FEED_FACTORS, LimitKind, MAX_GAP_MM};
+use crate::simulation::ordered::sort_by_number;
 
-/// Way through material below which a stretch is not told of, mm.
-const SHORT: f64 = 20.0;
+/// Least path through material that is reported, mm.
+const MIN_PART_MM: f64 = 20.0;
 
-/// Stretches told at most, those first that save most.
-const MOST: usize = 50;
+/// Most parts that are reported, by the time they save.
+const MAX_PARTS: usize = 50;
 
-/// A stretch whose programmed feedrate could be higher.
+/// A part of the path whose programmed feedrate could be higher.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headroom {
-    /// Index of its operation.
+    /// Index of the operation.
     pub operation: usize,
     /// Least and greatest line.
     pub lines: (u32, u32),
-    /// Where it begins and ends along the path, mm.
+    /// Distance along the path at which the part begins and ends, mm.
     pub distance: (f64, f64),
-    /// Way through material, mm.
+    /// Length of the path through material, mm.
     pub length: f64,
     /// Programmed feedrate, mm/s.
     pub feedrate: f64,
-    /// Predicted feedrate on average over that way, mm/s.
+    /// Mean predicted feedrate over that path, mm/s.
     pub predicted: f64,
-    /// By how much it could be higher, as a ratio.
+    /// Ratio by which the feedrate could be higher.
     pub factor: f64,
-    /// Which limit is met first beyond that; none up to the largest factor.
-    pub limit: Option<Limit>,
+    /// The limit that the next factor would exceed; `None` at the largest factor.
+    pub limit: Option<LimitKind>,
 }
 
 impl Headroom {
-    /// Time it would save where the machine reached both feedrates, s.
+    /// Returns the time saved if the machine reached both feedrates, s.
     pub fn saved(&self) -> f64 {
         self.length / self.feedrate * (1.0 - 1.0 / self.factor)
     }
 }
 
-/// The room at one place: how many of the factors fit, and which limit the next one exceeds.
+/// The headroom at one place: the number of factors that fit, and the limit that the next one exceeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Room {
+pub(crate) struct PlaceHeadroom {
     pub operation: usize,
     pub steps: usize,
-    pub limit: Option<Limit>,
+    pub limit: Option<LimitKind>,
 }
 
-/// Stretches that could be faster, by the time that saves.
+/// Returns the parts that could be faster, by the time that saves.
 pub(crate) fn headroom(
     engagement: &Engagement,
-    rooms: &[Room],
+    rooms: &[PlaceHeadroom],
     programmed: &[f64],
     predicted: &[f64],
 ) -> Vec<Headroom> {
@@ -68,27 +68,27 @@ pub(crate) fn headroom(
     let all: Vec<usize> = (0..rooms.len()).collect();
     for group in all.chunk_by(|a, b| is_same(*a, *b)) {
         if group.iter().all(|place| 0 < rooms[*place].steps) {
-            found.extend(stretch(group, engagement, rooms, programmed, predicted));
+            found.extend(common_headroom(group, engagement, rooms, programmed, predicted));
             continue;
         }
-        let gap = |a: &Place, b: &Place| b.distance - a.distance - 0.5 * (a.length + b.length);
+        let gap = |a: &CutPlace, b: &CutPlace| b.distance - a.distance - 0.5 * (a.length + b.length);
         let joins = |a: &usize, b: &usize| {
             let has_room = |place: usize| 0 < rooms[place].steps;
-            has_room(*a) == has_room(*b) && gap(&engagement.places[*a], &engagement.places[*b]) <= CLOSE
+            has_room(*a) == has_room(*b) && gap(&engagement.places[*a], &engagement.places[*b]) <= MAX_GAP_MM
         };
         let free = group.chunk_by(joins).filter(|part| 0 < rooms[part[0]].steps);
-        found.extend(free.filter_map(|part| stretch(part, engagement, rooms, programmed, predicted)));
+        found.extend(free.filter_map(|part| common_headroom(part, engagement, rooms, programmed, predicted)));
     }
-    found.sort_by(|a, b| b.saved().total_cmp(&a.saved()));
-    found.truncate(MOST);
+    sort_by_number(&mut found, |one| -one.saved());
+    found.truncate(MAX_PARTS);
     found
 }
 
-/// What consecutive places have in common; none where they are a short way.
-fn stretch(
+/// Returns the headroom common to consecutive places; `None` if they are a short path.
+fn common_headroom(
     places: &[usize],
     engagement: &Engagement,
-    rooms: &[Room],
+    rooms: &[PlaceHeadroom],
     programmed: &[f64],
     predicted: &[f64],
 ) -> Option<Headroom> {
@@ -105,8 +105,8 @@ fn stretch(
         length,
         feedrate: programmed[places[0]],
         predicted: length / time,
-        factor: FACTORS[least.steps.checked_sub(1)?],
+        factor: FEED_FACTORS[least.steps.checked_sub(1)?],
         limit: least.limit,
     })
-    .filter(|_| SHORT <= length)
+    .filter(|_| MIN_PART_MM <= length)
 }

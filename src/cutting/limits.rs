@@ -1,9 +1,9 @@
-//! The limits of tool and spindle that loads are held against, and what is shared by the lists of where they are exceeded and
-//! of where there is headroom below them.
+//! The limits of tool and spindle, and constants common to the lists of exceeded limits and of headroom below
+//! them.
 
-/// What can be exceeded.
+/// A limited quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Limit {
+pub enum LimitKind {
     /// Force on the tool, N.
     ToolForce,
     /// Torque on the tool, N·mm.
@@ -22,11 +22,11 @@ pub enum Limit {
     SpindlePower,
 }
 
-/// Way between two exceedings that count as one, mm.
-pub(crate) const CLOSE: f64 = 10.0;
+/// Largest distance between two exceedings that count as one, mm.
+pub(crate) const MAX_GAP_MM: f64 = 10.0;
 
-/// The factors tried.
-pub(crate) const FACTORS: [f64; 8] = [1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0];
+/// Factors on the programmed feedrate.
+pub(crate) const FEED_FACTORS: [f64; 8] = [1.1, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5, 3.0];
 
-/// Below this share of level motion the bottom cuts, of which no load is known.
-pub(crate) const STEEP: f64 = 0.5;
+/// Least level share of a motion with a known load: on steeper ones the bottom cuts.
+pub(crate) const MIN_LEVEL_SHARE: f64 = 0.5;

@@ -6,23 +6,23 @@
 //! Q = V v / L          removal rate from the volume V removed over a stretch of length L
 //! ```
 //!
-//! The same engagement is loaded with as many feedrates as wanted: the programmed one and those
-//! of the profile. Lengths in mm, times in s, forces in N, torques in N·mm, power in N·mm/s.
+//! One engagement is loaded with any number of feedrates: the programmed ones and those of the profile.
+//! Lengths in mm, times in s, forces in N, torques in N·mm, power in N·mm/s.
 
 use std::f64::consts::TAU;
 
-use crate::cutting::engagement::{Engagement, TOLD};
+use crate::cutting::engagement::{CutPlace, Engagement, PROGRESS_STEP_RATIO};
 use crate::cutting::force::{Force, Rotor};
-use crate::cutting::headroom::{Headroom, Room, headroom};
-use crate::cutting::limits::{CLOSE, FACTORS, Limit, STEEP};
-use crate::cutting::setup::{CuttingError, Limits, Setup};
+use crate::cutting::headroom::{Headroom, PlaceHeadroom, headroom};
+use crate::cutting::limits::{FEED_FACTORS, LimitKind, MAX_GAP_MM, MIN_LEVEL_SHARE};
+use crate::cutting::setup::{CuttingError, LoadLimits, Setup};
 use crate::simulation::profile::FeedCurve;
 use crate::simulation::toolpath::{Motion, Operation, Toolpath};
 use crate::units::SECONDS_PER_MINUTE;
 
-/// What the tool feels at a place.
+/// The load on the tool at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Load {
+pub struct CutLoad {
     /// Largest force within a revolution, N.
     pub force: f64,
     /// Resultant of the mean force, N.
@@ -35,14 +35,16 @@ pub struct Load {
     pub removal_rate: f64,
     /// Thickest chip, mm.
     pub chip: f64,
-    /// How far the tip is bent aside at most, mm; the axial force counts as if it were lateral.
+    /// Feed per tooth, mm; 0 where nothing is cut.
+    pub feed_per_tooth: f64,
+    /// Largest deflection of the tip, mm; the axial force counts as if it were lateral.
     pub deflection: f64,
 }
 
-/// The largest value of something, and where.
+/// The largest value of a quantity, and where it occurs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peak {
-    /// The value, in the unit of what it is of.
+    /// The value, in the unit of the quantity.
     pub value: f64,
     /// Line of the program.
     pub line: u32,
@@ -50,7 +52,7 @@ pub struct Peak {
     pub distance: f64,
 }
 
-/// What an operation asks of tool and spindle.
+/// The demands of an operation on tool and spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OperationLoad {
     /// Volume removed, mm³, that of rapids included.
@@ -61,14 +63,14 @@ pub struct OperationLoad {
     pub power: Peak,
 }
 
-/// A stretch of the path on which a limit is exceeded.
+/// A part of the path on which a limit is exceeded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exceeded {
-    /// Which.
-    pub limit: Limit,
+pub struct ExceededLimit {
+    /// The limit.
+    pub limit: LimitKind,
     /// Its value.
     pub allowed: f64,
-    /// Where it is exceeded most, and by what.
+    /// Largest value, and where it occurs.
     pub peak: Peak,
     /// Least and greatest line.
     pub lines: (u32, u32),
@@ -76,9 +78,9 @@ pub struct Exceeded {
 
 /// The load along a path at one feedrate for each place.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Loads {
+pub struct LoadCurve {
     /// At each place of the engagement.
-    pub at: Vec<Load>,
+    pub at: Vec<CutLoad>,
     /// Largest force, N.
     pub force: Peak,
     /// Largest torque, N·mm.
@@ -89,11 +91,11 @@ pub struct Loads {
     pub removal_rate: Peak,
     /// By operation, in the order they are run.
     pub operations: Vec<OperationLoad>,
-    /// Where limits are exceeded, by limit and distance.
-    pub exceeded: Vec<Exceeded>,
-    /// Where the programmed feedrate could be higher; empty but for the loads of that.
+    /// Exceeded limits, by limit and distance.
+    pub exceeded: Vec<ExceededLimit>,
+    /// Where the programmed feedrate could be higher; empty for the loads at the predicted feedrate.
     pub headroom: Vec<Headroom>,
-    /// Time between the predicted feedrates where they are too few to follow the profile, s.
+    /// Time between predicted feedrates if they are too few to follow the profile, s.
     pub spacing: Option<f64>,
 }
 
@@ -105,7 +107,18 @@ impl Peak {
     }
 }
 
-/// Programmed feedrate at each place, mm/s.
+impl LoadCurve {
+    /// Adds the volume that collisions removed, and sorts the exceeded limits. `operation_of` returns the operation of
+    /// a segment.
+    fn finish(&mut self, engagement: &Engagement, operation_of: impl Fn(usize) -> usize) {
+        for collision in &engagement.collisions {
+            self.operations[operation_of(collision.segment)].removed += collision.removed;
+        }
+        self.exceeded.sort_by(|a, b| a.limit.cmp(&b.limit).then(a.peak.distance.total_cmp(&b.peak.distance)));
+    }
+}
+
+/// Returns the programmed feedrate at each place, mm/s.
 pub fn programmed_feedrates(engagement: &Engagement, toolpath: &Toolpath) -> Vec<f64> {
     let of = |segment: usize| match toolpath.segments.at(segment).motion {
         Motion::Feed { feedrate } => feedrate,
@@ -114,55 +127,64 @@ pub fn programmed_feedrates(engagement: &Engagement, toolpath: &Toolpath) -> Vec
     engagement.places.iter().map(|place| of(place.segment)).collect()
 }
 
-/// The loads by the programmed feedrate, with its headroom, and by that of a profile; `progress` is
-/// called with the part done, from 0 to 1.
+/// Returns the loads at the programmed feedrate, with its headroom, and at the feedrate of a profile; calls
+/// `progress` with the completed fraction, 0 to 1.
+///
+/// # Errors
+///
+/// Returns an error if the set-up has no coefficients, or a place has no tool or no spindle speed.
 pub fn programmed_and_predicted(
     engagement: &Engagement,
     toolpath: &Toolpath,
     setup: &Setup,
     curve: &FeedCurve,
     progress: &mut dyn FnMut(f64),
-) -> Result<[Loads; 2], CuttingError> {
+) -> Result<[LoadCurve; 2], CuttingError> {
     let (programmed, predicted) =
         (programmed_feedrates(engagement, toolpath), curve.feedrates_at(engagement.distances()));
     let mut rooms = Vec::with_capacity(engagement.places.len());
     let both =
         loads_with(engagement, toolpath, setup, &[&programmed, &predicted], Some(&mut rooms), progress)?;
-    let mut both: [Loads; 2] = both.try_into().expect("two lists of feedrates give two loads");
+    let mut both: [LoadCurve; 2] = both.try_into().expect("two lists of feedrates give two loads");
     both[0].headroom = headroom(engagement, &rooms, &programmed, &predicted);
     both[1].spacing = curve.spacing;
     Ok(both)
 }
 
-/// The loads at each list of feedrates (mm/s, one a place).
+/// Returns the loads at each list of feedrates (mm/s, one per place).
+///
+/// # Errors
+///
+/// Returns an error if the set-up has no coefficients, or a place has no tool or no spindle speed.
 pub fn loads(
     engagement: &Engagement,
     toolpath: &Toolpath,
     setup: &Setup,
     feedrates: &[&[f64]],
-) -> Result<Vec<Loads>, CuttingError> {
+) -> Result<Vec<LoadCurve>, CuttingError> {
     loads_with(engagement, toolpath, setup, feedrates, None, &mut |_| {})
 }
 
-/// The same; where `rooms` are asked for they are those above the first list.
+/// Returns the loads at each list of feedrates, and adds the headroom above the first list to `rooms`.
 fn loads_with(
     engagement: &Engagement,
     toolpath: &Toolpath,
     setup: &Setup,
     feedrates: &[&[f64]],
-    mut rooms: Option<&mut Vec<Room>>,
+    mut rooms: Option<&mut Vec<PlaceHeadroom>>,
     progress: &mut dyn FnMut(f64),
-) -> Result<Vec<Loads>, CuttingError> {
+) -> Result<Vec<LoadCurve>, CuttingError> {
     let coefficients = setup.coefficients.ok_or(CuttingError::NoMaterial)?;
     let whole = [Operation::default()];
     let operations = if toolpath.operations.is_empty() { &whole[..] } else { &toolpath.operations };
-    let blank = Loads { operations: vec![OperationLoad::default(); operations.len()], ..Loads::default() };
+    let blank =
+        LoadCurve { operations: vec![OperationLoad::default(); operations.len()], ..LoadCurve::default() };
     let mut all = vec![blank; feedrates.len()];
     let operation_of = |segment: usize| {
         operations.partition_point(|operation| operation.first_segment <= segment).max(1) - 1
     };
-    let mut watches = vec![Watch::default(); feedrates.len()];
-    let tell = (engagement.places.len() as f64 * TOLD).ceil() as usize;
+    let mut watches = vec![LimitWatch::default(); feedrates.len()];
+    let tell = (engagement.places.len() as f64 * PROGRESS_STEP_RATIO).ceil() as usize;
     for (index, place) in engagement.places.iter().enumerate() {
         if index % tell == 0 {
             progress(index as f64 / engagement.places.len() as f64);
@@ -179,38 +201,29 @@ fn loads_with(
         let per_tooth = place.level / (turns * f64::from(rotor.teeth));
         let sectors = engagement.sectors(place);
         let is_limited = mill.limits.is_any() || setup.spindle.is_any();
-        let higher = if rooms.is_some() && is_limited && !sectors.is_empty() { &FACTORS[..] } else { &[] };
+        let higher =
+            if rooms.is_some() && is_limited && !sectors.is_empty() { &FEED_FACTORS[..] } else { &[] };
         let given = feedrates.iter().map(|feedrates| feedrates[index]);
         let raised = higher.iter().map(|factor| factor * feedrates[0][index]);
         let speeds: Vec<f64> = given.chain(raised).collect();
         let feeds: Vec<f64> = speeds.iter().map(|speed| speed * per_tooth).collect();
         let forces = rotor.forces(sectors, &feeds);
-        let load = |force: &Force, speed: f64| {
-            let [x, y, z] = force.mean;
-            Load {
-                force: force.peak,
-                mean_force: x.hypot(y).hypot(z),
-                torque: force.peak_torque,
-                power: TAU * turns * force.mean_torque,
-                removal_rate: place.removed * speed / place.length,
-                chip: force.chip,
-                deflection: mill.compliance * force.peak,
-            }
-        };
-        let of_all: Vec<Load> = forces.iter().zip(speeds).map(|(force, speed)| load(force, speed)).collect();
+        let loads_of = forces.iter().zip(speeds).zip(&feeds);
+        let of_all: Vec<CutLoad> = loads_of
+            .map(|((force, speed), feed)| CutLoad {
+                feed_per_tooth: if sectors.is_empty() { 0.0 } else { *feed },
+                ..load_of(force, place, speed, turns, mill.compliance)
+            })
+            .collect();
         let (of_given, of_raised) = of_all.split_at(feedrates.len());
         if let Some(rooms) = &mut rooms {
-            let met = |load: &Load| {
-                let watched = watched(load, &mill.limits, &setup.spindle);
-                watched.into_iter().find(|(_, value, allowed)| allowed < value).map(|(limit, ..)| limit)
-            };
-            let ladder = of_given.iter().take(1).chain(of_raised).map(met);
-            let (steps, limit) = match ladder.enumerate().find_map(|(step, met)| Some((step, met?))) {
-                _ if !is_limited || place.level < STEEP => (0, None),
+            let ladder = of_given.iter().take(1).chain(of_raised);
+            let (steps, limit) = match limit_met(ladder, &mill.limits, &setup.spindle) {
+                _ if !is_limited || place.level < MIN_LEVEL_SHARE => (0, None),
                 Some((step, limit)) => (step.saturating_sub(1), Some(limit)),
-                None => (FACTORS.len(), None),
+                None => (FEED_FACTORS.len(), None),
             };
-            rooms.push(Room { operation, steps, limit });
+            rooms.push(PlaceHeadroom { operation, steps, limit });
         }
         for ((loads, watch), load) in all.iter_mut().zip(&mut watches).zip(of_given) {
             let peak = |value: f64| Peak { value, line: place.line, distance: place.distance };
@@ -227,52 +240,76 @@ fn loads_with(
         }
     }
     for loads in &mut all {
-        for collision in &engagement.collisions {
-            loads.operations[operation_of(collision.segment)].removed += collision.removed;
-        }
-        loads
-            .exceeded
-            .sort_by(|a, b| a.limit.cmp(&b.limit).then(a.peak.distance.total_cmp(&b.peak.distance)));
+        loads.finish(engagement, operation_of);
     }
     Ok(all)
 }
 
-/// Speed of the spindle on a segment, rpm, by the program or else by the set-up.
+/// Returns the load at a place at `speed` (mm/s), with a spindle at `turns` per second and a mill of this
+/// `compliance` (mm/N).
+fn load_of(force: &Force, place: &CutPlace, speed: f64, turns: f64, compliance: f64) -> CutLoad {
+    let [x, y, z] = force.mean;
+    CutLoad {
+        force: force.peak,
+        mean_force: x.hypot(y).hypot(z),
+        torque: force.peak_torque,
+        power: TAU * turns * force.mean_torque,
+        removal_rate: place.removed * speed / place.length,
+        chip: force.chip,
+        feed_per_tooth: 0.0,
+        deflection: compliance * force.peak,
+    }
+}
+
+/// Returns the index of the first load beyond a limit, and that limit.
+fn limit_met<'a>(
+    loads: impl Iterator<Item = &'a CutLoad>,
+    limits: &LoadLimits,
+    spindle: &LoadLimits,
+) -> Option<(usize, LimitKind)> {
+    let met = |load: &CutLoad| {
+        let watched = watched(load, limits, spindle);
+        watched.into_iter().find(|(_, value, allowed)| allowed < value).map(|(limit, ..)| limit)
+    };
+    loads.map(met).enumerate().find_map(|(step, met)| Some((step, met?)))
+}
+
+/// Returns the spindle speed on a segment, rpm, of the program or else of the set-up.
 fn spindle_speed(toolpath: &Toolpath, setup: &Setup, segment: usize) -> Option<f64> {
     let before = toolpath.spins.partition_point(|(first, _)| *first <= segment);
     let programmed = before.checked_sub(1).map(|last| toolpath.spins[last].1.speed);
     programmed.filter(|speed| 0.0 < *speed).or(setup.spindle_speed).filter(|speed| 0.0 < *speed)
 }
 
-/// Each limit with what it is of and its value.
-fn watched(load: &Load, tool: &Limits, spindle: &Limits) -> [(Limit, f64, f64); 8] {
+/// Returns each limit with the quantity and its largest allowed value.
+fn watched(load: &CutLoad, tool: &LoadLimits, spindle: &LoadLimits) -> [(LimitKind, f64, f64); 8] {
     [
-        (Limit::ToolForce, load.force, tool.force),
-        (Limit::ToolTorque, load.torque, tool.torque),
-        (Limit::ToolPower, load.power, tool.power),
-        (Limit::ToolChip, load.chip, tool.chip),
-        (Limit::ToolDeflection, load.deflection, tool.deflection),
-        (Limit::SpindleForce, load.force, spindle.force),
-        (Limit::SpindleTorque, load.torque, spindle.torque),
-        (Limit::SpindlePower, load.power, spindle.power),
+        (LimitKind::ToolForce, load.force, tool.force),
+        (LimitKind::ToolTorque, load.torque, tool.torque),
+        (LimitKind::ToolPower, load.power, tool.power),
+        (LimitKind::ToolChip, load.chip, tool.chip),
+        (LimitKind::ToolDeflection, load.deflection, tool.deflection),
+        (LimitKind::SpindleForce, load.force, spindle.force),
+        (LimitKind::SpindleTorque, load.torque, spindle.torque),
+        (LimitKind::SpindlePower, load.power, spindle.power),
     ]
 }
 
-/// Which stretch beyond each limit is open: the distance of the last place beyond it (mm) and its entry.
+/// The open part of the path beyond each limit: the last distance beyond it (mm) and the index of its entry.
 #[derive(Clone, Copy, Debug, Default)]
-struct Watch {
+struct LimitWatch {
     open: [Option<(f64, usize)>; 8],
 }
 
-impl Watch {
-    /// Opens, extends or closes the stretches beyond the limits at a place.
+impl LimitWatch {
+    /// Opens, extends or closes the parts beyond the limits at a place.
     fn pass(
         &mut self,
-        load: &Load,
-        tool: &Limits,
-        spindle: &Limits,
+        load: &CutLoad,
+        tool: &LoadLimits,
+        spindle: &LoadLimits,
         peak: impl Fn(f64) -> Peak,
-        exceeded: &mut Vec<Exceeded>,
+        exceeded: &mut Vec<ExceededLimit>,
     ) {
         for (open, (limit, value, allowed)) in self.open.iter_mut().zip(watched(load, tool, spindle)) {
             if value <= allowed {
@@ -280,8 +317,8 @@ impl Watch {
             }
             let peak = peak(value);
             match *open {
-                // A dip between two exceedings is not worth a second entry.
-                Some((last, entry)) if peak.distance - last <= CLOSE => {
+                // A short dip between two exceedings does not make two entries.
+                Some((last, entry)) if peak.distance - last <= MAX_GAP_MM => {
                     let entry = &mut exceeded[entry];
                     entry.peak.rise(peak);
                     entry.lines = (entry.lines.0.min(peak.line), entry.lines.1.max(peak.line));
@@ -289,7 +326,7 @@ impl Watch {
                 }
                 _ => {
                     *open = Some((peak.distance, exceeded.len()));
-                    exceeded.push(Exceeded { limit, allowed, peak, lines: (peak.line, peak.line) });
+                    exceeded.push(ExceededLimit { limit, allowed, peak, lines: (peak.line, peak.line) });
                 }
             }
         }

@@ -27,19 +27,19 @@ pub struct Coefficients {
 /// A material with its coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// The word that chooses it.
+    /// Keyword that selects it.
     pub word: &'static str,
-    /// What it is called.
+    /// Name.
     pub name: &'static str,
     /// Its coefficients.
     pub coefficients: Coefficients,
-    /// Where they were published and with what tool.
+    /// Publication, with the tool that was used.
     pub source: &'static str,
-    /// The numbers were compared with the source named.
+    /// `true` if the numbers were compared with the source.
     pub is_checked: bool,
 }
 
-/// A row of the review's table, named as it is there by the work it quotes; carbide unless said.
+/// Returns a row of the review's table, named there by the work it quotes; carbide unless stated.
 macro_rules! review {
     ($work:literal) => {
         concat!(
@@ -62,7 +62,7 @@ const fn row(
     Material { word, name, coefficients: Coefficients { cutting, edge }, source, is_checked }
 }
 
-/// The materials known by a word; the first is the paper's.
+/// The materials by keyword; the first is the paper's.
 pub const MATERIALS: [Material; 6] = [
     row("al7075", "aluminium 7075-T6", [767.01, 168.8, 222.0], [27.7, 26.6, 0.7], review!("190"), true),
     row(
@@ -87,7 +87,7 @@ pub const MATERIALS: [Material; 6] = [
         "titanium Ti-6Al-4V",
         [1825.0, 770.0, 735.0],
         [29.7, 55.7, 1.8],
-        "attributed to Altintas, Manufacturing Automation; not checked, replace them by measured ones",
+        "attributed to Altintas, Manufacturing Automation; unchecked, replace with measured values",
         false,
     ),
     row(
@@ -96,12 +96,12 @@ pub const MATERIALS: [Material; 6] = [
         [2640.0, 1060.0, 0.0],
         [43.0, 17.0, 0.0],
         "tangent at h = 0.1 mm to Kienzle's law with k_c1.1 = 2220 N/mm² and m_c = 0.14, radial force 0.4 of the \
-         tangential; a rule of thumb, not checked, replace them by measured ones",
+         tangential; a rule of thumb, unchecked, replace with measured values",
         false,
     ),
 ];
 
-/// The material of a word.
+/// Returns the material of a keyword; `None` if it is unknown.
 pub fn material(word: &str) -> Option<&'static Material> {
     MATERIALS.iter().find(|material| material.word == word)
 }
@@ -115,7 +115,7 @@ mod tests {
         for (index, row) in MATERIALS.iter().enumerate() {
             assert_eq!(MATERIALS.iter().position(|other| other.word == row.word), Some(index));
             assert!(!row.source.is_empty() && 0.0 < row.coefficients.cutting[0]);
-            assert_ne!(row.is_checked, row.source.contains("not checked"), "{}", row.word);
+            assert_ne!(row.is_checked, row.source.contains("unchecked"), "{}", row.word);
         }
     }
 

@@ -1,12 +1,12 @@
-//! What the cut asks of tool and spindle: toolpath and profile → engagement → forces.
+//! The demands of the cut on tool and spindle: toolpath and profile → engagement → forces.
 //!
 //! ```text
-//! toolpath, stock, tool  →  engagement: where the teeth are in the material, and what is removed
+//! toolpath, stock, tool  →  engagement: where the teeth are in the material, and the removed volume
 //! engagement, feed       →  load: force, torque, power and removal rate along the path
 //! ```
 //!
-//! It stands beside simulation and quote and is switched off by default: nothing of it is run, and
-//! no other result changes. What it cannot know it refuses ([`CuttingError`]), and the quote goes on.
+//! Forces are optional and off by default: no other result changes. An unanswerable request returns a
+//! [`CuttingError`], and the quote is not affected.
 
 mod engagement;
 mod force;
@@ -17,13 +17,14 @@ mod materials;
 mod setup;
 mod stock;
 
-pub use engagement::{Collision, Engagement, Place, Sector, engagement, engagement_told};
+pub use engagement::{Collision, CutPlace, Engagement, Sector, engagement, engagement_with_progress};
 pub use force::{Force, Revolution, Rotor};
 pub use headroom::Headroom;
-pub use limits::Limit;
+pub use limits::LimitKind;
 pub use load::{
-    Exceeded, Load, Loads, OperationLoad, Peak, loads, programmed_and_predicted, programmed_feedrates,
+    CutLoad, ExceededLimit, LoadCurve, OperationLoad, Peak, loads, programmed_and_predicted,
+    programmed_feedrates,
 };
 pub use materials::{Coefficients, MATERIALS, Material, material};
-pub use setup::{CuttingError, Limits, Mill, Setup, StockBox, compliance};
+pub use setup::{CuttingError, LoadLimits, Mill, Setup, StockBox, compliance};
 pub use stock::HeightMap;

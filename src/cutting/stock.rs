@@ -11,7 +11,7 @@
 //! A step from P to Q costs the rows under the mill and the cells it newly covers; where the mill
 //! goes down, all cells it covers. Overhanging material cannot be held.
 
-use crate::cutting::setup::{CuttingError, MOST_CELLS, Mill, StockBox};
+use crate::cutting::setup::{CuttingError, MAX_MAP_CELLS, Mill, StockBox};
 use crate::simulation::toolpath::Point;
 
 /// The top of the material over a rectangle.
@@ -32,15 +32,19 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// The untouched stock in cells of `resolution` (mm) or a little less.
+    /// Returns the untouched stock in cells of `resolution` (mm) or a little less.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the stock has no volume or would need too many cells.
     pub fn new(stock: &StockBox, resolution: f64) -> Result<HeightMap, CuttingError> {
         let extent = [0, 1, 2].map(|axis: usize| stock.max[axis] - stock.min[axis]);
         if let Some(axis) = extent.iter().position(|extent| extent.is_nan() || *extent <= 0.0) {
             return Err(CuttingError::EmptyStock { axis: ['X', 'Y', 'Z'][axis] });
         }
         let cells = [0, 1].map(|axis: usize| (extent[axis] / resolution - 1e-9).ceil().max(1.0));
-        // A long thin stock has one cell across at least.
-        if resolution.is_nan() || resolution <= 0.0 || 2.0 * MOST_CELLS < cells[0] * cells[1] {
+        // A long thin stock has at least one cell across.
+        if resolution.is_nan() || resolution <= 0.0 || 2.0 * MAX_MAP_CELLS < cells[0] * cells[1] {
             let coarser = stock.finest();
             return Err(CuttingError::TooFine { resolution, coarser });
         }
@@ -55,25 +59,25 @@ impl HeightMap {
         })
     }
 
-    /// The longer side of a cell, mm.
+    /// Returns the longer side of a cell, mm.
     pub fn resolution(&self) -> f64 {
         self.cell[0].max(self.cell[1])
     }
 
-    /// Height of the material at a place, mm; none outside of the stock.
+    /// Returns the height of the material at a place, mm; `None` outside of the stock.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let [i, j] = [(x - self.origin[0]) / self.cell[0], (y - self.origin[1]) / self.cell[1]];
         let is_inside = 0.0 <= i && i < self.size[0] as f64 && 0.0 <= j && j < self.size[1] as f64;
         is_inside.then(|| self.heights[j as usize * self.size[0] + i as usize])
     }
 
-    /// Volume of the material that is left, mm³.
+    /// Returns the volume of the remaining material, mm³.
     pub fn volume(&self) -> f64 {
         let heights: f64 = self.heights.iter().map(|height| height - self.floor).sum();
         heights * self.cell[0] * self.cell[1]
     }
 
-    /// A mill of this radius anywhere between two points cannot touch the stock.
+    /// Returns `true` if a mill of this radius cannot touch the stock anywhere between two points.
     pub fn is_clear(&self, radius: f64, a: Point, b: Point) -> bool {
         let is_beside = (0..2).any(|axis| {
             let [least, most] = [a[axis].min(b[axis]) - radius, a[axis].max(b[axis]) + radius];
@@ -82,8 +86,8 @@ impl HeightMap {
         is_beside || self.top <= a.z.min(b.z)
     }
 
-    /// The parts of the straight way from `a` to `b`, from 0 to 1, between which a mill of this radius
-    /// can touch the stock; none where it cannot.
+    /// Returns the parts of the straight path from `a` to `b`, from 0 to 1, between which a mill of this
+    /// radius can touch the stock; `None` if it cannot.
     pub fn reach(&self, radius: f64, a: Point, b: Point) -> Option<(f64, f64)> {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         let mut within = |start: f64, end: f64, low: f64, high: f64| {
@@ -107,14 +111,14 @@ impl HeightMap {
         (from < to).then_some((from, to))
     }
 
-    /// Cuts with the tip of a mill at `to`; `from` is where the same mill cut last, so near that
-    /// it passes over nothing in between. Volume removed, mm³.
+    /// Cuts with the tip of a mill at `to`; returns the removed volume, mm³. `from` is where the same mill
+    /// cut last, so near that it passes over nothing in between.
     pub fn cut(&mut self, mill: &Mill, from: Option<Point>, to: Point) -> f64 {
         let radius = mill.radius();
         if self.is_clear(radius, to, to) {
             return 0.0;
         }
-        // Under the flat of the mill nothing is left from the step before, unless it goes down.
+        // The flat of the mill leaves nothing from the step before, unless it moves down.
         let flat = radius - mill.corner_radius.min(radius);
         let done = from.filter(|from| from.z <= to.z && 0.0 < flat);
         let mut removed = 0.0;
@@ -148,11 +152,11 @@ impl HeightMap {
         self.origin[axis] + self.cell[axis] * (index as f64 + 0.5)
     }
 
-    /// The cells along an axis whose centres lie within `half` of a place.
+    /// Returns the indices of the cells along an axis whose centres lie within `half` of a place.
     fn covered(&self, axis: usize, place: f64, half: f64) -> std::ops::Range<usize> {
         let first = ((place - half - self.origin[axis]) / self.cell[axis] - 0.5).ceil();
         let last = ((place + half - self.origin[axis]) / self.cell[axis] - 0.5).floor();
-        // A cast takes what is below zero to zero.
+        // A cast maps negative values to 0.
         let start = (first as usize).min(self.size[axis]);
         let end = ((last + 1.0) as usize).clamp(start, self.size[axis]);
         start..end

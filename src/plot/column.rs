@@ -1,6 +1,6 @@
-//! A column of values that tells the least and the largest of any rows without a look at each.
+//! A column of values that returns the extremes of any range of rows without reading them all.
 //!
-//! Every 16 rows know their extremes, every 16 of these groups theirs, and so on:
+//! Each group of 16 rows stores its extremes, each group of 16 groups too, and so on:
 //!
 //! ```text
 //! level 2                    |--------------- 256 rows ---------------|
@@ -9,43 +9,44 @@
 //!                ^ begin                                                   end ^
 //! ```
 //!
-//! Of n rows some 32 log₁₆ n values are looked at: a picture of millions of rows costs what its pixel columns do.
+//! A query reads some 32 log₁₆ n values of n rows: a picture of millions of rows costs as much as its pixel
+//! columns.
 
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// Rows of a group, and groups of the next larger one.
-const GROUP: usize = 16;
+/// Rows of a group, and groups of a group of the next level.
+const GROUP_ROWS: usize = 16;
 
-/// Values in rows, and their extremes. Copies share them.
+/// Values in rows, with their extremes. Clones share them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Column(Arc<Rows>);
+pub struct Column(Arc<ColumnRows>);
 
 #[derive(Debug, Default, PartialEq)]
-struct Rows {
+struct ColumnRows {
     values: Vec<f64>,
-    /// The extremes of groups, level after level.
+    /// Extremes of the groups, level by level.
     groups: Vec<Extremes>,
 }
 
 /// The least and the largest of some values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremes {
-    /// The least.
+    /// Least value.
     pub lowest: f64,
-    /// The largest.
+    /// Largest value.
     pub highest: f64,
 }
 
 impl Extremes {
-    const OF_NONE: Extremes = Extremes { lowest: f64::INFINITY, highest: f64::NEG_INFINITY };
+    const NONE: Extremes = Extremes { lowest: f64::INFINITY, highest: f64::NEG_INFINITY };
 
-    /// Those of one value.
+    /// Returns the extremes of one value.
     pub fn of(value: f64) -> Extremes {
         Extremes { lowest: value, highest: value }
     }
 
-    /// Those of these values and of others.
+    /// Returns the extremes of these values and others.
     #[inline]
     pub fn and(self, other: Extremes) -> Extremes {
         Extremes {
@@ -66,18 +67,18 @@ impl Extremes {
 impl From<Vec<f64>> for Column {
     fn from(values: Vec<f64>) -> Column {
         // n/16 + n/256 + …, each rounded up.
-        let mut groups = Vec::with_capacity(values.len() / (GROUP - 1) + GROUP);
-        groups.extend(values.chunks(GROUP).map(|rows| Extremes::OF_NONE.and_rows(rows)));
+        let mut groups = Vec::with_capacity(values.len() / (GROUP_ROWS - 1) + GROUP_ROWS);
+        groups.extend(values.chunks(GROUP_ROWS).map(|rows| Extremes::NONE.and_rows(rows)));
         let mut begin = 0;
         // The last level has no whole group of groups.
-        while GROUP <= groups.len() - begin {
+        while GROUP_ROWS <= groups.len() - begin {
             let end = groups.len();
-            for group in (begin..end).step_by(GROUP) {
-                groups.push(Extremes::OF_NONE.and_groups(&groups[group..end.min(group + GROUP)]));
+            for group in (begin..end).step_by(GROUP_ROWS) {
+                groups.push(Extremes::NONE.and_groups(&groups[group..end.min(group + GROUP_ROWS)]));
             }
             begin = end;
         }
-        Column(Arc::new(Rows { values, groups }))
+        Column(Arc::new(ColumnRows { values, groups }))
     }
 }
 
@@ -90,17 +91,21 @@ impl Deref for Column {
 }
 
 impl Column {
-    /// The extremes of these rows; none of no rows. Panics beyond the end.
+    /// Returns the extremes of these rows; `None` if there are none.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the range is out of bounds.
     pub fn extremes(&self, rows: Range<usize>) -> Option<Extremes> {
         if rows.is_empty() {
             return None;
         }
-        let Rows { values, groups: all } = &*self.0;
+        let ColumnRows { values, groups: all } = &*self.0;
         let (before, whole, after) = around_groups(&rows);
         if whole.is_empty() {
-            return Some(Extremes::OF_NONE.and_rows(&values[rows]));
+            return Some(Extremes::NONE.and_rows(&values[rows]));
         }
-        let mut found = Extremes::OF_NONE.and_rows(&values[before]).and_rows(&values[after]);
+        let mut found = Extremes::NONE.and_rows(&values[before]).and_rows(&values[after]);
         let (mut groups, mut level, mut count) = (whole, &all[..], values.len());
         loop {
             let (before, whole, after) = around_groups(&groups);
@@ -108,16 +113,16 @@ impl Column {
                 return Some(found.and_groups(&level[groups]));
             }
             found = found.and_groups(&level[before]).and_groups(&level[after]);
-            count = count.div_ceil(GROUP);
+            count = count.div_ceil(GROUP_ROWS);
             (groups, level) = (whole, &level[count..]);
         }
     }
 }
 
-/// The whole groups in a range, as a range of groups, with what lies before and after them.
+/// Returns the whole groups in a range, as a range of groups, and the rows before and after them.
 fn around_groups(range: &Range<usize>) -> (Range<usize>, Range<usize>, Range<usize>) {
-    let whole = range.start.div_ceil(GROUP)..range.end / GROUP;
-    (range.start..whole.start * GROUP, whole.clone(), whole.end * GROUP..range.end)
+    let whole = range.start.div_ceil(GROUP_ROWS)..range.end / GROUP_ROWS;
+    (range.start..whole.start * GROUP_ROWS, whole.clone(), whole.end * GROUP_ROWS..range.end)
 }
 
 #[cfg(test)]

@@ -1,17 +1,18 @@
-//! Fewer points for the same picture.
+//! Decimation: fewer points for the same picture.
 //!
-//! A pixel column shows no more of a curve than where it comes in, its lowest and highest point
-//! and where it goes out. Four points of each column draw the same pixels, whatever the number of samples.
+//! In a pixel column only four points of a curve show: its first, its lowest, its highest and its last. These
+//! four draw the same pixels, whatever the number of samples.
 
 use std::ops::Range;
 
 use crate::plot::{Column, View};
 
-/// So many rows of a pixel column are drawn as they are; of more, the extremes are.
-pub const FEW: usize = 4;
+/// Most rows of a pixel column that are drawn as they are; more are replaced by their extremes.
+pub const MAX_ROWS_DRAWN: usize = 4;
 
-/// What matters on `columns` pixel columns of a curve within a view, in order: its samples (x, y), or four points for
-/// all that lie in one column, with one row outside at either end so that the line reaches the border. `x` is ascending.
+/// Returns the points of a curve that matter on `columns` pixel columns of a view, in order: its samples (x,
+/// y), or four points for all samples in one column, with one row outside at either end so that the line
+/// reaches the border. `x` is ascending.
 pub fn decimated(x: &[f64], y: &Column, (low, high): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
     let first = x.partition_point(|&v| v < low).saturating_sub(1);
     let last = (x.partition_point(|&v| v <= high) + 1).min(x.len());
@@ -20,7 +21,7 @@ pub fn decimated(x: &[f64], y: &Column, (low, high): (f64, f64), columns: usize)
         let (first, last) = (rows.start, rows.end - 1);
         let at = |row: usize| (x[row], y[row]);
         let mut four = [0, 1, 2, 3].map(|row| at((first + row).min(last)));
-        if FEW < rows.len()
+        if MAX_ROWS_DRAWN < rows.len()
             && let Some(extremes) = y.extremes(rows)
         {
             four = [at(first), (x[first], extremes.lowest), (x[first], extremes.highest), at(last)];
@@ -31,8 +32,8 @@ pub fn decimated(x: &[f64], y: &Column, (low, high): (f64, f64), columns: usize)
     kept
 }
 
-/// Rows by the pixel columns in which they lie, of `columns` from `low` to `high`. A row lies where `x` says, which is
-/// ascending.
+/// Groups rows by pixel column, of `columns` from `low` to `high`. The ascending column `x` holds the places
+/// of the rows.
 pub fn by_column(
     x: &[f64],
     rows: Range<usize>,
@@ -51,8 +52,9 @@ pub fn by_column(
     all
 }
 
-/// How many of these ascending rows are less than a border. It is looked for around a number that is likely: halving
-/// millions of rows waits for memory at every step, and one column has about as many as the one before it.
+/// Returns the number of these ascending rows that are less than a border. The search begins at `likely`:
+/// bisecting millions of rows waits for memory at every step, and a column has about as many rows as the one
+/// before it.
 pub fn count_before(x: &[f64], border: f64, likely: usize) -> usize {
     let is_before = |v: f64| v < border;
     let likely = likely.min(x.len());
@@ -70,7 +72,7 @@ pub fn count_before(x: &[f64], border: f64, likely: usize) -> usize {
     low + x[low..high].partition_point(|&v| is_before(v))
 }
 
-/// The parts of a polyline (distance, feedrate) inside a view, each a polyline of its own.
+/// Returns the parts of a polyline (distance, feedrate) inside a view, each as a polyline.
 pub fn clipped(points: &[(f64, f64)], view: View) -> Vec<Vec<(f64, f64)>> {
     let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
     for pair in points.windows(2) {
@@ -83,7 +85,7 @@ pub fn clipped(points: &[(f64, f64)], view: View) -> Vec<Vec<(f64, f64)>> {
     parts
 }
 
-/// The part of a straight line inside a view, after Liang and Barsky.
+/// Returns the part of a straight line inside a view, after Liang and Barsky.
 fn inside(a: (f64, f64), b: (f64, f64), view: View) -> Option<((f64, f64), (f64, f64))> {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let (mut enter, mut leave): (f64, f64) = (0.0, 1.0);

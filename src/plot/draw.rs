@@ -1,80 +1,97 @@
-//! The whole picture: the legend, below it the panel of feedrates, below that the panel of contour
-//! errors or of the time lost, both over the same distance.
+//! The whole picture: the legend, below it the panel of feedrates, below that the panel of contour errors or
+//! of lost time, both over the same distance.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::plot::feed_panel::{self, programmed_width};
-use crate::plot::panel::{Borders, FONT, FONT_SIZE, Failure, Look, axis_number};
-use crate::plot::{FeedChart, Frame, Theme, View, error_panel, lost_panel};
+use crate::plot::feed_panel::{self, FeedLayout, programmed_width};
+use crate::plot::panel::{Borders, DrawError, FONT, FONT_SIZE_PT, Look, axis_number};
+use crate::plot::{FeedChart, Frame, Grains, Theme, View, error_panel, lost_panel};
 use crate::units::mm_per_min;
 
-/// Part of the height below the legend that the feedrates take.
-const FEED_PART: f64 = 0.6;
+/// Part of the height below the legend for the feedrates.
+const FEED_HEIGHT_SHARE: f64 = 0.6;
 
-/// The same where every curve has a panel of its own.
-const STACKED_PART: f64 = 0.75;
+/// Part of the height for the feedrates if each curve has its panel, or if the picture is lower than
+/// [`LOW_PICTURE_PT`].
+const LARGE_FEED_HEIGHT_SHARE: f64 = 0.7;
+const LOW_PICTURE_PT: f64 = 320.0;
 
-/// Draws a chart over the whole of a backend and returns where the data lies on it.
+/// Height that the lower panel needs, axis and numbers included, up to half of the height, points.
+const MIN_LOWER_PANEL_PT: f64 = 100.0;
+
+/// Draws a chart over the whole of a backend, with or without the names of its curves, and returns the frame
+/// of its data.
+///
+/// # Errors
+///
+/// Returns an error if the backend fails.
 pub fn draw<B: DrawingBackend>(
     chart: &FeedChart,
     view: View,
     theme: &Theme,
     scale: f64,
+    has_legend: bool,
     backend: B,
-) -> Result<Frame, Failure<B>> {
+) -> Result<Frame, DrawError<B>> {
     let (low, high) = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
     let least = if chart.lost.is_some() { 6 } else { 5 };
     let label_characters = axis_number(theme, high, high - low).chars().count().max(least);
     let look = Look { theme: *theme, scale, label_characters };
     let root = backend.into_drawing_area();
     root.fill(&theme.background)?;
-    let legend = draw_legend(chart, &look, &root)?;
+    let legend = if has_legend { draw_legend(chart, &look, &root)? } else { 0 };
     let (_, body) = root.split_vertically(legend);
-    let part = if chart.stacked { STACKED_PART } else { FEED_PART };
-    let (upper, lower) = body.split_vertically((part * f64::from(body.dim_in_pixel().1)).round() as u32);
-    let (feed, pitch) = draw_feedrates(chart, view, &look, &upper)?;
+    let is_low = f64::from(body.dim_in_pixel().1) < LOW_PICTURE_PT * scale;
+    let part = if chart.stacked || is_low { LARGE_FEED_HEIGHT_SHARE } else { FEED_HEIGHT_SHARE };
+    let height = f64::from(body.dim_in_pixel().1);
+    let below = ((1.0 - part) * height).max((MIN_LOWER_PANEL_PT * scale).min(0.5 * height));
+    let (upper, lower) = body.split_vertically((height - below).round() as u32);
+    let (feed, grains, pitch) = draw_feedrates(chart, view, &look, &upper)?;
     let below = match &chart.lost {
         None => error_panel::draw(chart, view, &look, &lower)?,
         Some(lost) => lost_panel::draw(chart, lost, view, &look, &lower)?,
     };
     root.present()?;
-    Ok(Frame { view, x: feed.x, y: feed.y, pitch, errors_y: below.y })
+    Ok(Frame { view, x: feed.x, y: feed.y, pitch, errors_y: below.y, grains })
 }
 
-/// Draws the feedrates in one panel or in one each; where the first lies and how far the next is below it, pixels.
+/// Draws the feedrates in one panel or in one per curve; returns the borders of the first panel and the
+/// distance to the next, pixels.
 fn draw_feedrates<B: DrawingBackend>(
     chart: &FeedChart,
     view: View,
     look: &Look,
     area: &DrawingArea<B, Shift>,
-) -> Result<(Borders, f64), Failure<B>> {
+) -> Result<(Borders, Grains, f64), DrawError<B>> {
+    let layout = FeedLayout::of(chart, view, look, area)?;
     if !chart.stacked || chart.curves.len() < 2 {
-        return Ok((feed_panel::draw(chart, None, view, look, area)?, 0.0));
+        let borders = feed_panel::draw(chart, None, &layout, view, look, area)?;
+        return Ok((borders, layout.grains, 0.0));
     }
     let panels = area.split_evenly((chart.curves.len(), 1));
     let mut borders = Vec::new();
     for (index, panel) in panels.iter().enumerate() {
-        borders.push(feed_panel::draw(chart, Some(index), view, look, panel)?);
+        borders.push(feed_panel::draw(chart, Some(index), &layout, view, look, panel)?);
     }
     let pitch = borders[1].y.0 - borders[0].y.0;
-    Ok((borders.swap_remove(0), pitch))
+    Ok((borders.swap_remove(0), layout.grains, pitch))
 }
 
-/// Draws the names of what is shown in rows at the top; returns their height in pixels.
+/// Draws the legend in rows at the top; returns its height in pixels.
 fn draw_legend<B: DrawingBackend>(
     chart: &FeedChart,
     look: &Look,
     root: &DrawingArea<B, Shift>,
-) -> Result<u32, Failure<B>> {
+) -> Result<u32, DrawError<B>> {
     let theme = &look.theme;
     let points = |size: f64| look.points(size) as i32;
     let (swatch, gap, row) = (points(18.0), points(6.0), points(20.0));
     let style =
-        (FONT, points(FONT_SIZE)).into_font().color(&theme.text).pos(Pos::new(HPos::Left, VPos::Center));
-    let curves =
-        chart.curves.iter().zip(theme.curves.iter().cycle()).map(|(curve, color)| (&*curve.label, color));
+        (FONT, points(FONT_SIZE_PT)).into_font().color(&theme.text).pos(Pos::new(HPos::Left, VPos::Center));
+    let curves = chart.curves.iter().zip(theme.curves.iter().cycle());
+    let curves = curves.filter(|(curve, _)| !curve.hidden).map(|(curve, color)| (&*curve.label, color));
     let left = points(16.0);
     let right = root.dim_in_pixel().0 as i32 - points(12.0);
     let (mut x, mut y) = (left, points(14.0));
@@ -97,15 +114,15 @@ fn draw_legend<B: DrawingBackend>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Curve, Errors, LostTime, Programmed, Stretch};
+    use crate::plot::{CurveErrors, FeedrateCurve, LostTime, Programmed, TolerancePart};
 
     fn chart() -> FeedChart {
         let (end, feedrate) = (vec![20.0, 60.0, 100.0], vec![500.0, 20.0, 30.0]);
         let programmed = Programmed::new(end, feedrate, vec![true, false, false], vec![1, 2, 3]);
-        let curve = |label: &str, tolerance: f64, dip: f64| Curve {
+        let curve = |label: &str, tolerance: f64, dip: f64| FeedrateCurve {
             label: label.to_string(),
-            tolerances: vec![Stretch { from: 0.0, to: f64::INFINITY, tolerance }],
-            errors: Errors {
+            tolerances: vec![TolerancePart { from: 0.0, to: f64::INFINITY, tolerance }],
+            errors: CurveErrors {
                 corner: vec![0.0, 1.5 * tolerance, 0.0].into(),
                 arcs: vec![2],
                 along_arcs: vec![0.004].into(),
@@ -114,6 +131,7 @@ mod tests {
             feedrate: vec![0.0, 500.0, 20.0, 20.0, dip, 30.0, 0.0].into(),
             time: vec![0.0, 1.0, 2.0, 4.0, 4.1, 4.2, 6.0],
             ends: Vec::new(),
+            hidden: false,
         };
         FeedChart {
             programmed,
@@ -127,9 +145,14 @@ mod tests {
     }
 
     fn svg_of(chart: &FeedChart, view: View) -> (String, Frame) {
+        sized(chart, view, (800, 640))
+    }
+
+    fn sized(chart: &FeedChart, view: View, size: (u32, u32)) -> (String, Frame) {
         let mut text = String::new();
-        let backend = SVGBackend::with_string(&mut text, (800, 400));
-        let frame = draw(chart, view, &Theme::LIGHT, 1.0, backend).expect("an SVG in memory can be drawn");
+        let backend = SVGBackend::with_string(&mut text, size);
+        let frame =
+            draw(chart, view, &Theme::LIGHT, 1.0, true, backend).expect("an SVG in memory can be drawn");
         (text, frame)
     }
 
@@ -208,7 +231,8 @@ mod tests {
     fn stacked_curves_have_panels_one_below_the_other() {
         let stacked = FeedChart { stacked: true, ..chart() };
         let (text, frame) = svg_of(&stacked, stacked.full_view(false));
-        assert!(text.contains("Contour error (µm)") && text.matches("mm/min").count() == 2);
+        // The lowest panel is too low for more of its title than the unit.
+        assert!(text.lines().any(|line| line == "µm") && text.matches("mm/min").count() == 2);
         assert!(frame.y.1 - frame.y.0 < frame.pitch);
         for (index, color) in ["#0072B2", "#D55E00"].into_iter().enumerate() {
             let rows = points_of(&text, color).map(|(_, y)| y).filter(|&y| y < frame.errors_y.0 - 5.0);
@@ -218,6 +242,22 @@ mod tests {
             assert!(
                 2 <= rows.len() && rows.iter().all(|y| (top - 2.0..=bottom + 2.0).contains(y)),
                 "{color} {rows:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn contour_errors_can_be_read_in_a_low_picture_too() {
+        let chart = chart();
+        let height = |(top, bottom): (f64, f64)| bottom - top;
+        for pixels in [216, 240, 300, 640] {
+            let (_, frame) = sized(&chart, chart.full_view(false), (560, pixels));
+            assert!(40.0 <= height(frame.errors_y), "{:?} of {pixels}", frame.errors_y);
+            assert!(
+                height(frame.errors_y) <= height(frame.y),
+                "{:?} and {:?} of {pixels}",
+                frame.y,
+                frame.errors_y
             );
         }
     }

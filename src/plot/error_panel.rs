@@ -1,25 +1,29 @@
 //! The lower panel: the contour error of each curve over distance, beside its tolerance.
 //!
-//! A corner is a point of the path and an arc a stretch of it. Both are shown as the largest error
-//! in each pixel column, an outline over a pale ground, so that a corner is a needle, an arc a step
-//! and a finishing pass of a thousand blocks its envelope. Dashed lines are the tolerances. The
-//! ordinate begins at 0 and fits what is in sight.
+//! A corner is a point of the path and an arc a part of it. Both appear as the largest error in each pixel
+//! column, an outline over a pale area, so that a corner is a needle, an arc a step and a finishing pass of a
+//! thousand blocks its envelope. Dashed lines are the tolerances. The ordinate begins at 0 and fits the view.
 
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 use crate::plot::decimate::count_before;
-use crate::plot::feed_panel::rapid_stretches;
-use crate::plot::panel::{Axes, Borders, Failure, Look, borders};
-use crate::plot::{Curve, FeedChart, Programmed, Stretch, View};
+use crate::plot::feed_panel::rapid_ranges;
+use crate::plot::panel::{Axes, Borders, DrawError, Look, borders};
+use crate::plot::{FeedChart, FeedrateCurve, Programmed, TolerancePart, View};
 use crate::units::micrometres;
 
-/// Room above the largest error in sight, as a ratio.
-const HEADROOM: f64 = 1.12;
+/// Ratio of the ordinate to the largest error in view.
+const HEADROOM_RATIO: f64 = 1.12;
 
-/// How much of a curve's colour the ground below its outline has.
-const GROUND: f64 = 0.16;
+/// Opacity of the area below an outline.
+const AREA_OPACITY: f64 = 0.16;
+
+/// Largest rise and fall, in turns per point of the picture, of an outline that is drawn as a line; above it,
+/// the largest error in columns of [`COLUMN_PT`] is drawn.
+const MAX_TURNS_PER_PT: f64 = 0.05;
+const COLUMN_PT: f64 = 4.0;
 
 /// Draws the contour errors of a chart on an area.
 pub(crate) fn draw<B: DrawingBackend>(
@@ -27,40 +31,54 @@ pub(crate) fn draw<B: DrawingBackend>(
     view: View,
     look: &Look,
     area: &DrawingArea<B, Shift>,
-) -> Result<Borders, Failure<B>> {
+) -> Result<Borders, DrawError<B>> {
     let axes = |top: f64| Axes {
         distance: view.distance,
         distance_title: Some(chart.abscissa.title()),
         value: (0.0, top),
         value_title: "Contour error (µm)",
     };
-    // The columns have to be known before what they show can set the scale.
+    // The columns must be known before their content can set the scale.
     let borders = borders(&look.panel(area, &axes(1.0))?);
     let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
-    let outlines: Vec<_> =
-        chart.curves.iter().map(|curve| outline(curve, &chart.programmed, view, columns)).collect();
-    let in_sight: Vec<Vec<Stretch>> =
-        chart.curves.iter().map(|curve| merged(&curve.tolerances, view, columns)).collect();
+    let shown: Vec<(&FeedrateCurve, RGBColor)> = chart
+        .curves
+        .iter()
+        .zip(look.theme.curves.iter().copied().cycle())
+        .filter(|(curve, _)| !curve.hidden)
+        .collect();
+    let by = |columns: usize| -> Vec<_> {
+        shown.iter().map(|(curve, _)| outline(curve, &chart.programmed, view, columns)).collect()
+    };
+    let mut outlines = by(columns);
+    if outlines.iter().any(|outline| MAX_TURNS_PER_PT * columns as f64 / look.scale < rise(outline)) {
+        outlines = by((columns as f64 / (COLUMN_PT * look.scale)).ceil() as usize);
+    }
+    let in_sight: Vec<Vec<TolerancePart>> =
+        shown.iter().map(|(curve, _)| merged(&curve.tolerances, view, columns)).collect();
     let tolerances = in_sight.iter().flatten().map(|stretch| micrometres(stretch.tolerance));
     let errors = outlines.iter().flatten().map(|&(_, error)| error);
     let largest = tolerances.chain(errors).fold(0.0, f64::max);
-    let axes = axes(HEADROOM * if 0.0 < largest { largest } else { 1.0 });
+    let axes = axes(HEADROOM_RATIO * if 0.0 < largest { largest } else { 1.0 });
     let mut context = look.panel(area, &axes)?;
 
     let theme = &look.theme;
-    for (from, to) in rapid_stretches(chart, view, columns) {
+    for (from, to) in rapid_ranges(chart, view, columns) {
         context.draw_series([Rectangle::new([(from, 0.0), (to, axes.value.1)], theme.rapid.filled())])?;
     }
     look.mesh(&mut context, &axes)?;
-    let shown: Vec<_> = chart.curves.iter().zip(&outlines).zip(theme.curves.iter().cycle()).collect();
-    // The widest tolerance first: what is smaller stays in sight on top of it.
-    for ((_, outline), color) in shown.iter().rev() {
-        context.draw_series(steps(outline).map(|ground| Polygon::new(ground, color.mix(GROUND).filled())))?;
+    // The widest tolerance first: smaller ones remain visible on top of it.
+    for (outline, (_, color)) in outlines.iter().zip(&shown).rev() {
+        context.draw_series(
+            steps(outline).map(|ground| Polygon::new(ground, color.mix(AREA_OPACITY).filled())),
+        )?;
         let line = color.stroke_width(look.points(1.25));
         context.draw_series(steps(outline).map(|step| PathElement::new(step, line)))?;
     }
-    let shown = in_sight.iter().zip(theme.curves.iter().cycle());
-    for (stretch, color) in shown.flat_map(|(all, color)| all.iter().map(move |stretch| (stretch, color))) {
+    let tolerances = in_sight.iter().zip(&shown);
+    for (stretch, color) in
+        tolerances.flat_map(|(all, (_, color))| all.iter().map(move |stretch| (stretch, color)))
+    {
         let tolerance = micrometres(stretch.tolerance);
         let ends = [(stretch.from, tolerance), (stretch.to, tolerance)];
         let dashes = (look.points(5.0) as i32, look.points(4.0) as i32);
@@ -70,26 +88,32 @@ pub(crate) fn draw<B: DrawingBackend>(
     Ok(borders)
 }
 
-/// The stretches in sight, cut to it; neighbours of one tolerance joined, and those narrower than a
-/// pixel column left out.
-fn merged(tolerances: &[Stretch], view: View, columns: usize) -> Vec<Stretch> {
+/// Returns how often an outline rises from the abscissa to its top, or falls.
+fn rise(outline: &[(f64, f64)]) -> f64 {
+    let top = outline.iter().fold(f64::MIN_POSITIVE, |top, point| top.max(point.1));
+    outline.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).sum::<f64>() / top
+}
+
+/// Returns the parts in view, cut to it; neighbours of one tolerance are joined, and parts narrower than a
+/// pixel column are dropped.
+fn merged(tolerances: &[TolerancePart], view: View, columns: usize) -> Vec<TolerancePart> {
     let (low, high) = view.distance;
     let narrow = (high - low) / columns as f64;
-    let mut joined: Vec<Stretch> = Vec::new();
+    let mut joined: Vec<TolerancePart> = Vec::new();
     for stretch in tolerances.iter().filter(|stretch| stretch.from < high && low < stretch.to) {
         let (from, to) = (stretch.from.max(low), stretch.to.min(high));
         match joined.last_mut() {
             Some(last) if last.tolerance == stretch.tolerance && last.to == from => last.to = to,
-            _ => joined.push(Stretch { from, to, ..*stretch }),
+            _ => joined.push(TolerancePart { from, to, ..*stretch }),
         }
     }
     joined.retain(|stretch| narrow <= stretch.to - stretch.from);
     joined
 }
 
-/// The largest error (µm) in each pixel column as a polyline over distance (mm) with a point at
+/// Returns the largest error (µm) in each pixel column as a polyline over distance (mm) with a point at
 /// either side of each change; it begins and ends on the abscissa.
-fn outline(curve: &Curve, programmed: &Programmed, view: View, columns: usize) -> Vec<(f64, f64)> {
+fn outline(curve: &FeedrateCurve, programmed: &Programmed, view: View, columns: usize) -> Vec<(f64, f64)> {
     let (low, high) = view.distance;
     let border = |column: usize| low + (high - low) * column as f64 / columns as f64;
     let ends = curve.segment_ends(programmed);
@@ -98,7 +122,7 @@ fn outline(curve: &Curve, programmed: &Programmed, view: View, columns: usize) -
     let mut points = vec![(low, 0.0)];
     for column in 0..columns {
         let (from, to) = (border(column), border(column + 1));
-        // Those that end in the column, and the one that goes on beyond.
+        // Segments that end in the column, and the one that continues beyond it.
         likely = count_before(&ends[first..], to, likely);
         let last = first + likely;
         let seen = first..(last + 1).min(ends.len());
@@ -114,7 +138,7 @@ fn outline(curve: &Curve, programmed: &Programmed, view: View, columns: usize) -
     points
 }
 
-/// The parts of an outline that are above the abscissa, each from its foot to its foot.
+/// Returns the parts of an outline above the abscissa, each from foot to foot.
 fn steps(outline: &[(f64, f64)]) -> impl Iterator<Item = Vec<(f64, f64)>> {
     outline.chunk_by(|a, b| 0.0 < a.1 || 0.0 < b.1).filter(|part| part.len() > 1).map(<[_]>::to_vec)
 }
@@ -122,15 +146,18 @@ fn steps(outline: &[(f64, f64)]) -> impl Iterator<Item = Vec<(f64, f64)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::Errors;
+    use crate::plot::CurveErrors;
 
     /// Blocks of 1 mm with errors that repeat after 97, and an arc from 500 to 501 mm.
-    fn curve() -> (Curve, Programmed) {
+    fn curve() -> (FeedrateCurve, Programmed) {
         let end: Vec<f64> = (1..=1000).map(f64::from).collect();
         let corner = (0..1000).map(|k| 0.001 * f64::from(k % 97)).collect::<Vec<_>>().into();
         let (arcs, along_arcs) = (vec![500], vec![0.2].into());
         let programmed = Programmed { end, ..Programmed::default() };
-        (Curve { errors: Errors { corner, arcs, along_arcs }, ..Curve::default() }, programmed)
+        (
+            FeedrateCurve { errors: CurveErrors { corner, arcs, along_arcs }, ..FeedrateCurve::default() },
+            programmed,
+        )
     }
 
     #[test]
@@ -157,7 +184,7 @@ mod tests {
 
     #[test]
     fn tolerances_are_joined_and_cut_to_what_is_in_sight() {
-        let stretch = |from: f64, to: f64, tolerance: f64| Stretch { from, to, tolerance };
+        let stretch = |from: f64, to: f64, tolerance: f64| TolerancePart { from, to, tolerance };
         let all = [
             stretch(0.0, 10.0, 1.0),
             stretch(10.0, 20.0, 1.0),

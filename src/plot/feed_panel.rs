@@ -1,70 +1,199 @@
-//! The upper panel: shaded rapids, programmed steps and the feedrate of each curve.
+//! The upper panel: shaded rapids, programmed steps and the feedrate of each curve, exactly or by means with a band.
 
 use std::ops::Range;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use crate::plot::decimate::{FEW, by_column, clipped, decimated};
-use crate::plot::panel::{Axes, Borders, Failure, Look, borders};
-use crate::plot::{Abscissa, Extremes, FeedChart, View};
+use crate::plot::decimate::{MAX_ROWS_DRAWN, by_column, clipped, decimated};
+use crate::plot::panel::{Axes, Borders, DrawError, Look, borders};
+use crate::plot::strips::{QuantityLine, strips};
+use crate::plot::{Abscissa, Extremes, FeedChart, FeedrateCurve, Grains, SectionGrain, Strip, View};
+use crate::simulation::sampled::rows_around_by;
 use crate::units::mm_per_min;
 
 /// Width of the programmed steps, points.
-const PROGRAMMED_WIDTH: f64 = 5.0;
+const PROGRAMMED_WIDTH_PT: f64 = 5.0;
 
-/// The same beside a recording, where two motions are compared with each other, points.
-const PROGRAMMED_WIDTH_BESIDE: f64 = 1.5;
+/// Width of the programmed steps beside a recording, where two motions are compared, points.
+const PROGRAMMED_WIDTH_BESIDE_RECORDING_PT: f64 = 1.5;
 
-/// Width of the programmed steps of a chart, points.
+/// Returns the width of the programmed steps of a chart, points.
 pub(crate) fn programmed_width(chart: &FeedChart) -> f64 {
-    if chart.lost.is_some() { PROGRAMMED_WIDTH_BESIDE } else { PROGRAMMED_WIDTH }
+    if chart.lost.is_some() { PROGRAMMED_WIDTH_BESIDE_RECORDING_PT } else { PROGRAMMED_WIDTH_PT }
 }
 
-/// Draws the feedrates of a chart on an area, or one of them, by its index.
+/// Opacity of the bands of all other curves over that of the curve on top; and of the area below a band.
+const OTHER_BANDS_OPACITY: f64 = 0.8;
+const BELOW_BAND_OPACITY: f64 = 0.4;
+
+/// The layout common to all feedrate panels of a chart.
+pub(crate) struct FeedLayout {
+    /// Pixel columns of a panel.
+    columns: usize,
+    /// Points of each curve where every sample counts.
+    exact: Vec<Vec<(f64, f64)>>,
+    /// Resolution of each section.
+    pub grains: Grains,
+}
+
+impl FeedLayout {
+    /// Lays out panels as wide as an area.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the backend fails.
+    pub fn of<B: DrawingBackend>(
+        chart: &FeedChart,
+        view: View,
+        look: &Look,
+        area: &DrawingArea<B, Shift>,
+    ) -> Result<FeedLayout, DrawError<B>> {
+        let borders = borders(&look.panel(area, &axes(view, false))?);
+        let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
+        let exact: Vec<_> = chart
+            .curves
+            .iter()
+            .map(|curve| decimated(&curve.distance, &curve.feedrate, view.distance, columns))
+            .collect();
+        let grains = Grains::of(chart, &exact, view, columns as f64 / look.scale);
+        Ok(FeedLayout { columns, exact, grains })
+    }
+}
+
+fn axes(view: View, is_one_of_many: bool) -> Axes<'static> {
+    let value = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
+    let value_title = if is_one_of_many { "mm/min" } else { "Feedrate (mm/min)" };
+    Axes { distance: view.distance, distance_title: None, value, value_title }
+}
+
+/// Draws the feedrates of a chart on an area, or only those of the curve with the index `only`.
 pub(crate) fn draw<B: DrawingBackend>(
     chart: &FeedChart,
     only: Option<usize>,
+    layout: &FeedLayout,
     view: View,
     look: &Look,
     area: &DrawingArea<B, Shift>,
-) -> Result<Borders, Failure<B>> {
+) -> Result<Borders, DrawError<B>> {
     let theme = &look.theme;
-    let feed = (mm_per_min(view.feedrate.0), mm_per_min(view.feedrate.1));
-    let value_title = if only.is_some() { "mm/min" } else { "Feedrate (mm/min)" };
-    let axes = Axes { distance: view.distance, distance_title: None, value: feed, value_title };
+    let FeedLayout { columns, grains, exact } = layout;
+    let columns = *columns;
+    let axes = axes(view, only.is_some());
+    let feed = axes.value;
     let mut context = look.panel(area, &axes)?;
     let borders = borders(&context);
-    let columns = (borders.x.1 - borders.x.0).max(1.0) as usize;
 
-    for (from, to) in rapid_stretches(chart, view, columns) {
+    for (from, to) in rapid_ranges(chart, view, columns) {
         context.draw_series([Rectangle::new([(from, feed.0), (to, feed.1)], theme.rapid.filled())])?;
     }
     look.mesh(&mut context, &axes)?;
+    // The quoted or recorded curve is on top.
+    let on_top = |index: &usize| *index == chart.on_top;
+    let below = (0..chart.curves.len()).rev().filter(|index| !on_top(index)).chain([chart.on_top]);
+    let is_shown = |index: &usize| chart.curves.get(*index).is_some_and(|curve| !curve.hidden);
+    let shown: Vec<usize> =
+        below.filter(|index| is_shown(index) && only.is_none_or(|own| own == *index)).collect();
+    let color = |index: usize| theme.curves[index % theme.curves.len()];
+    for &index in &shown {
+        for strips in dense(chart, &chart.curves[index], grains, view) {
+            let inside = |feedrate: f64| mm_per_min(feedrate.clamp(view.feedrate.0, view.feedrate.1));
+            let mut ground = |low: fn(&Strip) -> f64, high: fn(&Strip) -> f64, part: f64| {
+                let lower = outline(&strips, low).into_iter();
+                let upper = outline(&strips, high).into_iter().rev();
+                let at = |at: f64| at.clamp(view.distance.0, view.distance.1);
+                let points = lower.chain(upper).map(|(d, f)| (at(d), inside(f))).collect::<Vec<_>>();
+                context.draw_series([Polygon::new(points, color(index).mix(part).filled())]).map(|_| ())
+            };
+            let is_on_top = shown.last() == Some(&index);
+            let share = if is_on_top { 1.0 } else { OTHER_BANDS_OPACITY / (shown.len() - 1) as f64 };
+            let part = theme.band * share;
+            ground(|strip| strip.band.lowest, |strip| strip.band.highest, part)?;
+            ground(|strip| strip.all.lowest, |strip| strip.band.lowest, BELOW_BAND_OPACITY * part)?;
+        }
+    }
     let mut line = |points: &[(f64, f64)], style: ShapeStyle| {
         let parts = clipped(points, view).into_iter();
         let in_minutes =
             |part: Vec<(f64, f64)>| part.into_iter().map(|(d, f)| (d, mm_per_min(f))).collect::<Vec<_>>();
         context.draw_series(parts.map(|part| PathElement::new(in_minutes(part), style))).map(|_| ())
     };
-    let programmed = programmed_steps(chart, view, columns);
-    line(&programmed, theme.programmed.stroke_width(look.points(programmed_width(chart))))?;
-    let all = chart.curves.iter().zip(theme.curves.iter().cycle()).enumerate();
-    let mut curves: Vec<_> =
-        all.filter(|(index, _)| only.is_none_or(|own| own == *index)).map(|(_, shown)| shown).collect();
-    if chart.lost.is_some() {
-        // What was recorded lies over what was simulated.
-        curves.reverse();
+    if !chart.programmed.hidden {
+        let steps = programmed_steps(chart, view, columns);
+        let points = mixed(&steps, grains, QuantityLine::of_programmed(chart, &chart.programmed));
+        line(&points, theme.programmed.stroke_width(look.points(programmed_width(chart))))?;
     }
-    for (curve, color) in curves {
-        let kept = decimated(&curve.distance, &curve.feedrate, view.distance, columns);
-        line(&kept, color.stroke_width(look.points(1.75)))?;
+    for &index in &shown {
+        let curve = &chart.curves[index];
+        let points = mixed(&exact[index], grains, QuantityLine::of_curve(chart, curve));
+        line(&points, color(index).stroke_width(look.points(1.75)))?;
     }
     Ok(borders)
 }
 
-/// Where rapid moves lie within the view, from and to (mm); neighbours closer than a pixel are one.
-pub(crate) fn rapid_stretches(chart: &FeedChart, view: View, columns: usize) -> Vec<(f64, f64)> {
+/// Returns the strips of a curve where means are drawn, run by run.
+fn dense(chart: &FeedChart, curve: &FeedrateCurve, grains: &Grains, view: View) -> Vec<Vec<Strip>> {
+    let runs = grains.runs().filter_map(|(grain, ends)| match grain {
+        SectionGrain::Means(group) if ends.0 < view.distance.1 => {
+            Some(strips(chart, curve, &grains.borders(group, ends)))
+        }
+        _ => None,
+    });
+    runs.filter(|strips| !strips.is_empty()).collect()
+}
+
+/// Returns a value of each strip as a polyline, with a point in the middle of each strip.
+fn outline(strips: &[Strip], says: fn(&Strip) -> f64) -> Vec<(f64, f64)> {
+    let (first, last) = (&strips[0], &strips[strips.len() - 1]);
+    let middles = strips.iter().map(|strip| (0.5 * (strip.ends.0 + strip.ends.1), says(strip)));
+    [(first.ends.0, says(first))].into_iter().chain(middles).chain([(last.ends.1, says(last))]).collect()
+}
+
+/// Returns the mean feedrates (mm/s) of `count` strips of a curve over a view, as a polyline within it.
+pub(crate) fn clamped_means(
+    chart: &FeedChart,
+    curve: &FeedrateCurve,
+    view: View,
+    count: usize,
+) -> Vec<(f64, f64)> {
+    let ((low, high), (bottom, top)) = (view.distance, view.feedrate);
+    let border = |k: f64| low + (high - low) * k / count as f64;
+    let means = QuantityLine::of_curve(chart, curve)
+        .means(&(0..=count).map(|k| border(k as f64)).collect::<Vec<_>>());
+    let means = means.into_iter().enumerate();
+    means.filter_map(|(k, mean)| Some((border(k as f64 + 0.5), mean?.clamp(bottom, top)))).collect()
+}
+
+/// Returns a polyline of the exact points where they are drawn, and of means elsewhere.
+fn mixed(exact: &[(f64, f64)], grains: &Grains, line: QuantityLine) -> Vec<(f64, f64)> {
+    let mut points = Vec::new();
+    for (grain, (from, to)) in grains.runs() {
+        match grain {
+            SectionGrain::Exact => {
+                let inside = [from, to].map(|end| exact.partition_point(|point| point.0 < end));
+                points.extend(between(exact, from));
+                points.extend(&exact[inside[0]..inside[1]]);
+                points.extend(between(exact, to));
+            }
+            SectionGrain::Means(group) => {
+                let borders = grains.borders(group, (from, to));
+                let middles = borders.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
+                points.extend(middles.zip(line.means(&borders)).filter_map(|(at, mean)| Some((at, mean?))));
+            }
+        }
+    }
+    points
+}
+
+/// Returns the ordinate of a polyline at a place; `None` outside it.
+fn between(points: &[(f64, f64)], at: f64) -> Option<(f64, f64)> {
+    let is_within = points.first()?.0 < at && at <= points.last()?.0;
+    let rows = rows_around_by(points.len(), |row| points[row].0, at, &mut 0).filter(|_| is_within)?;
+    Some((at, rows.between_by(|row| points[row].1)))
+}
+
+/// Returns the ranges of rapid moves in view, mm; neighbours closer than a pixel are joined.
+pub(crate) fn rapid_ranges(chart: &FeedChart, view: View, columns: usize) -> Vec<(f64, f64)> {
     let (low, high) = view.distance;
     let pixel = (high - low) / columns as f64;
     let mut stretches: Vec<(f64, f64)> = Vec::new();
@@ -80,7 +209,7 @@ pub(crate) fn rapid_stretches(chart: &FeedChart, view: View, columns: usize) -> 
     while let Some(rapid) = left.first().filter(|rapid| begin(rapid) < high) {
         let (from, mut to) = (begin(rapid), end(rapid));
         left = &left[1..];
-        // Those that begin within a pixel of its end, then those that do of the end of these.
+        // Ranges that begin within a pixel of the end, then those within a pixel of their end.
         while let near @ 1.. = left.partition_point(|rapid| begin(rapid) < high.min(to + pixel)) {
             to = end(&left[near - 1]);
             left = &left[near..];
@@ -90,8 +219,8 @@ pub(crate) fn rapid_stretches(chart: &FeedChart, view: View, columns: usize) -> 
     stretches
 }
 
-/// The programmed feedrate in sight as a polyline with a point at either side of each change, or four points for all
-/// changes in one of the pixel columns.
+/// Returns the programmed feedrate in view as a polyline with a point at either side of each change, or four
+/// points for all changes in one pixel column.
 fn programmed_steps(chart: &FeedChart, view: View, columns: usize) -> Vec<(f64, f64)> {
     let steps = &chart.programmed;
     let mut points: Vec<(f64, f64)> = Vec::new();
@@ -101,7 +230,7 @@ fn programmed_steps(chart: &FeedChart, view: View, columns: usize) -> Vec<(f64, 
     };
     for seen in by_column(&steps.end, steps.within(view.distance), view.distance, columns) {
         match steps.feedrate.extremes(seen.clone()) {
-            Some(Extremes { lowest, highest }) if FEW < seen.len() => {
+            Some(Extremes { lowest, highest }) if MAX_ROWS_DRAWN < seen.len() => {
                 let (first, last) = (seen.start, seen.end - 1);
                 add(steps.start(first), steps.end[first], steps.feedrate[first]);
                 add(steps.end[first], steps.end[first], lowest);
@@ -152,7 +281,7 @@ mod tests {
                 }
                 let view = View { distance: (low, high), feedrate: (0.0, 1.0) };
                 assert_eq!(
-                    rapid_stretches(&chart, view, columns),
+                    rapid_ranges(&chart, view, columns),
                     one_by_one,
                     "{low} to {high}, {columns} columns"
                 );

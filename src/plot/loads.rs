@@ -1,33 +1,34 @@
 //! The chart of cutting loads over distance: force (N), power (W) and removal rate (cm³/min), one
 //! panel each, by the programmed and by the predicted feedrate.
 //!
-//! Between the places of an engagement nothing is cut, and the curves lie at 0. The abscissa is that
-//! of the chart of feedrates, so that both can be looked at over the same distances.
+//! Between the places of an engagement the curves are at 0. The abscissa is that of the chart of feedrates,
+//! so that both can be compared over the same distances.
 
 use plotters::prelude::*;
 
-use crate::cutting::{Engagement, Load, Loads};
+use crate::cutting::{CutLoad, Engagement, LoadCurve};
 use crate::plot::decimate::{clipped, decimated};
-use crate::plot::panel::{Axes, Failure, Look, axis_number, borders};
+use crate::plot::panel::{Axes, DrawError, Look, axis_number, borders};
 use crate::plot::{Column, Theme, View};
+use crate::simulation::sampled::rows_around;
 use crate::units::{mm_per_min, watts_of_n_mm_per_s};
 
 /// Room above the largest value, as a part of it.
-const HEADROOM: f64 = 0.08;
+const HEADROOM_SHARE: f64 = 0.08;
 
 /// Cubic millimetres in a cubic centimetre.
 const MM3_PER_CM3: f64 = 1000.0;
 
-/// One quantity by both feedrates.
+/// One quantity at both feedrates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadCurves {
-    /// By the programmed feedrate.
+    /// At the programmed feedrate.
     pub programmed: Column,
-    /// By the predicted one.
+    /// At the predicted feedrate.
     pub predicted: Column,
 }
 
-/// Everything the chart shows, in columns of equal length.
+/// Data of the chart, in columns of equal length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadChart {
     /// Distance along the programmed path, mm, ascending.
@@ -38,17 +39,19 @@ pub struct LoadChart {
     pub power: LoadCurves,
     /// Removal rate, cm³/min.
     pub removal_rate: LoadCurves,
+    /// Feed per tooth, mm; it is not drawn.
+    pub feed_per_tooth: LoadCurves,
 }
 
 impl LoadChart {
-    /// The loads of an engagement by the programmed and the predicted feedrate.
-    pub fn of(engagement: &Engagement, [programmed, predicted]: &[Loads; 2]) -> LoadChart {
-        let none = Load::default();
-        let mut rows: Vec<(f64, [&Load; 2])> = Vec::new();
+    /// Returns the chart of an engagement's loads at the programmed and the predicted feedrate.
+    pub fn of(engagement: &Engagement, [programmed, predicted]: &[LoadCurve; 2]) -> LoadChart {
+        let none = CutLoad::default();
+        let mut rows: Vec<(f64, [&CutLoad; 2])> = Vec::new();
         let mut end = f64::NEG_INFINITY;
         for (index, place) in engagement.places.iter().enumerate() {
             let start = place.distance - 0.5 * place.length;
-            // A hair is rounding, more is a gap in which nothing is cut.
+            // A tiny distance is rounding; more is a gap in which nothing is cut.
             if end + 1e-6 < start {
                 if end.is_finite() {
                     rows.push((end, [&none, &none]));
@@ -61,49 +64,52 @@ impl LoadChart {
         if end.is_finite() {
             rows.push((end, [&none, &none]));
         }
-        let column = |by: usize, of: fn(&Load) -> f64| {
+        let column = |by: usize, of: fn(&CutLoad) -> f64| {
             rows.iter().map(|(_, loads)| of(loads[by])).collect::<Vec<_>>().into()
         };
         let curves =
-            |of: fn(&Load) -> f64| LoadCurves { programmed: column(0, of), predicted: column(1, of) };
+            |of: fn(&CutLoad) -> f64| LoadCurves { programmed: column(0, of), predicted: column(1, of) };
         LoadChart {
             distance: rows.iter().map(|(at, _)| *at).collect(),
             force: curves(|load| load.force),
             power: curves(|load| watts_of_n_mm_per_s(load.power)),
             removal_rate: curves(|load| mm_per_min(load.removal_rate) / MM3_PER_CM3),
+            feed_per_tooth: curves(|load| load.feed_per_tooth),
         }
     }
 
-    /// The distances it is drawn over, mm.
+    /// Returns the range of distances of the chart, mm.
     pub fn span(&self) -> (f64, f64) {
         let ends = self.distance.first().zip(self.distance.last());
         ends.map_or((0.0, 1.0), |(&from, &to)| (from, to.max(from + 1e-3)))
     }
 
-    /// Force, power and removal rate at a distance (mm), each by the programmed and the predicted
-    /// feedrate; straight lines between the rows, 0 beyond them.
+    /// Returns force, power and removal rate at a distance (mm), each at the programmed and the predicted
+    /// feedrate; linear between rows, 0 beyond them.
     pub fn reading(&self, distance: f64) -> [[f64; 2]; 3] {
-        let after = self.distance.partition_point(|at| *at < distance);
-        let rows = after.checked_sub(1).filter(|_| after < self.distance.len());
+        let ends = self.distance.first().zip(self.distance.last());
+        let is_within = ends.is_some_and(|(first, last)| *first < distance && distance <= *last);
+        let rows = rows_around(&self.distance, distance, &mut 0).filter(|_| is_within);
         [&self.force, &self.power, &self.removal_rate].map(|curves| {
-            let Some(before) = rows else { return [0.0; 2] };
-            let [from, to] = [before, after].map(|row| self.distance[row]);
-            let share = (distance - from) / (to - from);
-            [&curves.programmed, &curves.predicted]
-                .map(|values| values[before] + share * (values[after] - values[before]))
+            let curves = [&curves.programmed, &curves.predicted];
+            curves.map(|values| rows.map_or(0.0, |rows| rows.between(&values[..])))
         })
     }
 }
 
-/// Draws the chart between two distances (mm) over the whole of a backend; the left and right border of
-/// its panels in pixels.
+/// Draws the chart between two distances (mm) over the whole of a backend; returns the left and right border
+/// of its panels in pixels.
+///
+/// # Errors
+///
+/// Returns an error if the backend fails.
 pub fn draw_loads<B: DrawingBackend>(
     chart: &LoadChart,
     distance: (f64, f64),
     theme: &Theme,
     scale: f64,
     backend: B,
-) -> Result<(f64, f64), Failure<B>> {
+) -> Result<(f64, f64), DrawError<B>> {
     let mut sides = (0.0, 1.0);
     let root = backend.into_drawing_area();
     root.fill(&theme.background)?;
@@ -138,12 +144,12 @@ pub fn draw_loads<B: DrawingBackend>(
     Ok(sides)
 }
 
-/// The top of an ordinate that fits what is in sight.
+/// Returns the top of an ordinate that fits the view.
 fn top(at: &[f64], curves: &LoadCurves, (low, high): (f64, f64)) -> f64 {
     let seen = at.partition_point(|at| *at < low)..at.partition_point(|at| *at <= high);
     let of_both = [&curves.programmed, &curves.predicted].map(|values| values.extremes(seen.clone()));
     let largest = of_both.into_iter().flatten().fold(0.0, |top: f64, own| top.max(own.highest));
-    if 0.0 < largest { largest * (1.0 + HEADROOM) } else { 1.0 }
+    if 0.0 < largest { largest * (1.0 + HEADROOM_SHARE) } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -152,7 +158,7 @@ mod tests {
     use crate::cutting::{Mill, Setup, StockBox, engagement, loads, material, programmed_feedrates};
     use crate::machine::Machine;
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
     /// Two slots with air between them, the second at half of the feedrate predicted.
     fn chart() -> LoadChart {

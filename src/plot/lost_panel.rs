@@ -1,33 +1,33 @@
-//! The lower panel beside a recording: the time the recorded machine has lost since the start, over
+//! The lower panel beside a recording: the time that the recorded machine has lost since the start, over
 //! distance.
 //!
 //! Where the line rises the machine is slower than simulated, where it falls faster; a step is a wait. The
-//! ordinate fits what is in sight and always has 0 in it. Of a machine before and after a change both are
+//! ordinate fits the view and always includes 0. Curves of a machine before and after a change are both
 //! drawn, in the colours of their feedrates.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use crate::plot::decimate::{clipped, decimated};
-use crate::plot::feed_panel::rapid_stretches;
-use crate::plot::panel::{Axes, Borders, Failure, Look, borders};
+use crate::plot::feed_panel::rapid_ranges;
+use crate::plot::panel::{Axes, Borders, DrawError, Look, borders};
 use crate::plot::{FeedChart, LostTime, View};
 use crate::simulation::sampled::rows_around;
 
-/// Room above and below what is in sight, as a part of it.
-const HEADROOM: f64 = 0.08;
+/// Room above and below the data, as a part of it.
+const HEADROOM_SHARE: f64 = 0.08;
 
-/// The least that the ordinate spans, s: less is noise of any recorder.
-const LEAST_SPAN: f64 = 1e-3;
+/// Least span of the ordinate, s: less is noise of any recorder.
+const MIN_SPAN_S: f64 = 1e-3;
 
-/// Draws the time lost on an area.
+/// Draws the lost time on an area.
 pub(crate) fn draw<B: DrawingBackend>(
     chart: &FeedChart,
     lost: &LostTime,
     view: View,
     look: &Look,
     area: &DrawingArea<B, Shift>,
-) -> Result<Borders, Failure<B>> {
+) -> Result<Borders, DrawError<B>> {
     let after = chart.lost_after.as_ref();
     let all = [lost].into_iter().chain(after);
     let value = all
@@ -45,7 +45,7 @@ pub(crate) fn draw<B: DrawingBackend>(
 
     let theme = &look.theme;
     let (low, high) = axes.value;
-    for (from, to) in rapid_stretches(chart, view, columns) {
+    for (from, to) in rapid_ranges(chart, view, columns) {
         context.draw_series([Rectangle::new([(from, low), (to, high)], theme.rapid.filled())])?;
     }
     look.mesh(&mut context, &axes)?;
@@ -64,7 +64,7 @@ pub(crate) fn draw<B: DrawingBackend>(
     Ok(borders)
 }
 
-/// From the least to the largest time lost between two distances (mm), with 0 and some room.
+/// Returns the least and the largest lost time between two distances (mm), with 0 and some room.
 fn in_sight(lost: &LostTime, (low, high): (f64, f64)) -> (f64, f64) {
     let (at, seconds) = (&lost.distance, &lost.seconds);
     let inside = seconds.extremes(at.partition_point(|at| *at < low)..at.partition_point(|at| *at <= high));
@@ -72,7 +72,7 @@ fn in_sight(lost: &LostTime, (low, high): (f64, f64)) -> (f64, f64) {
     let inside = inside.map(|inside| [inside.lowest, inside.highest]).into_iter().flatten();
     let all = inside.chain(ends.into_iter().flatten());
     let (least, largest) = all.fold((0.0f64, 0.0f64), |(a, b), value| (a.min(value), b.max(value)));
-    let room = HEADROOM * (largest - least).max(LEAST_SPAN);
+    let room = HEADROOM_SHARE * (largest - least).max(MIN_SPAN_S);
     (least - room, largest + room)
 }
 
@@ -85,7 +85,7 @@ mod tests {
         let lost =
             LostTime { distance: vec![0.0, 10.0, 10.0, 20.0], seconds: vec![0.0, 1.0, 5.0, 3.0].into() };
         let (low, high) = in_sight(&lost, (0.0, 5.0));
-        assert!(low < 0.0 && (high - 0.5 * (1.0 + HEADROOM)).abs() < 1e-12, "{low} to {high}");
+        assert!(low < 0.0 && (high - 0.5 * (1.0 + HEADROOM_SHARE)).abs() < 1e-12, "{low} to {high}");
         let (low, high) = in_sight(&lost, (12.0, 13.0));
         assert!(low < 0.0 && 4.6 < high && high < 5.1, "{low} to {high}");
         let (low, high) = in_sight(&LostTime::default(), (0.0, 1.0));

@@ -1,6 +1,6 @@
-//! Text in XML: pictures, and the reports they stand in.
+//! Escaping of text in XML and HTML: pictures, and the reports that contain them.
 
-/// A text that is no markup, as XML takes it: without the control characters that it cannot have.
+/// Returns a text with its markup escaped and without the control characters that XML does not allow.
 pub fn escaped(text: &str) -> String {
     let is_xml = |letter: &char| !letter.is_control() || matches!(letter, '\t' | '\n' | '\r');
     let text: String = text.chars().filter(is_xml).collect();

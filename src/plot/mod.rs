@@ -12,23 +12,28 @@
 //! Beside a recording the curves are the recorded and the simulated feedrate, and the lower panel shows
 //! the time the recorded machine lost since the start, s, instead of the contour error.
 //!
-//! The same curves can be drawn over time (`over_time`), and each in a panel of its own.
+//! The same curves can be drawn over time (`over_time`), and each in its panel.
 //!
-//! What is drawn is decimated to the pixel columns of the picture (`decimate`), so that a
-//! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its
-//! [`Frame`], which turns pixels into data and back.
+//! Where the curves go up and down more often than a picture has room for, their means are drawn, with a band
+//! behind them (`strips`). The drawn curves are decimated to the pixel columns of the picture (`decimate`), so that a
+//! profile of a million samples is redrawn at each turn of the wheel. A drawing returns its [`Frame`], which turns
+//! pixels into data and back.
 
 mod column;
 mod decimate;
 mod draw;
 mod error_panel;
 mod feed_panel;
+mod law;
 mod loads;
 mod lost_panel;
 mod markup;
 mod over_time;
+mod overview;
 mod panel;
 pub mod path;
+mod programmed;
+mod strips;
 mod svg;
 mod table;
 mod theme;
@@ -37,41 +42,46 @@ mod view;
 
 pub use column::{Column, Extremes};
 pub use draw::draw;
+pub use law::{LawChart, draw_law};
 pub use loads::{LoadChart, LoadCurves, draw_loads};
 pub use markup::escaped;
-pub use svg::{svg, svg_of_loads, svg_of_tolerances, svg_of_view};
-pub use table::{Cell, Row};
-pub use theme::{PALETTE, Theme};
-pub use tolerances::{Mark, TimeCurve, ToleranceChart, ToleranceFrame, curve_tolerances, draw_tolerances};
+pub use overview::draw_overview;
+pub use programmed::Programmed;
+pub use strips::{Grains, SectionGrain, Strip};
+pub use svg::{svg, svg_of_law, svg_of_loads, svg_of_tolerances, svg_of_view};
+pub use table::{ChartRow, CurveRange};
+pub use theme::{PALETTE_SIZE, Theme};
+pub use tolerances::{
+    TimeCurve, ToleranceChart, ToleranceFrame, ToleranceMark, curve_tolerances, draw_tolerances,
+};
 pub use view::{Frame, View};
 
 use std::ops::Range;
 
-use crate::machine::Machine;
 use crate::simulation::contour::ContourErrors;
-use crate::simulation::feed::limits::rapid_feedrate;
 use crate::simulation::sampled::rows_around;
-use crate::simulation::toolpath::{Motion, Toolpath};
 
-/// Everything one chart shows.
+/// Data of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FeedChart {
-    /// What the program asks for.
+    /// The programmed feedrates.
     pub programmed: Programmed,
-    /// What the machine does, one curve for each tolerance.
-    pub curves: Vec<Curve>,
-    /// Time lost against a recording, shown instead of contour errors; none without one.
+    /// The simulated or recorded motions, one curve per tolerance.
+    pub curves: Vec<FeedrateCurve>,
+    /// Time lost against a recording, shown instead of contour errors; `None` without a recording.
     pub lost: Option<LostTime>,
-    /// The same against a machine that was changed since, drawn over it; the curves then are those of the
+    /// Time lost against the machine after a change, drawn over `lost`; the curves then are those of the
     /// recording, of the machine before, and of the machine after.
     pub lost_after: Option<LostTime>,
-    /// What the curves are drawn over.
+    /// Abscissa of the curves.
     pub abscissa: Abscissa,
-    /// Every curve in a panel of its own instead of all in one.
+    /// `true` if every curve has its panel.
     pub stacked: bool,
+    /// Index of the curve that is drawn on top.
+    pub on_top: usize,
 }
 
-/// What curves are drawn over.
+/// The abscissa of a chart.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Abscissa {
     /// Distance along the programmed path, mm.
@@ -82,7 +92,7 @@ pub enum Abscissa {
 }
 
 impl Abscissa {
-    /// Its name on the axis.
+    /// Returns the title of the axis.
     fn title(self) -> &'static str {
         match self {
             Abscissa::Distance => "Distance along the path (mm)",
@@ -91,8 +101,8 @@ impl Abscissa {
     }
 }
 
-/// How much later a recorded machine is than the simulated one, over distance, straight lines between
-/// the rows.
+/// The lost time over distance: how much later a recorded machine is than the simulated one, linear between
+/// rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LostTime {
     /// Distance along the programmed path, mm; ascending, with equal values where the tool waits.
@@ -101,26 +111,9 @@ pub struct LostTime {
     pub seconds: Column,
 }
 
-/// The programmed feedrate as steps over distance, one step a segment.
+/// One motion over distance, linear between rows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Programmed {
-    /// Where each segment ends, distance along the path, mm; ascending.
-    pub end: Vec<f64>,
-    /// Programmed feedrate of each segment, or the machine's rapid feedrate, mm/s.
-    pub feedrate: Column,
-    /// Whether each segment is a rapid move.
-    pub rapid: Vec<bool>,
-    /// Line of the program each segment comes from.
-    pub line: Vec<u32>,
-    /// The segments that are rapid moves, one range for all that follow one another.
-    rapids: Vec<Range<usize>>,
-    /// The highest feedrate of all others, mm/s.
-    highest_cutting: f64,
-}
-
-/// One simulated profile over distance, straight lines between the rows.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curve {
+pub struct FeedrateCurve {
     /// Name in the legend.
     pub label: String,
     /// Distance along the programmed path, mm; ascending, with equal values where the tool waits.
@@ -129,74 +122,76 @@ pub struct Curve {
     pub feedrate: Column,
     /// Time since the start, s.
     pub time: Vec<f64>,
-    /// Contour tolerances and where they hold, in the order of the path.
-    pub tolerances: Vec<Stretch>,
-    /// Contour errors, by the segments of the programmed steps; empty where they are unknown.
-    pub errors: Errors,
-    /// Where segments end on the abscissa, where that is not where the programmed steps end; else empty.
+    /// Contour tolerances with their ranges, in the order of the path.
+    pub tolerances: Vec<TolerancePart>,
+    /// Contour errors, by the segments of the programmed steps; empty if they are unknown.
+    pub errors: CurveErrors,
+    /// Ends of segments on the abscissa; empty if they are those of the programmed steps.
     pub ends: Vec<f64>,
+    /// `true` if the curve is not drawn.
+    pub hidden: bool,
 }
 
-/// Contour errors, by the segments of the programmed steps.
+/// Contour errors by the segments of the programmed steps.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Errors {
+pub struct CurveErrors {
     /// At the corner that ends each segment and on arcs near it, mm.
     pub corner: Column,
-    /// The segments that are arcs along which there is an error, by index; ascending.
+    /// Indices of the arcs with an error along them, ascending.
     pub arcs: Vec<u32>,
-    /// The largest along each of these, away from its corners, mm.
+    /// Largest error along each of these arcs, away from its corners, mm.
     pub along_arcs: Column,
 }
 
 /// A part of the path with one contour tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// Distance along the path where it begins, mm.
+pub struct TolerancePart {
+    /// Distance along the path at which the part begins, mm.
     pub from: f64,
-    /// Where it ends, mm; infinite for the whole path.
+    /// Distance at which it ends, mm; infinite for the whole path.
     pub to: f64,
     /// Contour tolerance, mm.
     pub tolerance: f64,
 }
 
-/// What a chart says about one distance.
+/// The values of a chart at one distance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reading {
+pub struct ChartValues {
     /// Distance along the programmed path, mm.
     pub distance: f64,
-    /// Line of the program that is run there, where there is one.
+    /// Line of the program that runs there; `None` if there is none.
     pub line: Option<u32>,
-    /// Programmed feedrate there, mm/s, where there is a segment.
+    /// Programmed feedrate there, mm/s; `None` if there is no segment.
     pub programmed: Option<f64>,
-    /// Whether that segment is a rapid move.
+    /// `true` if that segment is a rapid move.
     pub rapid: bool,
-    /// What each curve says there; none where the curve is empty.
-    pub curves: Vec<Option<CurveReading>>,
-    /// Time lost up to there, s; none without a recording.
+    /// Values of each curve there; `None` for an empty curve.
+    pub curves: Vec<Option<CurveValues>>,
+    /// Time lost up to there, s; `None` without a recording.
     pub lost: Option<f64>,
-    /// The same against the machine after, s; none where there is but one.
+    /// Time lost against the machine after a change, s; `None` if there is one machine only.
     pub lost_after: Option<f64>,
 }
 
-/// What a curve says about one distance.
+/// The values of a curve at one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurveReading {
+pub struct CurveValues {
     /// Feedrate, mm/s.
     pub feedrate: f64,
     /// Time since the start, s.
     pub time: f64,
-    /// Largest contour error nearby, mm; none where neither a corner nor an arc is near.
+    /// Largest contour error nearby, mm; `None` if no corner or arc is near.
     pub error: Option<f64>,
 }
 
 impl FeedChart {
-    /// Length of the path, mm.
+    /// Returns the length of the path, mm.
     pub fn length(&self) -> f64 {
         let ends = self.curves.iter().map(|curve| &curve.distance).chain([&self.programmed.end]);
         ends.filter_map(|column| column.last()).fold(0.0, |length, &end| length.max(end))
     }
 
-    /// The first view: the whole path, with the feedrates of cutting, or of rapids as well.
+    /// Returns the first view: the whole path, with the feedrates of cutting, and of rapids on request.
     pub fn full_view(&self, with_rapids: bool) -> View {
         let Programmed { feedrate, highest_cutting: cutting, .. } = &self.programmed;
         let all = || feedrate.extremes(0..feedrate.len()).map_or(0.0, |all| all.highest);
@@ -204,16 +199,16 @@ impl FeedChart {
         View::up_to(self.length(), top)
     }
 
-    /// Everything known about the distance `distance` (mm), and the largest contour errors within
-    /// `reach` (mm) of it.
-    pub fn reading(&self, distance: f64, reach: f64) -> Reading {
+    /// Returns the values at the distance `distance` (mm), with the largest contour errors within `reach`
+    /// (mm) of it.
+    pub fn reading(&self, distance: f64, reach: f64) -> ChartValues {
         let segment = self.programmed.end.partition_point(|&end| end < distance);
         let nearby = (distance - reach, distance + reach);
         let curves = self.curves.iter().map(|curve| {
             let (feedrate, time) = curve.at(distance)?;
-            Some(CurveReading { feedrate, time, error: curve.largest_error(&self.programmed, nearby) })
+            Some(CurveValues { feedrate, time, error: curve.largest_error(&self.programmed, nearby) })
         });
-        Reading {
+        ChartValues {
             distance,
             line: self.programmed.line.get(segment).copied(),
             programmed: self.programmed.feedrate.get(segment).copied(),
@@ -225,98 +220,44 @@ impl FeedChart {
     }
 }
 
-impl From<ContourErrors> for Errors {
-    fn from(errors: ContourErrors) -> Errors {
+impl From<ContourErrors> for CurveErrors {
+    fn from(errors: ContourErrors) -> CurveErrors {
         let (arcs, along_arcs) = errors.arc.into_columns();
-        Errors { corner: errors.corner.into(), arcs, along_arcs: along_arcs.into() }
+        CurveErrors { corner: errors.corner.into(), arcs, along_arcs: along_arcs.into() }
     }
 }
 
 impl LostTime {
-    /// Time lost (s) at a distance (mm); before a wait there.
+    /// Returns the time lost (s) at a distance (mm); before a wait there.
     fn at(&self, distance: f64) -> Option<f64> {
         Some(rows_around(&self.distance, distance, &mut 0)?.between(&self.seconds[..]))
     }
 }
 
-impl Programmed {
-    /// The steps of a toolpath on a machine.
-    pub fn of(toolpath: &Toolpath, machine: &Machine) -> Programmed {
-        let (end, feedrate, rapid, line) = Programmed::columns(toolpath, machine);
-        Programmed::new(end, feedrate, rapid, line)
-    }
-
-    /// Their columns, as [`Programmed::new`] takes them.
-    pub fn columns(toolpath: &Toolpath, machine: &Machine) -> (Vec<f64>, Vec<f64>, Vec<bool>, Vec<u32>) {
-        let (mut ends, mut feedrates, mut rapids, mut lines) = (vec![], vec![], vec![], vec![]);
-        let mut end = 0.0;
-        for segment in &toolpath.segments {
-            end += segment.length;
-            let (feedrate, rapid) = match segment.motion {
-                Motion::Rapid => (rapid_feedrate(&segment, machine), true),
-                Motion::Feed { feedrate } => (feedrate, false),
-            };
-            ends.push(end);
-            feedrates.push(feedrate);
-            rapids.push(rapid);
-            lines.push(segment.line.0);
-        }
-        (ends, feedrates, rapids, lines)
-    }
-
-    /// Steps in columns of equal length: where each segment ends (mm), its feedrate (mm/s), whether it is a rapid move
-    /// and its line of the program.
-    pub fn new(end: Vec<f64>, feedrate: Vec<f64>, rapid: Vec<bool>, line: Vec<u32>) -> Programmed {
-        let cutting = feedrate.iter().zip(&rapid).filter(|(_, rapid)| !**rapid);
-        let highest_cutting = cutting.fold(0.0, |top: f64, (feedrate, _)| top.max(*feedrate));
-        let mut rapids = Vec::new();
-        let mut next = 0;
-        for alike in rapid.chunk_by(|a, b| a == b) {
-            let own = next..next + alike.len();
-            next = own.end;
-            if alike[0] {
-                rapids.push(own);
-            }
-        }
-        Programmed { end, feedrate: feedrate.into(), rapid, line, rapids, highest_cutting }
-    }
-
-    /// Where a segment begins, mm.
-    fn start(&self, index: usize) -> f64 {
-        index.checked_sub(1).map_or(0.0, |before| self.end[before])
-    }
-
-    /// The segments of which some part lies between two distances (mm).
-    fn within(&self, between: (f64, f64)) -> Range<usize> {
-        within(&self.end, between)
-    }
-}
-
-/// The segments that end in `ends` of which some part lies between two places.
+/// Returns the indices of the segments that end in `ends` and overlap two places.
 fn within(ends: &[f64], (low, high): (f64, f64)) -> Range<usize> {
     let first = ends.partition_point(|&end| end <= low);
     let last = ends.partition_point(|&end| end < high);
     first..(last + 1).min(ends.len())
 }
 
-impl Curve {
-    /// Where its segments end on the abscissa.
+impl FeedrateCurve {
+    /// Returns the ends of its segments on the abscissa.
     fn segment_ends<'a>(&'a self, programmed: &'a Programmed) -> &'a [f64] {
         if self.ends.is_empty() { &programmed.end } else { &self.ends }
     }
 
-    /// The largest contour error (mm) between two distances (mm); none where there is neither a
-    /// corner nor an arc.
+    /// Returns the largest contour error (mm) between two distances (mm); `None` without a corner or an arc.
     fn largest_error(&self, programmed: &Programmed, between: (f64, f64)) -> Option<f64> {
         let ends = self.segment_ends(programmed);
         self.largest_error_on(ends, within(ends, between), between.1)
     }
 
-    /// The largest contour error (mm) on segments that end in `ends` and all begin before a place.
+    /// Returns the largest contour error (mm) on segments that end in `ends` and all begin before a place.
     fn largest_error_on(&self, ends: &[f64], segments: Range<usize>, before: f64) -> Option<f64> {
         // The last of them may have its corner beyond.
         let is_beyond = ends[segments.clone()].last().is_some_and(|&end| before < end);
-        let Errors { corner, arcs, along_arcs } = &self.errors;
+        let CurveErrors { corner, arcs, along_arcs } = &self.errors;
         let [first, end] =
             [segments.start, segments.end - usize::from(is_beyond)].map(|k| k.min(corner.len()));
         let arcs_before = |segment: usize| arcs.partition_point(|&arc| (arc as usize) < segment);
@@ -327,7 +268,7 @@ impl Curve {
         of_both.into_iter().flatten().map(|own| own.highest).reduce(f64::max)
     }
 
-    /// Feedrate (mm/s) and time (s) at a distance (mm); the earliest where the tool waits there.
+    /// Returns feedrate (mm/s) and time (s) at a distance (mm); the earliest if the tool waits there.
     fn at(&self, distance: f64) -> Option<(f64, f64)> {
         let rows = rows_around(&self.distance, distance, &mut 0)?;
         Some((rows.between(&self.feedrate[..]), rows.between(&self.time[..])))
@@ -340,14 +281,18 @@ mod tests {
 
     /// From rest to 5 mm/s over 10 mm, a wait, and back to rest over as much; a rapid of 5 mm before a cut of 15 mm.
     pub(super) fn ramp() -> FeedChart {
-        let curve = Curve {
+        let curve = FeedrateCurve {
             label: "10 µm".to_string(),
             distance: vec![0.0, 10.0, 10.0, 20.0],
             feedrate: vec![0.0, 5.0, 5.0, 0.0].into(),
             time: vec![0.0, 4.0, 6.0, 10.0],
-            tolerances: vec![Stretch { from: 0.0, to: 20.0, tolerance: 0.01 }],
-            errors: Errors { corner: vec![0.012, 0.0].into(), arcs: vec![1], along_arcs: vec![0.003].into() },
-            ..Curve::default()
+            tolerances: vec![TolerancePart { from: 0.0, to: 20.0, tolerance: 0.01 }],
+            errors: CurveErrors {
+                corner: vec![0.012, 0.0].into(),
+                arcs: vec![1],
+                along_arcs: vec![0.003].into(),
+            },
+            ..FeedrateCurve::default()
         };
         let programmed = Programmed::new(vec![5.0, 20.0], vec![100.0, 10.0], vec![true, false], vec![3, 4]);
         FeedChart { programmed, curves: vec![curve], ..FeedChart::default() }
@@ -360,7 +305,7 @@ mod tests {
         assert_eq!(chart.curves[0].at(10.0), Some((5.0, 4.0)));
         assert_eq!(chart.curves[0].at(20.0), Some((0.0, 10.0)));
         assert_eq!(chart.curves[0].at(99.0), Some((0.0, 10.0)));
-        assert_eq!(Curve::default().at(1.0), None);
+        assert_eq!(FeedrateCurve::default().at(1.0), None);
     }
 
     #[test]

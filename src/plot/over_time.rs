@@ -1,14 +1,14 @@
 //! The chart of feedrates over time instead of distance.
 //!
-//! At one moment the curves are at different places, so each has its own times at which its segments end;
-//! the programmed steps have those of length over feedrate, without any acceleration. In the chart that comes
-//! out every column of distances holds times, s, and the column of times the distances, mm.
+//! At one moment the curves are at different places, so the segments of each end at other times; the
+//! programmed steps have the times of length over feedrate, without acceleration. In the resulting chart
+//! every column of distances holds times, s, and the column of times the distances, mm.
 
-use crate::plot::{Abscissa, Curve, FeedChart, Programmed, Stretch};
+use crate::plot::{Abscissa, FeedChart, FeedrateCurve, Programmed, TolerancePart};
 use crate::simulation::sampled::rows_around;
 
 impl FeedChart {
-    /// The same curves over the time since the start.
+    /// Returns the chart over the time since the start.
     pub fn over_time(&self) -> FeedChart {
         let curves = self.curves.iter().map(|curve| curve.over_time(&self.programmed.end)).collect();
         FeedChart {
@@ -16,31 +16,34 @@ impl FeedChart {
             curves,
             abscissa: Abscissa::Time,
             stacked: self.stacked,
+            on_top: self.on_top,
             ..FeedChart::default()
         }
     }
 
-    /// Time (s) at which the first curve with any rows is at a distance (mm), of a chart over distance.
+    /// Returns the time (s) at which the first curve with rows is at a distance (mm), of a chart over
+    /// distance.
     pub fn time_at(&self, distance: f64) -> Option<f64> {
         let curve = self.curves.iter().find(|curve| !curve.time.is_empty())?;
         between(&curve.distance, &curve.time, distance)
     }
 
-    /// Distance (mm) at which it is at a time (s).
+    /// Returns the distance (mm) at which the first curve with rows is at a time (s), of a chart over
+    /// distance.
     pub fn distance_at(&self, time: f64) -> Option<f64> {
         let curve = self.curves.iter().find(|curve| !curve.time.is_empty())?;
         between(&curve.time, &curve.distance, time)
     }
 }
 
-impl Curve {
-    fn over_time(&self, ends: &[f64]) -> Curve {
+impl FeedrateCurve {
+    fn over_time(&self, ends: &[f64]) -> FeedrateCurve {
         let time = |distance: f64| between(&self.distance, &self.time, distance).unwrap_or(0.0);
-        let stretch = |stretch: &Stretch| {
+        let stretch = |stretch: &TolerancePart| {
             let to = if stretch.to.is_finite() { time(stretch.to) } else { stretch.to };
-            Stretch { from: time(stretch.from), to, ..*stretch }
+            TolerancePart { from: time(stretch.from), to, ..*stretch }
         };
-        Curve {
+        FeedrateCurve {
             label: self.label.clone(),
             distance: self.time.clone(),
             feedrate: self.feedrate.clone(),
@@ -48,23 +51,18 @@ impl Curve {
             tolerances: self.tolerances.iter().map(stretch).collect(),
             errors: self.errors.clone(),
             ends: ends.iter().map(|&end| time(end)).collect(),
+            hidden: self.hidden,
         }
     }
 }
 
 impl Programmed {
     fn over_time(&self) -> Programmed {
-        let mut time = 0.0;
-        let end = (0..self.end.len()).map(|index| {
-            let seconds = (self.end[index] - self.start(index)) / self.feedrate[index];
-            time += if seconds.is_finite() { seconds } else { 0.0 };
-            time
-        });
-        Programmed { end: end.collect(), ..self.clone() }
+        Programmed { end: self.other.clone(), other: self.end.clone(), ..self.clone() }
     }
 }
 
-/// What one column says where another, ascending, has a value.
+/// Returns the value of one column where another, ascending, has a value.
 fn between(column: &[f64], of: &[f64], value: f64) -> Option<f64> {
     Some(rows_around(column, value, &mut 0)?.between(of))
 }
@@ -72,17 +70,17 @@ fn between(column: &[f64], of: &[f64], value: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::Errors;
+    use crate::plot::CurveErrors;
     use crate::plot::tests::ramp;
 
     fn chart() -> FeedChart {
-        let curve = |slower: f64| Curve {
+        let curve = |slower: f64| FeedrateCurve {
             distance: vec![0.0, 10.0, 10.0, 20.0],
             feedrate: vec![0.0, 5.0, 5.0, 0.0].into(),
             time: [0.0, 4.0, 6.0, 10.0].map(|time| slower * time).to_vec(),
-            tolerances: vec![Stretch { from: 10.0, to: 20.0, tolerance: 0.01 }],
-            errors: Errors { corner: vec![0.012, 0.0].into(), ..Errors::default() },
-            ..Curve::default()
+            tolerances: vec![TolerancePart { from: 10.0, to: 20.0, tolerance: 0.01 }],
+            errors: CurveErrors { corner: vec![0.012, 0.0].into(), ..CurveErrors::default() },
+            ..FeedrateCurve::default()
         };
         let programmed = ramp().programmed;
         FeedChart { programmed, curves: vec![curve(1.0), curve(3.0)], ..FeedChart::default() }
@@ -95,7 +93,7 @@ mod tests {
         assert_eq!(timed.length(), 30.0);
         assert_eq!(timed.curves[0].ends, [2.0, 10.0]);
         assert_eq!(timed.curves[1].ends, [6.0, 30.0]);
-        assert_eq!(timed.curves[1].tolerances[0], Stretch { from: 12.0, to: 30.0, tolerance: 0.01 });
+        assert_eq!(timed.curves[1].tolerances[0], TolerancePart { from: 12.0, to: 30.0, tolerance: 0.01 });
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What the panels of a picture have in common: sizes, margins, axes with their numbers.
+//! Sizes, margins, axes and numbers common to the panels of a picture.
 //!
 //! plotters draws on whole pixels of the device, so every size here is in points of the page
 //! times `scale`, device pixels a point.
@@ -10,26 +10,26 @@ use plotters::prelude::*;
 
 use crate::plot::Theme;
 
-/// What drawing on a backend can fail with.
-pub(crate) type Failure<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
+/// An error of a backend.
+pub(crate) type DrawError<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
-/// By its kind, as plotters looks through letters of all languages to tell a name from a kind.
+/// A family name, as plotters searches the letters of all languages to tell a name from a generic family.
 pub(crate) const FONT: FontFamily = FontFamily::Name("system-ui, sans-serif");
-pub(crate) const FONT_SIZE: f64 = 12.0;
-/// Width of a character against the font's size, on the wide side.
-const CHARACTER: f64 = 0.62;
+pub(crate) const FONT_SIZE_PT: f64 = 12.0;
+/// Width of a wide character over the size of the font.
+const CHARACTER_WIDTH_RATIO: f64 = 0.62;
 
-/// How a picture looks.
+/// Theme and scale of a picture.
 #[derive(Clone, Copy)]
 pub(crate) struct Look {
     pub theme: Theme,
-    /// Device pixels a point.
+    /// Device pixels per point.
     pub scale: f64,
-    /// Room for the numbers of an ordinate, characters; the same in all panels, so that they align.
+    /// Width of the numbers of an ordinate, characters; equal in all panels, so that they align.
     pub label_characters: usize,
 }
 
-/// Where the plotting area of a panel lies, pixels of the whole picture.
+/// The plotting area of a panel, pixels of the whole picture.
 pub(crate) struct Borders {
     /// Left and right.
     pub x: (f64, f64),
@@ -39,30 +39,34 @@ pub(crate) struct Borders {
 
 /// The axes of a panel.
 pub(crate) struct Axes<'a> {
-    /// Distances in sight, mm.
+    /// Distances in view, mm.
     pub distance: (f64, f64),
-    /// Title of the distance with its numbers; none leaves both away.
+    /// Title of the distance axis; `None` leaves out title and numbers.
     pub distance_title: Option<&'a str>,
-    /// Values in sight.
+    /// Values in view.
     pub value: (f64, f64),
     /// Title of the values.
     pub value_title: &'a str,
 }
 
-pub(crate) type Context<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(crate) type PanelContext<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 impl Look {
-    /// Device pixels of a size in points.
+    /// Converts points to device pixels.
     pub fn points(&self, size: f64) -> u32 {
         (size * self.scale).round() as u32
     }
 
-    /// Lays out a panel; nothing is drawn yet.
+    /// Lays out a panel without drawing it.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the backend fails.
     pub fn panel<'a, B: DrawingBackend>(
         &self,
         area: &'a DrawingArea<B, Shift>,
         axes: &Axes,
-    ) -> Result<Context<'a, B>, Failure<B>> {
+    ) -> Result<PanelContext<'a, B>, DrawError<B>> {
         let below = if axes.distance_title.is_some() { 42.0 } else { 8.0 };
         ChartBuilder::on(area)
             .margin_top(self.points(6.0))
@@ -70,14 +74,32 @@ impl Look {
             .margin_left(self.points(4.0))
             .margin_bottom(self.points(4.0))
             .x_label_area_size(self.points(below))
-            .y_label_area_size(self.points(CHARACTER * FONT_SIZE * self.label_characters as f64 + 32.0))
+            .y_label_area_size(
+                self.points(CHARACTER_WIDTH_RATIO * FONT_SIZE_PT * self.label_characters as f64 + 32.0),
+            )
             .build_cartesian_2d(axes.distance.0..axes.distance.1, axes.value.0..axes.value.1)
     }
 
+    /// Returns a title that fits along `pixels`: its unit alone if the whole is too long.
+    fn short<'a>(&self, title: &'a str, pixels: u32) -> &'a str {
+        let is_long =
+            pixels < self.points(CHARACTER_WIDTH_RATIO * FONT_SIZE_PT * title.chars().count() as f64);
+        let unit = title.split_once('(').and_then(|(_, rest)| rest.strip_suffix(')'));
+        unit.filter(|_| is_long).unwrap_or(title)
+    }
+
     /// Draws grid, axes and numbers.
-    pub fn mesh<B: DrawingBackend>(&self, context: &mut Context<B>, axes: &Axes) -> Result<(), Failure<B>> {
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the backend fails.
+    pub fn mesh<B: DrawingBackend>(
+        &self,
+        context: &mut PanelContext<B>,
+        axes: &Axes,
+    ) -> Result<(), DrawError<B>> {
         let Theme { text, axis, grid, .. } = self.theme;
-        let font = (FONT, self.points(FONT_SIZE)).into_font().color(&text);
+        let font = (FONT, self.points(FONT_SIZE_PT)).into_font().color(&text);
         let (width, height) = context.plotting_area().dim_in_pixel();
         let labels =
             |pixels: u32, spacing: f64| ((f64::from(pixels) / (spacing * self.scale)) as usize).clamp(2, 12);
@@ -89,7 +111,7 @@ impl Look {
             .y_labels(labels(height, 28.0))
             .x_label_formatter(&distance)
             .y_label_formatter(&value)
-            .y_desc(axes.value_title)
+            .y_desc(self.short(axes.value_title, height))
             .label_style(font.clone())
             .axis_desc_style(font)
             .axis_style(axis.stroke_width(self.points(1.0)))
@@ -103,14 +125,14 @@ impl Look {
     }
 }
 
-/// Where the plotting area of a laid-out panel lies.
-pub(crate) fn borders<B: DrawingBackend>(context: &Context<B>) -> Borders {
+/// Returns the plotting area of a panel.
+pub(crate) fn borders<B: DrawingBackend>(context: &PanelContext<B>) -> Borders {
     let (x, y) = context.plotting_area().get_pixel_range();
     let ends = |range: std::ops::Range<i32>| (f64::from(range.start), f64::from(range.end));
     Borders { x: ends(x), y: ends(y) }
 }
 
-/// A number with as many decimals as an axis over `span` needs.
+/// Formats a number with the decimals that an axis over `span` needs.
 pub(crate) fn axis_number(theme: &Theme, value: f64, span: f64) -> String {
     let decimals = (1.5 - span.log10()).ceil().clamp(0.0, 9.0) as usize;
     (theme.numbers)(value, decimals)
@@ -119,6 +141,14 @@ pub(crate) fn axis_number(theme: &Theme, value: f64, span: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_title_without_room_is_its_unit() {
+        let look = Look { theme: Theme::LIGHT, scale: 2.0, label_characters: 5 };
+        assert_eq!(look.short("Contour error (µm)", 300), "Contour error (µm)");
+        assert_eq!(look.short("Contour error (µm)", 200), "µm");
+        assert_eq!(look.short("mm/min", 10), "mm/min");
+    }
 
     #[test]
     fn numbers_on_axes_are_short_and_grouped() {

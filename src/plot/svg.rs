@@ -1,69 +1,106 @@
-//! A chart as a picture that stands in a document: SVG text.
+//! A chart as a picture in a document: SVG text.
 
 use plotters::prelude::SVGBackend;
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
-use crate::plot::{FeedChart, LoadChart, Theme, ToleranceChart, View, draw, draw_loads, draw_tolerances};
+use crate::plot::{
+    FeedChart, LawChart, LoadChart, Theme, ToleranceChart, View, draw, draw_law, draw_loads, draw_tolerances,
+};
 
-/// The whole chart as SVG of this width and height (pixels of the page); none where it cannot be drawn.
+/// Returns the whole chart as SVG of this width and height (pixels of the page); `None` if it cannot be drawn.
+///
+/// # Examples
+///
+/// ```
+/// use truefeed::machine::Machine;
+/// use truefeed::plot::{FeedrateCurve, FeedChart, Programmed, Theme, svg};
+/// use truefeed::simulation::{gcode::read, profile::Profile, simulate, interpreter::trace};
+///
+/// let machine = Machine::default();
+/// let toolpath = trace(&read(b"G21 G90 G1 X40 F3000\nY40\nX0"), &machine);
+/// let plan = simulate(&toolpath, &machine);
+/// let drawn = Profile::new(&toolpath, &plan).drawn();
+/// let curve = FeedrateCurve {
+///     distance: drawn.distance,
+///     feedrate: drawn.feedrate.into(),
+///     time: drawn.time,
+///     ..FeedrateCurve::default()
+/// };
+/// let programmed = Programmed::of(&toolpath, &machine);
+/// let chart = FeedChart { programmed, curves: vec![curve], ..FeedChart::default() };
+/// let picture = svg(&chart, &Theme::LIGHT, (800, 400)).expect("there is room for it");
+/// assert!(picture.starts_with("<svg"));
+/// ```
 pub fn svg(chart: &FeedChart, theme: &Theme, size: (u32, u32)) -> Option<String> {
     svg_of_view(chart, chart.full_view(false), theme, size)
 }
 
-/// What is in sight of a chart, as [`svg`].
+/// Returns a view of a chart as SVG, like [`svg`].
 pub fn svg_of_view(chart: &FeedChart, view: View, theme: &Theme, size: (u32, u32)) -> Option<String> {
-    picture(size, |backend| draw(chart, view, theme, 1.0, backend).is_ok())
+    picture(size, |backend| draw(chart, view, theme, 1.0, true, backend).is_ok())
 }
 
-/// A chart of cutting loads over all of the path, as [`svg`].
+/// Returns a chart of cutting loads over the whole path as SVG, like [`svg`].
 pub fn svg_of_loads(chart: &LoadChart, theme: &Theme, size: (u32, u32)) -> Option<String> {
     let span = chart.span();
     picture(size, |backend| draw_loads(chart, span, theme, 1.0, backend).is_ok())
 }
 
-/// A chart of cycle time over tolerance, as [`svg`].
+/// Returns a chart of cycle time over tolerance as SVG, like [`svg`].
 pub fn svg_of_tolerances(chart: &ToleranceChart, theme: &Theme, size: (u32, u32)) -> Option<String> {
     picture(size, |backend| draw_tolerances(chart, theme, 1.0, backend).is_ok())
 }
 
-fn picture(size: (u32, u32), draw: impl FnOnce(Letters) -> bool) -> Option<String> {
+/// Returns the chart of a law as measured as SVG, like [`svg`].
+pub fn svg_of_law(chart: &LawChart, theme: &Theme, size: (u32, u32)) -> Option<String> {
+    picture(size, |backend| draw_law(chart, theme, 1.0, backend).is_ok())
+}
+
+fn picture(size: (u32, u32), draw: impl FnOnce(LetterSizedSvg) -> bool) -> Option<String> {
     let mut text = String::new();
-    let drawn = draw(Letters(SVGBackend::with_string(&mut text, size)));
+    let drawn = draw(LetterSizedSvg(SVGBackend::with_string(&mut text, size)));
     drawn.then_some(text)
 }
 
-/// Mean width of a letter and height of a line as multiples of the size of the text.
-const LETTER: (f64, f64) = (0.55, 1.45);
+/// Mean width of a letter, in sizes of the text.
+const LETTER_WIDTH_EM: f64 = 0.55;
+/// Height of a line, in sizes of the text.
+const LINE_HEIGHT_EM: f64 = 1.45;
 
 type SvgError<'a> = <SVGBackend<'a> as DrawingBackend>::ErrorType;
-type Drawn<'a> = Result<(), DrawingErrorKind<SvgError<'a>>>;
+type SvgDrawn<'a> = Result<(), DrawingErrorKind<SvgError<'a>>>;
 
-/// SVG whose texts are as wide as their letters are on average: plotters measures them in a browser by an
+/// An SVG backend that estimates the width of a text by its letters: in a browser, plotters measures it by an
 /// inline style, which the page's Content-Security-Policy refuses.
-struct Letters<'a>(SVGBackend<'a>);
+struct LetterSizedSvg<'a>(SVGBackend<'a>);
 
-impl<'a> DrawingBackend for Letters<'a> {
+impl<'a> DrawingBackend for LetterSizedSvg<'a> {
     type ErrorType = SvgError<'a>;
 
     fn get_size(&self) -> (u32, u32) {
         self.0.get_size()
     }
 
-    fn ensure_prepared(&mut self) -> Drawn<'a> {
+    fn ensure_prepared(&mut self) -> SvgDrawn<'a> {
         self.0.ensure_prepared()
     }
 
-    fn present(&mut self) -> Drawn<'a> {
+    fn present(&mut self) -> SvgDrawn<'a> {
         self.0.present()
     }
 
-    fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> Drawn<'a> {
+    fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> SvgDrawn<'a> {
         self.0.draw_pixel(point, color)
     }
 
-    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Drawn<'a> {
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> SvgDrawn<'a> {
         self.0.draw_line(from, to, style)
     }
 
@@ -73,7 +110,7 @@ impl<'a> DrawingBackend for Letters<'a> {
         bottom_right: BackendCoord,
         style: &S,
         fill: bool,
-    ) -> Drawn<'a> {
+    ) -> SvgDrawn<'a> {
         self.0.draw_rect(upper_left, bottom_right, style, fill)
     }
 
@@ -81,7 +118,7 @@ impl<'a> DrawingBackend for Letters<'a> {
         &mut self,
         path: I,
         style: &S,
-    ) -> Drawn<'a> {
+    ) -> SvgDrawn<'a> {
         self.0.draw_path(path, style)
     }
 
@@ -91,7 +128,7 @@ impl<'a> DrawingBackend for Letters<'a> {
         radius: u32,
         style: &S,
         fill: bool,
-    ) -> Drawn<'a> {
+    ) -> SvgDrawn<'a> {
         self.0.draw_circle(center, radius, style, fill)
     }
 
@@ -99,11 +136,11 @@ impl<'a> DrawingBackend for Letters<'a> {
         &mut self,
         corners: I,
         style: &S,
-    ) -> Drawn<'a> {
+    ) -> SvgDrawn<'a> {
         self.0.fill_polygon(corners, style)
     }
 
-    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn<'a> {
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> SvgDrawn<'a> {
         self.0.draw_text(text, style, at)
     }
 
@@ -112,7 +149,7 @@ impl<'a> DrawingBackend for Letters<'a> {
         text: &str,
         style: &S,
     ) -> Result<(u32, u32), DrawingErrorKind<Self::ErrorType>> {
-        let (width, height) = LETTER;
+        let (width, height) = (LETTER_WIDTH_EM, LINE_HEIGHT_EM);
         let letters = text.chars().count() as f64;
         Ok(((width * style.size() * letters).ceil() as u32, (height * style.size()).round() as u32))
     }

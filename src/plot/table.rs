@@ -1,53 +1,53 @@
-//! What a chart shows as a table, for those who do not see it and those who want its numbers.
+//! A chart as a table, for readers who do not see it and readers who want its numbers.
 //!
-//! One row tells an equal stretch of what is in sight, as a pixel column of the picture does: least and largest of every
-//! feedrate in it and its largest contour error. Straight lines between the samples are read at both ends of the stretch, so
-//! that no row is empty where a curve is coarse.
+//! A row covers an equal part of the view, like a pixel column of the picture: least and largest of every
+//! feedrate in it and its largest contour error. The curves are also read at both ends of the part, so that
+//! no row is empty where a curve is coarse.
 
-use crate::plot::{Curve, Extremes, FeedChart, LostTime, Programmed};
+use crate::plot::{Extremes, FeedChart, FeedrateCurve, LostTime, Programmed};
 
-/// A stretch of the abscissa (mm, or s over time) and what is in it.
+/// A part of the abscissa (mm, or s over time) with its values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Where it begins.
+pub struct ChartRow {
+    /// Beginning.
     pub from: f64,
-    /// Where it ends.
+    /// End.
     pub to: f64,
-    /// Programmed feedrate, least and largest, mm/s; none where nothing is programmed.
+    /// Least and largest programmed feedrate, mm/s; `None` if nothing is programmed.
     pub programmed: Option<Extremes>,
-    /// Each curve in it; none where it is empty.
-    pub curves: Vec<Option<Cell>>,
-    /// Time lost against a recording at its end, s; none without one.
+    /// Values of each curve; `None` for an empty one.
+    pub curves: Vec<Option<CurveRange>>,
+    /// Time lost against a recording at the end of the part, s; `None` without a recording.
     pub lost: Option<f64>,
-    /// The same against the machine after, s.
+    /// Time lost against the machine after a change, s.
     pub lost_after: Option<f64>,
 }
 
-/// One curve in a stretch.
+/// One curve in a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
-    /// Feedrate, least and largest, mm/s.
+pub struct CurveRange {
+    /// Least and largest feedrate, mm/s.
     pub feedrate: Extremes,
-    /// Largest contour error, mm; none where there is neither a corner nor an arc.
+    /// Largest contour error, mm; `None` without a corner or an arc.
     pub error: Option<f64>,
 }
 
 impl FeedChart {
-    /// So many rows between two places of the abscissa, as far as the chart reaches.
-    pub fn table(&self, (low, high): (f64, f64), rows: usize) -> Vec<Row> {
+    /// Returns `rows` rows between two places of the abscissa, as far as the chart reaches.
+    pub fn table(&self, (low, high): (f64, f64), rows: usize) -> Vec<ChartRow> {
         let (low, high) = (low.max(0.0), high.min(self.length()));
         let border = |row: usize| low + (high - low) * row as f64 / rows as f64;
         let rows = if low < high { rows } else { 0 };
         (0..rows).map(|row| self.row((border(row), border(row + 1)))).collect()
     }
 
-    fn row(&self, between: (f64, f64)) -> Row {
-        let cell = |curve: &Curve| {
+    fn row(&self, between: (f64, f64)) -> ChartRow {
+        let cell = |curve: &FeedrateCurve| {
             let error = curve.largest_error(&self.programmed, between);
-            curve.range(between).map(|feedrate| Cell { feedrate, error })
+            curve.range(between).map(|feedrate| CurveRange { feedrate, error })
         };
         let lost = |lost: &Option<LostTime>| lost.as_ref().and_then(|lost| lost.at(between.1));
-        Row {
+        ChartRow {
             from: between.0,
             to: between.1,
             programmed: self.programmed.range(between),
@@ -57,7 +57,7 @@ impl FeedChart {
         }
     }
 
-    /// The first and the last line (of the program) between two distances, mm.
+    /// Returns the first and the last line of the program between two distances, mm.
     pub fn lines(&self, between: (f64, f64)) -> Option<(u32, u32)> {
         let lines = self.programmed.line.get(self.programmed.within(between))?;
         Some((*lines.first()?, *lines.last()?))
@@ -65,14 +65,14 @@ impl FeedChart {
 }
 
 impl Programmed {
-    /// Least and largest feedrate (mm/s) between two places.
+    /// Returns the least and the largest feedrate (mm/s) between two places.
     fn range(&self, between: (f64, f64)) -> Option<Extremes> {
         self.feedrate.extremes(self.within(between))
     }
 }
 
-impl Curve {
-    /// Least and largest feedrate (mm/s) between two places.
+impl FeedrateCurve {
+    /// Returns the least and the largest feedrate (mm/s) between two places.
     fn range(&self, (low, high): (f64, f64)) -> Option<Extremes> {
         let [first, last] = [self.at(low)?.0, self.at(high)?.0];
         let inside =
@@ -90,7 +90,7 @@ mod tests {
     /// A curve, and one that is empty.
     fn chart() -> FeedChart {
         let mut chart = ramp();
-        chart.curves.push(Curve::default());
+        chart.curves.push(FeedrateCurve::default());
         chart
     }
 
@@ -116,7 +116,7 @@ mod tests {
         let distance: Vec<f64> = (0..=1000).map(f64::from).collect();
         let feedrate = (0..=1000).map(|k| if k % 97 == 0 { 40.0 } else { f64::from(k % 7) });
         let feedrate = feedrate.collect::<Vec<_>>().into();
-        let curve = Curve { time: distance.clone(), distance, feedrate, ..Curve::default() };
+        let curve = FeedrateCurve { time: distance.clone(), distance, feedrate, ..FeedrateCurve::default() };
         let chart = FeedChart { curves: vec![curve], ..FeedChart::default() };
         for rows in [1, 3, 20, 333, 5000] {
             let all = chart.table((0.0, 1000.0), rows);

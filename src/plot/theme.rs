@@ -1,4 +1,4 @@
-//! The colours of a picture, on light and on dark ground, and how it writes numbers.
+//! The colours of a picture, on light and on dark ground, and its number format.
 
 use plotters::style::RGBColor;
 
@@ -11,20 +11,22 @@ pub struct Theme {
     pub text: RGBColor,
     /// Grid lines.
     pub grid: RGBColor,
-    /// Stretches of rapid motion.
+    /// Ranges of rapid motion.
     pub rapid: RGBColor,
     /// Axes and their ticks.
     pub axis: RGBColor,
     /// The programmed feedrate: broad and pale, so that it shows on both sides of a curve on it.
     pub programmed: RGBColor,
     /// Curves in their order.
-    pub curves: [RGBColor; PALETTE],
-    /// Writes a number with so many decimals at most.
+    pub curves: [RGBColor; PALETTE_SIZE],
+    /// Opacity of the band behind a curve.
+    pub band: f64,
+    /// Formats a number with at most this number of decimals.
     pub numbers: fn(f64, usize) -> String,
 }
 
-/// How many curves have a colour of their own.
-pub const PALETTE: usize = 6;
+/// Number of curves with a colour each.
+pub const PALETTE_SIZE: usize = 6;
 
 impl Theme {
     /// Dark on white. The curves' colours are those of Okabe and Ito, which people with any
@@ -44,6 +46,7 @@ impl Theme {
             RGBColor(230, 159, 0),
             RGBColor(86, 180, 233),
         ],
+        band: 0.12,
         numbers: grouped,
     };
 
@@ -63,11 +66,12 @@ impl Theme {
             RGBColor(240, 228, 66),
             RGBColor(213, 94, 0),
         ],
+        band: 0.16,
         numbers: grouped,
     };
 }
 
-/// A number with so many decimals at most, thousands set apart by a thin space.
+/// Formats a number with at most `decimals` decimals, thousands separated by a thin space.
 fn grouped(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value + 0.0);
     let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));

@@ -1,38 +1,38 @@
 //! The chart of cycle time over contour tolerance: what a looser tolerance buys.
 //!
-//! The abscissa is the contour tolerance on a logarithmic axis, µm; the ordinate the cycle time, s. One line
-//! a machine, straight between the tolerances that were computed; a dot for each tolerance that is chosen,
-//! in the colour its curve has elsewhere; the programmed time as a broad pale line below them.
-//! The ordinate fits what is drawn and need not begin at 0.
+//! The abscissa is the contour tolerance on a logarithmic axis, µm; the ordinate the cycle time, s. Each
+//! machine has a line, straight between the computed tolerances, with a dot for each chosen tolerance in the
+//! colour of its curve elsewhere; a broad pale line below is the programmed time. The ordinate fits the data
+//! and need not begin at 0.
 
 use plotters::prelude::*;
 
 use crate::machine::{checked_tolerance, tolerance_label};
 use crate::plot::Theme;
-use crate::plot::panel::{Axes, Context, FONT, FONT_SIZE, Failure, Look, axis_number, borders};
+use crate::plot::panel::{Axes, DrawError, FONT, FONT_SIZE_PT, Look, PanelContext, axis_number, borders};
 use crate::simulation::sampled::{RowsAround, rows_around};
 
-/// The tolerances the lines are computed for, from the least to the largest, mm.
-const SPAN: (f64, f64) = (0.001, 1.0);
-const POINTS: usize = 24;
+/// Least and largest tolerance of the lines, mm.
+const TOLERANCE_BOUNDS_MM: (f64, f64) = (0.001, 1.0);
+const POINTS_PER_LINE: usize = 24;
 
-/// Room above and below what is drawn, as a part of it, and the least that the ordinate spans, s.
-const HEADROOM: f64 = 0.1;
-const LEAST_SPAN: f64 = 0.1;
+/// Room above and below the data, as a part of it, and least span of the ordinate, s.
+const HEADROOM_SHARE: f64 = 0.1;
+const MIN_SPAN_S: f64 = 0.1;
 
-/// A tolerance this close to a whole decade is one.
-const ROUNDING: f64 = 1e-9;
+/// Rounding of a logarithm that still counts as a whole decade.
+const MAX_ROUNDING_DECADES: f64 = 1e-9;
 
 /// Radius of a dot, points.
-const DOT: f64 = 4.5;
+const DOT_RADIUS_PT: f64 = 4.5;
 
-/// Significant digits of a tolerance that is pointed at.
-const DIGITS: f64 = 2.0;
+/// Significant digits of a tolerance under the pointer.
+const SIGNIFICANT_DIGITS: f64 = 2.0;
 
-/// The tolerances that a line is computed for, mm: evenly spaced on the logarithmic axis.
+/// Returns the tolerances of a line, mm: evenly spaced on the logarithmic axis.
 pub fn curve_tolerances() -> Vec<f64> {
-    let ratio = (SPAN.1 / SPAN.0).log10() / (POINTS - 1) as f64;
-    (0..POINTS).map(|k| SPAN.0 * 10f64.powf(ratio * k as f64)).collect()
+    let ratio = (TOLERANCE_BOUNDS_MM.1 / TOLERANCE_BOUNDS_MM.0).log10() / (POINTS_PER_LINE - 1) as f64;
+    (0..POINTS_PER_LINE).map(|k| TOLERANCE_BOUNDS_MM.0 * 10f64.powf(ratio * k as f64)).collect()
 }
 
 /// Cycle time over contour tolerance on one machine, in columns of equal length.
@@ -44,9 +44,9 @@ pub struct TimeCurve {
     pub time: Vec<f64>,
 }
 
-/// A tolerance that is chosen.
+/// A chosen tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
+pub struct ToleranceMark {
     /// Index of its colour among the curves.
     pub color: usize,
     /// Contour tolerance, mm.
@@ -55,19 +55,18 @@ pub struct Mark {
     pub time: f64,
 }
 
-/// Everything the chart shows.
+/// Data of the chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToleranceChart {
     /// Cycle time by length over feedrate, s.
     pub programmed: f64,
-    /// The machine, and another one beside it.
+    /// The machine, and another one for comparison.
     pub curves: Vec<TimeCurve>,
     /// Chosen tolerances on the first curve.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<ToleranceMark>,
 }
 
-/// Where the chart lies on a picture, pixels: left, right, top and bottom of the plotting area, and what
-/// they stand for.
+/// The plotting area of the chart, pixels, and its ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToleranceFrame {
     /// Left and right.
@@ -81,7 +80,8 @@ pub struct ToleranceFrame {
 }
 
 impl TimeCurve {
-    /// Cycle time (s) at a tolerance (mm), straight between the rows on the logarithmic axis; none outside them.
+    /// Returns the cycle time (s) at a tolerance (mm), linear between rows on the logarithmic axis; `None`
+    /// outside them.
     pub fn at(&self, tolerance: f64) -> Option<f64> {
         let (first, last) = (self.tolerance.first()?, self.tolerance.last()?);
         if tolerance < *first || *last < tolerance {
@@ -95,37 +95,41 @@ impl TimeCurve {
 }
 
 impl ToleranceFrame {
-    /// The tolerance (mm) at a pixel column, in as many digits as one would type; none outside the area.
+    /// Returns the tolerance (mm) at a pixel column, with two significant digits; `None` outside the area.
     pub fn tolerance_at(&self, x: f64) -> Option<f64> {
         let part = (x - self.x.0) / (self.x.1 - self.x.0);
         let exact = 10f64.powf(self.decades.0 + part * (self.decades.1 - self.decades.0));
-        let step = 10f64.powf(exact.log10().floor() - (DIGITS - 1.0));
+        let step = 10f64.powf(exact.log10().floor() - (SIGNIFICANT_DIGITS - 1.0));
         (0.0..=1.0)
             .contains(&part)
             .then(|| (exact / step).round() * step)
             .and_then(|t| checked_tolerance(t).ok())
     }
 
-    /// Pixel column of a tolerance (mm).
+    /// Returns the pixel column of a tolerance (mm).
     pub fn x_of(&self, tolerance: f64) -> f64 {
         let part = (tolerance.log10() - self.decades.0) / (self.decades.1 - self.decades.0);
         self.x.0 + part * (self.x.1 - self.x.0)
     }
 
-    /// Pixel row of a cycle time (s).
+    /// Returns the pixel row of a cycle time (s).
     pub fn y_of(&self, time: f64) -> f64 {
         let part = (time - self.time.0) / (self.time.1 - self.time.0);
         self.y.1 - part * (self.y.1 - self.y.0)
     }
 }
 
-/// Draws the chart over the whole of a backend and returns where it lies.
+/// Draws the chart over the whole of a backend and returns its frame.
+///
+/// # Errors
+///
+/// Returns an error if the backend fails.
 pub fn draw_tolerances<B: DrawingBackend>(
     chart: &ToleranceChart,
     theme: &Theme,
     scale: f64,
     backend: B,
-) -> Result<ToleranceFrame, Failure<B>> {
+) -> Result<ToleranceFrame, DrawError<B>> {
     let (decades, time) = (decades(chart), times(chart));
     let characters = axis_number(theme, time.1, time.1 - time.0).chars().count() + 1;
     let look = Look { theme: *theme, scale, label_characters: characters.max(5) };
@@ -159,14 +163,18 @@ pub fn draw_tolerances<B: DrawingBackend>(
     for mark in &chart.marks {
         let color = theme.curves[mark.color % theme.curves.len()];
         let at = (mark.tolerance.log10(), mark.time);
-        context.draw_series([Circle::new(at, points(DOT), color.filled())])?;
+        context.draw_series([Circle::new(at, points(DOT_RADIUS_PT), color.filled())])?;
     }
     root.present()?;
     Ok(ToleranceFrame { x: borders.x, y: borders.y, decades, time })
 }
 
-/// Grid, axes and numbers: the abscissa has a number a decade and a line at two and five times of it.
-fn mesh<B: DrawingBackend>(look: &Look, context: &mut Context<B>, axes: &Axes) -> Result<(), Failure<B>> {
+/// Draws grid, axes and numbers: the abscissa has a number per decade and lines at two and five times it.
+fn mesh<B: DrawingBackend>(
+    look: &Look,
+    context: &mut PanelContext<B>,
+    axes: &Axes,
+) -> Result<(), DrawError<B>> {
     let Theme { text, axis, grid, .. } = look.theme;
     let (low, high) = axes.distance;
     let whole = low.floor() as i32..=high.ceil() as i32;
@@ -176,7 +184,7 @@ fn mesh<B: DrawingBackend>(look: &Look, context: &mut Context<B>, axes: &Axes) -
             context.draw_series([PathElement::new(line, grid.stroke_width(look.points(1.0)))])?;
         }
     }
-    let font = (FONT, look.points(FONT_SIZE)).into_font().color(&text);
+    let font = (FONT, look.points(FONT_SIZE_PT)).into_font().color(&text);
     let number = |value: &f64| axis_number(&look.theme, *value, axes.value.1 - axes.value.0);
     let rows = f64::from(context.plotting_area().dim_in_pixel().1) / (28.0 * look.scale);
     context
@@ -196,20 +204,20 @@ fn mesh<B: DrawingBackend>(look: &Look, context: &mut Context<B>, axes: &Axes) -
         .draw()
 }
 
-/// Decimal logarithms of the least and the largest tolerance (mm) in sight: whole decades.
+/// Returns the decimal logarithms of the least and the largest tolerance (mm) in view: whole decades.
 fn decades(chart: &ToleranceChart) -> (f64, f64) {
     let marks = chart.marks.iter().map(|mark| mark.tolerance);
-    let (low, high) = marks.fold(SPAN, |(low, high), at| (low.min(at), high.max(at)));
-    ((low.log10() + ROUNDING).floor(), (high.log10() - ROUNDING).ceil())
+    let (low, high) = marks.fold(TOLERANCE_BOUNDS_MM, |(low, high), at| (low.min(at), high.max(at)));
+    ((low.log10() + MAX_ROUNDING_DECADES).floor(), (high.log10() - MAX_ROUNDING_DECADES).ceil())
 }
 
-/// The least and the largest cycle time (s) in sight.
+/// Returns the least and the largest cycle time (s) in view.
 fn times(chart: &ToleranceChart) -> (f64, f64) {
     let all = chart.curves.iter().flat_map(|curve| curve.time.iter().copied());
     let all = all.chain(chart.marks.iter().map(|mark| mark.time));
     let start = (chart.programmed, chart.programmed);
     let (low, high) = all.fold(start, |(low, high), time| (low.min(time), high.max(time)));
-    let room = HEADROOM * (high - low).max(LEAST_SPAN);
+    let room = HEADROOM_SHARE * (high - low).max(MIN_SPAN_S);
     ((low - room).max(0.0), high + room)
 }
 
@@ -224,8 +232,8 @@ mod tests {
             programmed: 90.0,
             curves: vec![TimeCurve { tolerance, time }],
             marks: vec![
-                Mark { color: 0, tolerance: 0.01, time: 120.0 },
-                Mark { color: 1, tolerance: 0.05, time: 113.0 },
+                ToleranceMark { color: 0, tolerance: 0.01, time: 120.0 },
+                ToleranceMark { color: 1, tolerance: 0.05, time: 113.0 },
             ],
         }
     }
@@ -241,8 +249,8 @@ mod tests {
     #[test]
     fn tolerances_span_three_decades_evenly() {
         let all = curve_tolerances();
-        assert_eq!(all.len(), POINTS);
-        assert!((all[0] - 0.001).abs() < 1e-15 && (all[POINTS - 1] - 1.0).abs() < 1e-12);
+        assert_eq!(all.len(), POINTS_PER_LINE);
+        assert!((all[0] - 0.001).abs() < 1e-15 && (all[POINTS_PER_LINE - 1] - 1.0).abs() < 1e-12);
         let ratio = all[1] / all[0];
         assert!(all.windows(2).all(|pair| (pair[1] / pair[0] / ratio - 1.0).abs() < 1e-12));
     }

@@ -1,4 +1,4 @@
-//! Which part of the data is in sight, and where it lies on the picture.
+//! Views and frames: the visible part of the data, and its place on the picture.
 //!
 //! A view is a rectangle of data, distance in mm by feedrate in mm/s. A frame ties it to the
 //! pixels of the plotting area; both axes are linear:
@@ -7,6 +7,8 @@
 //! distance = d0 + (x − left) (d1 − d0) / (right − left)
 //! feedrate = f0 + (bottom − y) (f1 − f0) / (bottom − top)
 //! ```
+
+use crate::plot::Grains;
 
 /// A rectangle of data; each side from low to high, never empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,27 +19,28 @@ pub struct View {
     pub feedrate: (f64, f64),
 }
 
-/// Head-room above the highest feedrate, as a ratio.
-const HEADROOM: f64 = 1.06;
+/// Ratio of the height of a view to the highest feedrate.
+const HEADROOM_RATIO: f64 = 1.06;
 
-/// A view is never magnified further than this, as a part of the whole.
-const SMALLEST_PART: f64 = 1e-6;
+/// Least part of the whole that a view can be magnified to.
+const MIN_VIEW_SHARE: f64 = 1e-6;
 
 impl View {
-    /// From zero to a length (mm) and to a feedrate (mm/s) with some room above it.
+    /// Returns the view from zero to a length (mm) and to a feedrate (mm/s) with some room above it.
     pub fn up_to(length: f64, feedrate: f64) -> View {
         let or_one = |value: f64| if value > 0.0 && value.is_finite() { value } else { 1.0 };
-        View { distance: (0.0, or_one(length)), feedrate: (0.0, HEADROOM * or_one(feedrate)) }
+        View { distance: (0.0, or_one(length)), feedrate: (0.0, HEADROOM_RATIO * or_one(feedrate)) }
     }
 
-    /// Magnified by `factor` along the distance about the distance `center` (mm), within `whole`.
+    /// Returns the view magnified by `factor` along the distance about the distance `center` (mm), within
+    /// `whole`.
     pub fn zoomed(self, factor: f64, center: f64, whole: View) -> View {
         let (low, high) = self.distance;
         let distance = (center + (low - center) / factor, center + (high - center) / factor);
         View { distance: within(distance, whole.distance), ..self }
     }
 
-    /// Moved by `distance` (mm) and `feedrate` (mm/s), within `whole`.
+    /// Returns the view moved by `distance` (mm) and `feedrate` (mm/s), within `whole`.
     pub fn moved(self, distance: f64, feedrate: f64, whole: View) -> View {
         View {
             distance: within((self.distance.0 + distance, self.distance.1 + distance), whole.distance),
@@ -45,18 +48,18 @@ impl View {
         }
     }
 
-    /// The stretch between two distances (mm) in the middle half, with all feedrates.
+    /// Returns the view with the range between two distances (mm) in its middle half, with all feedrates.
     pub fn around((low, high): (f64, f64), whole: View) -> View {
         let margin = 0.5 * (high - low);
         View { distance: within((low - margin, high + margin), whole.distance), ..whole }
     }
 
-    /// The stretch between two distances (mm) at the same feedrates, within `whole`.
+    /// Returns the view between two distances (mm) at the same feedrates, within `whole`.
     pub fn over(self, distance: (f64, f64), whole: View) -> View {
         View { distance: within(distance, whole.distance), ..self }
     }
 
-    /// The rectangle between two corners, within `whole`.
+    /// Returns the rectangle between two corners, within `whole`.
     pub fn between(a: (f64, f64), b: (f64, f64), whole: View) -> View {
         View {
             distance: within((a.0.min(b.0), a.0.max(b.0)), whole.distance),
@@ -65,50 +68,52 @@ impl View {
     }
 }
 
-/// A span shifted, and cut only where it is too long, so that it lies in the whole and is not too small.
+/// Shifts a range, and cuts it only if it is too long, so that it lies in the whole and is not too small.
 fn within((low, high): (f64, f64), whole: (f64, f64)) -> (f64, f64) {
     let size = whole.1 - whole.0;
-    let length = (high - low).clamp(SMALLEST_PART * size, size);
+    let length = (high - low).clamp(MIN_VIEW_SHARE * size, size);
     let start = (0.5 * (low + high - length)).clamp(whole.0, whole.1 - length);
     (start, start + length)
 }
 
-/// Where a view lies on a picture, in pixels from its top left corner.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The place of a view on a picture, in pixels from its top left corner.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// What is in sight.
+    /// The view.
     pub view: View,
     /// Left and right border of the plotting area, pixels.
     pub x: (f64, f64),
     /// Top and bottom border of the plotting area of feedrates, pixels.
     pub y: (f64, f64),
-    /// How far below that the panel of the next curve is, pixels; 0 where all share one.
+    /// Distance to the panel of the next curve below, pixels; 0 if all share one.
     pub pitch: f64,
     /// Top and bottom border of the plotting area of contour errors, pixels.
     pub errors_y: (f64, f64),
+    /// Drawing of its sections.
+    pub grains: Grains,
 }
 
 impl Frame {
-    /// Distance (mm) at a pixel.
+    /// Returns the distance (mm) at a pixel.
     pub fn distance_at(&self, x: f64) -> f64 {
         let (low, high) = self.view.distance;
         low + (x - self.x.0) * (high - low) / (self.x.1 - self.x.0)
     }
 
-    /// Feedrate (mm/s) at a pixel.
+    /// Returns the feedrate (mm/s) at a pixel.
     pub fn feedrate_at(&self, y: f64) -> f64 {
         let (low, high) = self.view.feedrate;
         let panel = if 0.0 < self.pitch { ((y - self.y.0) / self.pitch).floor().max(0.0) } else { 0.0 };
         low + (self.y.1 + panel * self.pitch - y) * (high - low) / (self.y.1 - self.y.0)
     }
 
-    /// Pixel of a distance (mm).
+    /// Returns the pixel of a distance (mm).
     pub fn x_of(&self, distance: f64) -> f64 {
         let (low, high) = self.view.distance;
         self.x.0 + (distance - low) * (self.x.1 - self.x.0) / (high - low)
     }
 
-    /// Pixel of a feedrate (mm/s).
+    /// Returns the pixel of a feedrate (mm/s).
     pub fn y_of(&self, feedrate: f64) -> f64 {
         let (low, high) = self.view.feedrate;
         self.y.1 - (feedrate - low) * (self.y.1 - self.y.0) / (high - low)
@@ -125,8 +130,14 @@ mod tests {
     fn zooming_keeps_the_centre_in_place() {
         let view = WHOLE.zoomed(2.0, 30.0, WHOLE);
         assert_eq!(view.distance, (15.0, 65.0));
-        let frame =
-            |view| Frame { view, x: (50.0, 850.0), y: (10.0, 400.0), pitch: 0.0, errors_y: (420.0, 600.0) };
+        let frame = |view| Frame {
+            view,
+            x: (50.0, 850.0),
+            y: (10.0, 400.0),
+            pitch: 0.0,
+            errors_y: (420.0, 600.0),
+            grains: Grains::default(),
+        };
         assert!((frame(view).x_of(30.0) - frame(WHOLE).x_of(30.0)).abs() < 1e-9);
     }
 
@@ -158,6 +169,7 @@ mod tests {
             y: (28.0, 377.0),
             pitch: 0.0,
             errors_y: (390.0, 500.0),
+            grains: Grains::default(),
         };
         for pixel in [61.0, 200.5, 911.0] {
             assert!((frame.x_of(frame.distance_at(pixel)) - pixel).abs() < 1e-9);

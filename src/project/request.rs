@@ -1,73 +1,73 @@
-//! A quote as other programs ask for it: one JSON object, refused with a reason where it is not understood.
+//! A quote as other programs request it: one JSON object, refused with a reason if it is invalid.
 //!
 //! ```text
 //! {"machine": MACHINE, "tolerances": [0.01, null], "dialect": "siemens", "name": "part.mpf"}
 //! MACHINE = "name of a preset" | "text of a machine file" | {"preset": "name", "key": value, …}
 //! ```
 //!
-//! Tolerances are in mm; null stands for the program's own, and so does an empty list. Keys and
-//! units of a machine are those of its file ([`PARAMETERS`](crate::machine::PARAMETERS)); they are laid over
-//! the preset, if one is named. Only `machine` must be there.
+//! Tolerances are in mm; null, or an empty list, means the program's. Keys and units of a machine are those
+//! of its file ([`PARAMETERS`](crate::machine::PARAMETERS)); they replace values of the preset, if one is
+//! named. Only `machine` is required.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::machine::{Machine, Preset, ToleranceError, checked_tolerance, presets};
-use crate::project::form::values;
-use crate::project::{Fault, machine_from_form, machine_from_toml};
+use crate::project::machine::form::values;
+use crate::project::{TextFault, machine_from_form, machine_from_toml};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::Dialect;
 
-/// More tolerances than this are refused: each is a simulation of its own.
-const MOST_TOLERANCES: usize = 32;
+/// Most tolerances: each is a simulation.
+const MAX_TOLERANCES: usize = 32;
 
-/// What a quote is asked for.
+/// A request for a quote.
 #[derive(Clone, Debug)]
 pub struct QuoteRequest {
-    /// What the program is called.
+    /// Name of the program.
     pub name: String,
-    /// The machine that runs it.
+    /// Machine.
     pub machine: Machine,
     /// One run each; at least one.
     pub tolerances: Vec<Tolerances>,
-    /// The control to read it for; none: the one that the program shows.
+    /// Dialect; `None` for the one that the program shows.
     pub dialect: Option<Dialect>,
 }
 
-/// Why a request is refused.
+/// The reason why a request is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RequestError {
-    /// It is not the object above.
-    #[error("the request is not understood: {0}")]
+    /// The text is not the object above.
+    #[error("Truefeed does not understand the request: {0}")]
     Malformed(String),
     /// No preset has this name.
     #[error("there is no machine “{given}”; the presets are {}", .known.iter().map(|name| format!("“{name}”")).collect::<Vec<_>>().join(", "))]
     UnknownPreset {
-        /// What was given.
+        /// Given name.
         given: String,
-        /// What there is.
+        /// Known names.
         known: Vec<String>,
     },
     /// The values of the machine.
-    #[error("the machine has faults: {}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("; "))]
-    Machine(Vec<Fault>),
+    #[error("the machine has faults: {}", .0.iter().map(TextFault::to_string).collect::<Vec<_>>().join("; "))]
+    Machine(Vec<TextFault>),
     /// A tolerance.
     #[error("{0}")]
     Tolerance(#[from] ToleranceError),
     /// Too many tolerances.
-    #[error("{0} tolerances are too many; give {MOST_TOLERANCES} at most")]
+    #[error("{0} tolerances are too many; give {MAX_TOLERANCES} at most")]
     TooMany(usize),
-    /// No control has this word.
+    /// No control has this keyword.
     #[error("there is no dialect “{given}”; there are {}", Dialect::WORDS.map(|(word, ..)| word).join(", "))]
     UnknownDialect {
-        /// What was given.
+        /// Given keyword.
         given: String,
     },
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Written {
+struct RequestText {
     machine: Value,
     #[serde(default)]
     tolerances: Vec<Option<f64>>,
@@ -78,11 +78,15 @@ struct Written {
 }
 
 impl QuoteRequest {
-    /// The request that a JSON text makes.
+    /// Reads a request as JSON text.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the text is no JSON, or no request.
     pub fn from_json(json: &str) -> Result<QuoteRequest, RequestError> {
-        let Written { machine, tolerances, dialect, name } =
+        let RequestText { machine, tolerances, dialect, name } =
             serde_json::from_str(json).map_err(|error| RequestError::Malformed(error.to_string()))?;
-        if MOST_TOLERANCES < tolerances.len() {
+        if MAX_TOLERANCES < tolerances.len() {
             return Err(RequestError::TooMany(tolerances.len()));
         }
         let machine = machine_of(machine)?;
@@ -100,10 +104,10 @@ impl QuoteRequest {
     }
 }
 
-/// The machine that is meant.
-fn machine_of(given: Value) -> Result<Machine, RequestError> {
+/// Returns the machine of a request.
+pub(super) fn machine_of(given: Value) -> Result<Machine, RequestError> {
     match given {
-        // A name is one line and says no value.
+        // A name is one line without `=`.
         Value::String(text) if text.contains(['=', '\n']) => {
             machine_from_toml(&text).map_err(|fault| RequestError::Machine(vec![fault]))
         }
@@ -128,7 +132,8 @@ fn preset(name: &str) -> Result<Preset, RequestError> {
 }
 
 impl RequestError {
-    /// The refusal as JSON text: a word for its kind, a sentence, and the faults of a machine with their keys.
+    /// Returns the refusal as JSON text: a keyword for its kind, a sentence, and the faults of a machine with
+    /// their keys.
     pub fn to_json(&self) -> String {
         #[derive(Serialize)]
         struct OfKey<'a> {
@@ -136,7 +141,7 @@ impl RequestError {
             message: &'a str,
         }
         #[derive(Serialize)]
-        struct Refusal<'a> {
+        struct RefusalText<'a> {
             kind: &'static str,
             message: String,
             faults: Vec<OfKey<'a>>,
@@ -147,9 +152,9 @@ impl RequestError {
             RequestError::Tolerance(_) | RequestError::TooMany(_) => "tolerances",
             RequestError::UnknownDialect { .. } => "dialect",
         };
-        let faults: &[Fault] = if let RequestError::Machine(faults) = self { faults } else { &[] };
+        let faults: &[TextFault] = if let RequestError::Machine(faults) = self { faults } else { &[] };
         let faults = faults.iter().map(|fault| OfKey { key: fault.key.as_deref(), message: &fault.message });
-        let refusal = Refusal { kind, message: self.to_string(), faults: faults.collect() };
+        let refusal = RefusalText { kind, message: self.to_string(), faults: faults.collect() };
         serde_json::to_string(&refusal).expect("text has a JSON form")
     }
 }

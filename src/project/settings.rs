@@ -1,58 +1,58 @@
-//! All settings of the page in one text: machine, tolerances and terms, never a program. It is the file of “Save
-//! settings” and what a link has after its `#`.
+//! All settings of the page in one text: machine, tolerances and terms, never a program. It is the file of
+//! “Save settings” and the part of a link after its `#`.
 //!
 //! ```text
 //! {"truefeed": 1, "preset": "name", "machine": {key: value, …}, "tolerances_mm": [0.01], "programmed": true,
 //!  "terms": {key: value, …}}
 //! ```
 //!
-//! Machine and terms say what is not neutral. Reading refuses whatever it does not know, with the reason, so that a broken
-//! or hostile link changes nothing.
+//! Machine and terms contain values that are not neutral. The reader refuses anything unknown, with the
+//! reason, so that a broken or hostile link changes nothing.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::machine::{Machine, ToleranceError, checked_tolerance, presets};
-use crate::plot::PALETTE;
-use crate::project::form::values;
-use crate::project::terms::{terms_from_values, terms_values};
-use crate::project::{Fault, machine_from_form};
+use crate::plot::PALETTE_SIZE;
+use crate::project::machine::form::values;
+use crate::project::quote::terms::{terms_from_values, terms_values};
+use crate::project::{TextFault, machine_from_form};
 use crate::quote::Terms;
 
-/// Longer texts are no settings.
-const MOST_BYTES: usize = 200_000;
+/// Longest text of settings, bytes.
+const MAX_SETTINGS_BYTES: usize = 200_000;
 
-/// The version of the text.
-const VERSION: u32 = 1;
+/// Version of the format.
+const SETTINGS_VERSION: u32 = 1;
 
-/// Why a text gives no settings.
+/// The reason why a text is refused as settings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingsError {
-    /// It is longer than settings are.
+    /// The text is too long.
     #[error("it is too long for settings")]
     TooLong,
-    /// It is not the object above.
-    #[error("it is not understood ({0})")]
+    /// The text is not the object above.
+    #[error("Truefeed does not understand it ({0})")]
     Malformed(String),
-    /// It is of another version.
-    #[error("it is of version {0}, and this page reads version {VERSION}")]
+    /// The text has another version.
+    #[error("it is of version {0}, and this page reads version {SETTINGS_VERSION}")]
     Version(u32),
     /// The machine has faults.
-    #[error("its machine has a fault: {}", told(.0))]
-    Machine(Vec<Fault>),
+    #[error("its machine has a fault: {}", fault_texts(.0))]
+    Machine(Vec<TextFault>),
     /// The terms have faults.
-    #[error("its quote has a fault: {}", told(.0))]
-    Terms(Vec<Fault>),
-    /// A tolerance is none.
+    #[error("its quote has a fault: {}", fault_texts(.0))]
+    Terms(Vec<TextFault>),
+    /// A tolerance is invalid.
     #[error("a tolerance has a fault: {0}")]
     Tolerance(#[from] ToleranceError),
     /// There are none, or more than a chart shows.
-    #[error("it has {0} tolerances, and 1 to {PALETTE} can be shown")]
+    #[error("it has {0} tolerances; the page can show 1 to {PALETTE_SIZE}")]
     Tolerances(usize),
 }
 
-fn told(faults: &[Fault]) -> String {
-    faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("; ")
+fn fault_texts(faults: &[TextFault]) -> String {
+    faults.iter().map(TextFault::to_string).collect::<Vec<_>>().join("; ")
 }
 
 #[derive(Serialize, Deserialize)]
@@ -68,7 +68,11 @@ struct Settings {
     terms: Map<String, Value>,
 }
 
-/// The text of settings, from a text whose machine and terms are filled forms.
+/// Returns the text of settings, from a text whose machine and terms are filled forms.
+///
+/// # Errors
+///
+/// As [`settings_from_text`].
 pub fn settings_text(full: &str) -> Result<String, SettingsError> {
     let mut settings = checked(full)?;
     let neutral = values(&Machine::default());
@@ -78,26 +82,32 @@ pub fn settings_text(full: &str) -> Result<String, SettingsError> {
     Ok(serde_json::to_string(&settings).expect("what was read can be written"))
 }
 
-/// Settings from a text, with machine and terms as filled forms, as JSON.
+/// Reads settings from a text; returns them as JSON, with machine and terms as filled forms.
+///
+/// # Errors
+///
+/// Returns an error if the text is no settings or of another version, or a value is not allowed.
 pub fn settings_from_text(text: &str) -> Result<String, SettingsError> {
     let settings = checked(text)?;
     Ok(serde_json::to_string(&settings).expect("what was read can be written"))
 }
 
-/// Settings whose every value is allowed; forms are filled up with neutral values.
+/// Returns settings with only allowed values; forms are completed with neutral values.
 fn checked(text: &str) -> Result<Settings, SettingsError> {
-    if MOST_BYTES < text.len() {
+    if MAX_SETTINGS_BYTES < text.len() {
         return Err(SettingsError::TooLong);
     }
     let malformed = |error: serde_json::Error| SettingsError::Malformed(error.to_string());
     let value: Value = serde_json::from_str(text).map_err(malformed)?;
-    if let Some(other) =
-        value.get("truefeed").and_then(Value::as_u64).filter(|&version| version != u64::from(VERSION))
+    if let Some(other) = value
+        .get("truefeed")
+        .and_then(Value::as_u64)
+        .filter(|&version| version != u64::from(SETTINGS_VERSION))
     {
         return Err(SettingsError::Version(other.try_into().unwrap_or(u32::MAX)));
     }
     let settings: Settings = serde_json::from_value(value).map_err(malformed)?;
-    if settings.tolerances_mm.is_empty() || PALETTE < settings.tolerances_mm.len() {
+    if settings.tolerances_mm.is_empty() || PALETTE_SIZE < settings.tolerances_mm.len() {
         return Err(SettingsError::Tolerances(settings.tolerances_mm.len()));
     }
     for &tolerance in &settings.tolerances_mm {
@@ -147,7 +157,7 @@ mod tests {
         assert!(matches!(settings_from_text("%%%"), Err(SettingsError::Malformed(_))));
         assert!(matches!(settings_from_text(""), Err(SettingsError::Malformed(_))));
         assert!(matches!(settings_from_text("[1]"), Err(SettingsError::Malformed(_))));
-        assert_eq!(settings_from_text(&" ".repeat(MOST_BYTES + 1)), Err(SettingsError::TooLong));
+        assert_eq!(settings_from_text(&" ".repeat(MAX_SETTINGS_BYTES + 1)), Err(SettingsError::TooLong));
         assert_eq!(with("truefeed", Value::from(2)), SettingsError::Version(2));
         assert!(matches!(with("program", Value::from("G1")), SettingsError::Malformed(_)));
         assert!(matches!(with("machine", serde_json::json!({"__proto__": 1})), SettingsError::Machine(_)));

@@ -1,4 +1,4 @@
-//! The canvas of a page as a place to draw, with text measured by the canvas itself.
+//! The canvas of a page as a plotters backend that measures text by the canvas itself.
 //!
 //! plotters measures a text by putting it in the page with an inline style, which the page's
 //! Content-Security-Policy refuses, and which makes the browser lay out the page for each label.
@@ -11,11 +11,11 @@ use plotters_canvas::CanvasBackend;
 use wasm_bindgen::JsCast;
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 
-/// Height of a line of text as a multiple of its size, as the page sets it.
+/// Height of a line of text over its size, as in the page's style.
 const LINE_HEIGHT: f64 = 1.45;
 
 type CanvasError = <CanvasBackend as DrawingBackend>::ErrorType;
-type Drawn = Result<(), DrawingErrorKind<CanvasError>>;
+type CanvasDrawn = Result<(), DrawingErrorKind<CanvasError>>;
 
 /// A canvas of the page.
 pub(super) struct Canvas {
@@ -24,7 +24,8 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// The canvas, set to a size in CSS pixels at a pixel ratio; says why it cannot be drawn on.
+    /// Returns the canvas, set to a size in CSS pixels at a pixel ratio, or the reason why it cannot be drawn
+    /// on.
     pub(super) fn sized(
         canvas: HtmlCanvasElement,
         width: f64,
@@ -49,19 +50,19 @@ impl DrawingBackend for Canvas {
         self.backend.get_size()
     }
 
-    fn ensure_prepared(&mut self) -> Drawn {
+    fn ensure_prepared(&mut self) -> CanvasDrawn {
         self.backend.ensure_prepared()
     }
 
-    fn present(&mut self) -> Drawn {
+    fn present(&mut self) -> CanvasDrawn {
         self.backend.present()
     }
 
-    fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> Drawn {
+    fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> CanvasDrawn {
         self.backend.draw_pixel(point, color)
     }
 
-    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Drawn {
+    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> CanvasDrawn {
         self.backend.draw_line(from, to, style)
     }
 
@@ -71,7 +72,7 @@ impl DrawingBackend for Canvas {
         bottom_right: BackendCoord,
         style: &S,
         fill: bool,
-    ) -> Drawn {
+    ) -> CanvasDrawn {
         self.backend.draw_rect(upper_left, bottom_right, style, fill)
     }
 
@@ -79,7 +80,7 @@ impl DrawingBackend for Canvas {
         &mut self,
         path: I,
         style: &S,
-    ) -> Drawn {
+    ) -> CanvasDrawn {
         self.backend.draw_path(path, style)
     }
 
@@ -89,7 +90,7 @@ impl DrawingBackend for Canvas {
         radius: u32,
         style: &S,
         fill: bool,
-    ) -> Drawn {
+    ) -> CanvasDrawn {
         self.backend.draw_circle(center, radius, style, fill)
     }
 
@@ -97,11 +98,11 @@ impl DrawingBackend for Canvas {
         &mut self,
         corners: I,
         style: &S,
-    ) -> Drawn {
+    ) -> CanvasDrawn {
         self.backend.fill_polygon(corners, style)
     }
 
-    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> CanvasDrawn {
         self.backend.draw_text(text, style, at)
     }
 
@@ -112,7 +113,7 @@ impl DrawingBackend for Canvas {
     ) -> Result<(u32, u32), DrawingErrorKind<CanvasError>> {
         let size = style.size();
         self.context.set_font(&format!("{} {size}px {}", style.style().as_str(), style.family().as_str()));
-        // Where a browser measures nothing, half a size a letter is near enough.
+        // Half a size per letter is close enough if a browser measures nothing.
         let width = self
             .context
             .measure_text(text)

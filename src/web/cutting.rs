@@ -1,10 +1,10 @@
-//! Cutting forces for the page: computed in the worker, drawn on a canvas of their own.
+//! Cutting forces for the page: computed in the worker, drawn on their canvas.
 
 use js_sys::Function;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
-use crate::cutting::{engagement_told, programmed_and_predicted};
+use crate::cutting::{engagement_with_progress, programmed_and_predicted};
 use crate::plot::{LoadChart, LoadCurves, draw_loads, svg_of_loads};
 use crate::project::{Prediction, cutting_from_toml, faults_to_json, machine_from_form};
 use crate::quote::{programmed_time, quote};
@@ -13,31 +13,38 @@ use crate::simulation::profile::Profile;
 use crate::simulation::simulate;
 use crate::web::canvas::Canvas;
 use crate::web::job::object;
+use crate::web::program_path::toolpath;
 use crate::web::theme::theme;
-use crate::web::traced::toolpath;
 
-/// A cutting job to begin with, as text.
+/// Returns an example of a cutting job, as text.
 #[wasm_bindgen(js_name = exampleCutting)]
 pub fn example_cutting() -> String {
     crate::project::EXAMPLE_CUTTING.to_string()
 }
 
-/// The materials that a job can name, with coefficients and sources, as JSON.
+/// Returns the tools that a program describes by its comments, by its head, as a JSON list: number, name,
+/// diameter, teeth.
+#[wasm_bindgen(js_name = toolsOf)]
+pub fn tools_of(head: &[u8]) -> String {
+    crate::project::described_tools_json(head)
+}
+
+/// Returns the materials of cutting jobs, with coefficients and sources, as JSON.
 #[wasm_bindgen]
 pub fn materials() -> String {
     crate::project::materials_json()
 }
 
-/// What a cut asks of tool and spindle.
-#[wasm_bindgen(getter_with_clone)]
-pub struct Cut {
+/// The demands of a cut on tool and spindle.
+#[wasm_bindgen(getter_with_clone, js_name = Cut)]
+pub struct CutResult {
     /// A prediction with one run.
     pub summary: JsValue,
-    /// The loads along the path; empty where there are none.
+    /// Loads along the path; empty if there are none.
     pub columns: LoadColumns,
 }
 
-/// Loads over distance, by the programmed and by the predicted feedrate.
+/// Loads over distance, at the programmed and at the predicted feedrate.
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Default)]
 pub struct LoadColumns {
@@ -61,14 +68,20 @@ pub struct LoadColumns {
     /// Removal rate, cm³/min.
     #[wasm_bindgen(js_name = predictedRate)]
     pub predicted_rate: Vec<f64>,
+    /// Feed per tooth, mm.
+    #[wasm_bindgen(js_name = programmedPerTooth)]
+    pub programmed_per_tooth: Vec<f64>,
+    /// Feed per tooth, mm.
+    #[wasm_bindgen(js_name = predictedPerTooth)]
+    pub predicted_per_tooth: Vec<f64>,
 }
 
-/// Parts of the work: the simulation is done, the stock is cut.
-const SIMULATION: f64 = 0.1;
-const HALF: f64 = 0.5;
+/// Completed fractions after the simulation, and after the cut of the stock.
+const SIMULATED_FRACTION: f64 = 0.1;
+const STOCK_CUT_FRACTION: f64 = 0.5;
 
-/// Cuts the stock of a job (text of a cutting job) with a program on the machine of a filled form;
-/// throws what is wrong with the job. `progress` is called with the part done.
+/// Cuts the stock of a cutting job (text) with a program on the machine of a filled form; throws the fault of
+/// the job. Calls `progress` with the completed fraction, 0 to 1.
 #[wasm_bindgen(js_name = computeCutting)]
 pub fn compute_cutting(
     program: &[u8],
@@ -77,22 +90,24 @@ pub fn compute_cutting(
     tolerance: Option<f64>,
     job: &str,
     progress: &Function,
-) -> Result<Cut, String> {
+) -> Result<CutResult, String> {
     let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
     let setup = cutting_from_toml(job, &machine).map_err(|fault| fault.to_string())?;
     let toolpath = toolpath(program, dialect, &machine);
     let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
-    // What a listener throws is its own affair.
+    // An exception of a listener does not concern the computation.
     let tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
     let (plan, errors) =
-        simulate::within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATION * part));
+        simulate::within(&toolpath, &machine, tolerances, &mut |part| tell(SIMULATED_FRACTION * part));
     let quote = quote(&toolpath, &machine, &plan, tolerances, &errors);
-    let cut = engagement_told(&toolpath, &setup, &mut |part| tell(SIMULATION + (HALF - SIMULATION) * part));
+    let cut = engagement_with_progress(&toolpath, &setup, &mut |part| {
+        tell(SIMULATED_FRACTION + (STOCK_CUT_FRACTION - SIMULATED_FRACTION) * part)
+    });
     let curve = Profile::new(&toolpath, &plan).drawn();
     let loads: Vec<_> = cut
         .iter()
         .map(|cut| {
-            let mut tell = |part: f64| tell(HALF + (1.0 - HALF) * part);
+            let mut tell = |part: f64| tell(STOCK_CUT_FRACTION + (1.0 - STOCK_CUT_FRACTION) * part);
             programmed_and_predicted(cut, &toolpath, &setup, &curve, &mut tell)
         })
         .collect();
@@ -101,11 +116,11 @@ pub fn compute_cutting(
         _ => LoadColumns::default(),
     };
     let time = programmed_time(&toolpath, &machine);
-    // What there is to say about the program itself is said where it is simulated.
+    // Remarks on the program itself are shown where it is simulated.
     let bare = crate::simulation::toolpath::Toolpath::default();
     let prediction = Prediction::new("", &bare, time, &[quote]).with_cutting(&setup, &cut, &loads);
     let summary = object(&prediction).map_err(|_| "the result has no form in JavaScript".to_string())?;
-    Ok(Cut { summary, columns })
+    Ok(CutResult { summary, columns })
 }
 
 impl From<LoadChart> for LoadColumns {
@@ -118,6 +133,8 @@ impl From<LoadChart> for LoadColumns {
             predicted_power: chart.power.predicted.to_vec(),
             programmed_rate: chart.removal_rate.programmed.to_vec(),
             predicted_rate: chart.removal_rate.predicted.to_vec(),
+            programmed_per_tooth: chart.feed_per_tooth.programmed.to_vec(),
+            predicted_per_tooth: chart.feed_per_tooth.predicted.to_vec(),
         }
     }
 }
@@ -130,7 +147,7 @@ pub struct LoadPicture {
 
 #[wasm_bindgen]
 impl LoadPicture {
-    /// A chart of loads; the columns are those of `LoadColumns`.
+    /// Returns a chart of loads; the columns are those of `LoadColumns`.
     #[wasm_bindgen(constructor)]
     pub fn new(
         distance: Vec<f64>,
@@ -150,11 +167,12 @@ impl LoadPicture {
             force: curves(programmed_force, predicted_force),
             power: curves(programmed_power, predicted_power),
             removal_rate: curves(programmed_rate, predicted_rate),
+            ..LoadChart::default()
         };
         LoadPicture { chart }
     }
 
-    /// Draws the path between two distances (mm) on a canvas of this size in CSS pixels; the left and
+    /// Draws the path between two distances (mm) on a canvas of this size in CSS pixels; returns the left and
     /// right border of the plotting area in such pixels.
     #[allow(clippy::too_many_arguments)] // JavaScript has no tuples
     pub fn draw(
@@ -174,12 +192,12 @@ impl LoadPicture {
         Ok(vec![left / ratio, right / ratio])
     }
 
-    /// The same as SVG for a document, dark on white; none where it cannot be drawn.
+    /// Returns the chart as SVG for a document, dark on white; undefined if it cannot be drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
         svg_of_loads(&self.chart, &theme(false), (width, height))
     }
 
-    /// The loads at a distance (mm), as rows of programmed and predicted: force, power, removal rate.
+    /// Returns the loads at a distance (mm), as rows of programmed and predicted: force, power, removal rate.
     pub fn reading(&self, distance: f64) -> Vec<f64> {
         self.chart.reading(distance).into_iter().flatten().collect()
     }

@@ -1,45 +1,45 @@
-//! What is given away as a file: charts as SVG, the machine, the settings; and what such files hold.
+//! Files to save: charts as SVG, the machine, the settings; and the content of such files.
 
 use wasm_bindgen::prelude::*;
 
-use crate::plot::{Theme, svg, svg_of_view};
+use crate::plot::{svg, svg_of_view};
 use crate::project::{self, machine_from_form, machine_from_toml, machine_values, toml_from_machine};
 use crate::web::chart::Chart;
 use crate::web::theme::theme;
 
 #[wasm_bindgen]
 impl Chart {
-    /// The whole as SVG for a document, dark on white; none where it cannot be drawn.
+    /// Returns the whole chart as SVG for a document, dark on white; undefined if it cannot be drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
-        svg(&self.chart, &Theme::LIGHT, (width, height))
+        svg(&self.chart, &theme(false), (width, height))
     }
 
-    /// What is in sight as SVG for a document, dark on white; none where it cannot be drawn.
+    /// Returns the view as SVG for a document, dark on white; undefined if it cannot be drawn.
     #[wasm_bindgen(js_name = svgInSight)]
     pub fn svg_in_sight(&self, width: u32, height: u32) -> Option<String> {
         svg_of_view(self.shown(), self.view, &theme(false), (width, height))
     }
 }
 
-/// The machine of a filled form as a machine file; none where the form has faults.
+/// Returns the machine of a filled form as a machine file; undefined if the form has faults.
 #[wasm_bindgen(js_name = machineFile)]
 pub fn machine_file(machine: &str) -> Option<String> {
     machine_from_form(machine).ok().map(|machine| toml_from_machine(&machine))
 }
 
-/// The values of a machine file in the form, as JSON; throws what is wrong with the file.
+/// Returns the values of a machine file for the form, as JSON; throws the fault of the file.
 #[wasm_bindgen(js_name = valuesOfFile)]
 pub fn values_of_file(text: &str) -> Result<String, String> {
     machine_from_toml(text).map(|machine| machine_values(&machine)).map_err(|fault| fault.to_string())
 }
 
-/// The text of settings given with filled forms; throws why there is none.
+/// Returns the text of settings given with filled forms; throws the reason if there is none.
 #[wasm_bindgen(js_name = settingsText)]
 pub fn settings_text(full: &str) -> Result<String, String> {
     project::settings_text(full).map_err(|error| error.to_string())
 }
 
-/// Settings with filled forms, as JSON, from their text; throws why there are none.
+/// Returns settings with filled forms, as JSON, from their text; throws the reason if there are none.
 #[wasm_bindgen(js_name = settingsFromText)]
 pub fn settings_from_text(text: &str) -> Result<String, String> {
     project::settings_from_text(text).map_err(|error| error.to_string())

@@ -1,4 +1,4 @@
-//! A program on a machine, simulated for its own tolerances and for one after the other.
+//! A program on a machine, simulated at its tolerances and at others.
 
 use js_sys::Function;
 use serde::Serialize;
@@ -7,8 +7,8 @@ use wasm_bindgen::prelude::*;
 
 use crate::machine::Machine;
 use crate::plot::Programmed;
-use crate::plot::path::{Pace, Trail};
-use crate::project::{HeldTolerance, Prediction, faults_to_json, machine_from_form, spacing_note};
+use crate::plot::path::{SteppedCurve, Trail};
+use crate::project::{Prediction, ToleranceRangeRow, faults_to_json, machine_from_form, spacing_note};
 use crate::quote::{programmed_time, quote};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::gcode::Options;
@@ -27,8 +27,8 @@ pub struct Job {
 
 #[wasm_bindgen]
 impl Job {
-    /// Reads a program for a machine given as a filled form, in the dialect of this word or in the
-    /// one the program shows; none where that needs the whole module. Throws the form's faults as JSON.
+    /// Reads a program for a machine given as a filled form, in the dialect of this keyword or in the one
+    /// that the program shows; undefined if that needs the whole module. Throws the form's faults as JSON.
     pub fn of(program: ProgramText, machine: &str, dialect: Option<String>) -> Result<Option<Job>, String> {
         let machine = machine_from_form(machine).map_err(|faults| faults_to_json(&faults))?;
         let options = Options::from_words(&dialect.unwrap_or_default());
@@ -36,50 +36,50 @@ impl Job {
         Ok(toolpath.map(|toolpath| Job { machine, toolpath }))
     }
 
-    /// What is known before any simulation: a prediction without runs.
+    /// Returns a prediction without runs: everything known before a simulation.
     pub fn summary(&self) -> Result<JsValue, JsError> {
         object(&Prediction::new("", &self.toolpath, self.programmed_time(), &[]))
     }
 
-    /// The programmed feedrate over distance.
-    pub fn steps(&self) -> Steps {
+    /// Returns the programmed feedrate over distance.
+    pub fn steps(&self) -> ProgrammedColumns {
         let (end, feedrate, rapid, line) = Programmed::columns(&self.toolpath, &self.machine);
-        Steps { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
+        ProgrammedColumns { end, feedrate, rapid: rapid.into_iter().map(u8::from).collect(), line }
     }
 
-    /// The path in space.
+    /// Returns the path in space.
     pub fn trail(&self) -> TrailColumns {
         Trail::of(&self.toolpath).into()
     }
 
-    /// Where each of the program's own tolerances holds; an empty list where it sets none.
+    /// Returns the ranges of the program's tolerances; an empty list if it sets none.
     pub fn tolerances(&self) -> Result<JsValue, JsError> {
-        let held = Tolerances::Programmed.held(&self.toolpath, &self.machine);
-        object(&held.iter().map(HeldTolerance::from).collect::<Vec<_>>())
+        let held = Tolerances::Programmed.ranges(&self.toolpath, &self.machine);
+        object(&held.iter().map(ToleranceRangeRow::from).collect::<Vec<_>>())
     }
 
-    /// The cycle time (s) alone for a contour tolerance (mm), or for the program's own where there is none given.
+    /// Returns the cycle time (s) at a contour tolerance (mm), or at the program's if none is given.
     #[wasm_bindgen(js_name = cycleTime)]
     pub fn cycle_time(&self, tolerance: Option<f64>) -> f64 {
         let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
         simulate::cycle_time_within(&self.toolpath, &self.machine, tolerances, &mut |_| {})
     }
 
-    /// Simulates the program for a contour tolerance (mm), or for its own where there is none given;
-    /// `progress` is called with the part done.
-    pub fn simulate(&self, tolerance: Option<f64>, progress: &Function) -> Result<Run, JsError> {
+    /// Simulates the program at a contour tolerance (mm), or at its own if none is given; calls `progress`
+    /// with the completed fraction, 0 to 1.
+    pub fn simulate(&self, tolerance: Option<f64>, progress: &Function) -> Result<SimulationResult, JsError> {
         let tolerances = tolerance.map_or(Tolerances::Programmed, Tolerances::One);
-        // What a listener throws is its own affair.
+        // An exception of a listener does not concern the computation.
         let mut tell = |part: f64| drop(progress.call1(&JsValue::NULL, &part.into()));
         let (plan, errors) = simulate::within(&self.toolpath, &self.machine, tolerances, &mut tell);
         let quote = quote(&self.toolpath, &self.machine, &plan, tolerances, &errors);
         let curve = Profile::new(&self.toolpath, &plan).drawn();
-        let Pace { end: pace_end, value: pace_feedrate } = Pace::of(&curve);
+        let SteppedCurve { end: pace_end, value: pace_feedrate } = SteppedCurve::of(&curve);
         let (arcs, along_arcs) = errors.arc.into_columns();
-        Ok(Run {
+        Ok(SimulationResult {
             note: spacing_note(curve.spacing),
             summary: object(&Prediction::new("", &Toolpath::default(), self.programmed_time(), &[quote]))?,
-            columns: Columns {
+            columns: ProfileColumns {
                 distance: curve.distance,
                 feedrate: curve.feedrate,
                 time: curve.time,
@@ -99,26 +99,26 @@ impl Job {
     }
 }
 
-/// A result as the object that its JSON would be read as.
+/// Returns a result as the object that its JSON describes.
 pub(super) fn object(result: &impl Serialize) -> Result<JsValue, JsError> {
     Ok(result.serialize(&Serializer::json_compatible())?)
 }
 
 /// The result of one simulation.
-#[wasm_bindgen(getter_with_clone)]
-pub struct Run {
+#[wasm_bindgen(getter_with_clone, js_name = Run)]
+pub struct SimulationResult {
     /// Times and price: a prediction with one run.
     pub summary: JsValue,
     /// The profile.
-    pub columns: Columns,
-    /// What the profile leaves out, as a sentence; none where that is nothing.
+    pub columns: ProfileColumns,
+    /// Sentence on what the profile leaves out; undefined if it is complete.
     pub note: Option<String>,
 }
 
 /// A profile over distance and its contour errors, as columns.
-#[wasm_bindgen(getter_with_clone)]
+#[wasm_bindgen(getter_with_clone, js_name = Columns)]
 #[derive(Clone)]
-pub struct Columns {
+pub struct ProfileColumns {
     /// Distance along the path, mm.
     pub distance: Vec<f64>,
     /// Feedrate, mm/s.
@@ -127,23 +127,23 @@ pub struct Columns {
     pub time: Vec<f64>,
     /// Contour error at the corner that ends each segment and on arcs near it, mm.
     pub corner: Vec<f64>,
-    /// The segments that are arcs along which there is an error, by index.
+    /// Indices of the arcs with an error along them.
     pub arcs: Vec<u32>,
-    /// The largest along each of these, away from its corners, mm.
+    /// Largest error along each of these arcs, away from its corners, mm.
     #[wasm_bindgen(js_name = alongArcs)]
     pub along_arcs: Vec<f64>,
-    /// Where the steps of feedrate that colour the path end, mm.
+    /// Ends of the steps of feedrate that colour the path, mm.
     #[wasm_bindgen(js_name = paceEnd)]
     pub pace_end: Vec<f64>,
-    /// Their feedrate, mm/s.
+    /// Feedrate of each step, mm/s.
     #[wasm_bindgen(js_name = paceFeedrate)]
     pub pace_feedrate: Vec<f64>,
 }
 
-/// The programmed feedrate, one row a segment.
-#[wasm_bindgen(getter_with_clone)]
-pub struct Steps {
-    /// Where the segment ends along the path, mm.
+/// The programmed feedrate, one row per segment.
+#[wasm_bindgen(getter_with_clone, js_name = Steps)]
+pub struct ProgrammedColumns {
+    /// Distance along the path at which the segment ends, mm.
     pub end: Vec<f64>,
     /// Programmed feedrate, mm/s.
     pub feedrate: Vec<f64>,

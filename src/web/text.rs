@@ -1,8 +1,8 @@
-//! The text of a program as it comes from a file, piece by piece: it is whole only in the memory of this module.
+//! The text of a program that arrives from a file piece by piece: only this module holds the whole.
 
 use wasm_bindgen::prelude::*;
 
-/// The bytes of a program that have come so far.
+/// The bytes of a program that have arrived.
 #[wasm_bindgen]
 pub struct ProgramText {
     pub(super) bytes: Vec<u8>,
@@ -10,15 +10,15 @@ pub struct ProgramText {
 
 #[wasm_bindgen]
 impl ProgramText {
-    /// Room for a text of so many bytes.
+    /// Reserves memory for a text of `size` bytes.
     #[wasm_bindgen(constructor)]
     pub fn new(size: usize) -> Result<ProgramText, String> {
         let mut bytes = Vec::new();
-        bytes.try_reserve_exact(size).map_err(|_| "the program is larger than the memory".to_string())?;
+        bytes.try_reserve_exact(size).map_err(|_| "the program does not fit into memory".to_string())?;
         Ok(ProgramText { bytes })
     }
 
-    /// Takes in the next piece.
+    /// Appends the next piece.
     pub fn push(&mut self, piece: &[u8]) {
         self.bytes.extend_from_slice(piece);
     }

@@ -1,4 +1,4 @@
-//! How pictures look on this page: its colours, and numbers as its user writes them.
+//! The page's theme: its colours, and its user's number format.
 
 use std::cell::RefCell;
 
@@ -11,13 +11,13 @@ thread_local! {
     static NUMBERS: RefCell<Option<Function>> = const { RefCell::new(None) };
 }
 
-/// Takes what writes the numbers of all pictures: a function of a number and its decimals.
+/// Sets the formatter of numbers in all pictures: a function of a number and its decimals.
 #[wasm_bindgen(js_name = setNumbers)]
 pub fn set_numbers(write: Function) {
     NUMBERS.with(|numbers| *numbers.borrow_mut() = Some(write));
 }
 
-/// Light on dark or dark on light.
+/// Returns the theme, light on dark or dark on light.
 pub(super) fn theme(dark: bool) -> Theme {
     let theme = if dark { Theme::DARK } else { Theme::LIGHT };
     Theme { numbers: written, ..theme }

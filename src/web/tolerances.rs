@@ -4,12 +4,12 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::plot::{
-    self, Mark, TimeCurve, ToleranceChart, ToleranceFrame, draw_tolerances, svg_of_tolerances,
+    self, TimeCurve, ToleranceChart, ToleranceFrame, ToleranceMark, draw_tolerances, svg_of_tolerances,
 };
 use crate::web::canvas::Canvas;
 use crate::web::theme::theme;
 
-/// The tolerances a curve is computed for, mm.
+/// Returns the tolerances of a curve, mm.
 #[wasm_bindgen(js_name = curveTolerances)]
 pub fn curve_tolerances() -> Vec<f64> {
     plot::curve_tolerances()
@@ -25,7 +25,7 @@ pub struct TolerancePicture {
 
 #[wasm_bindgen]
 impl TolerancePicture {
-    /// A chart with nothing but the programmed time (s).
+    /// Returns a chart of the programmed time (s) alone.
     #[wasm_bindgen(constructor)]
     pub fn new(programmed: f64) -> TolerancePicture {
         let chart = ToleranceChart { programmed, ..ToleranceChart::default() };
@@ -39,7 +39,7 @@ impl TolerancePicture {
 
     /// Marks a tolerance (mm) at its cycle time (s) in the colour with this index.
     pub fn mark(&mut self, color: usize, tolerance: f64, time: f64) {
-        self.chart.marks.push(Mark { color, tolerance, time });
+        self.chart.marks.push(ToleranceMark { color, tolerance, time });
     }
 
     /// Draws on a canvas of this size in CSS pixels.
@@ -58,18 +58,19 @@ impl TolerancePicture {
         Ok(())
     }
 
-    /// As SVG for a document, dark on white; none where it cannot be drawn.
+    /// Returns the chart as SVG for a document, dark on white; undefined if it cannot be drawn.
     pub fn svg(&self, width: u32, height: u32) -> Option<String> {
         svg_of_tolerances(&self.chart, &theme(false), (width, height))
     }
 
-    /// The tolerance (mm) at a pixel column; none outside the plotting area.
+    /// Returns the tolerance (mm) at a pixel column; undefined outside the plotting area.
     #[wasm_bindgen(js_name = toleranceAt)]
     pub fn tolerance_at(&self, x: f64) -> Option<f64> {
         self.frame?.tolerance_at(x * self.scale)
     }
 
-    /// Pixel column of a tolerance (mm), and top and bottom of the plotting area; empty before the first drawing.
+    /// Returns the pixel column of a tolerance (mm), and top and bottom of the plotting area; empty before
+    /// the first drawing.
     #[wasm_bindgen(js_name = columnOf)]
     pub fn column_of(&self, tolerance: f64) -> Vec<f64> {
         let frame = self.frame.iter();
@@ -79,7 +80,7 @@ impl TolerancePicture {
             .collect()
     }
 
-    /// Cycle time (s) at a tolerance (mm) by each line; NaN outside it.
+    /// Returns the cycle time (s) at a tolerance (mm) on each line; NaN outside it.
     pub fn times(&self, tolerance: f64) -> Vec<f64> {
         self.chart.curves.iter().map(|curve| curve.at(tolerance).unwrap_or(f64::NAN)).collect()
     }

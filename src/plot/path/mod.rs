@@ -1,15 +1,17 @@
 //! The path in space, coloured by what the machine does on it: data in, pixels out.
 //!
-//! A [`Trail`] is the programmed path as a chain of straight edges: lines as they are, arcs as chords of at most three
-//! degrees. A [`Pace`] is the feedrate over distance in steps, coarse enough for colours. A [`Scene`] lays shades on
-//! the trail, divides its edges where the shade changes, and is drawn by [`raster`] as a [`Camera`] sees it.
+//! A [`Trail`] is the programmed path as a chain of straight edges: lines as they are, arcs as chords of at
+//! most three degrees. A [`SteppedCurve`] is the feedrate over distance in steps, coarse enough for colours.
+//! A [`Scene`] gives the trail its shades, divides its edges where the shade changes, and is drawn by
+//! [`raster`] through a [`Camera`].
 //!
-//! Shades are ranks, the worst last: where several passes fall on one pixel, it shows the worst of them, as a chart
-//! decimated to its highest and lowest points does.
+//! Shades are ranks, the worst last: where several passes fall on one pixel, it shows the nearest, and of those
+//! that are equally near the worst, as a chart decimated to its highest and lowest points does.
 //!
 //! Units: mm, mm/s, s; loss is a part of the programmed feedrate, time lost against a recording is in s/mm.
 
 mod camera;
+mod light;
 mod palette;
 mod raster;
 mod svg;
@@ -17,42 +19,46 @@ mod svg;
 mod tests;
 
 pub use camera::Camera;
-pub use palette::{ink, palette};
+pub use light::Light;
+pub use palette::{ground, ink, palette};
 pub use raster::{Drawing, Raster, raster};
 pub use svg::{Sheet, svg_of_path};
 
 use crate::plot::Programmed;
 use crate::simulation::profile::FeedCurve;
+use crate::simulation::sampled::{RowsAround, rows_around};
 use crate::simulation::toolpath::{Curve, Toolpath};
 
 /// Widest angle of a chord of an arc, rad.
 const CHORD: f64 = std::f64::consts::PI / 60.0;
-/// How many shades there are.
+/// A cut is deep whose height is more than this part of its length or width.
+const DEEP: f32 = 0.02;
+/// Number of shades.
 pub const SHADES: usize = 16;
-/// Ranks: nothing, rapids, the shades, and what is marked.
-pub const RAPID: u8 = 1;
-const FIRST_SHADE: u8 = 2;
-/// The rank of what is marked.
-pub const MARKED: u8 = FIRST_SHADE + SHADES as u8;
+/// Ranks: 0 for nothing, 1 for rapids, then the shades, then the marked part.
+pub const RAPID_RANK: u8 = 1;
+const FIRST_SHADE_RANK: u8 = 2;
+/// Rank of the marked part.
+pub const MARKED_RANK: u8 = FIRST_SHADE_RANK + SHADES as u8;
 
 /// The programmed path as a chain of edges.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trail {
     /// Positions, mm; one more than there are edges.
     pub points: Vec<[f32; 3]>,
-    /// Distance of each along the path, mm; ascending.
+    /// Distance of each position along the path, mm; ascending.
     pub distance: Vec<f64>,
 }
 
 impl Trail {
-    /// The trail of a toolpath.
+    /// Returns the trail of a toolpath.
     pub fn of(toolpath: &Toolpath) -> Trail {
         let mut trail = Trail::default();
         let mut travelled = 0.0;
         if let Some(first) = toolpath.segments.first() {
             trail.push([first.start.x, first.start.y, first.start.z], 0.0);
         }
-        for segment in &toolpath.segments {
+        for (segment, end) in toolpath.segments.iter().zip(toolpath.ends()) {
             let chords = match &segment.curve {
                 Curve::Line => 1,
                 Curve::Arc(arc) => (arc.sweep / CHORD).ceil().clamp(1.0, 1e5) as usize,
@@ -62,7 +68,7 @@ impl Trail {
                 let point = if chord == chords { segment.end } else { segment.point(along) };
                 trail.push([point.x, point.y, point.z], travelled + along);
             }
-            travelled += segment.length;
+            travelled = end;
         }
         trail
     }
@@ -75,18 +81,19 @@ impl Trail {
 
 /// A quantity over distance in steps.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Pace {
-    /// Where each step ends along the path, mm; ascending.
+pub struct SteppedCurve {
+    /// End of each step along the path, mm; ascending.
     pub end: Vec<f64>,
-    /// Its value: mean feedrate (mm/s), or time lost (s/mm).
+    /// Value of each step: mean feedrate (mm/s), or time lost (s/mm).
     pub value: Vec<f64>,
 }
 
-impl Pace {
-    /// The feedrate of a profile, in steps within which it changes by 3 % or half a per cent of the fastest.
-    pub fn of(curve: &FeedCurve) -> Pace {
+impl SteppedCurve {
+    /// Returns the feedrate of a profile, in steps within which it changes by 3 % or half a per cent of the
+    /// fastest.
+    pub fn of(curve: &FeedCurve) -> SteppedCurve {
         let fastest = curve.feedrate.iter().copied().fold(0.0, f64::max);
-        let mut pace = Pace::default();
+        let mut pace = SteppedCurve::default();
         let mut first = 0;
         let (mut low, mut high) = (f64::INFINITY, 0.0f64);
         for row in 0..curve.distance.len() {
@@ -108,10 +115,10 @@ impl Pace {
         pace
     }
 
-    /// The time lost against a recording, in steps of a thousandth of the path or longer.
-    pub fn of_lost(distance: &[f64], seconds: &[f64]) -> Pace {
+    /// Returns the time lost against a recording, in steps of a thousandth of the path or longer.
+    pub fn of_lost(distance: &[f64], seconds: &[f64]) -> SteppedCurve {
         let least = distance.last().map_or(0.0, |end| 1e-3 * end);
-        let mut pace = Pace::default();
+        let mut pace = SteppedCurve::default();
         let mut first = 0;
         for row in 0..distance.len() {
             let way = distance[row] - distance[first];
@@ -125,44 +132,47 @@ impl Pace {
     }
 }
 
-/// By what the path is coloured.
+/// The quantity that colours the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coloring {
-    /// Feedrate, from none to this one, mm/s.
+    /// Feedrate, from 0 to this one, mm/s.
     Feedrate(f64),
-    /// The part of the programmed feedrate that is missing.
+    /// The missing part of the programmed feedrate.
     Loss,
-    /// Time lost against a recording, from so much gained to so much lost, s/mm.
+    /// Time lost against a recording, from this much gained to this much lost, s/mm.
     Lost(f64),
+    /// The part of the program, such as a tool; parts are numbered from 0.
+    Part,
 }
 
 impl Coloring {
-    /// By feedrates up to the fastest that is programmed.
+    /// Returns the colouring by feedrates up to the fastest programmed one.
     pub fn by_feedrate(programmed: &Programmed) -> Coloring {
         Coloring::Feedrate(programmed.highest_cutting)
     }
 
-    /// By time lost, so that two per cent of the steps are beyond the scale.
-    pub fn by_lost(lost: &Pace) -> Coloring {
+    /// Returns the colouring by time lost that leaves two per cent of the steps beyond its scale.
+    pub fn by_lost(lost: &SteppedCurve) -> Coloring {
         let mut sizes: Vec<f64> = lost.value.iter().map(|value| value.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         let top = sizes.get((0.98 * sizes.len() as f64) as usize).copied().unwrap_or(0.0);
         Coloring::Lost(top)
     }
 
-    /// The rank of a value where this feedrate is programmed.
+    /// Returns the rank of a value at a programmed feedrate.
     fn rank(self, value: f64, programmed: f64) -> u8 {
         let part = match self {
             Coloring::Feedrate(top) => 1.0 - value / top,
             Coloring::Loss => 1.0 - value / programmed,
             Coloring::Lost(top) => 0.5 * (1.0 + value / top),
+            Coloring::Part => return FIRST_SHADE_RANK + (value as usize % SHADES) as u8,
         };
         let part = if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) };
-        FIRST_SHADE + (part * SHADES as f64).min(SHADES as f64 - 1.0) as u8
+        FIRST_SHADE_RANK + (part * SHADES as f64).min(SHADES as f64 - 1.0) as u8
     }
 }
 
-/// The trail with its shades.
+/// A trail with its shades.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Ends of edges, mm.
@@ -171,11 +181,14 @@ pub struct Scene {
     pub distance: Vec<f64>,
     /// Rank of the edge that begins at each; the last has none.
     pub rank: Vec<u8>,
+    /// Least and largest coordinates of the cuts, mm; of everything if nothing is cut.
+    pub bounds: [[f32; 3]; 2],
 }
 
 impl Scene {
-    /// Lays the shades of a pace on a trail; without a pace, where it ends, as if it were as programmed.
-    pub fn new(trail: &Trail, programmed: &Programmed, pace: &Pace, coloring: Coloring) -> Scene {
+    /// Returns a trail with the shades of a curve; beyond the end of the curve, with those of the programmed
+    /// feedrate.
+    pub fn new(trail: &Trail, programmed: &Programmed, pace: &SteppedCurve, coloring: Coloring) -> Scene {
         let mut scene = Scene::default();
         let (mut segment, mut step) = (0, 0);
         for (index, (&point, &end)) in trail.points.iter().zip(&trail.distance).enumerate() {
@@ -197,11 +210,11 @@ impl Scene {
                 let is_rapid = programmed.rapid.get(segment).copied().unwrap_or(false);
                 let asked = programmed.feedrate.get(segment).copied().unwrap_or(f64::NAN);
                 let value = pace.value.get(step).copied().unwrap_or(match coloring {
-                    Coloring::Lost(_) => 0.0,
+                    Coloring::Lost(_) | Coloring::Part => 0.0,
                     _ => asked,
                 });
-                let rank = if is_rapid { RAPID } else { coloring.rank(value, asked) };
-                // Neighbours of one shade on one edge are one.
+                let rank = if is_rapid { RAPID_RANK } else { coloring.rank(value, asked) };
+                // Neighbours of one shade on one edge become one.
                 match scene.rank.last_mut() {
                     Some(last) if *last == 0 || *last == rank => *last = rank,
                     _ => {
@@ -217,7 +230,40 @@ impl Scene {
             }
             scene.push(point, end);
         }
-        scene
+        scene.bounded()
+    }
+
+    /// Returns the scene with the bounds of its cuts.
+    fn bounded(mut self) -> Scene {
+        let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        for point in self.cut().flatten() {
+            for k in 0..3 {
+                bounds[0][k] = bounds[0][k].min(point[k]);
+                bounds[1][k] = bounds[1][k].max(point[k]);
+            }
+        }
+        self.bounds = if bounds[0][0] <= bounds[1][0] { bounds } else { [[0.0; 3]; 2] };
+        self
+    }
+
+    /// Returns the ends of the edges that are cut; of all edges if none are.
+    pub(crate) fn cut(&self) -> impl Iterator<Item = &[[f32; 3]]> {
+        let edges = self.points.len().saturating_sub(1);
+        let is_cut = self.rank.iter().take(edges).any(|rank| *rank != RAPID_RANK);
+        let ends = self.points.windows(2).zip(&self.rank);
+        ends.filter(move |(_, rank)| !is_cut || **rank != RAPID_RANK).map(|(ends, _)| ends)
+    }
+
+    /// Returns the index of the first edge that begins at or beyond a distance, mm; `None` means the end.
+    pub fn edges_to(&self, distance: Option<f64>) -> u32 {
+        let run = |distance| self.distance.partition_point(|&begin| begin < distance) as u32;
+        distance.map_or(u32::MAX, run)
+    }
+
+    /// Returns `true` if the path is deep enough to be viewed obliquely.
+    pub fn is_deep(&self) -> bool {
+        let [x, y, z] = [0, 1, 2].map(|k| self.bounds[1][k] - self.bounds[0][k]);
+        DEEP * x.max(y) < z
     }
 
     fn push(&mut self, point: [f32; 3], distance: f64) {
@@ -226,14 +272,10 @@ impl Scene {
         self.rank.push(0);
     }
 
-    /// The position at a distance along the path, mm; none where there is no path.
+    /// Returns the position at a distance along the path, mm; `None` if there is no path.
     pub fn point(&self, distance: f64) -> Option<[f64; 3]> {
-        let last = self.distance.len().checked_sub(1)?;
-        let after = self.distance.partition_point(|&end| end < distance).min(last);
-        let before = after.saturating_sub(1);
-        let span = self.distance[after] - self.distance[before];
-        let part = if 0.0 < span { ((distance - self.distance[before]) / span).clamp(0.0, 1.0) } else { 0.0 };
+        let RowsAround { before, after, fraction } = rows_around(&self.distance, distance, &mut 0)?;
         let [a, b] = [self.points[before], self.points[after]];
-        Some(std::array::from_fn(|k| f64::from(a[k]) + part * (f64::from(b[k]) - f64::from(a[k]))))
+        Some(std::array::from_fn(|k| f64::from(a[k]) + fraction * (f64::from(b[k]) - f64::from(a[k]))))
     }
 }

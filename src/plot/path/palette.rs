@@ -1,4 +1,4 @@
-//! The colours of shades. The worse the shade, the more it stands out from the ground.
+//! The colours of shades. The worse the shade, the higher its contrast with the background.
 //!
 //! Feedrate and loss run along viridis, whose lightness tells its colours apart for any kind of colour vision, on
 //! light ground from its middle to the dark end and on dark ground to the light one, so that each has a contrast of
@@ -6,7 +6,8 @@
 
 use plotters::style::RGBColor;
 
-use crate::plot::path::{Coloring, FIRST_SHADE, MARKED, RAPID, SHADES};
+use crate::plot::Theme;
+use crate::plot::path::{Coloring, FIRST_SHADE_RANK, MARKED_RANK, RAPID_RANK, SHADES};
 
 /// Viridis at equal steps.
 const VIRIDIS: [[f64; 3]; 9] = [
@@ -23,11 +24,37 @@ const VIRIDIS: [[f64; 3]; 9] = [
 const DIVERGING_LIGHT: [[f64; 3]; 3] = [[0.0, 90.0, 160.0], [140.0, 140.0, 140.0], [190.0, 70.0, 0.0]];
 const DIVERGING_DARK: [[f64; 3]; 3] = [[86.0, 180.0, 233.0], [120.0, 120.0, 120.0], [255.0, 150.0, 40.0]];
 
-/// The colours of all shades, from the best to the worst.
+/// Colours of parts, without an order.
+const PARTS_LIGHT: [[u8; 3]; 8] = [
+    [0, 114, 178],
+    [200, 85, 0],
+    [0, 135, 98],
+    [170, 68, 153],
+    [133, 104, 0],
+    [51, 34, 136],
+    [190, 40, 60],
+    [90, 100, 110],
+];
+const PARTS_DARK: [[u8; 3]; 8] = [
+    [86, 180, 233],
+    [230, 159, 0],
+    [44, 194, 149],
+    [221, 143, 192],
+    [240, 228, 66],
+    [176, 164, 255],
+    [255, 127, 100],
+    [170, 180, 190],
+];
+
+/// Returns the colours of all shades, from the best to the worst.
 pub fn palette(coloring: Coloring, dark: bool) -> [RGBColor; SHADES] {
     std::array::from_fn(|shade| {
         let part = shade as f64 / (SHADES - 1) as f64;
         match (coloring, dark) {
+            (Coloring::Part, _) => {
+                let [r, g, b] = (if dark { PARTS_DARK } else { PARTS_LIGHT })[shade % PARTS_LIGHT.len()];
+                RGBColor(r, g, b)
+            }
             (Coloring::Lost(_), false) => between(&DIVERGING_LIGHT, part),
             (Coloring::Lost(_), true) => between(&DIVERGING_DARK, part),
             (_, false) => between(&VIRIDIS, 0.55 * (1.0 - part)),
@@ -36,14 +63,20 @@ pub fn palette(coloring: Coloring, dark: bool) -> [RGBColor; SHADES] {
     })
 }
 
-/// The colour of a rank; none of what is empty.
+/// Returns the background of a path.
+pub fn ground(dark: bool) -> RGBColor {
+    let theme = if dark { Theme::DARK } else { Theme::LIGHT };
+    theme.background
+}
+
+/// Returns the colour of each rank; `None` for the empty one.
 pub fn ink(shades: &[RGBColor; SHADES], dark: bool) -> [Option<RGBColor>; 32] {
     let mut inks = [None; 32];
-    inks[RAPID as usize] = Some(if dark { RGBColor(92, 102, 113) } else { RGBColor(176, 183, 191) });
+    inks[RAPID_RANK as usize] = Some(if dark { RGBColor(70, 79, 89) } else { RGBColor(200, 206, 213) });
     for (shade, color) in shades.iter().enumerate() {
-        inks[FIRST_SHADE as usize + shade] = Some(*color);
+        inks[FIRST_SHADE_RANK as usize + shade] = Some(*color);
     }
-    inks[MARKED as usize] = Some(if dark { RGBColor(255, 105, 160) } else { RGBColor(214, 0, 96) });
+    inks[MARKED_RANK as usize] = Some(if dark { RGBColor(255, 105, 160) } else { RGBColor(214, 0, 96) });
     inks
 }
 

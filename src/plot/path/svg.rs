@@ -1,73 +1,72 @@
-//! The path as a picture that stands in a document: SVG, as it is seen and dark on white, with what its colours mean and a
-//! length to measure by.
+//! The path as a picture in a document: SVG, dark on white, with the legend of its colours and a scale bar.
 //!
-//! Edges are drawn as [`raster`](crate::plot::path::raster) does: rank by rank, the worst on top. Those that end within half a
-//! pixel of the last corner are drawn together, and those beyond the picture not at all, so that its size goes with what
-//! can be seen.
+//! Edges are drawn as by [`raster`](crate::plot::path::raster): rank by rank, the worst on top. Edges that
+//! end within half a pixel of the last corner are drawn together, and those beyond the picture not at all, so
+//! that the size of the file depends on the visible part.
 
 use std::fmt::Write;
 
 use plotters::style::RGBColor;
 
 use crate::plot::escaped;
-use crate::plot::path::{Camera, FIRST_SHADE, MARKED, RAPID, Scene};
+use crate::plot::path::{Camera, FIRST_SHADE_RANK, MARKED_RANK, RAPID_RANK, Scene};
 
-/// How a path is drawn in a document.
+/// The settings of a drawing in a document.
 pub struct Sheet<'a> {
-    /// From where, and how large.
+    /// Camera, with the size of the picture.
     pub camera: Camera,
-    /// The stretch of the path that is marked, mm.
+    /// Marked range of the path, mm.
     pub marked: Option<(f64, f64)>,
-    /// Colour of each rank; none: it is not drawn.
+    /// Colour of each rank; `None` if it is not drawn.
     pub inks: &'a [Option<RGBColor>],
-    /// What the first and the last shade stand for.
+    /// Labels of the first and the last shade.
     pub ends: [String; 2],
-    /// A length on the path, mm, as it is written.
+    /// Length of the scale bar, mm, and its label.
     pub length: (f64, String),
 }
 
 /// Width of lines and room below the path, pixels.
-const PEN: f64 = 1.5;
-const FOOT: f64 = 34.0;
-/// Edges within this distance of a corner are drawn with the next, pixels.
-const NEAR: f64 = 0.5;
+const LINE_WIDTH_PX: f64 = 1.5;
+const FOOT_HEIGHT_PX: f64 = 34.0;
+/// Distance within which an edge is drawn together with the next, pixels.
+const MAX_JOINED_PX: f64 = 0.5;
 /// Width of a shade in the ramp, pixels.
-const SHADE: f64 = 9.0;
-const TEXT: &str = "#404852";
+const SHADE_WIDTH_PX: f64 = 9.0;
+const TEXT_COLOR: &str = "#404852";
 
-/// Draws a scene as SVG.
+/// Returns a scene as SVG.
 pub fn svg_of_path(scene: &Scene, sheet: &Sheet) -> String {
     let (width, height) = sheet.camera.size;
-    let whole = height + FOOT;
+    let whole = height + FOOT_HEIGHT_PX;
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{whole:.0}\" viewBox=\"0 0 {width:.0} {whole:.0}\">\
          <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\
-         <svg width=\"{width:.0}\" height=\"{height:.0}\"><g fill=\"none\" stroke-linejoin=\"round\" stroke-width=\"{PEN}\">"
+         <svg width=\"{width:.0}\" height=\"{height:.0}\"><g fill=\"none\" stroke-linejoin=\"round\" stroke-width=\"{LINE_WIDTH_PX}\">"
     );
     let mut ranks: Vec<(u8, String)> = lines(scene, &sheet.camera);
     if let Some(stretch) = sheet.marked {
-        ranks.push((MARKED, marked(scene, &sheet.camera, stretch)));
+        ranks.push((MARKED_RANK, marked(scene, &sheet.camera, stretch)));
     }
     for (rank, line) in ranks {
         let Some(Some(ink)) = sheet.inks.get(usize::from(rank)) else { continue };
         let more = match rank {
-            RAPID => " stroke-dasharray=\"5\"",
-            MARKED => " stroke-width=\"4\"",
+            RAPID_RANK => " stroke-dasharray=\"5\"",
+            MARKED_RANK => " stroke-width=\"4\"",
             _ => "",
         };
         // Writing to a string does not fail.
         let _ = write!(text, "<path stroke=\"{}\"{more} d=\"{line}\"/>", hex(ink));
     }
     text += "</g></svg>";
-    text += &foot(sheet, width, height + 0.5 * FOOT);
+    text += &foot(sheet, width, height + 0.5 * FOOT_HEIGHT_PX);
     text + "</svg>"
 }
 
-/// The lines of each rank in sight, the worst last.
+/// Returns the visible lines of each rank, the worst last.
 fn lines(scene: &Scene, camera: &Camera) -> Vec<(u8, String)> {
-    let mut ranks = vec![String::new(); usize::from(MARKED)];
+    let mut ranks = vec![String::new(); usize::from(MARKED_RANK)];
     let (width, height) = camera.size;
-    let is_beyond = |a: f64, b: f64, high: f64| a.max(b) < -PEN || high + PEN < a.min(b);
+    let is_beyond = |a: f64, b: f64, high: f64| a.max(b) < -LINE_WIDTH_PX || high + LINE_WIDTH_PX < a.min(b);
     let place = |index: usize| camera.project(scene.points[index].map(f64::from));
     let mut pen = None;
     let mut from = (0.0, 0.0);
@@ -85,7 +84,9 @@ fn lines(scene: &Scene, camera: &Camera) -> Vec<(u8, String)> {
         if pen != Some(rank) {
             let _ = write!(line, "M{:.1} {:.1}", from.0, from.1);
             pen = Some(rank);
-        } else if (to.0 - from.0).hypot(to.1 - from.1) < NEAR && scene.rank.get(edge + 1) == Some(&rank) {
+        } else if (to.0 - from.0).hypot(to.1 - from.1) < MAX_JOINED_PX
+            && scene.rank.get(edge + 1) == Some(&rank)
+        {
             continue;
         }
         let _ = write!(line, "L{:.1} {:.1}", to.0, to.1);
@@ -99,7 +100,7 @@ fn lines(scene: &Scene, camera: &Camera) -> Vec<(u8, String)> {
         .collect()
 }
 
-/// The line of a stretch of the path, mm.
+/// Returns the line of a range of the path, mm.
 fn marked(scene: &Scene, camera: &Camera, (begin, end): (f64, f64)) -> String {
     let inner = scene.distance.iter().copied().filter(|&distance| begin < distance && distance < end);
     let along = [begin].into_iter().chain(inner).chain([end]);
@@ -111,30 +112,31 @@ fn marked(scene: &Scene, camera: &Camera, (begin, end): (f64, f64)) -> String {
     line
 }
 
-/// What the colours mean, on the left, and a length to measure by, on the right; about a height.
+/// Returns the legend of the colours, on the left, and the scale bar, on the right; about a height.
 fn foot(sheet: &Sheet, width: f64, y: f64) -> String {
     let [first, last] = sheet.ends.each_ref().map(|end| escaped(end));
     let mut text = format!(
-        "<g font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"{TEXT}\" dominant-baseline=\"central\">\
+        "<g font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"{TEXT_COLOR}\" dominant-baseline=\"central\">\
          <text x=\"110\" y=\"{y}\" text-anchor=\"end\">{first}</text>"
     );
-    let shades = sheet.inks.iter().take(usize::from(MARKED)).skip(usize::from(FIRST_SHADE)).flatten();
+    let shades =
+        sheet.inks.iter().take(usize::from(MARKED_RANK)).skip(usize::from(FIRST_SHADE_RANK)).flatten();
     let mut x = 118.0;
     for ink in shades {
         let _ = write!(
             text,
-            "<rect x=\"{x}\" y=\"{}\" width=\"{SHADE}\" height=\"10\" fill=\"{}\"/>",
+            "<rect x=\"{x}\" y=\"{}\" width=\"{SHADE_WIDTH_PX}\" height=\"10\" fill=\"{}\"/>",
             y - 5.0,
             hex(ink)
         );
-        x += SHADE;
+        x += SHADE_WIDTH_PX;
     }
     let _ = write!(text, "<text x=\"{}\" y=\"{y}\">{last}</text>", x + 8.0);
     let (length, label) = &sheet.length;
     let (right, long) = (width - 12.0, length * sheet.camera.scale);
     let _ = write!(
         text,
-        "<path d=\"M{:.1} {y}H{right:.1}\" stroke=\"{TEXT}\" stroke-width=\"2\"/><text x=\"{:.1}\" y=\"{y}\" text-anchor=\"end\">{}</text></g>",
+        "<path d=\"M{:.1} {y}H{right:.1}\" stroke=\"{TEXT_COLOR}\" stroke-width=\"2\"/><text x=\"{:.1}\" y=\"{y}\" text-anchor=\"end\">{}</text></g>",
         right - long,
         right - long - 8.0,
         escaped(label)

@@ -4,11 +4,11 @@ use plotters::style::RGBColor;
 
 use super::*;
 use crate::machine::Machine;
-use crate::simulation::feed::Rule;
+use crate::simulation::feed::CornerPolicy;
 use crate::simulation::gcode::read;
+use crate::simulation::interpreter::trace;
 use crate::simulation::profile::{Profile, Resolution};
 use crate::simulation::simulate;
-use crate::simulation::toolpath::trace;
 
 const PROGRAM: &str =
     "G21 G90 G94\nG0 X10 Y0 Z5\nG1 Z0 F600\nG1 X40 F3000\nG2 X40 Y20 I0 J10\nG1 X0\nG1 Y0\n";
@@ -16,7 +16,7 @@ const PROGRAM: &str =
 fn whole() -> (Toolpath, Programmed, FeedCurve) {
     let machine = Machine::default();
     let toolpath = trace(&read(PROGRAM.as_bytes()), &machine);
-    let plan = simulate::by_rule(&toolpath, &machine, Rule::Isolated(0.01));
+    let plan = simulate::with_policy(&toolpath, &machine, CornerPolicy::Isolated(0.01));
     let curve = Profile::new(&toolpath, &plan).feed_curve(Resolution::CHART);
     let programmed = Programmed::of(&toolpath, &machine);
     (toolpath, programmed, curve)
@@ -24,14 +24,16 @@ fn whole() -> (Toolpath, Programmed, FeedCurve) {
 
 fn scene(coloring: Coloring) -> Scene {
     let (toolpath, programmed, curve) = whole();
-    Scene::new(&Trail::of(&toolpath), &programmed, &Pace::of(&curve), coloring)
+    Scene::new(&Trail::of(&toolpath), &programmed, &SteppedCurve::of(&curve), coloring)
 }
 
 fn seen(scene: &Scene, yaw: f64, pitch: f64) -> Camera {
     let mut camera = Camera { yaw, pitch, size: (600.0, 400.0), ..Camera::new() };
-    camera.fit(&scene.points);
+    camera.fit(scene);
     camera
 }
+
+const PLAIN: Light = Light { ground: RGBColor(255, 255, 255), reach: 1, first_pending: u32::MAX };
 
 fn drawn(scene: &Scene, camera: Camera) -> Raster {
     let mut raster = Raster::default();
@@ -56,7 +58,7 @@ fn a_trail_is_as_long_as_its_path_and_stays_on_it() {
 #[test]
 fn a_pace_keeps_the_time_of_the_motion() {
     let (_, _, curve) = whole();
-    let pace = Pace::of(&curve);
+    let pace = SteppedCurve::of(&curve);
     let mut begin = 0.0;
     let time: f64 = pace
         .end
@@ -72,11 +74,11 @@ fn a_pace_keeps_the_time_of_the_motion() {
 fn a_scene_divides_the_trail_where_the_shade_changes() {
     let scene = scene(Coloring::Loss);
     assert!(scene.distance.windows(2).all(|pair| pair[0] <= pair[1]));
-    assert_eq!(scene.rank[0], RAPID);
+    assert_eq!(scene.rank[0], RAPID_RANK);
     let shades: std::collections::BTreeSet<u8> = scene.rank[..scene.rank.len() - 1].iter().copied().collect();
-    assert!(shades.contains(&FIRST_SHADE), "at the programmed feedrate nothing is lost: {shades:?}");
-    assert!(shades.contains(&(MARKED - 1)), "at a full stop all is lost: {shades:?}");
-    assert!(!shades.contains(&0) && !shades.contains(&MARKED), "{shades:?}");
+    assert!(shades.contains(&FIRST_SHADE_RANK), "at the programmed feedrate nothing is lost: {shades:?}");
+    assert!(shades.contains(&(MARKED_RANK - 1)), "at a full stop all is lost: {shades:?}");
+    assert!(!shades.contains(&0) && !shades.contains(&MARKED_RANK), "{shades:?}");
 }
 
 #[test]
@@ -131,20 +133,66 @@ fn a_pixel_leads_back_to_its_place_on_the_path() {
 #[test]
 fn of_two_passes_the_worse_is_shown() {
     let points = vec![[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
-    for ranks in [[FIRST_SHADE, FIRST_SHADE + 9, 0], [FIRST_SHADE + 9, FIRST_SHADE, 0]] {
-        let scene = Scene { points: points.clone(), distance: vec![0.0, 10.0, 20.0], rank: ranks.to_vec() };
+    for ranks in [[FIRST_SHADE_RANK, FIRST_SHADE_RANK + 9, 0], [FIRST_SHADE_RANK + 9, FIRST_SHADE_RANK, 0]] {
+        let (distance, rank) = (vec![0.0, 10.0, 20.0], ranks.to_vec());
+        let scene = Scene { points: points.clone(), distance, rank, ..Scene::default() }.bounded();
         let camera = seen(&scene, 0.0, FRAC_PI_2);
         let mut colors = Vec::new();
         let inks = ink(&palette(Coloring::Loss, false), false);
-        drawn(&scene, camera).colors(&inks, &mut colors);
+        drawn(&scene, camera).colors(&inks, &PLAIN, &mut colors);
         let shown: std::collections::BTreeSet<[u8; 3]> = colors
             .chunks(4)
             .filter(|pixel| pixel[3] != 0)
             .map(|pixel| [pixel[0], pixel[1], pixel[2]])
             .collect();
-        let worst = inks[FIRST_SHADE as usize + 9].unwrap();
+        let worst = inks[FIRST_SHADE_RANK as usize + 9].unwrap();
         assert_eq!(shown.into_iter().collect::<Vec<_>>(), [[worst.0, worst.1, worst.2]]);
     }
+}
+
+#[test]
+fn of_two_passes_the_nearer_is_shown_and_what_lies_below_is_darker() {
+    // A pass at the bottom, one 5 mm above half of it, and a rapid over both.
+    let points = vec![
+        [0.0, 0.0, 0.0],
+        [20.0, 0.0, 0.0],
+        [20.0, 0.0, 5.0],
+        [10.0, 0.0, 5.0],
+        [10.0, 1.0, 9.0],
+        [0.0, 0.0, 9.0],
+    ];
+    let rank = vec![FIRST_SHADE_RANK + 3, FIRST_SHADE_RANK + 3, FIRST_SHADE_RANK, RAPID_RANK, RAPID_RANK, 0];
+    let distance = vec![0.0, 20.0, 25.0, 35.0, 40.0, 50.0];
+    let scene = Scene { points, distance, rank, ..Scene::default() }.bounded();
+    assert_eq!(scene.bounds[1][2], 5.0, "the rapid is no part of what is fitted");
+    assert!(scene.is_deep());
+    let camera = seen(&scene, 0.0, FRAC_PI_2);
+    let raster = drawn(&scene, camera);
+    let found = |x: f64| {
+        let (column, row) = camera.project([x, 0.0, 0.0]);
+        raster.pick(&scene, &camera, (column, row), 2).expect("something is drawn there")
+    };
+    assert!((found(15.0) - 30.0).abs() < 0.2 && (found(5.0) - 5.0).abs() < 0.2);
+    let light = Light { first_pending: 3, ..PLAIN };
+    let ink = RGBColor(100, 50, 0);
+    let [near, far, below] = [
+        light.lit(ink, 0, 1.0, [1.0; 4]),
+        light.lit(ink, 0, 0.0, [0.0; 4]),
+        light.lit(ink, 0, 0.5, [1.0, 0.0, 0.0, 0.5]),
+    ];
+    assert_eq!(near, [100, 50, 0, 255]);
+    assert!(near[0] < far[0] && far[2] < 255, "the far fades and keeps its colour: {far:?}");
+    assert!(below[0] < light.lit(ink, 0, 0.5, [0.5; 4])[0]);
+    assert!(200 < light.bare(ink, 3)[0] && light.bare(ink, 2) == near, "what is still to be run is pale");
+}
+
+#[test]
+fn parts_have_colours_of_their_own() {
+    let (toolpath, programmed, _) = whole();
+    let parts = SteppedCurve { end: vec![20.0, 60.0, 1e9], value: vec![0.0, 1.0, 0.0] };
+    let scene = Scene::new(&Trail::of(&toolpath), &programmed, &parts, Coloring::Part);
+    let at = |distance: f64| scene.rank[scene.distance.partition_point(|&end| end <= distance) - 1];
+    assert_eq!([at(18.0), at(30.0), at(70.0)], [FIRST_SHADE_RANK, FIRST_SHADE_RANK + 1, FIRST_SHADE_RANK]);
 }
 
 #[test]
@@ -157,7 +205,7 @@ fn shades_stand_out_from_the_ground() {
         0.2126 * linear(color.0) + 0.7152 * linear(color.1) + 0.0722 * linear(color.2)
     };
     for (dark, ground) in [(false, RGBColor(255, 255, 255)), (true, RGBColor(22, 26, 31))] {
-        for coloring in [Coloring::Loss, Coloring::Feedrate(1.0), Coloring::Lost(1.0)] {
+        for coloring in [Coloring::Loss, Coloring::Feedrate(1.0), Coloring::Lost(1.0), Coloring::Part] {
             for color in palette(coloring, dark) {
                 let (a, b) = (luminance(color), luminance(ground));
                 let contrast = (a.max(b) + 0.05) / (a.min(b) + 0.05);
@@ -170,7 +218,8 @@ fn shades_stand_out_from_the_ground() {
 #[test]
 fn lines_far_outside_cost_nothing_and_break_nothing() {
     let points = vec![[-1e6, 0.0, 0.0], [1e6, 1.0, 0.0], [f32::MAX, 0.0, 0.0], [0.0, 0.0, 0.0]];
-    let scene = Scene { points, distance: vec![0.0, 1.0, 2.0, 3.0], rank: vec![2, RAPID, 2, 0] };
+    let (distance, rank) = (vec![0.0, 1.0, 2.0, 3.0], vec![2, RAPID_RANK, 2, 0]);
+    let scene = Scene { points, distance, rank, ..Scene::default() }.bounded();
     let camera = Camera { size: (100.0, 100.0), ..Camera::new() };
     let raster = drawn(&scene, camera);
     assert_eq!(raster.size(), (100, 100));
@@ -195,7 +244,7 @@ fn a_document_shows_each_rank_in_its_colour_and_what_is_marked() {
     for &rank in scene.rank.iter().take(scene.points.len() - 1) {
         assert!(strokes.contains(&&*hex(inks[usize::from(rank)].expect("a rank has a colour"))), "{rank}");
     }
-    let mark = hex(inks[usize::from(MARKED)].expect("the mark has a colour"));
+    let mark = hex(inks[usize::from(MARKED_RANK)].expect("the mark has a colour"));
     assert_eq!(strokes.iter().filter(|stroke| **stroke == mark).count(), 1);
     assert!(!sheet(&scene, None).contains(&mark));
     assert!(text.contains("&lt; 10 mm"));
@@ -207,8 +256,8 @@ fn a_document_grows_with_what_is_seen_and_not_with_the_program() {
         let points: Vec<_> =
             (0..=points).map(|index| [100.0 * index as f32 / points as f32, 0.0, 0.0]).collect();
         let distance = points.iter().map(|point| f64::from(point[0])).collect();
-        let rank = vec![FIRST_SHADE; points.len()];
-        Scene { points, distance, rank }
+        let rank = vec![FIRST_SHADE_RANK; points.len()];
+        Scene { points, distance, rank, ..Scene::default() }.bounded()
     };
     let (few, many) = (sheet(&line(1_000), None).len(), sheet(&line(100_000), None).len());
     assert!(many < 2 * few, "{few} and {many} bytes");

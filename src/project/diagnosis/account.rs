@@ -1,21 +1,22 @@
 //! The account of a diagnosis in hundredths of a second: as data, as a table and as a waterfall.
 //!
-//! Rounded each by itself, the entries would not add up to the recorded time any more. Recorded and simulated time are
-//! rounded; of the entries between them those give way that were rounded farthest the other way, so that none is off
-//! by more than a hundredth in an account of a few. An account of several runs is the sum of theirs as they are shown.
+//! Rounded one by one, the entries would no longer add up to the recorded time. Recorded and simulated time
+//! are rounded; the entries between them that were rounded farthest the other way absorb the difference, so
+//! that none is off by more than a hundredth if there are few. An account of several runs is the sum of their
+//! accounts as shown.
 
 use serde::Serialize;
 
 use crate::identification::diagnosis::Account;
-use crate::project::comparison::signed;
+use crate::project::recording::comparison::signed;
 
-/// The id of what calibrating the machine first adds.
-const CALIBRATION: &str = "calibration";
-/// The steps of a waterfall take at least this part of its width: where they are less of the time, its bars do not
-/// begin at 0.
-const STEPS: f64 = 0.5;
-/// The part of the width before the lowest step in bars that do not begin at 0.
-const BEFORE: f64 = 0.2;
+/// Id of the step from the machine file to the calibrated machine.
+const CALIBRATION_ID: &str = "calibration";
+/// Least part of the width that the steps of a waterfall occupy: if they are a smaller part of the time, its
+/// bars do not begin at 0.
+const MIN_STEPS_SHARE: f64 = 0.5;
+/// Part of the width before the lowest step in bars that do not begin at 0.
+const LEADING_SHARE: f64 = 0.2;
 
 /// An account for people and programs.
 #[derive(Clone, Debug, Serialize)]
@@ -24,37 +25,39 @@ pub struct AccountRow {
     /// Ids and seconds, the largest first.
     causes_s: Vec<(&'static str, f64)>,
     unexplained_s: f64,
-    /// With the size of each region, so that nothing cancels.
+    /// Sum of the sizes of all regions, so that nothing cancels.
     unexplained_sum_s: f64,
     recorded_s: f64,
-    /// The account of each run, where there are several.
+    /// Where the bars of the steps begin; not at 0 if the steps would be too small to be seen beside the whole.
+    begins_s: f64,
+    /// The account of each run, if there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     runs: Vec<AccountRow>,
-    /// The same for people; empty in the account of one run among several.
+    /// Rows of the table for people; empty for one run among several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    steps: Vec<Step>,
-    /// What is not in sight there, for people.
+    steps: Vec<WaterfallStep>,
+    /// Notes on parts that the table does not show, for people.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
     #[serde(skip)]
-    pub(super) balance: Balance,
+    pub(super) balance: RoundedAccount,
 }
 
 /// A row of the table, with its bar.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Step {
+pub struct WaterfallStep {
     pub name: String,
-    /// Seconds with unit, and a sign where they are added.
+    /// Seconds with unit, and a sign for added ones.
     pub text: String,
     /// `total`, `cause` or `unexplained`.
     pub kind: &'static str,
-    /// Where the bar begins and ends, as parts of the width.
+    /// Beginning and end of the bar, as parts of the width.
     pub bar: [f64; 2],
 }
 
 /// An account in hundredths of a second.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Balance {
+pub struct RoundedAccount {
     pub simulated: i64,
     pub calibration: Option<i64>,
     pub causes: Vec<i64>,
@@ -63,12 +66,12 @@ pub struct Balance {
     pub recorded: i64,
 }
 
-impl Balance {
-    /// Rounded so that it adds up.
-    fn of(account: &Account) -> Balance {
+impl RoundedAccount {
+    /// Rounds an account so that it adds up.
+    fn of(account: &Account) -> RoundedAccount {
         let round = |seconds: f64| (100.0 * seconds).round() as i64;
         let (simulated, recorded) = (round(account.simulated), round(account.recorded));
-        // What is unexplained comes first: of two that are as far off, that one gives way.
+        // The unexplained part comes first: of two entries equally far off, it gives way.
         let entries: Vec<f64> = ([account.unexplained].into_iter())
             .chain(account.calibration)
             .chain(account.causes.iter().map(|(_, seconds)| *seconds))
@@ -78,12 +81,19 @@ impl Balance {
         let unexplained = rounded.next().unwrap_or(0);
         let calibration = account.calibration.and_then(|_| rounded.next());
         let unexplained_sum = round(account.unexplained_sum).max(unexplained.abs());
-        Balance { simulated, calibration, causes: rounded.collect(), unexplained, unexplained_sum, recorded }
+        RoundedAccount {
+            simulated,
+            calibration,
+            causes: rounded.collect(),
+            unexplained,
+            unexplained_sum,
+            recorded,
+        }
     }
 
-    fn together(all: &[Balance]) -> Balance {
-        let Some((first, others)) = all.split_first() else { return Balance::default() };
-        others.iter().fold(first.clone(), |sum, own| Balance {
+    fn together(all: &[RoundedAccount]) -> RoundedAccount {
+        let Some((first, others)) = all.split_first() else { return RoundedAccount::default() };
+        others.iter().fold(first.clone(), |sum, own| RoundedAccount {
             simulated: sum.simulated + own.simulated,
             calibration: sum.calibration.zip(own.calibration).map(|(a, b)| a + b),
             causes: sum.causes.iter().zip(&own.causes).map(|(a, b)| a + b).collect(),
@@ -93,9 +103,9 @@ impl Balance {
         })
     }
 
-    /// Calibration and causes by id and name, the largest first.
+    /// Returns calibration and causes by id and name, the largest first.
     fn entries(&self, causes: &[(&'static str, String)]) -> Vec<(&'static str, String, i64)> {
-        let calibration = self.calibration.map(|own| (CALIBRATION, CALIBRATION.to_string(), own));
+        let calibration = self.calibration.map(|own| (CALIBRATION_ID, CALIBRATION_ID.to_string(), own));
         let causes = causes.iter().zip(&self.causes).map(|((id, name), own)| (*id, name.clone(), *own));
         let mut all: Vec<_> = calibration.into_iter().chain(causes).collect();
         all.sort_by_key(|(.., own)| -own.abs());
@@ -103,7 +113,7 @@ impl Balance {
     }
 }
 
-/// Whole numbers that are as close to these as they can be and add up to `sum`.
+/// Returns whole numbers as close to `entries` as possible that add up to `sum`.
 fn added_up(entries: &[f64], sum: i64) -> Vec<i64> {
     let mut rounded: Vec<i64> = entries.iter().map(|entry| entry.round() as i64).collect();
     loop {
@@ -117,33 +127,34 @@ fn added_up(entries: &[f64], sum: i64) -> Vec<i64> {
     }
 }
 
-/// Hundredths of a second as seconds.
-pub fn in_seconds(hundredths: i64) -> f64 {
+/// Converts hundredths of a second to seconds.
+pub fn seconds_of(hundredths: i64) -> f64 {
     hundredths as f64 / 100.0
 }
 
-/// Hundredths of a second for people.
+/// Formats hundredths of a second.
 pub fn written(hundredths: i64) -> String {
-    format!("{:.2} s", in_seconds(hundredths)).replace('-', "−")
+    format!("{:.2} s", seconds_of(hundredths)).replace('-', "−")
 }
 
-/// The same as what is added.
+/// Formats hundredths of a second as an added amount, with its sign.
 fn added(hundredths: i64) -> String {
-    signed(format!("{:+.2} s", in_seconds(hundredths)))
+    signed(format!("{:+.2} s", seconds_of(hundredths)))
 }
 
 impl AccountRow {
-    /// Of the accounts of all runs, with id and name of each cause.
+    /// Returns the row of the accounts of all runs, with id and name of each cause.
     pub fn new(accounts: &[Account], causes: &[(&'static str, String)]) -> AccountRow {
-        let balances: Vec<Balance> = accounts.iter().map(Balance::of).collect();
-        let mut row = AccountRow::figures(Balance::together(&balances), causes);
+        let balances: Vec<RoundedAccount> = accounts.iter().map(RoundedAccount::of).collect();
+        let mut row = AccountRow::figures(RoundedAccount::together(&balances), causes);
         if 1 < balances.len() {
             row.runs = balances.into_iter().map(|own| AccountRow::figures(own, causes)).collect();
         }
         let from = row.begins();
+        row.begins_s = seconds_of(from);
         row.steps = row.waterfall(causes, from);
         row.notes.push(format!(
-            "Region by region, losses and gains added up, {} are unexplained.",
+            "Unexplained, added up region by region: {}.",
             written(row.balance.unexplained_sum)
         ));
         if from != 0 {
@@ -152,15 +163,16 @@ impl AccountRow {
         row
     }
 
-    fn figures(balance: Balance, causes: &[(&'static str, String)]) -> AccountRow {
+    fn figures(balance: RoundedAccount, causes: &[(&'static str, String)]) -> AccountRow {
         AccountRow {
-            simulated_s: in_seconds(balance.simulated),
+            simulated_s: seconds_of(balance.simulated),
             causes_s: (balance.entries(causes).into_iter())
-                .map(|(id, _, own)| (id, in_seconds(own)))
+                .map(|(id, _, own)| (id, seconds_of(own)))
                 .collect(),
-            unexplained_s: in_seconds(balance.unexplained),
-            unexplained_sum_s: in_seconds(balance.unexplained_sum),
-            recorded_s: in_seconds(balance.recorded),
+            unexplained_s: seconds_of(balance.unexplained),
+            unexplained_sum_s: seconds_of(balance.unexplained_sum),
+            recorded_s: seconds_of(balance.recorded),
+            begins_s: 0.0,
             runs: Vec::new(),
             steps: Vec::new(),
             notes: Vec::new(),
@@ -168,9 +180,9 @@ impl AccountRow {
         }
     }
 
-    /// The time after each step, from the simulated one to the recorded one.
+    /// Returns the time after each step, from the simulated to the recorded one.
     fn levels(&self) -> Vec<i64> {
-        let Balance { simulated, calibration, causes, unexplained, .. } = &self.balance;
+        let RoundedAccount { simulated, calibration, causes, unexplained, .. } = &self.balance;
         let mut steps: Vec<i64> = calibration.iter().chain(causes).copied().collect();
         steps.sort_by_key(|own| -own.abs());
         let mut levels = vec![*simulated];
@@ -181,22 +193,26 @@ impl AccountRow {
         levels
     }
 
-    /// Where the bars begin: at nothing, but where the steps were too small to be seen beside the whole.
+    /// Returns where the bars begin: at 0, unless the steps would be too small beside the whole.
     fn begins(&self) -> i64 {
         let levels = self.levels();
         let (lowest, highest) = (levels.iter().min().unwrap_or(&0), levels.iter().max().unwrap_or(&0));
         let spread = (highest - lowest) as f64;
-        let before = (BEFORE / (1.0 - BEFORE) * spread).ceil() as i64;
-        if spread == 0.0 || STEPS * *highest as f64 <= spread { 0 } else { (lowest - before).max(0) }
+        let before = (LEADING_SHARE / (1.0 - LEADING_SHARE) * spread).ceil() as i64;
+        if spread == 0.0 || MIN_STEPS_SHARE * *highest as f64 <= spread {
+            0
+        } else {
+            (lowest - before).max(0)
+        }
     }
 
-    /// The rows of the table, with bars that begin at `from`.
-    fn waterfall(&self, causes: &[(&'static str, String)], from: i64) -> Vec<Step> {
-        let Balance { simulated, unexplained, recorded, .. } = self.balance;
+    /// Returns the rows of the table, with bars that begin at `from`.
+    fn waterfall(&self, causes: &[(&'static str, String)], from: i64) -> Vec<WaterfallStep> {
+        let RoundedAccount { simulated, unexplained, recorded, .. } = self.balance;
         let levels = self.levels();
         let width = (levels.iter().max().unwrap_or(&0) - from).max(1) as f64;
         let part = |level: i64| ((level - from) as f64 / width).clamp(0.0, 1.0);
-        let total = |name: &str, level: i64| Step {
+        let total = |name: &str, level: i64| WaterfallStep {
             name: name.to_string(),
             text: written(level),
             kind: "total",
@@ -204,7 +220,7 @@ impl AccountRow {
         };
         let entries = self.balance.entries(causes).into_iter().map(|(_, name, own)| (name, own, "cause"));
         let entries = entries.chain([("unexplained".to_string(), unexplained, "unexplained")]);
-        let step = |((name, own, kind), ends): ((String, i64, &'static str), &[i64])| Step {
+        let step = |((name, own, kind), ends): ((String, i64, &'static str), &[i64])| WaterfallStep {
             name,
             text: added(own),
             kind,
@@ -218,16 +234,17 @@ impl AccountRow {
             .collect()
     }
 
-    /// The table with its notes, for a document or a page.
-    pub fn table(&self) -> (&[Step], &[String]) {
+    /// Returns the table with its notes, for a document or a page.
+    pub fn table(&self) -> (&[WaterfallStep], &[String]) {
         (&self.steps, &self.notes)
     }
 
-    /// The table as lines of text in columns, the note on what is unexplained below.
+    /// Returns the table as lines of text in columns, with the note on the unexplained part below.
     pub fn to_text(&self) -> String {
-        let width = |of: fn(&Step) -> &str| self.steps.iter().map(|step| of(step).chars().count()).max();
+        let width =
+            |of: fn(&WaterfallStep) -> &str| self.steps.iter().map(|step| of(step).chars().count()).max();
         let (name, text) = (width(|step| &step.name).unwrap_or(0), width(|step| &step.text).unwrap_or(0));
-        let row = |step: &Step| format!("{:<name$}  {:>text$}\n", step.name, step.text);
+        let row = |step: &WaterfallStep| format!("{:<name$}  {:>text$}\n", step.name, step.text);
         let rows: String = self.steps.iter().map(row).collect();
         rows + self.notes.first().map_or("", String::as_str)
     }
@@ -265,7 +282,7 @@ mod tests {
             let causes: Vec<f64> = (0..case % 6).map(|_| within(-3.0, 9.0)).collect();
             let calibration = (case % 4 == 0).then(|| within(-2.0, 2.0));
             let own = account(within(1.0, 900.0), calibration, &causes, within(-0.5, 0.5));
-            let shown = Balance::of(&own);
+            let shown = RoundedAccount::of(&own);
             let entries =
                 shown.causes.iter().sum::<i64>() + shown.calibration.unwrap_or(0) + shown.unexplained;
             assert_eq!(shown.simulated + entries, shown.recorded, "{own:?}");
@@ -311,13 +328,8 @@ mod tests {
         assert_eq!(steps[1].bar[1], 1.0, "the highest level is the width");
         assert_eq!((steps[2].bar[1], steps[5].bar[1]), (1.0, steps[4].bar[1]));
         assert!(steps.iter().all(|step| 0.0 <= step.bar[0] && step.bar[0] <= step.bar[1]));
-        assert_eq!(
-            notes,
-            [
-                "Region by region, losses and gains added up, 0.01 s are unexplained.",
-                "The bars begin at 39.00 s."
-            ]
-        );
+        assert_eq!(row.begins_s, 39.0);
+        assert_eq!(notes, ["Unexplained, added up region by region: 0.01 s.", "The bars begin at 39.00 s."]);
         let text = row.to_text();
         assert!(text.starts_with("simulated    40.00 s\nb            +4.00 s\n"), "{text}");
     }

@@ -1,13 +1,14 @@
-//! A diagnosis as one HTML document that stands alone: no scripts, no other files, the charts inline as
-//! SVG. It is well-formed XML but for its first line, and says the same as the page in the same order.
+//! A diagnosis as one self-contained HTML document: no scripts, no other files, the charts inline as SVG. It
+//! is well-formed XML except for its first line, and has the content and order of the page.
 
-use crate::plot::escaped;
+use crate::plot::{Theme, escaped};
 use crate::project::VERSION;
-use crate::project::comparison::lost_label;
-use crate::project::diagnosis::account::{AccountRow, Step};
-use crate::project::diagnosis::{CauseRow, DiagnosisReport, RegionRow, Sides};
+use crate::project::diagnosis::account::{AccountRow, WaterfallStep};
+use crate::project::diagnosis::report::DiagnosisReport;
+use crate::project::diagnosis::rows::{BeforeAfter, CauseRow, RegionRow};
+use crate::project::recording::comparison::lost_label;
 
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1d242c;background:#fff;max-width:1040px;\
+const DIAGNOSIS_STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1d242c;background:#fff;max-width:1040px;\
     margin:24px auto;padding:0 16px}h1{font-size:24px;line-height:1.3}h2{font-size:17px;margin:28px 0 6px}\
     table{border-collapse:collapse}th,td{text-align:left;padding:3px 18px 3px 0;border-bottom:1px solid #dde1e6;\
     vertical-align:top}.account td{vertical-align:middle}.account td:nth-child(2){text-align:right;white-space:nowrap}\
@@ -15,8 +16,9 @@ const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1d242c;backg
     background:#8a949f;print-color-adjust:exact}.bar i.cause{background:#d95f02}.bar i.unexplained{background:#7b3294}figure{margin:12px 0}svg{max-width:100%;height:auto}.small{color:#5b6672;font-size:13px}";
 
 impl DiagnosisReport {
-    /// As an HTML document, with the chart of each recording as SVG.
-    pub fn to_html(&self, charts: &[String]) -> String {
+    /// Returns the HTML document, with the chart of each recording as SVG; the theme is that of charts drawn
+    /// here.
+    pub fn to_html(&self, charts: &[String], theme: &Theme) -> String {
         let names = self.runs.join(", ");
         let mut body = format!("<h1>{}</h1>\n", escaped(&self.sentence));
         body += &format!("<p class=\"small\">Diagnosis of {} by Truefeed {VERSION}.</p>\n", escaped(&names));
@@ -43,31 +45,32 @@ impl DiagnosisReport {
                 [&*change.label, &*change.before, &*change.after, change.unit].map(str::to_string).to_vec()
             })
             .collect();
-        body += &table("What is otherwise in the machine", &["", "Before", "After", ""], &changes);
+        body += &table("Changed in the machine", &["", "Before", "After", ""], &changes);
         let regions: Vec<Vec<String>> = self.regions.iter().map(|region| self.of_region(region)).collect();
         let title = "Where simulation and recording differ";
         body += &table(title, &["Lines", "Distance", "Recorded at", "Lost", "Of"], &regions);
+        body += &self.measured.as_ref().map_or(String::new(), |measured| measured.to_html(theme));
         if !self.not_excited.is_empty() {
             let words: Vec<String> = self.not_excited.iter().map(|id| id.replace('_', " ")).collect();
             body +=
-                &format!("<h2>What this program does not show</h2>\n<p>{}</p>\n", escaped(&words.join(", ")));
+                &format!("<h2>What this program cannot reveal</h2>\n<p>{}</p>\n", escaped(&words.join(", ")));
         }
         for message in &self.messages {
             body += &format!("<p>{}</p>\n", escaped(message));
         }
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><meta name=\"viewport\" \
-             content=\"width=device-width\"/><title>Diagnosis of {}</title><style>{STYLE}</style></head>\n\
+             content=\"width=device-width\"/><title>Diagnosis of {}</title><style>{DIAGNOSIS_STYLE}</style></head>\n\
              <body>\n{body}</body></html>\n",
             escaped(&names)
         )
     }
 
-    /// Before and after, a row each of what is known.
+    /// Returns before and after, a row for each known number.
     fn numbers(&self) -> Vec<Vec<String>> {
-        let row = |name: &str, sides: Sides, unit: &str, decimals: usize| {
+        let row = |name: &str, sides: BeforeAfter, unit: &str, decimals: usize| {
             let number = |value: f64| {
-                // What rounds to nothing has no sign.
+                // A number that rounds to 0 has no sign.
                 let size = 10f64.powi(decimals as i32);
                 format!("{:.decimals$}", (value * size).round() / size + 0.0).replace('-', "−")
             };
@@ -76,9 +79,9 @@ impl DiagnosisReport {
         };
         let fit = &self.fit;
         let rows = [
-            row("Cycle time, simulated less recorded", fit.cycle_time_error_s, "s", 3),
+            row("Cycle time, simulated minus recorded", fit.cycle_time_error_s, "s", 3),
             row("Feed RMSE", fit.feed_rmse_mm_min, "mm/min", 1),
-            row("Feed RMSE where nothing was fitted", fit.held_out.feed_rmse_mm_min, "mm/min", 1),
+            row("Feed RMSE outside the fit", fit.held_out.feed_rmse_mm_min, "mm/min", 1),
             row("Position RMSE", fit.position_rmse_mm, "mm", 4),
         ];
         rows.into_iter().flatten().collect()
@@ -95,11 +98,11 @@ impl DiagnosisReport {
     }
 }
 
-/// The account as a table with a bar a row.
+/// Returns the account as a table with a bar per row.
 fn waterfall(account: &AccountRow) -> String {
     let (steps, notes) = account.table();
-    let row = |step: &Step| {
-        let Step { name, text, kind, bar: [from, to] } = step;
+    let row = |step: &WaterfallStep| {
+        let WaterfallStep { name, text, kind, bar: [from, to] } = step;
         let place = format!("left:{:.2}%;width:{:.2}%", 100.0 * from, 100.0 * (to - from));
         format!(
             "<tr><td>{}</td><td>{text}</td><td class=\"bar\"><i class=\"{kind}\" style=\"{place}\"></i></td></tr>",
@@ -113,8 +116,11 @@ fn waterfall(account: &AccountRow) -> String {
 
 fn of_cause(cause: &CauseRow) -> String {
     let mut text = format!("<h2>{}</h2>\n<p>{}</p>\n", escaped(&cause.name), escaped(&cause.sentence));
-    let mut rows: Vec<Vec<String>> =
-        cause.told.iter().map(|told| vec![told.both().0.to_string(), told.both().1]).collect();
+    let mut rows: Vec<Vec<String>> = cause
+        .told
+        .iter()
+        .map(|told| vec![told.name_and_value().0.to_string(), told.name_and_value().1])
+        .collect();
     let mut row = |name: &str, value: String| rows.push(vec![name.to_string(), value]);
     if !cause.lines.is_empty() {
         let lines: Vec<String> = cause.lines.iter().map(|lines| range(*lines)).collect();
@@ -124,11 +130,11 @@ fn of_cause(cause: &CauseRow) -> String {
         row("How sure", format!("{:.0} %", 100.0 * confidence));
     }
     if let Some([better, worse]) = cause.sections {
-        row("Sections it was not fitted to", format!("better in {better}, worse in {worse}"));
+        row("Sections outside the fit", format!("better in {better}, worse in {worse}"));
     }
     let others: Vec<String> = cause.indistinguishable_from.iter().map(|id| id.replace('_', " ")).collect();
     row(
-        "What else it could be",
+        "Other possible causes",
         if others.is_empty() { "nothing known".to_string() } else { others.join(", ") },
     );
     if !cause.vendors.is_empty() {
@@ -142,7 +148,7 @@ fn range([first, last]: [u32; 2]) -> String {
     if first == last { first.to_string() } else { format!("{first}–{last}") }
 }
 
-/// A table below its title; nothing where there are no rows.
+/// Returns a table below its title; empty without rows.
 fn table(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
@@ -163,11 +169,11 @@ fn rows_of(rows: &[Vec<String>]) -> String {
 mod tests {
     use super::*;
     use crate::identification::diagnosis::diagnose;
-    use crate::identification::fit::{Recorded, Run};
-    use crate::plot::{FeedChart, Theme, svg};
+    use crate::identification::fit::{AlignedRun, Run};
+    use crate::plot::{FeedChart, svg};
     use crate::project::{RunChart, diagnosis_chart, machine_from_toml};
     use crate::simulation::gcode::read;
-    use crate::simulation::toolpath::trace;
+    use crate::simulation::interpreter::trace;
 
     const PROGRAM: &[u8] = include_bytes!("../../../www/samples/standin.nc");
     const RECORDING: &[u8] = include_bytes!("../../../www/samples/standin.csv");
@@ -177,8 +183,8 @@ mod tests {
     fn the_document_is_well_formed_and_says_what_was_found() {
         let machine = machine_from_toml(MACHINE).expect("the sample's machine can be read");
         let toolpath = trace(&read(PROGRAM), &machine);
-        let recorded = Recorded::new(toolpath, RECORDING, &machine).expect("the sample can be compared");
-        let runs: Vec<Run> = vec![recorded.unswitched()];
+        let recorded = AlignedRun::new(toolpath, RECORDING, &machine).expect("the sample can be compared");
+        let runs: Vec<Run> = vec![recorded.run_ignoring_overrides()];
         let diagnosis = diagnose(&machine, &runs, &mut |_| {});
         let name = "a <b> & \"c\".csv".to_string();
         let report = DiagnosisReport::new(&diagnosis, &[name]).beside(&machine);
@@ -188,7 +194,7 @@ mod tests {
         let report = report.drawn_by(&[drawn]);
         assert_eq!(report.messages, messages, "a chart that leaves nothing out says nothing");
         let report = report.drawn_by(&[RunChart { spacing: Some(0.02), chart: FeedChart::default() }]);
-        let html = report.to_html(&[picture]);
+        let html = report.to_html(&[picture], &Theme::LIGHT);
         let (first, rest) = html.split_once('\n').expect("it has lines");
         assert_eq!(first, "<!doctype html>");
         let document = roxmltree::Document::parse(rest).expect("it is well-formed");
@@ -201,9 +207,9 @@ mod tests {
             "simulated after",
             "Time lost",
             "unexplained",
-            "Region by region, losses and gains added up",
+            "Unexplained, added up region by region",
             "a <b> & \"c\".csv",
-            "Chart of a <b> & \"c\".csv: One point every 0.020 s",
+            "Chart of a <b> & \"c\".csv: The program is long, so there is one point every 0.020 s",
         ] {
             assert!(all.contains(words), "{words} is missing");
         }

@@ -1,22 +1,25 @@
-//! What the user reads first: how long the run took, by how much that differs from the simulation, what causes that,
-//! and what is left. The balance of the account in words.
+//! The summary of a diagnosis: the duration of the run, its difference from the simulation, the causes, and
+//! the unexplained part. The balance of the account in words.
 
 use crate::identification::diagnosis::{Diagnosis, Pulsation, Verdict};
 use crate::identification::effects::FEED_HOLD;
-use crate::project::diagnosis::CauseRow;
-use crate::project::diagnosis::account::{Balance, in_seconds, written};
+use crate::project::diagnosis::account::{RoundedAccount, seconds_of, written};
+use crate::project::diagnosis::rows::CauseRow;
 
-/// Lines of halts that are named.
-const LINES: usize = 12;
-/// Causes that are named, the largest first.
-const NAMED: usize = 4;
-/// What is left region by region is said beside its net where it is more by this, hundredths of a second, ...
-const HIDDEN: i64 = 5;
-/// ... and by this factor.
-const TIMES: i64 = 2;
+/// Most lines of halts that are named.
+const MAX_NAMED_LINES: usize = 12;
+/// Most causes that are named, the largest first.
+const MAX_NAMED_CAUSES: usize = 4;
+/// Least excess, in hundredths of a second, of the sum of unexplained regions over their net at which it is
+/// reported ...
+const MIN_CANCELLED_HUNDREDTHS: i64 = 5;
+/// ... and least ratio.
+const MIN_CANCELLED_RATIO: i64 = 2;
+/// Least reported part of the time.
+const MIN_UNEXPLAINED_SHARE: f64 = 2e-3;
 
-/// The diagnosis in a few words.
-pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow], balance: &Balance) -> String {
+/// Returns the diagnosis in a few words.
+pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow], balance: &RoundedAccount) -> String {
     let head = took(balance, diagnosis.accounts.len());
     let said = causes_in_words(causes, balance);
     let named = |end: String| match &said[..] {
@@ -28,64 +31,77 @@ pub fn sentence(diagnosis: &Diagnosis, causes: &[CauseRow], balance: &Balance) -
         (first, last) if first == last => format!(", most of it in line {first}"),
         (first, last) => format!(", most of it in lines {first} to {last}"),
     });
-    let whole = in_seconds(balance.recorded.max(1));
+    let whole = seconds_of(balance.recorded.max(1));
     if let Some(pulsation) = diagnosis.pulsation {
         return format!("{} {}", named(left), of_pace(pulsation));
     }
     match diagnosis.verdict {
+        Verdict::NothingMissing if let Some(off) = diagnosis.elsewhere.filter(|_| is_much(balance)) => {
+            named(format!(
+                "that is within the {:.1} % by which the machine file may be off on a program that it was not calibrated on",
+                100.0 * off
+            ))
+        }
         Verdict::NothingMissing => named(match hidden(balance) {
-            true => format!("nothing is missing as far as this recording shows; {left}"),
-            false => "nothing is missing as far as this recording shows".to_string(),
+            true => format!("this recording shows nothing missing; {left}"),
+            false => "this recording shows nothing missing".to_string(),
         }),
         Verdict::Unknown if diagnosis.is_of_form => format!(
-            "{head}, but the path differs by {:.1} µm in the mean, more than noise, and nothing known explains it.",
+            "{head}, but the path differs by {:.1} µm on average, more than noise, and no known cause explains it.",
             1e3 * diagnosis.form.map_or(0.0, |(_, after)| after)
         ),
         Verdict::Unknown if causes.is_empty() => {
-            named(format!("{left}, and nothing known explains it{place}"))
+            named(format!("{left}, and no known cause explains them{place}"))
         }
         Verdict::Unknown => named(format!(
-            "that is not all: {left}, {:.1} % of the time, and nothing known explains it{place}",
-            100.0 * in_seconds(balance.unexplained_sum) / whole
+            "that is not all: {left}, {:.1} % of the time, and no known cause explains them{place}",
+            100.0 * seconds_of(balance.unexplained_sum) / whole
         )),
         Verdict::Explained | Verdict::Ambiguous => named(left),
     }
 }
 
-/// How long a number of runs took, beside the simulation.
-fn took(balance: &Balance, runs: usize) -> String {
+/// Returns the duration of the runs beside the simulation.
+fn took(balance: &RoundedAccount, runs: usize) -> String {
     let who = if runs == 1 { "The run took".to_string() } else { format!("The {runs} runs together took") };
     let longer = balance.recorded - balance.simulated;
-    let size = in_seconds(longer.abs());
+    let size = seconds_of(longer.abs());
     let size = if size < 1.0 { format!("{size:.2}") } else { format!("{size:.1}") };
     let beside = match longer {
         0 => "as long as simulated".to_string(),
         1.. => format!("{size} s longer than simulated"),
         _ => format!("{size} s shorter than simulated"),
     };
-    format!("{who} {:.1} s, {beside}", in_seconds(balance.recorded))
+    format!("{who} {:.1} s, {beside}", seconds_of(balance.recorded))
 }
 
-/// Whether much of what is left cancels.
-fn hidden(balance: &Balance) -> bool {
+/// Returns `true` if more is unexplained than a prediction may be off by.
+fn is_much(balance: &RoundedAccount) -> bool {
+    MIN_UNEXPLAINED_SHARE * seconds_of(balance.recorded) < seconds_of(balance.unexplained_sum)
+}
+
+/// Returns `true` if much of the unexplained time cancels.
+fn hidden(balance: &RoundedAccount) -> bool {
     let net = balance.unexplained.abs();
-    net + HIDDEN <= balance.unexplained_sum && TIMES * net <= balance.unexplained_sum
+    net + MIN_CANCELLED_HUNDREDTHS <= balance.unexplained_sum
+        && MIN_CANCELLED_RATIO * net <= balance.unexplained_sum
 }
 
-/// What is left.
-fn left(balance: &Balance) -> String {
+/// Describes the unexplained part.
+fn left(balance: &RoundedAccount) -> String {
     let net = written(balance.unexplained);
     match (hidden(balance), balance.unexplained) {
         (true, _) => {
-            format!("{net} are left, {} if losses and gains are added up", written(balance.unexplained_sum))
+            let sum = written(balance.unexplained_sum);
+            format!("{net} remain, of {sum} of losses and gains that partly cancel")
         }
-        (false, 0) => "nothing is left".to_string(),
-        (false, _) => format!("{net} are left"),
+        (false, 0) => "fully explained".to_string(),
+        (false, _) => format!("{net} remain"),
     }
 }
 
-/// The causes with what each adds, the largest first; several holds are one.
-fn causes_in_words(causes: &[CauseRow], balance: &Balance) -> String {
+/// Returns the causes with their times, the largest first; several halts are one.
+fn causes_in_words(causes: &[CauseRow], balance: &RoundedAccount) -> String {
     let is_hold = |cause: &&CauseRow| cause.effect == FEED_HOLD;
     let holds: Vec<&CauseRow> = causes.iter().filter(is_hold).collect();
     let mut said: Vec<(i64, String)> = Vec::new();
@@ -105,28 +121,27 @@ fn causes_in_words(causes: &[CauseRow], balance: &Balance) -> String {
         0 => clause.clone(),
         _ => format!("{clause} ({})", written(*hundredths)),
     };
-    let mut clauses: Vec<String> = said.iter().take(NAMED).map(clause).collect();
-    if NAMED < said.len() {
-        let others = said[NAMED..].iter().map(|(hundredths, _)| hundredths).sum();
-        clauses.push(format!("and {} more ({})", said.len() - NAMED, written(others)));
+    let mut clauses: Vec<String> = said.iter().take(MAX_NAMED_CAUSES).map(clause).collect();
+    if MAX_NAMED_CAUSES < said.len() {
+        let others = said[MAX_NAMED_CAUSES..].iter().map(|(hundredths, _)| hundredths).sum();
+        clauses.push(format!("and {} more ({})", said.len() - MAX_NAMED_CAUSES, written(others)));
     }
     clauses.join("; ")
 }
 
-/// Several halts as one clause.
+/// Returns several halts as one clause.
 fn of_holds(holds: &[&CauseRow]) -> String {
     let mut lines: Vec<u64> = holds.iter().filter_map(|cause| cause.parameters["line"].as_u64()).collect();
     lines.sort_unstable();
-    let named = lines.iter().take(LINES).map(u64::to_string).collect::<Vec<String>>().join(", ");
-    let more = if LINES < lines.len() { " and others" } else { "" };
+    let named = lines.iter().take(MAX_NAMED_LINES).map(u64::to_string).collect::<Vec<String>>().join(", ");
+    let more = if MAX_NAMED_LINES < lines.len() { " and others" } else { "" };
     format!("the operator held the feed {} times, in lines {named}{more}", holds.len())
 }
 
-/// A pace that rises and falls.
+/// Describes a periodic pulsation of the feedrate.
 fn of_pace(Pulsation { frequency, depth }: Pulsation) -> String {
     format!(
-        "The feedrate rises and falls {frequency:.1} times a second by {:.1} %, with the clock and not with the \
-         program, as under adaptive control or a load that swings: no setting of the machine does.",
+        "The feedrate oscillates {frequency:.1} times a second by {:.1} %, with time and not with the program, as under adaptive control or an oscillating load: no setting of the machine causes that.",
         100.0 * depth
     )
 }

@@ -1,0 +1,180 @@
+//! The boundary to JavaScript: one job that simulates, one chart that draws, one set of runs that calibrates and
+//! diagnoses.
+//!
+//! The worker holds a [`Job`] and answers with summaries and columns; the page holds a [`Chart`] and forwards
+//! pixels. Input is JSON text, which refuses unknown fields, and numbers; output is the types of [`project`]:
+//! results as objects, and columns as typed arrays with a buffer each, so that they can be transferred.
+//! JavaScript does no arithmetic of units or scales.
+//!
+//! Two modules are built from it: the whole, and with `--cfg first_visit` the part that the first chart
+//! needs. The page requests everything else from the whole module, which it fetches meanwhile.
+
+#![deny(clippy::unwrap_used)]
+
+mod canvas;
+mod chart;
+#[cfg(not(first_visit))]
+mod cutting;
+#[cfg(not(first_visit))]
+mod diagnosis;
+#[cfg(not(first_visit))]
+mod documents;
+mod job;
+#[cfg(not(first_visit))]
+mod jobs;
+#[cfg(not(first_visit))]
+mod law;
+#[cfg(not(first_visit))]
+mod path_lines;
+#[cfg(not(first_visit))]
+mod offer;
+mod overview;
+#[cfg(not(first_visit))]
+mod pairing;
+#[cfg(not(first_visit))]
+mod path;
+#[cfg(not(first_visit))]
+mod embedded_quote;
+#[cfg(not(first_visit))]
+mod recordings;
+#[cfg(not(first_visit))]
+mod revisions;
+#[cfg(not(first_visit))]
+mod chart_table;
+mod terms;
+mod text;
+mod theme;
+#[cfg(not(first_visit))]
+mod tolerances;
+#[cfg(not(first_visit))]
+mod program_path;
+
+use wasm_bindgen::prelude::*;
+
+use crate::identification::recording;
+use crate::machine::{Machine, USUAL_TOLERANCES_MM, deviation_label, tolerance_from_text, tolerance_label};
+use crate::plot::PALETTE_SIZE;
+use crate::project::{self, FileKind, faults_to_json, machine_from_form, motion_of_machine};
+use crate::quote;
+use crate::simulation::gcode::Options;
+use crate::simulation::interpreter;
+use crate::simulation::toolpath::Toolpath;
+
+/// Returns the path of a program on a machine.
+#[cfg(not(first_visit))]
+fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Toolpath> {
+    Some(interpreter::trace_text(program, options, machine))
+}
+
+/// Returns the path of a program of plain words without jumps, as most are; `None` for programs that jump,
+/// call or compute, for Siemens' and Heidenhain's, and for splines, which need the whole module.
+#[cfg(first_visit)]
+fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Toolpath> {
+    interpreter::trace_plain(&program, options, machine, interpreter::LINES_OF_A_PART)
+}
+
+/// Makes panics readable in the console.
+#[wasm_bindgen(start)]
+pub fn start() {
+    console_error_panic_hook::set_once();
+}
+
+/// Returns the machine form as JSON: all parameters and presets.
+#[wasm_bindgen]
+pub fn form() -> String {
+    project::form()
+}
+
+/// Returns the dialects as JSON: a list of keyword and name.
+#[wasm_bindgen]
+pub fn dialects() -> String {
+    project::dialects()
+}
+
+/// Returns the possible references of I, J and K of arcs as JSON: a list of keyword and name.
+#[wasm_bindgen(js_name = arcCenters)]
+pub fn arc_centers() -> String {
+    project::arc_centers()
+}
+
+/// Returns the faults of a machine form as JSON: a list of key and message.
+#[wasm_bindgen]
+pub fn faults(machine: &str) -> String {
+    faults_to_json(&machine_from_form(machine).err().unwrap_or_default())
+}
+
+/// Returns a filled machine form after an edit of one field, all as JSON; undefined if it is no JSON.
+#[wasm_bindgen]
+pub fn edited(machine: &str, key: &str, value: &str) -> Option<String> {
+    project::edited(machine, key, value)
+}
+
+/// Returns all parameters that the simulation reads from the machine of a filled form as text for comparison;
+/// undefined if the form has faults.
+#[wasm_bindgen(js_name = motionOf)]
+pub fn motion_of(machine: &str) -> Option<String> {
+    machine_from_form(machine).ok().map(|machine| motion_of_machine(&machine))
+}
+
+/// Returns the price of a cycle time (s) on the machine of a filled form; undefined if the form has faults.
+#[wasm_bindgen]
+pub fn price(machine: &str, cycle_time: f64) -> Option<f64> {
+    machine_from_form(machine).ok().map(|machine| quote::price(cycle_time, &machine))
+}
+
+/// Returns the default tolerances, mm.
+#[wasm_bindgen(js_name = usualTolerances)]
+pub fn usual_tolerances() -> Vec<f64> {
+    USUAL_TOLERANCES_MM.to_vec()
+}
+
+/// Returns the tolerance (mm) that a text names; throws the reason as a string if it names none.
+#[wasm_bindgen(js_name = toleranceFromText)]
+pub fn tolerance_from(text: &str) -> Result<f64, String> {
+    tolerance_from_text(text).map_err(|error| error.to_string())
+}
+
+/// Formats a tolerance (mm).
+#[wasm_bindgen(js_name = toleranceLabel)]
+pub fn label_of_tolerance(tolerance: f64) -> String {
+    tolerance_label(tolerance)
+}
+
+/// Formats a distance from the path (mm).
+#[wasm_bindgen(js_name = deviationLabel)]
+pub fn label_of_deviation(deviation: f64) -> String {
+    deviation_label(deviation)
+}
+
+/// Formats a time lost (s).
+#[wasm_bindgen(js_name = lostLabel)]
+pub fn label_of_lost(seconds: f64) -> String {
+    project::lost_label(seconds)
+}
+
+/// Returns the kind of a file by its beginning: `program`, `recording`, `settings`, `job`, `archive`, or the
+/// name of a format that cannot be used.
+#[wasm_bindgen(js_name = fileKind)]
+pub fn file_kind(head: &[u8]) -> String {
+    let kind = match project::file_kind(head) {
+        FileKind::Program => "program",
+        FileKind::Recording => "recording",
+        FileKind::Settings => "settings",
+        FileKind::Job => "job",
+        FileKind::Archive => "archive",
+        FileKind::Other(name) => name,
+    };
+    kind.to_string()
+}
+
+/// Returns the number of bytes that determine the kind of a file.
+#[wasm_bindgen(js_name = sniffedBytes)]
+pub fn sniffed_bytes() -> usize {
+    recording::SNIFFED_BYTES
+}
+
+/// Returns the number of curves that one chart distinguishes by colour.
+#[wasm_bindgen(js_name = mostCurves)]
+pub fn most_curves() -> usize {
+    PALETTE_SIZE
+}
