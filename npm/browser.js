@@ -1,7 +1,7 @@
 // The package in a browser: quotes in a worker, one after the other.
 
 import { Ended, Engine } from '../www/engine.js'
-import { wholeModule } from '../www/embed/module.js'
+import { wholeModule } from '../www/module.js'
 import { QuoteError, bytesOf, refused, requestOf } from '../www/embed/request.js'
 
 export { QuoteError }

@@ -14,6 +14,8 @@ export interface QuoteElementEvents {
 export class QuoteElement extends HTMLElement {
   /** The program; set, it takes the place of `program-src`. */
   program: Program | null
+  /** Several programs that make a part together; set, they take the place of `program`. */
+  programs: { name: string; program: Program }[]
   /** What the program is called. */
   name: string
   machine: Machine | null
@@ -21,6 +23,8 @@ export class QuoteElement extends HTMLElement {
   dialect: Dialect | null
   /** The quote in sight, or none. */
   readonly quote: Quote | null
+  /** The quotes of all programs, in their order. */
+  readonly quotes: Quote[]
   /** Computes now what is set; resolves with the quote, rejects with a `QuoteError`. */
   compute(): Promise<Quote>
   /** Ends a computation. */

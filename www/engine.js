@@ -4,7 +4,7 @@
 // worker that dies at work is replaced, and the work begun again, once: what kills a second one is in the work.
 
 /** @import { StageName } from "./texts.js" */
-/** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, Steps, Run, Trail } from "./types.js" */
+/** @import { CalibrationReport, DiagnosedRun, DiagnosisReport, Column, ComparisonReport, CutResult, Held, MatchedColumns, ProgramSummary, Refusal, RevisionsReport, Steps, Run, Trail } from "./types.js" */
 
 /**
  * @typedef {object} SimulateRequest
@@ -17,11 +17,13 @@
  */
 
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, recording: Uint8Array}} CompareRequest */
+/** Both revisions, the earlier first. @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, tolerance: Column}[]} ReviseRequest */
 /** @typedef {{machine: string, runs: {name: string, program: Blob | Uint8Array, dialect: string | null, recording: Uint8Array}[]}} CalibrateRequest */
+/** @typedef {{machine: string, programs: {program: Blob | Uint8Array, dialect: string | null}[], recording: {name: string, bytes: Uint8Array}}} PairRequest */
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, tolerance: Column, job: string}} CutRequest */
 /** @typedef {{program: Blob | Uint8Array, dialect: string | null, machines: string[]}} TimesRequest */
 /** @typedef {{program: Blob | Uint8Array, machine: string, dialect: string | null, columns: Column[]}} TimesOverRequest */
-/** @typedef {{program: Blob | Uint8Array, request: string}} QuoteRequest  the request as JSON */
+/** @typedef {{program: Blob | Uint8Array, request: string, picture?: number[] | null}} QuoteRequest  the request as JSON; `picture`: width and height of one of the path, CSS pixels */
 /** @typedef {(stage: StageName, part: number, name?: string) => void} Stage */
 
 /**
@@ -31,10 +33,10 @@
  * @property {(column: Column, run: Run) => void} run
  */
 
-/** @import { Compiled } from "./embed/module.js" */
+/** @import { Compiled } from "./module.js" */
 
 /** What the module of the first visit leaves out: what reads a recording, a cutting job or the request of another page. */
-const LATER = new Set(['compare', 'calibrate', 'diagnose', 'cycleTimes', 'cut', 'quote'])
+const LATER = new Set(['pair', 'compare', 'revise', 'calibrate', 'diagnose', 'cycleTimes', 'cut', 'quote'])
 
 /** A program of this size is sooner computed when the whole module, which is quicker, has come, and by several workers. */
 export const LARGE_BYTES = 1_500_000
@@ -103,6 +105,16 @@ export class Engine {
     return this.#result('compare', request, stage)
   }
 
+  /** Finds the programs that a recording can be of, by their places. @param {PairRequest} request @param {Stage} stage @returns {Promise<{found: number[]}>} */
+  pair(request, stage) {
+    return this.#result('pair', request, stage)
+  }
+
+  /** Says where two revisions of a program differ. @param {ReviseRequest} request @param {Stage} stage @returns {Promise<{report: RevisionsReport, columns: {distance: Float64Array, later: Float64Array}}>} */
+  revise(request, stage) {
+    return this.#result('revise', request, stage)
+  }
+
   /**
    * Calibrates a machine; undefined where no run can be compared.
    * @param {CalibrateRequest} request
@@ -142,7 +154,7 @@ export class Engine {
    * Quotes a program, or says why the request is refused.
    * @param {QuoteRequest} request
    * @param {Stage} stage
-   * @returns {Promise<{quote?: import("../npm/index.d.ts").Quote, refusal?: import("../npm/index.d.ts").Refusal, labels: string[]}>}
+   * @returns {Promise<{quote?: import("../npm/index.d.ts").Quote, refusal?: import("../npm/index.d.ts").Refusal, labels: string[], picture?: string}>}
    */
   quote(request, stage) {
     return this.#result('quote', request, stage)
@@ -186,20 +198,28 @@ export class Engine {
 
   /** @param {string} verb @param {object} request @param {(data: any) => void} hear */
   async #attempt(verb, request, hear) {
-    this.#worker ??= this.start()
+    this.#worker ??= this.#started()
     const worker = this.#worker
     await new Promise((resolve, reject) => {
       this.#reject = reject
-      worker.onerror = (event) => this.#end('died', event.message ?? '')
       worker.onmessage = ({ data }) => {
         if (data.type === 'failure') this.#end(data.left ? 'left' : data.bug ? 'died' : 'failed', data.message)
         else if (data.type === 'done') {
+          // Who hears of a request holds what it gave: nobody does once it is done.
+          worker.onmessage = null
           this.#settle()
           resolve(undefined)
         } else hear(data)
       }
-      worker.postMessage({ ...this.#module, verb, request })
+      worker.postMessage({ ...this.#module, language: navigator.language, verb, request })
     })
+  }
+
+  /** A worker whose death is noticed, whatever it does. */
+  #started() {
+    const worker = this.start()
+    worker.onerror = (event) => this.#end('died', event.message ?? '')
+    return worker
   }
 
   /** Gets the whole module, which ends a worker that holds a part of it. Cancelling ends the wait, not the download. */
@@ -238,8 +258,8 @@ export class Engine {
   /** Makes a worker ready for the next request. */
   warm() {
     if (this.#worker) return
-    this.#worker = this.start()
-    this.#worker.postMessage(this.#module)
+    this.#worker = this.#started()
+    this.#worker.postMessage({ ...this.#module, language: navigator.language })
   }
 
   /** Computes with another module from the next request on. @param {Compiled} module */

@@ -28,8 +28,10 @@ export function field(prefix, parameter, changed) {
   const id = idOf(prefix, key)
   const control =
     kind === 'choice'
-      ? make('select', { id }, ...words.map((word) => make('option', { value: word }, worded(word))))
-      : make('input', { id })
+      ? make('select', { id }, ...words.map((word) => make('option', { value: word }, titleOf(word))))
+      : kind === 'lines'
+        ? make('textarea', { id, rows: 3 })
+        : make('input', { id })
   if (control instanceof HTMLInputElement) {
     control.type = kind === 'flag' ? 'checkbox' : 'text'
     if (kind === 'number') control.inputMode = 'decimal'
@@ -78,11 +80,17 @@ export function field(prefix, parameter, changed) {
   }
 }
 
-/** The value in a control; null where it is empty. @param {Parameter["kind"]} kind @param {HTMLInputElement | HTMLSelectElement} control @returns {Value} */
+/** Choices whose word says little. @type {Record<string, string>} */
+const CHOICES = { paper: say.choices.paper, guaranteed: say.choices.guaranteed }
+
+/** What a choice is called. @param {string} word */
+const titleOf = (word) => CHOICES[word] ?? worded(word)
+
+/** The value in a control; null where it is empty. @param {Parameter["kind"]} kind @param {HTMLInputElement | HTMLSelectElement | HTMLTextAreaElement} control @returns {Value} */
 function typed(kind, control) {
   const written = control.value.trim()
   if (kind === 'flag') return /** @type {HTMLInputElement} */ (control).checked
-  if (kind === 'text' || kind === 'choice') return written
+  if (kind === 'text' || kind === 'lines' || kind === 'choice') return written
   if (written === '') return null
   if (kind === 'number') return numberOr(written)
   if (kind === 'list') return /** @type {number[]} */ (written.split(/[;\s]+|,\s+/).filter(Boolean).map(numberOr))

@@ -5,7 +5,7 @@
 // tab sees them: a duplicated tab has the session of its original, finds the name locked and goes on with a copy. What a closed tab left behind is deleted when a program is next computed after a day: nothing tells a tab that
 // is closed from one that the browser will bring back.
 
-/** @import { Before, Calibration, DiagnosedColumns, Diagnosis, State } from "./types.js" */
+/** @import { Before, Calibration, DiagnosedColumns, Diagnosis, State, Values } from "./types.js" */
 
 const KEY = 'truefeed.tab'
 export const STORE = 'tabs'
@@ -13,11 +13,11 @@ export const STORE = 'tabs'
 /** More is not kept, bytes: the browser's room is the user's. */
 const MOST = 1_000_000_000
 
-/** @typedef {{id: number, name: string, file: Blob, dialect: string | null}} KeptProgram */
+/** @typedef {import("./state/history.js").GivenProgram} KeptProgram */
 /** @typedef {{id: number, name: string, bytes: Uint8Array, program: number | null, used: boolean}} KeptRecording */
 /** Its programs by their numbers. @typedef {Omit<Diagnosis, 'runs'> & {runs: {name: string, program: number, columns: DiagnosedColumns}[]}} KeptDiagnosis */
 /** What was found, and what it took the place of. @typedef {{calibration: Calibration | null, diagnosis: KeptDiagnosis | null, sample: Before | null}} Found */
-/** @typedef {{saved: number, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null} & Found} Kept */
+/** @typedef {{saved: number, job: string, fixture: number | null, letter: Values, programs: KeptProgram[], recordings: KeptRecording[], selected: number | null, recording: number | null} & Found} Kept */
 
 /** @returns {Promise<IDBDatabase>} */
 export function open() {
@@ -61,7 +61,7 @@ let named
 export const tab = () => (named ??= nameTab())
 
 /** @returns {Kept} */
-const nothing = () => ({ saved: 0, programs: [], recordings: [], selected: null, recording: null, calibration: null, diagnosis: null, sample: null })
+const nothing = () => ({ saved: 0, job: '', fixture: null, letter: {}, programs: [], recordings: [], selected: null, recording: null, calibration: null, diagnosis: null, sample: null })
 
 /** What this tab had open; nothing where the browser keeps nothing, or takes too long. @returns {Promise<Kept>} */
 export async function loadOpen() {
@@ -81,13 +81,18 @@ let saving = Promise.resolve()
 
 /** Keeps what is open, after what is being kept already. @param {State} state */
 export function saveOpen(state) {
-  const programs = state.programs.map(({ id, name, file, dialect }) => ({ id, name, file, dialect }))
-  const recordings = state.recordings.map(({ id, name, bytes, program, used }) => ({ id, name, bytes, program, used }))
-  const { selected, recording, calibration, sample } = state
+  const programs = state.programs.map(({ id, name, file, dialect, title, machine, tolerance, setUp, loading }) => {
+    const own = machine && { start: machine.start, values: machine.values }
+    return { id, name, file, dialect, title, machine: own, tolerance, setUp, loading }
+  })
+  // What is compared already need not be found again.
+  const recordings = state.recordings.map(({ id, name, bytes, chosen, program, match, used }) => ({ id, name, bytes, program: match?.report ? program : chosen, used }))
+  const { selected, recording, calibration, sample, job, fixture, letter } = state
   const found = [calibration, state.diagnosis, sample]
   const diagnosis = state.diagnosis && { ...state.diagnosis, runs: state.diagnosis.runs.map((run) => ({ ...run, program: run.program.id })) }
   const standing = JSON.stringify([
-    programs.map(({ id, dialect }) => [id, dialect]),
+    programs.map(({ file, ...own }) => own),
+    [job, fixture, letter],
     recordings.map(({ id, program, used }) => [id, program, used]),
     selected,
     recording,
@@ -97,7 +102,7 @@ export function saveOpen(state) {
   lastFound = found
   const size = programs.reduce((sum, { file }) => sum + file.size, 0) + recordings.reduce((sum, { bytes }) => sum + bytes.length, 0)
   const files = size <= MOST ? { programs, recordings } : { programs: [], recordings: [] }
-  saving = saving.then(() => put({ saved: Date.now(), ...files, selected, recording, calibration, diagnosis, sample }))
+  saving = saving.then(() => put({ saved: Date.now(), job, fixture, letter, ...files, selected, recording, calibration, diagnosis, sample }))
 }
 
 /** @param {Kept} kept */

@@ -95,7 +95,14 @@ export function mountListing(root, { chosen, pointed }) {
     select(Math.min(Math.max(to[event.key], 1), count))
     show(selected)
   })
-  new ResizeObserver(redraw).observe(root)
+  let wasHidden = true
+  new ResizeObserver(() => {
+    const isHidden = root.clientHeight === 0
+    // What was chosen while it was hidden is to be seen first.
+    if (wasHidden && !isHidden && selected > 0) show(selected)
+    else redraw()
+    wasHidden = isHidden
+  }).observe(root)
 
   /** @param {number} line */
   function select(line) {

@@ -37,9 +37,8 @@ export const keptMachine = (values) => ({
   kept: true,
 })
 
-/** Keeps those that are kept, and those of other tabs. @param {Preset[]} presets */
-export function saveMachines(presets) {
-  const ours = presets.filter(({ kept, removed }) => kept && !removed)
+/** Keeps these, and those of other tabs. @param {readonly Preset[]} ours */
+export function saveMachines(ours) {
   ours.forEach(({ name }) => own.add(name))
   const others = kept().filter(({ name }) => !own.has(name))
   const all = [...ours, ...others].map(({ values }) => values)
@@ -50,9 +49,9 @@ export function saveMachines(presets) {
   }
 }
 
-/** A name that none of these has yet, machines, programs or recordings. @param {string} name @param {{name: string, removed?: boolean}[]} others */
+/** A name that none of these has yet, machines, programs or recordings. @param {string} name @param {readonly {name: string}[]} others */
 export function freeName(name, others) {
-  const isFree = (/** @type {string} */ other) => !others.some(({ name, removed }) => !removed && name === other)
+  const isFree = (/** @type {string} */ other) => !others.some(({ name }) => name === other)
   const stem = name.replace(/ \(\d+\)$/, '')
   let free = name
   for (let number = 2; !isFree(free); number += 1) free = `${stem} (${number})`

@@ -4,19 +4,24 @@
 import { find, make } from './dom.js'
 import { sheetOf, whenStill } from './drawing.js'
 import { offerPictures } from './pictures.js'
+import { surround } from './plot_around.js'
+import { byPointer, pixelOf } from './plot_pointer.js'
+import { offerShortcuts } from './shortcuts.js'
 import { say } from './texts.js'
+import { zoomByWheel } from './wheel.js'
 import { whole } from './whole.js'
 
-/** @import { Place } from "./types.js" */
-/** @import { Chart, Pointer } from "./pkg/truefeed.js" */
+/** @import { Operation, Place } from "./types.js" */
+/** @import { Pointer } from "./pkg/truefeed.js" */
 /** @import { Chart as WholeChart } from "./pkg/truefeed_whole.js" */
 
 /** A chart of either module. @typedef {Chart | WholeChart} Filled */
+/** @typedef {import("./pkg/truefeed.js").Chart} Chart */
 
-const WHEEL = 1.0015
 const ZOOM = 1.6
 const STEP = 0.2
-const CLICK_PX = 4
+/** Between the read-out and the corner that it stands in, pixels. */
+const GAP_PX = 8
 
 /**
  * @typedef {object} Plot
@@ -85,9 +90,10 @@ export function join(plot) {
  * @param {(pointer: Pointer) => Node[]} content.words  what the read-out says
  * @param {(chart: Filled) => void} content.fill  puts into a new chart what this one shows
  * @param {(pointer: Pointer) => void} [content.chosen]  a place was clicked on
+ * @param {() => Operation[]} [content.operations]  of the program, in order
  * @returns {Plot}
  */
-export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
+export function mountPlot(root, chart, { isShown, words, fill, chosen, operations = () => [] }) {
   const plot = find(root, '.plot')
   const canvas = /** @type {HTMLCanvasElement} */ (find(root, 'canvas'))
   const cross = find(root, '.cross')
@@ -103,15 +109,19 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     const { Chart } = await whole()
     const twin = new Chart()
     fill(twin)
+    around.hideIn(twin)
     twin.setView(chart.view())
     const answer = ask(twin)
     twin.free()
     return answer
   }
+  offerShortcuts(find(root, '.tools'), plot, say.charts.keys)
   offerPictures(find(root, '.tools'), root.id || 'chart', title, () => inSight((twin) => twin.svgInSight(sheet.width, sheet.height)))
 
+  const around = surround(plot, chart, { isShown, operations, changed: () => redraw(), moved: () => moved() })
+
   const behind = make('details', { className: 'behind' }, make('summary', {}, say.charts.asTable))
-  plot.after(behind)
+  find(root, '.overview').after(behind)
   behind.addEventListener('toggle', tabulate)
   /** Puts what is in sight into the table, where that is open. */
   async function tabulate() {
@@ -130,6 +140,7 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     chart.setDark(dark.matches)
     chart.draw(canvas, sheet.width, sheet.height, sheet.ratio())
     plot.dataset.span = chart.span().join(' ')
+    around.drawn()
     if (Number.isFinite(readAt)) show(chart.reading(readAt), isPassive)
     whenStill(tabulate)
   })
@@ -188,111 +199,22 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     verbs[verb]()
     moved()
   })
-  plot.addEventListener(
-    'wheel',
-    (event) => {
-      if (!isShown()) return
-      event.preventDefault()
-      chart.zoom(WHEEL ** -event.deltaY, pixel(event).x)
-      moved()
-    },
-    { passive: false },
-  )
+  zoomByWheel(plot, isShown, (factor, event) => {
+    chart.zoom(factor, pixelOf(plot, event).x)
+    moved()
+  })
   plot.addEventListener('dblclick', () => {
     chart.reset()
     moved()
   })
-  /** Where each finger is. @type {Map<number, {x: number, y: number}>} */
-  const fingers = new Map()
-  let isPinched = false
-  plot.addEventListener('pointerdown', (event) => {
-    if (!isShown() || event.button !== 0) return
-    if (event.pointerType === 'touch') fingers.set(event.pointerId, pixel(event))
-    isPinched = fingers.size > 1
-    if (isPinched) plot.setPointerCapture(event.pointerId)
-    else drag(event)
-  })
-  plot.addEventListener('pointermove', (event) => {
-    if (event.buttons === 0) return isShown() && read(pixel(event).x)
-    const own = fingers.get(event.pointerId)
-    const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1]
-    if (!own || !other) return
-    const now = pixel(event)
-    const apart = (/** @type {{x: number, y: number}} */ { x, y }) => Math.max(Math.hypot(x - other.x, y - other.y), 1)
-    chart.pan((now.x - own.x) / 2, 0)
-    chart.zoom(apart(now) / apart(own), (now.x + other.x) / 2)
-    fingers.set(event.pointerId, now)
-    moved()
-  })
-  for (const end of ['pointerup', 'pointercancel'])
-    plot.addEventListener(end, (event) => fingers.delete(/** @type {PointerEvent} */ (event).pointerId))
+  byPointer(plot, chart, { isShown, read, leave, moved, chosen: (x) => choose(chart.at(x)) })
   plot.addEventListener('pointerleave', (event) => event.pointerType !== 'touch' && leave())
   plot.addEventListener('blur', leave)
-  dark.addEventListener('change', redraw)
-
-  /** @param {MouseEvent} event */
-  function pixel(event) {
-    const { left, top } = plot.getBoundingClientRect()
-    return { x: event.clientX - left - plot.clientLeft, y: event.clientY - top - plot.clientTop }
-  }
-
-  /** Draws a box to zoom to; with Shift, or on an axis, moves the picture. A touch moves it as well. @param {PointerEvent} start */
-  function drag(start) {
-    const from = pixel(start)
-    const [left, right, top, bottom, , lowest] = chart.area()
-    const onAxis = from.x < left || from.y > lowest
-    const isBelow = from.y > bottom
-    const moves = start.shiftKey || onAxis || start.pointerType === 'touch'
-    let last = from
-    plot.setPointerCapture(start.pointerId)
-    leave()
-    const clamp = ({ x = 0, y = 0 }) => ({
-      x: Math.min(Math.max(x, left), right),
-      y: Math.min(Math.max(y, top), bottom),
-    })
-
-    /** A flat box, or one among the contour errors, is meant as a stretch of the path. */
-    const flat = () => isBelow || Math.abs(last.y - from.y) < 3 * CLICK_PX
-
-    const move = (/** @type {PointerEvent} */ event) => {
-      if (event.pointerId !== start.pointerId) return
-      const to = pixel(event)
-      if (moves) {
-        if (fingers.size < 2) {
-          chart.pan(to.x - last.x, isBelow ? 0 : to.y - last.y)
-          moved()
-        }
-        last = to
-        return
-      }
-      last = clamp(to)
-      const [y0, y1] = flat() ? [top, lowest] : [from.y, last.y]
-      box.hidden = false
-      Object.assign(box.style, {
-        left: `${Math.min(from.x, last.x)}px`,
-        top: `${Math.min(y0, y1)}px`,
-        width: `${Math.abs(last.x - from.x)}px`,
-        height: `${Math.abs(y1 - y0)}px`,
-      })
-    }
-    const end = (/** @type {PointerEvent} */ event) => {
-      if (event.pointerId !== start.pointerId) return
-      plot.removeEventListener('pointermove', move)
-      plot.removeEventListener('pointerup', end)
-      plot.removeEventListener('pointercancel', end)
-      box.hidden = true
-      const isClick = Math.abs(last.x - from.x) < CLICK_PX && event.type !== 'pointercancel' && !isPinched
-      if (isClick && !start.shiftKey && left <= from.x && from.x <= right) choose(chart.at(from.x))
-      if (start.pointerType === 'touch' && isClick) return read(from.x)
-      if (moves || event.type === 'pointercancel' || isClick) return
-      const [y0, y1] = flat() ? [top, bottom] : [from.y, last.y]
-      chart.zoomTo(from.x, y0, last.x, y1)
-      moved()
-    }
-    plot.addEventListener('pointermove', move)
-    plot.addEventListener('pointerup', end)
-    plot.addEventListener('pointercancel', end)
-  }
+  dark.addEventListener('change', () => {
+    chart.setDark(dark.matches)
+    redraw()
+    around.redraw()
+  })
 
   /** @param {number} x */
   function read(x) {
@@ -339,7 +261,7 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     cross.hidden = false
     Object.assign(cross.style, { left: `${pointer.x}px`, top: `${top}px`, height: `${lowest - top}px` })
     cross.replaceChildren(
-      ...pointer.curves.map(({ y }, index) => {
+      ...pointer.curves.map(({ y, index }) => {
         const dot = make('span', { className: `dot curve-${index}` })
         dot.style.top = `${y - top}px`
         return dot
@@ -348,10 +270,11 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
     reading.hidden = passive
     if (passive) return
     reading.replaceChildren(...words(pointer))
+    // In the corner that is away from the pointer, whatever it points at.
     const toTheLeft = pointer.x > (left + right) / 2
-    reading.style.left = toTheLeft ? 'auto' : `${pointer.x + 12}px`
-    reading.style.right = toTheLeft ? `${sheet.width - pointer.x + 12}px` : 'auto'
-    reading.style.top = `${top + 8}px`
+    reading.style.left = toTheLeft ? `${left + GAP_PX}px` : 'auto'
+    reading.style.right = toTheLeft ? 'auto' : `${sheet.width - right + GAP_PX}px`
+    reading.style.top = `${top + GAP_PX}px`
   }
 
   /** @type {Plot} */
@@ -369,6 +292,7 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen }) {
       moved()
     },
     fit(anew) {
+      around.filled()
       chart.fit(anew)
       const other = [...plots].find((candidate) => candidate !== own && candidate.isShown())
       if (anew && other) chart.follow(...other.span())

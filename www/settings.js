@@ -4,7 +4,7 @@
 
 export const KEY = 'truefeed.settings.1'
 
-/** @typedef {{programmed?: boolean, tolerances?: number[], preset?: string, values?: Values, terms?: Values, beside?: string, quoted?: string}} Settings */
+/** @typedef {{programmed?: boolean, tolerances?: number[], preset?: string, values?: Values, terms?: Values, company?: Values, beside?: string, quoted?: string}} Settings */
 
 /** Where the settings are that a link or file took the place of, until the user wants them back or not. */
 export const BEFORE = 'truefeed.settings.before.1'

@@ -3,6 +3,7 @@
 // visit does without.
 
 import { STORE, answer, open, tab } from './kept.js'
+import { inMemory } from './memory.js'
 import { BEFORE, KEY } from './settings.js'
 
 /** @import { Found, Kept } from "./kept.js" */
@@ -52,6 +53,7 @@ function settingsIn(kept, fields, termFields, most) {
     ...['preset', 'beside', 'quoted', 'start'].map((key) => [key, kept[key], typeof kept[key] === 'string']),
     ['programmed', kept.programmed, typeof kept.programmed === 'boolean'],
     ['tolerances', tolerances, areTolerances],
+    ['company', kept.company, isRecord(kept.company)],
     ['values', values, Object.keys(values).length > 0],
     ['terms', terms, Object.keys(terms).length > 0],
   ])
@@ -78,7 +80,7 @@ function parsed(key) {
 export function remembered({ fields, presets }, termFields, most) {
   for (const preset of presets) if (preset.kept) preset.values = fitted(fields, preset.values)
   const [settings, before] = [KEY, BEFORE].map((key) => settingsIn(parsed(key), fields, termFields, most))
-  return { settings, before: before.values && before.tolerances ? { ...before, preset: 0 } : null }
+  return { settings, before: before.values && before.tolerances ? before : null }
 }
 
 /** Whether the files of a tab can be read. @param {any} record @returns {record is Kept} */
@@ -98,6 +100,20 @@ function foundIn({ calibration, diagnosis, sample }) {
   }
 }
 
+/** What belongs to a job, where it has the shape that it should. @param {any} found @returns {Pick<Kept, "job" | "fixture" | "letter" | "programs">} */
+function jobIn({ job, fixture, letter, programs }) {
+  const numberOr = (/** @type {unknown} */ value) => (typeof value === 'number' ? value : null)
+  const own = (/** @type {any} */ one) => ({
+    ...one,
+    title: String(one.title ?? ''),
+    machine: typeof one.machine?.start === 'string' && isRecord(one.machine.values) ? one.machine : null,
+    tolerance: one.tolerance === 'programmed' ? one.tolerance : numberOr(one.tolerance),
+    setUp: numberOr(one.setUp),
+    loading: numberOr(one.loading),
+  })
+  return { job: String(job ?? ''), fixture: numberOr(fixture), letter: isRecord(letter) ? letter : {}, programs: programs.map(own) }
+}
+
 /** What is kept under the name of a tab. @param {string} name @param {Kept} nothing @returns {Promise<Kept>} */
 export function loadTab(name, nothing) {
   const patience = new Promise((resolve) => setTimeout(() => resolve(nothing), PATIENCE_MS))
@@ -109,7 +125,8 @@ async function read(name, nothing) {
   const database = await open()
   const found = await answer(database.transaction(STORE).objectStore(STORE).get(name))
   database.close()
-  return isKept(found) ? { ...nothing, ...found, ...foundIn(found) } : nothing
+  if (!isKept(found)) return nothing
+  return { ...nothing, ...found, ...foundIn(found), ...jobIn({ ...found, programs: await inMemory(found.programs) }) }
 }
 
 /** Deletes what closed tabs have left behind. */

@@ -1,6 +1,6 @@
 // The whole module on the page, beside the one of the first visit: fetched when it is first asked for, by what can wait.
 
-import { wholeModule } from './embed/module.js'
+import { wholeModule } from './module.js'
 import { axis } from './format.js'
 
 /** @typedef {typeof import("./pkg/truefeed_whole.js")} Whole */

@@ -1,9 +1,9 @@
 // Does what waits, one after the other: simulations, comparisons, diagnoses, calibrations. What it finds it puts in the state.
 
 import { motionOf } from './pkg/truefeed.js'
-import { columnLabel, columnsOf } from './columns.js'
+import { columnLabel, columnsOf, columnsUnread, machineOf } from './columns.js'
 import { Ended, LARGE_BYTES, unlessCancelled } from './engine.js'
-import { evidence, usable } from './recordings.js'
+import { candidates, evidence, isToPair, namesake, programFor, usable } from './recordings.js'
 import { say } from './texts.js'
 
 /** @import { Before, Calibration, Column, Outcome, Program, Recording, State } from "./types.js" */
@@ -15,6 +15,7 @@ import { say } from './texts.js'
  * @property {() => void} progress  shows how far the work is
  * @property {(message: string) => void} fail  says what should not happen
  * @property {() => void} hasCurve  a curve is there
+ * @property {(recording: number, program: number | null) => void} paired  it is known which program a recording is of
  * @property {() => Before} now  what is in the form
  * @property {(calibration: Calibration) => void} take  puts a calibrated machine in the form
  */
@@ -26,10 +27,10 @@ const reasonOf = (error) => (error instanceof Error ? error.message || say.work.
 export function workOn(state, engine, page) {
   /** The columns a program still lacks on the machine as it is now. @param {Program} program @returns {Column[]} */
   function missing(program) {
-    const current = program.outcome?.motion === state.machine.motion ? program.outcome : null
-    if (current) return columnsOf(state, current).filter((column) => !current.runs.has(column))
+    const current = program.outcome?.motion === machineOf(state, program).motion ? program.outcome : null
+    if (current) return columnsOf(state, program).filter((column) => !current.runs.has(column))
     // Whether it sets a tolerance is known when it is read.
-    return state.programmed ? [null, ...state.tolerances] : state.tolerances
+    return columnsUnread(state, program)
   }
 
   /** Does all that waits, that of the selected program first. */
@@ -40,30 +41,40 @@ export function workOn(state, engine, page) {
         (a, b) => Number(b.id === state.selected) - Number(a.id === state.selected),
       )
       const { motion } = state.machine
-      const program = selectedFirst.find((candidate) => missing(candidate).length > 0 && candidate.failure !== motion)
+      const waits = (/** @type {Program} */ candidate) => {
+        const { motion: own } = machineOf(state, candidate)
+        return own !== undefined && missing(candidate).length > 0 && candidate.failure !== own
+      }
+      const program = selectedFirst.find(waits)
       const recording = selectedFirst
         .flatMap(({ id }) => state.recordings.filter((candidate) => candidate.program === id))
-        .find(({ match, failure }) => match?.motion !== motion && failure !== motion)
-      if (state.paused || motion === undefined) break
+        .find(({ match, failure }) => motion !== undefined && match?.motion !== motion && failure !== motion)
+      // The one in sight first, and each is compared before the next is looked at.
+      const lost = motion === undefined ? undefined : inSightFirst(state.recordings).find((one) => isToPair(one, state))
+      if (state.paused || (motion === undefined && !program)) break
       // What is in sight comes first, its simulation before its comparison.
       const compares = recording && (!program || (recording.program === state.selected && program.id !== state.selected))
       if (state.calibrating) {
         if (!(await calibrate())) break
-      } else if (state.diagnosing) {
+      } else if (state.diagnosing && !recording && !lost) {
+        // What it is made from has been compared by now.
         if (!(await diagnose())) break
       } else if (compares) {
-        if (!(await compare(recording, motion))) break
+        if (!(await compare(recording, String(motion)))) break
+      } else if (lost && program?.id !== state.selected) {
+        if (!(await pair(lost))) break
       } else if (program) {
-        if (!(await simulate(program, motion))) break
+        if (!(await simulate(program))) break
       } else break
     }
     state.progress = null
     page.update()
   }
 
-  /** Simulates what one program lacks; false where that was cancelled. @param {Program} program @param {string} motion */
-  async function simulate(program, motion) {
-    const machine = JSON.stringify(state.machine.values)
+  /** Simulates what one program lacks; false where that was cancelled. @param {Program} program */
+  async function simulate(program) {
+    const { values, motion } = machineOf(state, program)
+    const machine = JSON.stringify(values)
     const columns = missing(program)
     const isForOther = program.outcome !== null && program.outcome.motion !== motion
     /** @type {Outcome | null} */
@@ -73,7 +84,7 @@ export function workOn(state, engine, page) {
     const listener = {
       stage,
       program(/** @type {any} */ summary, /** @type {any} */ steps, /** @type {any} */ held, /** @type {any} */ trail) {
-        outcome = { motion, summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
+        outcome = { motion: String(motion), summary, steps, held, trail, runs: new Map(isForOther ? [] : program.outcome?.runs) }
         // What was computed for another machine stays in sight until all is there.
         if (isForOther) return
         program.outcome = outcome
@@ -97,7 +108,7 @@ export function workOn(state, engine, page) {
         program.failure = null
       },
       (reason) => {
-        program.failure = motion
+        program.failure = String(motion)
         page.fail(say.work.notSimulated(program.name, reason))
       },
     )
@@ -122,6 +133,44 @@ export function workOn(state, engine, page) {
       state.progress = { program, stage: typeof text === 'string' ? text : text(name), part }
       page.progress()
     }
+  }
+
+  /** @param {Recording[]} recordings */
+  const inSightFirst = (recordings) => [...recordings].sort((a, b) => Number(b.id === state.recording) - Number(a.id === state.recording))
+
+  /** Finds which program a recording is of, by what it holds; false where that was cancelled. @param {Recording} recording */
+  async function pair(recording) {
+    const stage = stageOf(null)
+    const programs = [...state.programs]
+    const of = candidates(programs)
+    stage('pairing', 0, recording.name)
+    const machine = JSON.stringify(state.machine.values)
+    const request = {
+      machine,
+      programs: programs.map(({ file: program, dialect }) => ({ program, dialect })),
+      recording: { name: recording.name, bytes: recording.bytes },
+    }
+    /** @param {number[]} indices */
+    function take(indices) {
+      const among = indices.map((index) => programs[index].id)
+      // Between those that a recording cannot tell apart its name may; one of none is compared with the program in sight, to say why.
+      const alike = namesake(recording.name, programs.filter(({ id }) => among.includes(id)))
+      const program = among.length === 0 ? state.selected : among.length === 1 ? among[0] : alike
+      recording.found = { program, among, of }
+      recording.program = programFor(recording.chosen, recording, state.programs)
+      recording.dialect = state.programs.find(({ id }) => id === recording.program)?.dialect
+      page.paired(recording.id, recording.program)
+    }
+    return tried(
+      async () => {
+        const { found } = await engine.pair(request, stage)
+        take(found)
+      },
+      (reason) => {
+        take([])
+        page.fail(say.work.notPaired(reason))
+      },
+    )
   }
 
   /** Compares a recording with its program; false where that was cancelled. @param {Recording} recording @param {string} motion */
@@ -163,6 +212,10 @@ export function workOn(state, engine, page) {
     const stage = stageOf(null)
     stage('diagnosing', 0)
     const all = collected()
+    if (all.length === 0) {
+      state.diagnosing = false
+      return true
+    }
     const before = page.now()
     const [own, { motion }] = [evidence(state), state.machine]
     const runs = all.map(({ request }) => request)

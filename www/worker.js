@@ -1,12 +1,12 @@
 // Simulates, compares, calibrates and diagnoses in the background: one request in, messages out, columns transferred.
 
 /** @import { StageName } from "./texts.js" */
-/** @import { CalibrateRequest, CompareRequest, CutRequest, QuoteRequest, SimulateRequest, TimesOverRequest, TimesRequest } from "./engine.js" */
+/** @import { CalibrateRequest, CompareRequest, CutRequest, PairRequest, QuoteRequest, ReviseRequest, SimulateRequest, TimesOverRequest, TimesRequest } from "./engine.js" */
 
 /** The functions of the module that is here, which all requests to one worker have. @type {typeof import("./pkg/truefeed_whole.js")} */
 let glue
 
-const VERBS = { simulate, compare, calibrate, diagnose, cycleTimes, timesOver, cut, quote }
+const VERBS = { simulate, pair, compare, revise, calibrate, diagnose, cycleTimes, timesOver, cut, quote }
 const CURVE = /** @type {const} */ (['distance', 'feedrate', 'time', 'corner', 'arcs', 'alongArcs', 'paceEnd', 'paceFeedrate'])
 const MATCHED = /** @type {const} */ ([
   'recordedDistance',
@@ -39,15 +39,16 @@ const LOADS = /** @type {const} */ ([
   'predictedPower',
   'programmedRate',
   'predictedRate',
+  'predictedPerTooth',
 ])
 
 /** @type {Promise<void> | undefined} */
 let ready
 
 /** What comes without a verb is only there to be ready. */
-self.onmessage = async ({ data: { module, isWhole, verb, request } }) => {
+self.onmessage = async ({ data: { module, isWhole, language, verb, request } }) => {
   try {
-    ready ??= begin(module, isWhole)
+    ready ??= begin(module, isWhole, language)
     await ready
     if (verb === undefined) return
     await VERBS[/** @type {keyof typeof VERBS} */ (verb)](request)
@@ -58,12 +59,14 @@ self.onmessage = async ({ data: { module, isWhole, verb, request } }) => {
   }
 }
 
-/** @param {WebAssembly.Module} module @param {boolean} isWhole */
-async function begin(module, isWhole) {
+/** @param {WebAssembly.Module} module @param {boolean} isWhole @param {string} language  in which the page writes numbers */
+async function begin(module, isWhole, language) {
   // What the first module leaves out is asked of the whole alone (engine.js).
   const script = isWhole ? import('./pkg/truefeed_whole.js') : import('./pkg/truefeed.js')
   glue = /** @type {typeof glue} */ (await script)
   await glue.default({ module_or_path: module })
+  // The pictures of reports are drawn here.
+  if (isWhole) glue.setNumbers((await import('./format.js')).axisIn(language))
 }
 
 /** @param {SimulateRequest} request */
@@ -91,6 +94,28 @@ async function simulate({ program, machine, dialect, columns, labels, runsOnly }
   job.free()
 }
 
+/** @param {PairRequest} request */
+async function pair({ machine, programs, recording: { name, bytes } }) {
+  const candidates = new glue.Candidates(machine)
+  for (const [index, { program, dialect }] of programs.entries()) {
+    stage('pairing', index, programs.length + 1, name)
+    candidates.add(await bytesOf(program), dialect ?? undefined)
+  }
+  stage('pairing', programs.length, programs.length + 1, name)
+  const found = [...candidates.of(bytes)]
+  candidates.free()
+  post({ type: 'paired', found }, [])
+}
+
+/** @param {ReviseRequest} sides */
+async function revise(sides) {
+  const [first, second] = await Promise.all(sides.map(({ program }) => textOf(program)))
+  const asked = sides.map(({ machine, dialect, tolerance }) => ({ machine, dialect, tolerance }))
+  const { report, columns } = glue.compareRevisions(first, second, JSON.stringify(asked))
+  const curve = plain(columns, ['distance', 'later'])
+  post({ type: 'revised', report, columns: curve }, Object.values(curve))
+}
+
 /** @param {CompareRequest} request */
 async function compare({ program, machine, dialect, recording }) {
   const { report, refusal, columns } = glue.compareRecording(await bytesOf(program), machine, dialect ?? undefined, recording)
@@ -108,16 +133,36 @@ async function cut({ program, machine, dialect, tolerance, job }) {
 }
 
 /** @param {QuoteRequest} request */
-async function quote({ program, request }) {
+async function quote({ program, request, picture }) {
   const text = await textOf(program)
   try {
     const quote = glue.quoteText(text, request, (/** @type {number} */ part) => stage('simulating', part, 1))
-    post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => glue.toleranceLabel(run.tolerance_mm)) }, [])
+    post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => glue.toleranceLabel(run.tolerance_mm)), picture: picture ? await pathOf(program, quote.dialect, picture) : undefined }, [])
   } catch (refusal) {
     // A refused request leaves the worker as it is; anything else is a fault of it.
     if (typeof refusal !== 'string') throw refusal
     post({ type: 'quoted', refusal: JSON.parse(refusal), labels: [] }, [])
   }
+}
+
+/** The path of a program as SVG, which is the same on any machine. @param {SimulateRequest["program"]} program @param {string} dialect @param {number[]} size  CSS pixels */
+async function pathOf(program, dialect, [width, height]) {
+  const [{ values }] = JSON.parse(glue.form()).presets
+  const job = await jobOf(program, JSON.stringify(values), dialect)
+  const { end, feedrate, rapid, line } = plain(job.steps(), ['end', 'feedrate', 'rapid', 'line'])
+  const { points, distance } = plain(job.trail(), ['points', 'distance'])
+  job.free()
+  const view = new glue.PathView()
+  view.program(points, distance, end, feedrate, rapid, line)
+  view.resize(width, height)
+  // What is fitted is what is coloured.
+  view.color('feedrate')
+  view.look(view.isDeep() ? 'turned' : 'top')
+  const { ends, unit } = view.legend()
+  const [length] = view.scale()
+  const svg = view.svg(`${Math.round(ends[0])} ${unit}`, `${Math.round(ends[1])} ${unit}`, `${Number(length.toPrecision(3))} mm`)
+  view.free()
+  return svg
 }
 
 /** @param {CalibrateRequest} request */

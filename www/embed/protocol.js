@@ -105,8 +105,17 @@ function sizeFault({ program, machine }) {
   const bytes = typeof program === 'string' ? program.length : (program?.byteLength ?? 0)
   if (bytes > LIMITS.programBytes) return `A program of more than ${LIMITS.programBytes} bytes is too large.`
   if (machine === undefined) return undefined
-  const isSmall = partsOf(machine).length <= LIMITS.machineCharacters && JSON.stringify(machine).length <= LIMITS.machineCharacters
+  const isSmall = partsOf(machine).length <= LIMITS.machineCharacters && jsonLength(machine) <= LIMITS.machineCharacters
   return isSmall ? undefined : `A machine of more than ${LIMITS.machineCharacters} characters is too large.`
+}
+
+/** How long a value is as JSON; without end where its parts are in each other deeper than a browser writes. @param {unknown} value */
+function jsonLength(value) {
+  try {
+    return JSON.stringify(value).length
+  } catch {
+    return Infinity
+  }
 }
 
 /** What a message brings has the prototypes of the frame: dates, maps, regular expressions and the like are no records. @param {unknown} value @returns {value is Record<string, any>} */

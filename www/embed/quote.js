@@ -1,17 +1,17 @@
-// <truefeed-quote>: the cycle times of a program as an element of any page. Computed in a worker; nothing leaves the page.
+// <truefeed-quote>: the cycle times and the price of a program, or of several that make a part, as an element of any page.
+// Computed in a worker; nothing leaves the page.
 
-import { make } from '../dom.js'
 import { Engine } from '../engine.js'
-import * as show from '../format.js'
-import { say } from '../texts_later.js'
-import { wholeModule } from './module.js'
+import { wholeModule } from '../module.js'
+import { skeleton } from './answer.js'
 import { QuoteError, bytesOf, refusalOf, refused, requestOf } from './request.js'
 import { sheetOfQuote } from './sheet.js'
 
 /** @import { Dialect, Machine, Program, Quote, Refusal, Tolerance } from "../../npm/index.d.ts" */
 
 const MOST_BYTES = 64 * 1024 * 1024
-const MOST_REMARKS = 20
+/** The picture of the path, CSS pixels. */
+const PICTURE_PX = [480, 300]
 
 /** Who takes back what is computed, for something newer, has this long to do so again before a worker is started for it. */
 const CALM_MS = 50
@@ -20,7 +20,7 @@ const CALM_MS = 50
 const PROGRAMMED = 'programmed'
 
 export class QuoteElement extends HTMLElement {
-  static observedAttributes = ['program-src', 'name', 'machine', 'tolerances', 'dialect']
+  static observedAttributes = ['program-src', 'name', 'machine', 'tolerances', 'dialect', 'currency', 'picture']
 
   /** Makes the worker of an element; none for the engine's own way. @type {(() => Worker) | undefined} */
   static startWorker
@@ -34,9 +34,11 @@ export class QuoteElement extends HTMLElement {
   #tolerances = []
   /** @type {Dialect | null} */
   #dialect = null
-  /** @type {Quote | null} */
-  #quote = null
-  /** The program that `program-src` names, fetched when it is first needed. @type {Promise<Uint8Array> | null} */
+  /** Several programs that make a part; empty: the one program. @type {{name: string, program: Uint8Array}[]} */
+  #programs = []
+  /** @type {Quote[]} */
+  #quotes = []
+  /** The programs that `program-src` names, fetched when they are first needed. @type {Promise<Uint8Array[]> | null} */
   #source = null
   /** @type {AbortController | null} */
   #fetching = null
@@ -56,7 +58,7 @@ export class QuoteElement extends HTMLElement {
     const root = this.attachShadow({ mode: 'open' })
     root.adoptedStyleSheets = [sheetOfQuote()]
     this.#parts = skeleton(root)
-    this.#parts.input.addEventListener('change', () => this.#take(this.#parts.input.files?.[0]))
+    this.#parts.input.addEventListener('change', () => this.#take(this.#parts.input.files ?? []))
     this.addEventListener('dragover', (event) => this.#over(event))
     this.addEventListener('dragleave', () => this.classList.remove('over'))
     this.addEventListener('drop', (event) => this.#drop(event))
@@ -77,10 +79,11 @@ export class QuoteElement extends HTMLElement {
       this.#fetching?.abort()
       this.#source = null
       this.#program = null
+      this.#programs = []
     } else if (attribute === 'name') this.#name = value ?? ''
     else if (attribute === 'machine') this.#machine = machineFrom(value)
     else if (attribute === 'tolerances') this.#tolerances = tolerancesFrom(value)
-    else this.#dialect = /** @type {Dialect | null} */ (value)
+    else if (attribute === 'dialect') this.#dialect = /** @type {Dialect | null} */ (value)
     this.#schedule()
   }
 
@@ -90,6 +93,17 @@ export class QuoteElement extends HTMLElement {
   }
   set program(program) {
     this.#program = program === null ? null : bytesOf(program)
+    this.#programs = []
+    this.#schedule()
+  }
+
+  /** @returns {{name: string, program: Program}[]} */
+  get programs() {
+    return [...this.#programs]
+  }
+  set programs(programs) {
+    this.#programs = programs.map(({ name, program }) => ({ name, program: bytesOf(program) }))
+    this.#program = this.#programs[0]?.program ?? null
     this.#schedule()
   }
 
@@ -126,7 +140,12 @@ export class QuoteElement extends HTMLElement {
   }
 
   get quote() {
-    return this.#quote
+    return this.#quotes[0] ?? null
+  }
+
+  /** The quotes of all programs, in their order. */
+  get quotes() {
+    return [...this.#quotes]
   }
 
   /** Computes now what is set. @returns {Promise<Quote>} */
@@ -134,16 +153,16 @@ export class QuoteElement extends HTMLElement {
     const isHurried = this.#isBusy
     this.cancel()
     const own = this.#asked
-    this.#quote = null
+    this.#quotes = []
     this.#isBusy = true
     this.#parts.busy()
     try {
       if (isHurried) await this.#calm()
-      const { quote, labels } = await this.#ask(own)
-      this.#quote = quote
-      this.#parts.show(quote, labels)
-      this.dispatchEvent(new CustomEvent('quote', { detail: quote, bubbles: true, composed: true }))
-      return quote
+      const answers = await this.#ask(own)
+      this.#quotes = answers.map(({ quote }) => quote)
+      this.#parts.show(this.#quotes, answers[0].labels, this.getAttribute('currency') ?? '', answers[0].picture)
+      for (const detail of this.#quotes) this.dispatchEvent(new CustomEvent('quote', { detail, bubbles: true, composed: true }))
+      return this.#quotes[0]
     } catch (error) {
       const refusal = refusalOf(error)
       // Of what was cancelled, only who asked for it hears.
@@ -185,51 +204,54 @@ export class QuoteElement extends HTMLElement {
     }
     try {
       heed()
-      const name = this.#name || nameOf(this.getAttribute('program-src'))
-      const request = requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect })
-      const program = this.#program ?? (await this.#fetched())
-      if (program.length > MOST_BYTES) throw tooLarge()
+      const named = await this.#named()
+      if (named.some(({ program }) => program.length > MOST_BYTES)) throw tooLarge()
+      // What is wrong with the request is said before a module is fetched.
+      const requests = named.map(({ name }) => requestOf(this.#machine, this.#tolerances, { name, dialect: this.#dialect }))
       const module = await wholeModule()
       heed()
       this.#engine ??= new Engine(module, QuoteElement.startWorker)
-      const { quote, refusal, labels } = await this.#engine.quote({ program, request }, (_, part) => {
-        this.#parts.progress(part)
-        this.dispatchEvent(new CustomEvent('progress', { detail: { part } }))
-      })
-      heed()
-      if (!quote) throw new QuoteError(refusal ?? { kind: 'failed', message: 'There is no answer.', faults: [] })
-      return { quote, labels }
+      const answers = []
+      for (const [index, { program }] of named.entries()) {
+        const picture = this.hasAttribute('picture') && index === 0 ? PICTURE_PX : null
+        const { quote, refusal, ...rest } = await this.#engine.quote({ program, request: requests[index], picture }, (_, part) => {
+          const all = (index + part) / named.length
+          this.#parts.progress(all)
+          this.dispatchEvent(new CustomEvent('progress', { detail: { part: all } }))
+        })
+        heed()
+        if (!quote) throw new QuoteError(refusal ?? { kind: 'failed', message: 'There is no answer.', faults: [] })
+        answers.push({ quote, ...rest })
+      }
+      return answers
     } catch (error) {
       heed()
       throw error instanceof QuoteError ? error : new QuoteError(refusalOf(error))
     }
   }
 
-  #fetched() {
+  /** What is to be quoted: what was given, or else what `program-src` names. @returns {Promise<{name: string, program: Uint8Array}[]>} */
+  async #named() {
+    const addresses = addressesOf(this.getAttribute('program-src'))
+    const first = this.#name || nameOf(addresses[0])
+    if (this.#programs.length > 0) return this.#programs
+    if (this.#program) return [{ name: first, program: this.#program }]
+    const programs = await this.#fetched(addresses)
+    return programs.map((program, index) => ({ name: addresses.length === 1 ? first : nameOf(addresses[index]), program }))
+  }
+
+  /** @param {string[]} addresses */
+  #fetched(addresses) {
     if (this.#source) return this.#source
-    const source = this.#fetch()
+    const { signal } = (this.#fetching = new AbortController())
+    if (addresses.length === 0) return Promise.reject(refused('program', 'There is no program yet.'))
+    const source = Promise.all(addresses.map((address) => fetched(address, signal)))
     this.#source = source
     // A failure is not kept: the next time it is tried again.
     source.catch(() => {
       if (this.#source === source) this.#source = null
     })
     return source
-  }
-
-  async #fetch() {
-    const source = this.getAttribute('program-src')
-    if (!source) throw refused('program', 'There is no program yet.')
-    const { signal } = (this.#fetching = new AbortController())
-    try {
-      const response = await fetch(new URL(source, document.baseURI), { signal })
-      if (!response.ok) throw new Error(`${response.status} ${response.statusText}`.trim())
-      if (Number(response.headers.get('Content-Length')) > MOST_BYTES) throw tooLarge()
-      return new Uint8Array(await response.arrayBuffer())
-    } catch (error) {
-      if (error instanceof QuoteError) throw error
-      if (signal.aborted) throw refused('cancelled', 'The quote was cancelled.')
-      throw refused('program', `${source} cannot be fetched: ${error instanceof Error ? error.message : error}.`)
-    }
   }
 
   /** Computes once for all that is set in one go, as soon as there are program and machine. */
@@ -246,17 +268,20 @@ export class QuoteElement extends HTMLElement {
     })
   }
 
-  /** @param {File | undefined} file */
-  async #take(file) {
-    if (!file) return
-    this.#name = file.name
-    if (file.size > MOST_BYTES) {
+  /** @param {Iterable<File>} chosen */
+  async #take(chosen) {
+    const files = [...chosen]
+    if (files.length === 0) return
+    this.#name = files[0].name
+    if (files.some(({ size }) => size > MOST_BYTES)) {
       const refusal = refusalOf(tooLarge())
       this.#parts.fail(refusal)
       this.dispatchEvent(new CustomEvent('error', { detail: refusal }))
       return
     }
-    this.program = new Uint8Array(await file.arrayBuffer())
+    const programs = await Promise.all(files.map(async (file) => ({ name: file.name, program: new Uint8Array(await file.arrayBuffer()) })))
+    if (programs.length > 1) this.programs = programs
+    else this.program = programs[0].program
   }
 
   /** @param {DragEvent} event */
@@ -271,7 +296,7 @@ export class QuoteElement extends HTMLElement {
     this.classList.remove('over')
     if (!event.dataTransfer?.files.length) return
     event.preventDefault()
-    this.#take(event.dataTransfer.files[0])
+    this.#take(event.dataTransfer.files)
   }
 }
 
@@ -294,97 +319,26 @@ function tolerancesFrom(text) {
   return words.map((word) => (word === PROGRAMMED ? null : Number(word)))
 }
 
-/** The last part of an address. @param {string | null} address */
+/** The addresses of an attribute, set apart by blanks. @param {string | null} text */
+const addressesOf = (text) => (text ?? '').split(/\s+/).filter((address) => address !== '')
+
+/** @param {string} source @param {AbortSignal} signal */
+async function fetched(source, signal) {
+  try {
+    const response = await fetch(new URL(source, document.baseURI), { signal })
+    if (!response.ok) throw new Error(`${response.status} ${response.statusText}`.trim())
+    if (Number(response.headers.get('Content-Length')) > MOST_BYTES) throw tooLarge()
+    return new Uint8Array(await response.arrayBuffer())
+  } catch (error) {
+    if (error instanceof QuoteError) throw error
+    if (signal.aborted) throw refused('cancelled', 'The quote was cancelled.')
+    throw refused('program', `${source} cannot be fetched: ${error instanceof Error ? error.message : error}.`)
+  }
+}
+
+/** The last part of an address. @param {string | null | undefined} address */
 function nameOf(address) {
   return (address ?? '').replace(/[?#].*$/s, '').split('/').pop() ?? ''
-}
-
-/** What stands in the element, and how it changes. @param {ShadowRoot} root */
-function skeleton(root) {
-  const input = make('input', { type: 'file', ariaLabel: say.embed.choose })
-  const choice = make('span', {}, say.embed.choose)
-  const title = make('p', { className: 'title' }, say.common.cycleTime)
-  const about = make('p', { className: 'about' }, say.embed.drop)
-  const bar = make('progress', { max: 1, hidden: true, ariaLabel: say.embed.simulating })
-  const error = make('p', { className: 'error', hidden: true, role: 'alert' })
-  const answer = make('div', { ariaLive: 'polite' })
-  for (const [part, element] of Object.entries({ title, about, error, answer })) element.setAttribute('part', part)
-  root.append(make('div', { className: 'head' }, title, make('label', {}, choice, input)), about, bar, error, answer)
-
-  const rest = () => {
-    bar.hidden = true
-    error.hidden = true
-    answer.classList.remove('stale')
-  }
-  return {
-    input,
-    rest,
-    busy() {
-      rest()
-      bar.hidden = false
-      bar.removeAttribute('value')
-      answer.classList.add('stale')
-    },
-    wait() {
-      rest()
-      about.textContent = say.embed.noMachine
-    },
-    /** @param {number} part */
-    progress(part) {
-      bar.value = part
-    },
-    /** @param {Refusal} refusal */
-    fail({ message }) {
-      rest()
-      answer.replaceChildren()
-      error.hidden = false
-      error.textContent = message
-    },
-    /** @param {Quote} quote @param {string[]} labels */
-    show(quote, labels) {
-      rest()
-      title.textContent = quote.program || say.common.cycleTime
-      about.textContent = say.embed.cam(show.clock(quote.programmed_time_s), show.seconds(quote.programmed_time_s))
-      choice.textContent = say.embed.chooseOther
-      answer.replaceChildren(make('div', { className: 'scroll' }, table(quote, labels)), ...remarks(quote))
-    },
-  }
-}
-
-/** @param {Quote} quote @param {string[]} labels */
-function table({ runs, programmed_time_s: programmed }, labels) {
-  const priced = runs.some(({ price }) => price > 0)
-  /** A title, how to say it of a run, and whether a narrow place can do without. @type {[string, (run: Quote["runs"][number]) => string, string][]} */
-  const columns = [
-    [say.common.cycleTime, (run) => show.clock(run.cycle_time_s), 'time'],
-    [say.embed.seconds, (run) => show.seconds(run.cycle_time_s), 'minor'],
-    [say.embed.againstCam, (run) => show.percent(run.cycle_time_s / programmed - 1), ''],
-    [say.common.contourError, (run) => `${show.number(run.max_contour_error_mm * 1000)} µm`, 'minor'],
-  ]
-  if (priced) columns.push([say.results.price, (run) => show.money(run.price), ''])
-  const titles = columns.map(([title, , className]) => make('th', { scope: 'col', className }, title))
-  const rows = runs.map((run, index) =>
-    make(
-      'tr',
-      {},
-      make('th', { scope: 'row' }, run.tolerances ? say.charts.asProgrammed : show.worded(labels[index])),
-      ...columns.map(([, text, className]) => make('td', { className }, text(run))),
-    ),
-  )
-  const made = make('table', {}, make('thead', {}, make('tr', {}, make('th', { scope: 'col' }, say.common.tolerance), ...titles)), make('tbody', {}, ...rows))
-  made.setAttribute('part', 'table')
-  return made
-}
-
-/** What could not be read. @param {Quote} quote */
-function remarks({ diagnostics }) {
-  if (diagnostics.length === 0) return []
-  const first = diagnostics.slice(0, MOST_REMARKS)
-  const items = first.map(({ line, severity, message }) => make('li', {}, say.embed.remark(line, severity, message)))
-  const more = diagnostics.length - first.length
-  if (more > 0) items.push(make('li', {}, say.embed.more(show.count(more))))
-  const title = say.embed.remarks(diagnostics.length, show.count(diagnostics.length))
-  return [make('details', {}, make('summary', {}, title), make('ul', {}, ...items))]
 }
 
 customElements.define('truefeed-quote', QuoteElement)

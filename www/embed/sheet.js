@@ -20,6 +20,10 @@ const CSS = `
 :host(.over) { border-color: var(--_accent); border-style: dashed; }
 p { margin: 0; }
 .head { display: flex; flex-wrap: wrap; gap: 6px 14px; align-items: baseline; justify-content: space-between; }
+.headline { margin-top: 8px; font-size: 1.9em; line-height: 1.15; letter-spacing: -0.02em; font-variant-numeric: tabular-nums; }
+.headline .price { margin-left: 0.5em; }
+.headline .about { font-size: 0.45em; letter-spacing: 0; }
+img { display: block; max-width: 100%; height: auto; margin-top: 10px; border-radius: 6px; }
 .title { font-weight: 650; overflow-wrap: anywhere; }
 .about, .note { color: var(--_muted); font-size: 0.9em; }
 .note { margin-top: 8px; }

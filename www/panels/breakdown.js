@@ -1,11 +1,13 @@
 // Where the time goes: by kind for every tolerance, by operation and by tool for one of them.
 
-import { columnLabel, columnsOf } from '../columns.js'
-import { find, make } from '../dom.js'
+import { mountTolerance } from '../at_tolerance.js'
+import { columnLabel, columnsOf, machineOf, quotedColumn } from '../columns.js'
+import { find, make, scroll } from '../dom.js'
 import { count, difference, millimetres, number, seconds } from '../format.js'
+import { namedIn, plain } from '../operations.js'
 import { say } from '../texts_later.js'
 
-/** @import { Breakdown, Column, Cut, CutOfOperation, Operation, Part, Place, RunSummary, State, Tool } from "../types.js" */
+/** @import { Breakdown, Column, Cut, CutOfOperation, Operation, Part, Place, Program, RunSummary, State, Tool } from "../types.js" */
 
 /** @type {[keyof import("../types.js").Functions, string][]} */
 const FUNCTIONS = [
@@ -31,20 +33,23 @@ const KINDS = [
   ),
 ]
 
-/** What is told of an operation or a tool. @type {[string, (part: Part) => string][]} */
+/** What is told of an operation or a tool, and how it is written. @type {[string, (part: Part) => number, (value: number) => string][]} */
 const COLUMNS = [
-  [say.common.time, ({ time_s }) => seconds(time_s)],
-  [say.common.programmed, ({ programmed_time_s }) => seconds(programmed_time_s)],
-  [say.common.lost, ({ lost_s }) => difference(lost_s)],
-  [say.common.cutting, ({ breakdown }) => seconds(breakdown.cutting_s)],
-  [say.common.rapid, ({ breakdown }) => seconds(breakdown.rapid_s)],
-  [say.common.dwell, ({ breakdown }) => seconds(breakdown.dwell_s)],
-  [say.common.toolChange, ({ breakdown }) => seconds(breakdown.tool_change_s)],
-  [say.common.other, ({ breakdown }) => seconds(breakdown.other_s)],
-  [say.breakdown.feedPath, ({ feed_mm }) => millimetres(feed_mm)],
-  [say.breakdown.rapidPath, ({ rapid_mm }) => millimetres(rapid_mm)],
-  [say.breakdown.blocks, ({ blocks }) => count(blocks)],
+  [say.common.time, ({ time_s }) => time_s, seconds],
+  [say.common.programmed, ({ programmed_time_s }) => programmed_time_s, seconds],
+  [say.common.lost, ({ lost_s }) => lost_s, difference],
+  [say.common.cutting, ({ breakdown }) => breakdown.cutting_s, seconds],
+  [say.common.rapid, ({ breakdown }) => breakdown.rapid_s, seconds],
+  [say.common.dwell, ({ breakdown }) => breakdown.dwell_s, seconds],
+  [say.common.toolChange, ({ breakdown }) => breakdown.tool_change_s, seconds],
+  [say.common.other, ({ breakdown }) => breakdown.other_s, seconds],
+  [say.breakdown.feedPath, ({ feed_mm }) => feed_mm, millimetres],
+  [say.breakdown.rapidPath, ({ rapid_mm }) => rapid_mm, millimetres],
+  [say.breakdown.blocks, ({ blocks }) => blocks, count],
 ]
+
+/** Those that hold anything. @param {Part[]} parts */
+const columnsFor = (parts) => COLUMNS.filter(([, value]) => parts.some((part) => value(part) !== 0))
 
 /** A computed column of the results, and its place among them, which gives its colour. @typedef {{column: Column, index: number, run: RunSummary}} ColumnRun */
 
@@ -62,30 +67,34 @@ const CUT_COLUMNS = [
 export function mount(root, actions) {
   const kinds = find(root, '.kinds')
   const parts = find(root, '.parts')
-  const chosen = /** @type {HTMLSelectElement} */ (find(root, 'select'))
   /** What is in sight; runs are told apart by being other objects. @type {ColumnRun[]} */
   let shown = []
   /** The cut of the program in sight, if there is one. @type {Cut | null} */
   let cut = null
+  /** @type {Column | undefined} */
+  let quotedBefore
+  /** @type {Program | undefined} */
+  let program
 
-  chosen.addEventListener('change', fill)
+  const at = mountTolerance(/** @type {HTMLSelectElement} */ (find(root, 'select')), fill)
 
   /** Operations and tools at the chosen tolerance. */
   function fill() {
-    const one = shown[chosen.selectedIndex]
+    const one = shown.find(({ column }) => column === at.column())
     if (!one) return parts.replaceChildren()
     const { column, run } = one
     const cuts = cut?.column === column ? cut.operations : null
-    const operations = run.operations.map((operation, index) => {
-      const cells = row(begin(operation), name(operation), operation)
+    const told = columnsFor(run.operations)
+    const operations = namedIn(program, run.operations).map((operation, index) => {
+      const cells = row(begin(operation), name(operation), operation, told)
       const own = cuts?.[index]
       if (cuts) cells.append(...CUT_COLUMNS.map(([, text]) => make('td', {}, own ? text(own) : '–')))
       return cells
     })
-    const tools = run.tools.map((tool) => row(toolTitle(tool), toolName(tool), tool))
+    const tools = run.tools.map((tool) => row(toolTitle(tool), toolName(tool), tool, told))
     parts.replaceChildren(
-      table(say.breakdown.operations, [say.common.line, say.common.operation], operations, cuts ? CUT_COLUMNS.map(([title]) => title) : []),
-      ...(run.tools.length > 1 ? [table(say.breakdown.tools, [say.breakdown.tool, say.breakdown.name], tools)] : []),
+      table(say.breakdown.operations, [say.common.line, say.common.operation], told, operations, cuts ? CUT_COLUMNS.map(([title]) => title) : []),
+      ...(run.tools.length > 1 ? [table(say.breakdown.tools, [say.breakdown.tool, say.breakdown.name], told, tools)] : []),
     )
   }
 
@@ -102,30 +111,32 @@ export function mount(root, actions) {
   return {
     /** @param {State} state */
     update(state) {
-      const outcome = state.programs.find(({ id }) => id === state.selected)?.outcome
-      const now = columnsOf(state, outcome).flatMap((column, index) => {
+      program = state.programs.find(({ id }) => id === state.selected)
+      const outcome = program?.outcome
+      const now = columnsOf(state, program).flatMap((column, index) => {
         const run = outcome?.runs.get(column)?.summary
         return run ? [{ column, index, run }] : []
       })
       root.hidden = now.length === 0
-      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
+      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machineOf(state).motion)
       const cutNow = cutOf(state)
-      if (now.length === shown.length && now.every((one, at) => one.run === shown[at].run && one.index === shown[at].index) && cut === cutNow) return
+      const quoted = quotedColumn(state, program)
+      if (now.length === shown.length && now.every((one, index) => one.run === shown[index].run && one.index === shown[index].index) && cut === cutNow && quoted === quotedBefore) return
       cut = cutNow
-      const before = chosen.value
       shown = now
+      quotedBefore = quoted
       kinds.replaceChildren(kindsTable(shown))
-      chosen.replaceChildren(...shown.map(({ column }) => make('option', {}, columnLabel(column))))
-      if (shown.some(({ column }) => columnLabel(column) === before)) chosen.value = before
+      at.update(shown.map(({ column }) => column), quoted)
       fill()
     },
   }
 }
 
 /** The cut of the program in sight on the machine as it is. @param {State} state */
-function cutOf({ cut, selected, programs, machine }) {
+function cutOf(state) {
+  const { cut, selected, programs } = state
   const program = programs.find(({ id }) => id === selected)
-  const isOf = cut?.program === program?.id && cut?.dialect === program?.dialect && cut?.motion === machine.motion
+  const isOf = cut?.program === program?.id && cut?.dialect === program?.dialect && cut?.motion === machineOf(state).motion
   return isOf ? cut : null
 }
 
@@ -144,29 +155,19 @@ function kindsTable(shown) {
       ...runs.map(({ breakdown }) => make('td', {}, seconds(time(breakdown)))),
     ),
   )
-  return scrolling(make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows)))
+  return scroll(make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows)))
 }
 
-/** @param {string} caption @param {[string, string]} first @param {HTMLElement[]} rows @param {string[]} more  titles */
-function table(caption, [first, second], rows, more = []) {
-  const titles = [first, second, ...COLUMNS.map(([title]) => title), ...more].map((title) => make('th', { scope: 'col' }, title))
+/** @param {string} caption @param {[string, string]} first @param {typeof COLUMNS} told @param {HTMLElement[]} rows @param {string[]} more  titles */
+function table(caption, [first, second], told, rows, more = []) {
+  const titles = [first, second, ...told.map(([title]) => title), ...more].map((title) => make('th', { scope: 'col' }, title))
   const head = make('thead', {}, make('tr', {}, ...titles))
-  return scrolling(make('table', {}, make('caption', {}, caption), head, make('tbody', {}, ...rows)))
+  return scroll(make('table', {}, make('caption', {}, caption), head, make('tbody', {}, ...rows)))
 }
 
-/** @param {HTMLTableElement} table */
-function scrolling(table) {
-  const caption = table.caption?.textContent ?? say.breakdown.timeByKind
-  const place = make('div', { className: 'scroll', tabIndex: 0 }, table)
-  // Focus lets the keys scroll what is wider than the page.
-  place.setAttribute('role', 'group')
-  place.setAttribute('aria-label', caption)
-  return place
-}
-
-/** @param {Node | string} first @param {string} name @param {Part} part */
-function row(first, name, part) {
-  const cells = COLUMNS.map(([, text]) => make('td', {}, text(part)))
+/** @param {Node | string} first @param {string} name @param {Part} part @param {typeof COLUMNS} told */
+function row(first, name, part, told) {
+  const cells = told.map(([, value, write]) => make('td', {}, write(value(part))))
   return make('tr', {}, make('th', { scope: 'row' }, first), make('td', { className: 'name' }, name), ...cells)
 }
 
@@ -175,12 +176,12 @@ const toolTitle = ({ tool }) => (tool === null ? say.breakdown.noneNamed : `T${t
 
 /** @param {Tool} tool */
 function toolName({ tool_name, operations }) {
-  const number = `${count(operations)} ${operations === 1 ? 'operation' : 'operations'}`
-  return tool_name ? `${tool_name} – ${number}` : number
+  const number = say.breakdown.operationsOf(operations, count(operations))
+  return tool_name ? `${plain(tool_name)} – ${number}` : number
 }
 
 /** @param {Operation} operation */
 function name({ name, tool, tool_name }) {
-  const titled = tool === null ? '' : `T${tool}${tool_name ? ` ${tool_name}` : ''}`
-  return [name ?? '', titled].filter(Boolean).join(' – ') || say.common.beforeFirstTool
+  const titled = tool === null ? '' : `T${tool} ${plain(tool_name)}`.trim()
+  return [plain(name), titled].filter(Boolean).join(' – ') || say.common.beforeFirstTool
 }

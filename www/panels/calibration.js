@@ -5,6 +5,7 @@ import { count, worded } from '../format.js'
 import { usable } from '../recordings.js'
 import { saveMachine } from '../save.js'
 import { say } from '../texts_later.js'
+import { measuredLaws } from './measured.js'
 
 /** @import { Calibration, CalibrationReport, State } from "../types.js" */
 
@@ -30,6 +31,7 @@ export function mount(root, actions) {
       make('p', { className: 'choices' }, save, undo),
       estimatesTable(report),
       runsTable(report),
+      ...measuredLaws(report.measured),
       ...report.remarks.map((remark) => make('p', { className: 'facts' }, worded(remark))),
     )
   }

@@ -1,15 +1,16 @@
 // The chart of the simulated tolerances: fills it, and says what it shows at a place.
 
 import { Chart, mostCurves } from '../pkg/truefeed.js'
-import { addCurve, columnsOf } from '../columns.js'
+import { addCurve, columnsOf, machineOf, quotedColumn } from '../columns.js'
 import { find, make } from '../dom.js'
-import { feedrate, millimetres, clock, seconds } from '../format.js'
+import { clock, count, feedrate, millimetres, seconds } from '../format.js'
 import { deviationLabel } from '../labels.js'
+import { namedIn, operationAt, operationTitle, toolTitle } from '../operations.js'
 import { mountPlot } from '../plot.js'
 import { say } from '../texts.js'
 
 /** @import { Filled } from "../plot.js" */
-/** @import { Column, Outcome, Place, Program, State } from "../types.js" */
+/** @import { Column, Operation, Outcome, Place, Program, State } from "../types.js" */
 /** @import { Pointer } from "../pkg/truefeed.js" */
 
 /** @param {HTMLElement} root */
@@ -28,11 +29,14 @@ export function mount(root) {
   let outcome
   /** @type {Column[]} */
   let columns = []
+  /** The one that is quoted, which lies over all others. */
+  let quoted = 0
   /** The path that the view fits: its program and its length. @type {string | undefined} */
   let fitted
   const plot = mountPlot(root, chart, {
     isShown: () => Boolean(outcome),
-    words: (pointer) => words(pointer, program, over.value === 'time'),
+    words: (pointer) => words(pointer, program, operations(), over.value === 'time'),
+    operations: () => operations(),
     fill(twin) {
       if (outcome) fill(twin, outcome)
       twin.setStacked(stack.checked)
@@ -52,6 +56,9 @@ export function mount(root) {
     plot.redraw()
   })
 
+  /** What is run in order, by the first tolerance that has been simulated. @returns {Operation[]} */
+  const operations = () => namedIn(program, outcome?.runs.get(columns.find((column) => outcome?.runs.has(column)) ?? null)?.summary.operations ?? [])
+
   /** Puts program and curves into a chart. @param {Filled} chart @param {Outcome} outcome */
   function fill(chart, { steps: { end, feedrate, rapid, line }, held, runs }) {
     chart.program(end, feedrate, rapid, line)
@@ -62,6 +69,7 @@ export function mount(root) {
       chart.fill(curve.distance, curve.feedrate, curve.time)
       chart.fillErrors(curve.corner, curve.arcs, curve.alongArcs)
     }
+    chart.setOnTop(quoted)
     if (over.value === 'time') chart.setOverTime(true)
   }
 
@@ -86,13 +94,14 @@ export function mount(root) {
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
       outcome = program?.outcome
-      columns = columnsOf(state, outcome)
+      columns = columnsOf(state, program)
+      quoted = Math.max(columns.indexOf(quotedColumn(state, program)), 0)
       const runs = columns.filter((column) => outcome?.runs.has(column))
       empty.hidden = Boolean(outcome)
       empty.textContent = state.progress ? say.common.computing : say.common.notComputed
       canvas.hidden = !outcome
-      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
-      const now = [program, outcome, ...columns, ...runs]
+      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machineOf(state).motion)
+      const now = [program, program?.found, outcome, quoted, ...columns, ...runs]
       if (now.length === filled.length && now.every((value, index) => value === filled[index])) return
       filled = now
       plot.hide()
@@ -107,25 +116,30 @@ export function mount(root) {
   }
 }
 
-/** What the chart says about one place. @param {Pointer} pointer @param {Program | undefined} program @param {boolean} isOverTime */
-function words({ distance, line, programmed, rapid, curves }, program, isOverTime) {
-  const rows = curves.map(({ label, feedrate: feed, time, error }, index) =>
+/** What the chart says about one place. @param {Pointer} pointer @param {Program | undefined} program @param {Operation[]} operations @param {boolean} isOverTime */
+function words({ distance, line, programmed, rapid, curves }, program, operations, isOverTime) {
+  const rows = curves.map(({ label, index, feedrate: feed, range, time, error }) =>
     make(
       'tr',
       {},
       make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
-      make('td', {}, feedrate(feed)),
+      make('td', {}, feedrate(feed), rangeOf(range)),
       make('td', {}, error === undefined ? '–' : say.chart.off(deviationLabel(error))),
       make('td', {}, time < 60 ? seconds(time) : clock(time)),
     ),
   )
   const first = isOverTime && curves.length > 1 ? [make('p', { className: 'small' }, say.chart.placeOf(curves[0].label))] : []
-  return [headOf(distance, programmed, rapid), ...first, make('table', {}, ...rows), ...lineOf(line, program)]
+  const here = operations.length > 1 ? operationAt(operations, distance) : undefined
+  const tool = here ? [make('p', { className: 'small' }, `${toolTitle(here)} · ${operationTitle(here)}`)] : []
+  return [headOf(distance, programmed, rapid), ...tool, ...first, make('table', {}, ...rows), ...lineOf(line, program)]
 }
+
+/** The least and the largest where a mean is shown. @param {Float64Array} range  mm/min */
+export const rangeOf = (range) => (range.length > 0 ? make('span', { className: 'range' }, say.charts.mean(count(range[0]), count(range[1]))) : '')
 
 /** Where it is and what is programmed there. @param {number} distance @param {number | undefined} programmed @param {boolean} rapid */
 export function headOf(distance, programmed, rapid) {
-  const asked = programmed === undefined ? '' : ` · ${rapid ? 'rapid' : 'programmed'} ${feedrate(programmed)}`
+  const asked = programmed === undefined ? '' : ` · ${rapid ? say.chart.rapid(feedrate(programmed)) : say.chart.programmed(feedrate(programmed))}`
   return make('p', {}, make('strong', {}, millimetres(distance)), asked)
 }
 

@@ -127,7 +127,7 @@ export function mount(root, engine, form, actions) {
       return times.stop()
     }
     root.classList.remove('stale', 'bare')
-    const columns = columnsOf(now, outcome)
+    const columns = columnsOf(now, program)
     const known = times.of(program, own)
     for (const [column, { summary }] of outcome.runs) known.set(column, summary.cycle_time_s)
     sides = [{ name: String(now.machine.values.name), values: now.machine.values, machine: own, times: known }]
@@ -166,7 +166,7 @@ export function mount(root, engine, form, actions) {
 
   /** The machines to compare with. @param {State} now */
   function offer({ beside: chosen }) {
-    const names = form.presets.map(({ name, removed }, index) => ({ name, removed, index })).filter(({ removed }) => !removed)
+    const names = form.presets.map(({ name }, index) => ({ name, index }))
     const signature = JSON.stringify(names)
     if (beside.dataset.offered !== signature) {
       const options = names.map(({ name, index }) => make('option', { value: String(index) }, name))

@@ -1,18 +1,22 @@
 // Cutting forces, on request: a cutting job as text, peaks by the programmed and by the predicted feedrate, remarks, where
 // the feedrate could be higher, and the loads over the distance, with the cursor and the view of the other charts.
 
-import { LoadPicture, exampleCutting, materials as materialsText } from '../pkg/truefeed_whole.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { LoadPicture, materials as materialsText } from '../pkg/truefeed_whole.js'
+import { mountTolerance } from '../at_tolerance.js'
+import { columnsOf, isStill, machineOf, quotedColumn } from '../columns.js'
+import { mountForm } from '../cutting/form.js'
+import { fedAlong, formFor } from '../cutting/job.js'
 import { find, make, scroll } from '../dom.js'
 import { Ended } from '../engine.js'
-import { feedrate, figures, number, seconds } from '../format.js'
+import { feedrate, figures, number, percent, seconds } from '../format.js'
 import { offerPictures } from '../pictures.js'
 import { join } from '../plot.js'
 import { say } from '../texts_later.js'
 import { headOf, lineOf } from './chart.js'
 
 /** @import { Engine } from "../engine.js" */
-/** @import { Column, Cut, CutMaterial, CutPeak, CutPeaks, CutResult, Place, Program, State } from "../types.js" */
+/** @import { CuttingForm } from "../cutting/job.js" */
+/** @import { Cut, CutMaterial, CutPeak, CutPeaks, CutResult, Place, Program, State } from "../types.js" */
 
 /** What is around a peak that is shown, mm. */
 const AROUND_MM = 5
@@ -23,7 +27,7 @@ const LIMITS = {
   tool_force: say.cutting.toolForce,
   tool_torque: say.cutting.toolTorque,
   tool_power: say.cutting.toolPower,
-  tool_chip: 'chip',
+  tool_chip: say.cutting.chip,
   tool_deflection: say.cutting.toolBend,
   spindle_force: say.cutting.spindleForce,
   spindle_torque: say.cutting.spindleTorque,
@@ -46,9 +50,8 @@ const PEAKS = [
 export function mount(root, engine, actions) {
   /** @type {(CutMaterial & {word: string})[]} */
   const materials = JSON.parse(materialsText())
-  const job = /** @type {HTMLTextAreaElement} */ (find(root, 'textarea'))
+  const form = mountForm(find(root, '.form'), materials, forget)
   const compute = /** @type {HTMLButtonElement} */ (find(root, '.compute'))
-  const chosen = /** @type {HTMLSelectElement} */ (find(root, 'select'))
   const fault = find(root, '.fault')
   const result = find(root, '.result')
   const plot = find(root, '.loads')
@@ -64,22 +67,24 @@ export function mount(root, engine, actions) {
   let machine = ''
   /** @type {{motion: string | undefined}} */
   let current = { motion: undefined }
-  /** @type {Column[]} */
-  let columns = []
+  /** The forms of programs, as they were filled in. @type {WeakMap<Program, CuttingForm>} */
+  const forms = new WeakMap()
+  /** Whose form is in sight. @type {Program | undefined} */
+  let filled
   /** What the result in sight belongs to. @type {string | undefined} */
   let shown
   /** @type {LoadPicture | null} */
   let picture = null
+  /** How the teeth are fed. @type {ReturnType<typeof fedAlong> | undefined} */
+  let fed
   /** Distances in sight, mm. @type {[number, number]} */
   let span = [0, 1]
   /** The path on the canvas, pixels. @type {[number, number]} */
   let sides = [0, 1]
 
   offerPictures(find(root, '.tools'), 'cutting', say.cutting.picture, () => picture?.svg(plot.clientWidth, plot.clientHeight))
-  job.value = exampleCutting()
   find(root, '.materials').append(materialsTable(materials))
-  job.addEventListener('input', forget)
-  chosen.addEventListener('change', forget)
+  const at = mountTolerance(/** @type {HTMLSelectElement} */ (find(root, 'select.tolerance')), forget)
   compute.addEventListener('click', run)
   find(working, '.cancel').addEventListener('click', forget)
   dark.addEventListener('change', draw)
@@ -138,7 +143,7 @@ export function mount(root, engine, actions) {
     const rows = [[say.cutting.force, 'N'], [say.cutting.power, 'W'], [say.cutting.removal, 'cm³/min']].map(([title, unit], index) =>
       row(title, [0, 1].map((which) => `${figures(loads[2 * index + which])} ${unit}`)),
     )
-    const body = make('table', {}, row('', ['programmed', 'predicted']), ...rows)
+    const body = make('table', {}, row('', [say.charts.programmed, say.charts.predicted]), ...rows)
     const line = lineAt(distance)
     reading.replaceChildren(headOf(distance, undefined, false), body, ...lineOf(line, program))
     const toTheLeft = x > (sides[0] + sides[1]) / 2
@@ -192,27 +197,48 @@ export function mount(root, engine, actions) {
     find(root, '.tools').hidden = true
     picture?.free()
     picture = null
+    fed = undefined
+  }
+
+  /** Feed per tooth by tool, with the way to where it is wrong first. @param {ReturnType<typeof fedAlong>["byTool"]} byTool */
+  function perToothTable(byTool) {
+    const rows = [...byTool].map(([{ number: tool, name }, { largest, cut, rubbing, overload, first }]) => {
+      const share = (/** @type {number} */ length, /** @type {number | undefined} */ from, /** @type {string} */ title) => {
+        if (from === undefined) return say.cutting.never
+        const go = make('button', { type: 'button', title }, percent(length / cut).replace('+', ''))
+        go.addEventListener('click', () => actions.show(around(from)))
+        return go
+      }
+      const called = [tool === null ? '' : `T${tool}`, name].filter(Boolean).join(' ')
+      return row(called || say.charts.noTool, [number(largest), share(rubbing, first.rubbing, say.cutting.showRubbing), share(overload, first.overload, say.cutting.showOverload)])
+    })
+    return table([say.breakdown.tool, say.cutting.largestPerTooth, say.cutting.rubs, say.cutting.overloads], rows, say.cutting.perTooth)
   }
 
   async function run() {
     if (!program) return
     clear()
+    const lacking = form.tools().filter(({ diameter, teeth }) => diameter === null || teeth === null)
+    if (lacking.length > 0 && !hasTable()) {
+      fault.textContent = say.cutting.incomplete(lacking.map(({ number, name }) => (number === null ? name || say.charts.noTool : `T${number}`)).join(', '))
+      return
+    }
     compute.disabled = true
     bar.value = 0
     working.hidden = false
     const stage = (/** @type {string} */ _, /** @type {number} */ part) => (bar.value = part)
     const { id, file, dialect } = program
     const { motion } = current
-    const tolerance = columns[chosen.selectedIndex] ?? null
+    const tolerance = at.column() ?? null
     const of = subject()
     try {
-      const cut = await engine.cut({ program: file, machine, dialect, tolerance, job: job.value }, stage)
+      const cut = await engine.cut({ program: file, machine, dialect, tolerance, job: form.text() }, stage)
       if (of !== subject()) return clear()
       show(cut)
       shown = of
       const operations = cut.summary.runs[0].operations.map(({ cutting }) => cutting)
-      const isComputed = cut.summary.runs[0].cutting !== undefined
-      actions.setCut(isComputed ? { program: id, dialect, motion, column: tolerance, operations } : null)
+      const { cutting } = cut.summary.runs[0]
+      actions.setCut(cutting ? { program: id, dialect, motion, column: tolerance, operations, rooms: cutting.headroom, fed: fed?.stretches ?? [] } : null)
     } catch (error) {
       if (!(error instanceof Ended && error.kind === 'cancelled')) {
         result.replaceChildren()
@@ -226,8 +252,23 @@ export function mount(root, engine, actions) {
 
   /** What a result would be of now. */
   function subject() {
-    return JSON.stringify([program?.id, program?.dialect, machine, columns[chosen.selectedIndex]])
+    return JSON.stringify([program?.id, program?.dialect, machine, at.column()])
   }
+
+  /** Fills the form for the program in sight, once that is computed. @param {State} state */
+  function showForm(state) {
+    const run = program?.outcome?.runs.get(quotedColumn(state, program))
+    if (!program?.outcome || program === filled || !run || isStill(program.outcome)) return
+    // What its comments say comes a moment after its times.
+    if (!program.described) return
+    filled = program
+    const entries = forms.get(program) ?? formFor(program.outcome, run.summary.operations, program.described, materials[0].word)
+    forms.set(program, entries)
+    if (!form.isText()) form.show(entries)
+  }
+
+  /** Whether the machine has a table of tools, from which diameters come that the form does not say. */
+  const hasTable = () => Object.keys(JSON.parse(machine || '{}')).some((key) => key.startsWith('tools.'))
 
   /** @param {CutResult} cut */
   function show({ summary, columns: loads }) {
@@ -274,6 +315,8 @@ export function mount(root, engine, actions) {
         : []),
       make('p', { className: 'help' }, say.cutting.legend(figures(cutting.resolution_mm), cutting.assumptions, cutting.material.name, cutting.material.source)),
     )
+    fed = fedAlong(loads.distance, loads.predictedPerTooth, form.tools(), operations)
+    if (fed.byTool.size > 0) result.append(perToothTable(fed.byTool))
     const { distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate } = loads
     picture = new LoadPicture(
       distance,
@@ -301,17 +344,13 @@ export function mount(root, engine, actions) {
     /** @param {State} state */
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
-      machine = JSON.stringify(state.machine.values)
-      current = { motion: state.machine.motion }
+      const { motion, values } = machineOf(state)
+      machine = JSON.stringify(values)
+      current = { motion }
       root.hidden = !program
-      compute.disabled = !program || state.machine.motion === undefined
-      const now = columnsOf(state, program?.outcome)
-      if (now.length !== columns.length || now.some((column, index) => column !== columns[index])) {
-        const before = chosen.value
-        columns = [...now]
-        chosen.replaceChildren(...columns.map((column) => make('option', {}, columnLabel(column))))
-        if (columns.some((column) => columnLabel(column) === before)) chosen.value = before
-      }
+      compute.disabled = !program || motion === undefined
+      at.update(columnsOf(state, program), quotedColumn(state, program))
+      showForm(state)
       if (shown !== undefined && shown !== subject()) clear()
     },
   }

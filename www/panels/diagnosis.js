@@ -1,5 +1,5 @@
-// The diagnosis: what was left out of the machine. A sentence first, then before and after, where, why, how sure, what
-// else it could be, and what the machine would be with it.
+// The diagnosis: what was left out of the machine. The balance first, as a sentence and as a waterfall, then both curves, then the
+// causes, the costliest first, with what the machine would be with them.
 
 import { Chart, markOfChart } from '../pkg/truefeed_whole.js'
 import { find, make, scroll } from '../dom.js'
@@ -10,9 +10,10 @@ import { mountPlot } from '../plot.js'
 import { evidence, usable } from '../recordings.js'
 import { saveFile, saveMachine } from '../save.js'
 import { say } from '../texts_later.js'
-import { headOf, lineOf } from './chart.js'
+import { headOf, lineOf, rangeOf } from './chart.js'
+import { measuredLaws } from './measured.js'
 
-/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Sides, State, Value, Values } from "../types.js" */
+/** @import { Cause, DiagnosedColumns, Diagnosis, DiagnosisReport, Form, Sides, State, Value, Values } from "../types.js" */
 /** @import { Engine } from "../engine.js" */
 /** @import { Filled } from "../plot.js" */
 /** @import { Pointer } from "../pkg/truefeed_whole.js" */
@@ -28,12 +29,18 @@ const REPORT_PX = /** @type {const} */ ([1040, 560])
  * @property {() => void} undoDiagnosis
  * @property {(values: Values) => void} tryValues
  * @property {() => void} undoSample
+ * @property {() => void} calibrate
+ * @property {(id: number) => void} select
+ * @property {(stretch: [number, number]) => void} mark  shows a stretch on the path and in the charts
  */
 
-/** @param {HTMLElement} root @param {Engine} engine  one of its own, for what is asked beside all else @param {Actions} actions */
-export function mount(root, engine, actions) {
+/** @param {HTMLElement} root @param {Engine} engine  one of its own, for what is asked beside all else @param {Form} form @param {Actions} actions */
+export function mount(root, engine, form, actions) {
   const start = /** @type {HTMLButtonElement} */ (find(root, '.start'))
   const why = find(root, '.why')
+  const first = find(root, '.calibrate-first')
+  const calibrate = /** @type {HTMLButtonElement} */ (find(first, 'button'))
+  const account = find(root, '.account-place')
   const restore = find(root, '.restore')
   const outdated = find(root, '.outdated')
   const again = /** @type {HTMLButtonElement} */ (find(outdated, 'button'))
@@ -63,6 +70,7 @@ export function mount(root, engine, actions) {
       chosen.replaceChildren(head, ...lineOf(pointer.line, shown?.runs[run].program))
     },
   })
+  calibrate.addEventListener('click', () => actions.calibrate())
   for (const button of [start, again]) button.addEventListener('click', () => actions.diagnose())
   find(restore, 'button').addEventListener('click', () => actions.undoSample())
   runs.addEventListener('change', () => draw(Number(runs.value)))
@@ -82,7 +90,18 @@ export function mount(root, engine, actions) {
   /** Goes to a region in the charts. @param {number} index @param {[number, number]} distances */
   function show(index, distances) {
     if (index !== run) draw(index)
+    const program = shown?.runs[index].program
+    if (program) actions.select(program.id)
+    actions.mark(distances)
     plot.show({ distance_mm: distances })
+  }
+
+  /** Goes to lines in the charts and on the path: of the first run that has them. @param {[number, number]} lines */
+  function showLines(lines) {
+    const all = shown?.runs ?? []
+    const index = all.findIndex(({ columns }) => stretchOf(columns, lines))
+    const stretch = all[index] && stretchOf(all[index].columns, lines)
+    if (stretch) show(index, stretch)
   }
 
   /** @param {Diagnosis} diagnosis @param {State} state */
@@ -104,12 +123,14 @@ export function mount(root, engine, actions) {
     choices.replaceChildren(...(report.changes.length > 0 ? [use, save] : []), asHtml, asJson)
     runs.replaceChildren(...all.map(({ name }, index) => make('option', { value: String(index) }, name)))
     picker.hidden = all.length < 2
+    account.replaceChildren(...accountOf(report))
+    const causes = [...report.causes].sort((a, b) => Math.abs(b.seconds) - Math.abs(a.seconds))
     place.replaceChildren(
-      ...accountOf(report),
-      ...report.causes.map(causeOf),
+      ...causes.map((cause) => causeOf(cause, showLines)),
       numbersTable(report),
       regionsTable(report, all.map(({ name }) => name), show),
       ...(values && report.changes.length > 0 ? [whatIf(report, values, state)] : []),
+      ...measuredLaws(report.measured),
       ...report.messages.map((message) => make('p', { className: 'facts' }, worded(message))),
       ...notShown(report),
     )
@@ -174,6 +195,11 @@ export function mount(root, engine, actions) {
       root.hidden = recordings.length === 0 && !diagnosis
       restore.hidden = !sample
       start.disabled = all === 0 || diagnosing || machine.faults.length > 0
+      // What a preset lacks would be found first: it is no machine's own.
+      const isPreset = !form.presets[machine.preset].kept && !state.calibration && !sample
+      first.hidden = !isPreset || all === 0 || Boolean(diagnosis)
+      calibrate.disabled = start.disabled || state.calibrating
+      start.classList.toggle('main', !isPreset)
       again.disabled = start.disabled
       const change = diagnosis && !diagnosing ? changeSince(diagnosis, state) : ''
       outdated.hidden = change === ''
@@ -181,7 +207,7 @@ export function mount(root, engine, actions) {
       root.classList.toggle('out-of-date', change !== '')
       start.textContent = all < 2 ? say.diagnosis.diagnose : say.diagnosis.diagnoseMany(count(all))
       const refused = recordings.find(({ match }) => match?.refusal)
-      why.textContent = all > 0 || !refused ? '' : say.diagnosis.refused(refused.name, refused.match?.refusal?.reason)
+      why.textContent = all > 0 || !refused ? '' : say.diagnosis.refused(refused.name)
       if (diagnosis === shown && (diagnosis?.used ?? false) === wasUsed) return
       const isOther = diagnosis !== shown && diagnosis?.runs !== shown?.runs
       shown = diagnosis
@@ -191,6 +217,7 @@ export function mount(root, engine, actions) {
       else {
         sentence.textContent = ''
         choices.replaceChildren()
+        account.replaceChildren()
         place.replaceChildren()
       }
       if (isOther) draw(0)
@@ -229,12 +256,12 @@ function withCharts(html, runs) {
 
 /** What the chart says about one distance. @param {Pointer} pointer @param {import("../types.js").Program | undefined} program */
 function words({ distance, line, programmed, rapid, curves, lost, lostAfter }, program) {
-  const rows = curves.map(({ label, feedrate: feed, time }, index) =>
+  const rows = curves.map(({ label, index, feedrate: feed, range, time }) =>
     make(
       'tr',
       {},
       make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
-      make('td', {}, feedrate(feed)),
+      make('td', {}, feedrate(feed), rangeOf(range)),
       make('td', {}, seconds(time)),
     ),
   )
@@ -252,10 +279,20 @@ const spoken = (id) => id.replaceAll('_', ' ')
 /** @param {[number, number]} lines */
 const range = ([from, to]) => (from === to ? `${from}` : `${from}–${to}`)
 
-/** @param {Cause} cause */
-function causeOf({ name, sentence, told, lines, confidence, sections, vendors, indistinguishable_from: others, position_mm: form }) {
+/** The stretch of lines along the path, mm; none where they are not run. @param {DiagnosedColumns} columns @param {[number, number]} lines @returns {[number, number] | undefined} */
+function stretchOf({ line, end }, [from, to]) {
+  const isAmong = (/** @type {number} */ one) => from <= one && one <= to
+  const first = line.findIndex(isAmong)
+  if (first < 0) return undefined
+  const after = line.subarray(first).findIndex((one) => !isAmong(one))
+  return [first > 0 ? end[first - 1] : 0, end[(after < 0 ? line.length : first + after) - 1]]
+}
+
+/** @param {Cause} cause @param {(lines: [number, number]) => void} show */
+function causeOf({ name, sentence, told, lines, confidence, sections, vendors, indistinguishable_from: others, position_mm: form }, show) {
+  /** @type {(string | Node)[][]} */
   const rows = told.map(({ name, value, deviation, unit }) => [name, worded(`${value}${deviation === null ? '' : ` ± ${deviation}`} ${unit}`.trim())])
-  if (lines.length > 0) rows.push([say.common.lines, lines.map(range).join(', ')])
+  if (lines.length > 0) rows.push([say.common.lines, linesOf(lines, show)])
   if (form !== null) rows.push([say.diagnosis.formError, `${number(1000 * form)} µm`])
   if (confidence !== null) {
     const proof = sections ? say.diagnosis.proof(sections[0], sections[0] + sections[1]) : ''
@@ -265,6 +302,20 @@ function causeOf({ name, sentence, told, lines, confidence, sections, vendors, i
   if (vendors) rows.push([say.diagnosis.setting, vendors])
   const list = rows.map(([term, text]) => make('div', {}, make('dt', {}, term), make('dd', {}, text)))
   return make('article', { className: 'cause' }, make('h3', {}, name), make('p', {}, worded(sentence)), make('dl', {}, ...list))
+}
+
+/** Where a cause acts: each place behind a click, all of them behind one. @param {[number, number][]} lines @param {(lines: [number, number]) => void} show */
+function linesOf(lines, show) {
+  const place = (/** @type {[number, number]} */ one) => {
+    const go = make('button', { type: 'button', title: say.common.showInCharts }, range(one))
+    go.addEventListener('click', () => show(one))
+    return go
+  }
+  if (lines.length === 1) return place(lines[0])
+  const all = make('details', { className: 'lines' }, make('summary', {}, say.diagnosis.places(count(lines.length))))
+  // Of hundreds nobody needs the buttons before they are asked for.
+  all.addEventListener('toggle', () => all.childElementCount === 1 && all.append(...lines.map(place)))
+  return all
 }
 
 /** The account as a table with a bar a row; nothing of a diagnosis that was kept before there was one. @param {DiagnosisReport} report */
@@ -277,7 +328,7 @@ function accountOf({ account }) {
     place.setAttribute('aria-hidden', 'true')
     return make('tr', {}, make('th', { scope: 'row' }, name), make('td', { className: 'seconds' }, worded(text)), place)
   })
-  const all = make('table', { className: 'account' }, make('caption', {}, say.diagnosis.account), make('tbody', {}, ...rows))
+  const all = make('table', { className: account.begins_s ? 'account broken' : 'account' }, make('caption', {}, say.diagnosis.account), make('tbody', {}, ...rows))
   return [all, make('p', { className: 'facts' }, worded(account.notes.join(' ')))]
 }
 

@@ -7,11 +7,11 @@ import { say } from '../texts.js'
 /** @import { Diagnostic, Program, State } from "../types.js" */
 
 const SHOWN = 100
-/** @type {Record<Diagnostic["severity"], [string, string]>} */
-const NAMES = { error: ['error', 'errors'], warning: ['warning', 'warnings'], info: ['note', 'notes'] }
+/** @type {Record<Diagnostic["severity"], import('../texts.js').Sentence>} */
+const NAMES = { error: say.diagnostics.error, warning: say.diagnostics.warning, info: say.diagnostics.note }
 
-/** @param {HTMLElement} root */
-export function mount(root) {
+/** @param {HTMLElement} root @param {HTMLElement} strip  with the button that opens it */
+export function mount(root, strip) {
   const list = find(root, '.list')
   const counts = find(root, '.counts')
   /** @type {Diagnostic[] | null} */
@@ -28,7 +28,7 @@ export function mount(root) {
           'tr',
           { className: severity },
           make('td', { className: 'line' }, String(line)),
-          make('td', { className: 'severity' }, NAMES[severity][0]),
+          make('td', { className: 'severity' }, NAMES[severity](1)),
           make('td', {}, message, code),
         )
       })
@@ -49,10 +49,11 @@ export function mount(root) {
       if (diagnostics === shown) return
       shown = diagnostics
       root.hidden = !diagnostics?.length
+      find(strip, '.counts').textContent = diagnostics ? count(diagnostics.length) : ''
       if (!program || !diagnostics) return
-      const parts = Object.entries(NAMES).flatMap(([severity, [one, many]]) => {
+      const parts = Object.entries(NAMES).flatMap(([severity, named]) => {
         const number = diagnostics.filter((diagnostic) => diagnostic.severity === severity).length
-        return number ? [make('span', { className: severity }, `${count(number)} ${number === 1 ? one : many}`)] : []
+        return number ? [make('span', { className: severity }, `${count(number)} ${named(number)}`)] : []
       })
       counts.replaceChildren(...parts)
       fill(program, diagnostics, SHOWN)

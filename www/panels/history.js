@@ -2,7 +2,7 @@
 
 import { find } from '../dom.js'
 
-/** @import { History } from "../history.js" */
+/** @import { History } from "../state/history.js" */
 
 /** Where typing has an undo of its own. */
 const TYPED = 'input:not([type="checkbox"], [type="file"]), textarea'

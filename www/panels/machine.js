@@ -2,32 +2,34 @@
 
 import { find, make } from '../dom.js'
 import { field, same } from '../field.js'
-import { figures, worded } from '../format.js'
+import { roughly, worded } from '../format.js'
 import { say } from '../texts.js'
 import { mountUndo } from '../undo.js'
 
 /** @import { Entry } from "../field.js" */
+/** @import { Step } from "../state/store.js" */
 /** @import { Form, Preset, State, Value, Values } from "../types.js" */
 
-/** The parameters an estimator meets first; all others are under “More parameters”. */
+/** The parameters an estimator meets first: those of a data sheet, then those of the control. All others are under “More parameters”. */
 const BASIC = [
   'name',
-  'interpolator.filters',
-  'interpolator.time_constant_s',
-  'interpolator.corner_mode',
   'rapid.feed_mm_min',
+  'path.acceleration_mm_s2',
   'times.tool_change_s',
   'rates.hourly',
+  'interpolator.corner_mode',
+  'interpolator.filters',
+  'interpolator.time_constant_s',
 ]
 
 /**
  * @typedef {object} Actions
  * @property {(index: number) => void} choosePreset
  * @property {(key: string, value: Value) => void} setParameter
- * @property {() => () => void} keepMachine
- * @property {() => () => void} duplicateMachine
- * @property {() => () => void} removeMachine
- * @property {(text: string) => Promise<() => void>} importMachine
+ * @property {() => Step} keepMachine
+ * @property {() => Step} duplicateMachine
+ * @property {() => Step} removeMachine
+ * @property {(text: string) => Promise<Step>} importMachine
  */
 
 /** @param {HTMLElement} root @param {Form} form @param {Actions} actions */
@@ -73,9 +75,9 @@ export function mount(root, form, actions) {
   /** Takes the machine of a file, or says why it is none. @param {File} chosen */
   async function take(chosen) {
     try {
-      const putBack = await actions.importMachine(await chosen.text())
+      const step = await actions.importMachine(await chosen.text())
       fault.textContent = ''
-      undo.offer(say.machine.loaded(chosen.name), putBack)
+      undo.offer(say.machine.loaded(chosen.name), step)
     } catch (reason) {
       fault.textContent = say.machine.notMachine(chosen.name, reason)
     }
@@ -108,7 +110,7 @@ export function mount(root, form, actions) {
     const option = (/** @type {Preset} */ { name }, /** @type {number} */ index) => make('option', { value: String(index) }, name)
     const options = form.presets.map((entry, index) => ({ entry, option: option(entry, index) }))
     const group = (/** @type {string} */ label, /** @type {boolean} */ kept) => {
-      const own = options.filter(({ entry }) => Boolean(entry.kept) === kept && !entry.removed)
+      const own = options.filter(({ entry }) => Boolean(entry.kept) === kept)
       return own.length > 0 ? [make('optgroup', { label }, ...own.map(({ option }) => option))] : []
     }
     preset.replaceChildren(...group(say.machine.presets, false), ...group(say.machine.keptHere, true))
@@ -117,16 +119,15 @@ export function mount(root, form, actions) {
   return {
     take,
     /** @param {State} state */
-    update({ machine }) {
+    update({ machine, calibration }) {
+      undo.update()
       values = machine.values
       const start = form.presets[machine.preset]
-      offer(JSON.stringify(form.presets.map(({ name, removed }) => [name, removed])))
+      offer(JSON.stringify(form.presets.map(({ name }) => name)))
       preset.value = String(machine.preset)
       preset.title = start.name
       find(root, '.source').textContent = worded(`${start.source} ${start.caveat}`.trim())
-      const error = values['calibration.cycle_time_error_percent']
-      const known = typeof error === 'number' ? say.machine.calibratedTo(figures(error)) : ''
-      find(root, '.origin').textContent = values.provenance ? say.machine.origin(values.provenance, known) : ''
+      find(root, '.origin').textContent = originOf(values, Boolean(start.kept || calibration))
       const isChanged = !same(values, start.values)
       save.disabled = machine.faults.length > 0
       keep.disabled = machine.faults.length > 0 || (Boolean(start.kept) && !isChanged)
@@ -152,6 +153,13 @@ export function mount(root, form, actions) {
       find(root, '.faults').textContent = elsewhere.join(' ')
     },
   }
+}
+
+/** Where the numbers of a machine come from and how exact they are. @param {Values} values @param {boolean} isOwn  the user's, and no preset */
+function originOf({ provenance, 'calibration.cycle_time_error_percent': error }, isOwn) {
+  if (!provenance) return ''
+  if (typeof error === 'number' && !isOwn) return say.machine.testedOn(roughly(error), provenance)
+  return say.machine.origin(provenance, typeof error === 'number' ? say.machine.calibratedTo(roughly(error)) : '')
 }
 
 /** Fields by their group, in the order of the first of each. @param {Entry[]} entries */

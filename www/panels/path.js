@@ -1,34 +1,35 @@
 // The path in space beside its program text, and the places that cost most; all linked with the charts.
 
 import { PathView } from '../pkg/truefeed_whole.js'
-import { columnLabel, columnsOf } from '../columns.js'
+import { mountTolerance } from '../at_tolerance.js'
+import { columnsOf, machineOf, quotedColumn } from '../columns.js'
 import { find, make } from '../dom.js'
 import { sheetOf } from '../drawing.js'
-import { count, feedrate, figures, millimetres, number, percent, worded } from '../format.js'
+import { feedrate, figures, millimetres } from '../format.js'
 import { mountListing } from '../listing.js'
+import { namedIn, operationAt, operationTitle, toolTitle } from '../operations.js'
 import { offerPictures } from '../pictures.js'
 import { link } from '../plot.js'
 import { recordingOf } from '../recordings.js'
+import { offerShortcuts } from '../shortcuts.js'
 import { say } from '../texts_later.js'
 import { lineOf } from './chart.js'
+import { axesOf } from './path_axes.js'
+import { choices, color, endsOf, fillLegend, wayOf } from './path_colors.js'
+import { mountPlaces } from './path_places.js'
+import { pathByPointer } from './path_pointer.js'
+import { mountPlayer } from './player.js'
 
-/** @import { Column, LostAt, MatchedColumns, Outcome, Program, Run, State } from "../types.js" */
+/** @import { Fed } from "../cutting/job.js" */
+/** @import { LostAt, MatchedColumns, Outcome, Program, Revised, Run, State } from "../types.js" */
 
-const WHEEL = 1.0015
 const ZOOM = 1.5
 const STEP_PX = 60
 const STEP_RAD = 0.12
-const RAD_PER_PX = 0.008
 const WALK_PX = 6
-const CLICK_PX = 4
-const AXIS_PX = 26
+const GAP_PX = 8
 const MOST_PIXELS = 3e6
-
-const COLORS = /** @type {const} */ ([
-  ['feedrate', say.path.byFeedrate, say.common.feedrate],
-  ['loss', say.path.byLoss, say.path.loss],
-  ['lost', say.path.byLost, say.path.lost],
-])
+const NONE_FED = /** @type {Fed[]} */ ([])
 
 /**
  * @param {HTMLElement} root
@@ -38,13 +39,24 @@ export function mount(root, actions) {
   const space = find(root, '.space')
   const canvas = /** @type {HTMLCanvasElement} */ (find(root, 'canvas'))
   const by = /** @type {HTMLSelectElement} */ (find(root, '.by'))
-  const at = /** @type {HTMLSelectElement} */ (find(root, '.at'))
   const [marks, axes, scale, here, reading, legend, list] = ['.marks', '.axes', '.scale', '.here', '.reading', '.legend', '.places'].map(
     (selector) => find(root, selector),
   )
   const looks = /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll('[data-look]'))
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
   const view = new PathView()
+  const places = mountPlaces(list, marks, choosePlace)
+  const player = mountPlayer(find(root, '.player'), {
+    at(distance) {
+      view.runTo(distance)
+      showAt(distance, false)
+      listing.choose(view.lineAt(distance) ?? 0)
+      others.point(distance)
+      here.classList.add('playing')
+      moved()
+    },
+    ended: rest,
+  })
   const listing = mountListing(find(root, '.listing'), {
     chosen(line) {
       const stretch = view.stretchOf(line)
@@ -75,21 +87,24 @@ export function mount(root, actions) {
     },
   })
 
+  offerShortcuts(find(root, '.tools'), find(root, '.halves'), say.path.keys)
   offerPictures(find(root, '.tools'), 'path', say.path.picture, () => {
     const [length] = view.scale()
-    return outcome ? view.svg(...ends(), lengthLabel(length)) : undefined
+    return outcome ? view.svg(...endsOf(view), lengthLabel(length)) : undefined
   })
 
   /** @type {Program | undefined} */
   let program
   /** @type {Outcome | null | undefined} */
   let outcome
-  /** @type {Column[]} */
-  let columns = []
   /** @type {Run | undefined} */
   let run
   /** @type {MatchedColumns | undefined} */
   let lost
+  /** @type {Revised | null} */
+  let revised = null
+  /** How teeth are fed, where forces were computed. @type {Fed[]} */
+  let fed = NONE_FED
   /** What the picture shows now, so that it is made anew only when something else is to be shown. @type {unknown[]} */
   let filled = []
   /** @type {string | undefined} */
@@ -98,8 +113,6 @@ export function mount(root, actions) {
   let listed
   let look = 'top'
   let readAt = NaN
-  /** @type {LostAt | undefined} */
-  let chosenPlace
 
   // Drawing
 
@@ -117,21 +130,7 @@ export function mount(root, actions) {
   function overlay(height) {
     for (const mark of /** @type {Iterable<HTMLElement>} */ (marks.children)) put(mark, Number(mark.dataset.at))
     if (!here.hidden) put(here, readAt)
-    const directions = view.axes()
-    const [left, bottom] = [AXIS_PX + 14, height - AXIS_PX - 14]
-    axes.replaceChildren(
-      ...['X', 'Y', 'Z'].flatMap((name, index) => {
-        const [x, y] = directions.subarray(2 * index, 2 * index + 2)
-        const size = Math.hypot(x, y) * AXIS_PX
-        if (size < 6) return []
-        const shaft = make('i', {})
-        Object.assign(shaft.style, { left: `${left}px`, top: `${bottom}px`, width: `${size}px`, transform: `rotate(${Math.atan2(y, x)}rad)` })
-        const label = make('span', {}, name)
-        const far = AXIS_PX * (1 + 10 / size)
-        Object.assign(label.style, { left: `${left + x * far}px`, top: `${bottom + y * far}px` })
-        return [shaft, label]
-      }),
-    )
+    axes.replaceChildren(...axesOf(view, height))
     const [length, width] = view.scale()
     scale.style.width = `${width}px`
     scale.textContent = lengthLabel(length)
@@ -154,16 +153,13 @@ export function mount(root, actions) {
     if (!withWords) return
     const runs = view.feedrateAt(distance)
     const fast = runs === undefined ? '' : ` · ${feedrate(runs)}`
-    reading.replaceChildren(make('p', {}, make('strong', {}, millimetres(distance)), fast), ...lineOf(view.lineAt(distance), program))
-    const [x, y] = view.locate(distance)
+    const operation = operations().length > 1 ? operationAt(operations(), distance) : undefined
+    const tool = operation ? [make('p', { className: 'small' }, `${toolTitle(operation)} · ${operationTitle(operation)}`)] : []
+    reading.replaceChildren(make('p', {}, make('strong', {}, millimetres(distance)), fast), ...tool, ...lineOf(view.lineAt(distance), program))
+    // In the corner that is away from what is read.
+    const [x] = view.locate(distance)
     const toTheLeft = x > sheet.width / 2
-    const above = y > sheet.height / 2
-    Object.assign(reading.style, {
-      left: toTheLeft ? 'auto' : `${x + 14}px`,
-      right: toTheLeft ? `${sheet.width - x + 14}px` : 'auto',
-      top: above ? 'auto' : `${y + 10}px`,
-      bottom: above ? `${sheet.height - y + 10}px` : 'auto',
-    })
+    Object.assign(reading.style, { left: toTheLeft ? `${GAP_PX}px` : 'auto', right: toTheLeft ? 'auto' : `${GAP_PX}px`, top: `${GAP_PX}px` })
   }
 
   function hide() {
@@ -173,13 +169,22 @@ export function mount(root, actions) {
     listing.point(0)
   }
 
+  /** Shows all of the path again, where it was shown as far as it had been run. */
+  function rest() {
+    view.runTo(undefined)
+    here.classList.remove('playing')
+    redraw()
+  }
+
   function leave() {
+    if (player.isPlaying()) return
     hide()
     others.hide()
   }
 
   /** @param {number} distance */
   function read(distance) {
+    if (player.isPlaying()) return
     showAt(distance, true)
     listing.point(view.lineAt(distance) ?? 0)
     others.point(distance)
@@ -189,7 +194,7 @@ export function mount(root, actions) {
   function keep([from, to]) {
     view.mark(from, to)
     view.reveal(0.5 * (from + to))
-    setPlace(undefined)
+    places.choose(undefined)
     moved()
   }
 
@@ -205,6 +210,7 @@ export function mount(root, actions) {
     const line = view.lineAt(distance)
     if (line !== undefined) chooseLine(line)
     read(distance)
+    player.from(distance)
     others.choose(distance)
   }
 
@@ -212,23 +218,12 @@ export function mount(root, actions) {
   function choosePlace(place) {
     const [from, to] = place.distance_mm
     keep([from, to])
-    setPlace(place)
+    places.choose(place)
     listing.choose(place.lines[0])
     actions.reveal([from, to])
     const middle = 0.5 * (from + to)
     showAt(middle, false)
     others.point(middle)
-  }
-
-  /** @param {LostAt | undefined} place */
-  function setPlace(place) {
-    chosenPlace = place
-    const index = run?.summary.lost.places.findIndex((other) => other === place) ?? -1
-    for (const [row, element] of [...list.querySelectorAll('tbody tr')].entries()) {
-      if (row === index) element.setAttribute('aria-current', 'true')
-      else element.removeAttribute('aria-current')
-    }
-    for (const [row, element] of [...marks.children].entries()) element.classList.toggle('chosen', row === index)
   }
 
   // The view
@@ -286,13 +281,18 @@ export function mount(root, actions) {
   for (const button of looks) button.addEventListener('click', () => lookFrom(button.dataset.look ?? 'top'))
   for (const button of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll('[data-do]')))
     button.addEventListener('click', () => verbs[/** @type {keyof typeof verbs} */ (button.dataset.do)]())
-  for (const select of [by, at]) select.addEventListener('change', refill)
+  by.addEventListener('change', refill)
+  const at = mountTolerance(/** @type {HTMLSelectElement} */ (find(root, '.at')), refill)
 
   space.addEventListener('keydown', (event) => {
     if (!outcome || event.ctrlKey || event.metaKey || event.altKey) return
     if (event.shiftKey && event.key.startsWith('Arrow')) {
       event.preventDefault()
       return walk(event.key === 'ArrowLeft' || event.key === 'ArrowDown' ? -1 : 1)
+    }
+    if (event.key === ' ') {
+      event.preventDefault()
+      return player.toggle()
     }
     if (event.key === 'Escape') return leave()
     if (event.key === 'Enter' && Number.isFinite(readAt)) return choose(readAt)
@@ -309,76 +309,18 @@ export function mount(root, actions) {
     read(Math.min(Math.max(from + (direction * WALK_PX * length) / width, 0), view.length()))
   }
 
-  space.addEventListener(
-    'wheel',
-    (event) => {
-      if (!outcome) return
-      event.preventDefault()
-      zoom(WHEEL ** -event.deltaY, pixel(event))
-    },
-    { passive: false },
-  )
   space.addEventListener('dblclick', () => lookFrom(look))
-  space.addEventListener('pointerleave', (event) => event.pointerType !== 'touch' && leave())
   space.addEventListener('blur', leave)
-  space.addEventListener('contextmenu', (event) => event.preventDefault())
-
-  /** @param {MouseEvent} event */
-  function pixel(event) {
-    const { left, top } = space.getBoundingClientRect()
-    return { x: event.clientX - left - space.clientLeft, y: event.clientY - top - space.clientTop }
-  }
-
-  /** Where each finger or button is, and whether it has moved. @type {Map<number, {x: number, y: number, begun: {x: number, y: number}}>} */
-  const pointers = new Map()
-  let hasDragged = false
-
-  space.addEventListener('pointerdown', (event) => {
-    if (!outcome) return
-    const now = pixel(event)
-    if (pointers.size === 0) hasDragged = false
-    pointers.set(event.pointerId, { ...now, begun: now })
-    space.setPointerCapture(event.pointerId)
-  })
-  space.addEventListener('pointermove', (event) => {
-    if (!outcome) return
-    const now = pixel(event)
-    const own = pointers.get(event.pointerId)
-    if (!own) {
-      if (event.buttons !== 0) return
-      const distance = view.pick(now.x, now.y)
-      return distance === undefined ? leave() : read(distance)
-    }
-    if (!hasDragged && Math.hypot(now.x - own.begun.x, now.y - own.begun.y) < CLICK_PX) return
-    if (!hasDragged) leave()
-    hasDragged = true
-    const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1]
-    const [dx, dy] = [now.x - own.x, now.y - own.y]
-    if (other) {
-      const apart = (/** @type {{x: number, y: number}} */ { x, y }) => Math.max(Math.hypot(x - other.x, y - other.y), 1)
-      view.pan(dx / 2, dy / 2)
-      view.zoom(apart(now) / apart(own), (now.x + other.x) / 2, (now.y + other.y) / 2)
-    } else if (look === 'turned' && !event.shiftKey && (event.buttons & 1) === 1) {
-      view.turn(-dx * RAD_PER_PX, dy * RAD_PER_PX)
-    } else view.pan(dx, dy)
-    Object.assign(own, now)
-    moved()
-  })
-  for (const end of /** @type {const} */ (['pointerup', 'pointercancel'])) {
-    space.addEventListener(end, (event) => {
-      const own = pointers.get(event.pointerId)
-      pointers.delete(event.pointerId)
-      if (!own || hasDragged || end === 'pointercancel') return
-      const distance = view.pick(own.x, own.y)
-      if (distance !== undefined) choose(distance)
-    })
-  }
+  pathByPointer(space, view, { isShown: () => Boolean(outcome), turns: () => look === 'turned', read, leave, moved, chosen: choose })
   dark.addEventListener('change', () => {
     filled = []
     refill()
   })
 
   // Filling
+
+  /** What is run in order. */
+  const operations = () => namedIn(program, run?.summary.operations ?? [])
 
   /** Shows what is to be shown now, where it is in sight. */
   function refill() {
@@ -388,94 +330,33 @@ export function mount(root, actions) {
 
   function fill() {
     if (!outcome) return
-    const column = columns[at.selectedIndex]
+    const column = at.column() ?? null
     run = outcome.runs.get(column)
-    const now = [outcome, run, lost, by.value]
+    const now = [outcome, run, lost, revised, fed, by.value]
     if (now.length === filled.length && now.every((value, index) => value === filled[index])) return
     const isOther = filled[0] !== outcome
     filled = now
     if (isOther) {
       const { end, feedrate: feed, rapid, line } = outcome.steps
       view.program(outcome.trail.points, outcome.trail.distance, end, feed, rapid, line)
+      rest()
       hide()
     }
     view.setDark(dark.matches)
     if (run) view.pace(run.columns.paceEnd, run.columns.paceFeedrate)
-    if (lost) view.lost(lost.lostDistance, lost.lostSeconds)
-    view.color(by.value)
+    options(by, choices(operations(), Boolean(lost), Boolean(revised), fed.length > 0))
+    if (by.value === 'revised' && revised) view.lost(revised.columns.distance, revised.columns.later)
+    else if (lost) view.lost(lost.lostDistance, lost.lostSeconds)
+    color(view, by.value, operations(), fed)
+    player.fill(run?.columns)
     if (listed !== program && program) listing.fill(program.lines)
     listed = program
     const path = `${program?.id} ${outcome.steps.end.at(-1)}`
-    if (fitted !== path) lookFrom(look)
+    if (fitted !== path) lookFrom(view.isDeep() ? 'turned' : 'top')
     fitted = path
-    fillLegend()
-    fillPlaces(column)
-    const way = COLORS.find(([value]) => value === by.value)?.[1]
-    canvas.setAttribute('aria-label', say.path.described(program?.name, way))
-  }
-
-  /** What the first and the last colour stand for. @returns {[string, string]} */
-  function ends() {
-    const { ends, unit } = view.legend()
-    const [first, last] = [...ends].map((end) => `${unit === 'mm/min' ? count(end) : number(end)} ${unit}`)
-    return [first, last]
-  }
-
-  function fillLegend() {
-    const { colors } = view.legend()
-    const title = COLORS.find(([value]) => value === by.value)?.[2] ?? ''
-    const ramp = make(
-      'span',
-      { className: 'ramp' },
-      ...colors.map((color) => {
-        const swatch = make('span', {})
-        swatch.style.background = color
-        return swatch
-      }),
-    )
-    ramp.setAttribute('aria-hidden', 'true')
-    const [first, last] = ends()
-    const rapids = make('span', { className: 'dashes' })
-    rapids.setAttribute('aria-hidden', 'true')
-    legend.replaceChildren(make('span', {}, `${title}:`), make('span', {}, first), ramp, make('span', {}, last), rapids, make('span', {}, say.path.rapid))
-  }
-
-  /** @param {Column} column */
-  function fillPlaces(column) {
-    if (!run) {
-      marks.replaceChildren()
-      return list.replaceChildren(make('p', { className: 'empty' }, say.common.computing))
-    }
-    const { places, seconds: all, elsewhere_s: elsewhere } = run.summary.lost
-    marks.replaceChildren(
-      ...places.map(({ distance_mm: [from, to] }, index) => {
-        const mark = make('span', {}, String(index + 1))
-        mark.dataset.at = String(0.5 * (from + to))
-        return mark
-      }),
-    )
-    const cells = (/** @type {number} */ lostHere) => [
-      make('td', {}, `${number(lostHere)} s`),
-      make('td', {}, all > 0 ? percent(lostHere / all).replace('+', '') : '–'),
-    ]
-    const rows = places.map((place, index) => {
-      const [from, to] = place.lines
-      const go = make('button', { type: 'button', title: say.path.showEverywhere }, from === to ? `${from}` : `${from}–${to}`)
-      go.setAttribute('aria-label', say.path.showPlace(index + 1, go.textContent))
-      go.addEventListener('click', () => choosePlace(place))
-      return make('tr', {}, make('th', { scope: 'row' }, String(index + 1)), make('td', {}, go), make('td', {}, worded(place.text)), ...cells(place.seconds))
-    })
-    const rest = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.everywhereElse), ...cells(elsewhere))
-    const total = make('tr', {}, make('th', { scope: 'row', colSpan: 3 }, say.path.total), ...cells(all))
-    const titles = ['', say.common.lines, say.path.why, say.common.lost, say.path.ofAll].map((title) => make('th', { scope: 'col' }, title))
-    titles[0].append(make('span', { className: 'away' }, say.path.place))
-    const which = column === null ? columnLabel(column) : say.path.atTolerance(columnLabel(column))
-    const caption = make('caption', {}, places.length > 0 ? say.path.costliest(which) : say.path.nothingLost(which))
-    const scroll = make('div', { className: 'scroll', tabIndex: 0 }, make('table', {}, caption, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows), make('tfoot', {}, rest, total)))
-    scroll.setAttribute('role', 'group')
-    scroll.setAttribute('aria-label', say.path.costliestLabel)
-    list.replaceChildren(scroll)
-    setPlace(places.find((place) => place === chosenPlace))
+    fillLegend(legend, view, by.value, operations(), revised?.name, fed)
+    places.fill(run, column)
+    canvas.setAttribute('aria-label', say.path.described(program?.name, wayOf(by.value)))
   }
 
   return {
@@ -488,17 +369,17 @@ export function mount(root, actions) {
     update(state) {
       program = state.programs.find(({ id }) => id === state.selected)
       outcome = program?.outcome
-      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== state.machine.motion)
+      root.classList.toggle('stale', Boolean(outcome) && outcome?.motion !== machineOf(state).motion)
       const recording = recordingOf(state)
       lost = recording?.program === program?.id && recording?.match?.report ? recording?.match.columns : undefined
-      options(by, COLORS.filter(([value]) => value !== 'lost' || lost).map(([value, title]) => [value, title]))
-      columns = columnsOf(state, outcome)
-      options(at, columns.map((column) => [columnLabel(column), columnLabel(column)]))
+      revised = state.revised?.program === program?.id ? state.revised : null
+      fed = (state.cut?.program === program?.id && state.cut?.fed) || NONE_FED
+      at.update(columnsOf(state, program), quotedColumn(state, program))
       if (!outcome) {
         canvas.width = canvas.width // empties it
-        marks.replaceChildren()
         legend.replaceChildren()
-        list.replaceChildren()
+        places.empty()
+        player.fill(undefined)
         filled = []
       }
       refill()
@@ -509,7 +390,7 @@ export function mount(root, actions) {
 /** A round length. @param {number} length  mm */
 const lengthLabel = (length) => `${figures(length)} mm`
 
-/** Gives a choice its options and keeps what is chosen. @param {HTMLSelectElement} select @param {string[][]} all  value and title */
+/** Gives a choice its options and keeps what is chosen. @param {HTMLSelectElement} select @param {[string, string, ...string[]][]} all  value and title */
 function options(select, all) {
   const before = select.value
   const isSame = all.length === select.options.length && all.every(([value], index) => select.options[index].value === value)

@@ -1,66 +1,78 @@
-// The quote: terms on one side, the price with all it is made of on the other, and its documents. All arithmetic is Rust's.
+// The price: what it is, what is not in it yet, its terms, all it is made of, and its documents. All arithmetic is Rust's.
 
 import { Chart, Offered, termsForm, toleranceLabel } from '../pkg/truefeed_whole.js'
-import { addCurve, columnLabel, columnsOf } from '../columns.js'
+import { addCurve, columnLabel, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
 import { find, make } from '../dom.js'
 import { field, idOf, same } from '../field.js'
-import { amount, clock, count, seconds, worded, wordedHtml } from '../format.js'
+import { amount, between, clock, count, duration, priced, seconds, worded, wordedHtml } from '../format.js'
+import { nameOf } from '../job/names.js'
+import { isCurrent } from '../job/pricing.js'
 import { addressOf, saveFile } from '../save.js'
 import { say } from '../texts_later.js'
 import { outOfDate } from './results.js'
 
-/** @import { Column, Form, Offer, OfferShare, Outcome, Parameter, State, Value } from "../types.js" */
+/** @import { Column, Form, JobReport, Offer, OfferShare, Outcome, Parameter, State, Value } from "../types.js" */
 
 const CHART_PX = /** @type {const} */ ([1040, 560])
 /** The machine's own rate is part of the machine, and entered here as well. */
 const MACHINE_RATE = 'rates.hourly'
+/** The terms an estimator meets first; all others are under “More terms”. */
+const FIRST = ['quantity', MACHINE_RATE, 'set_up_min', 'loading_s', 'material', 'margin_percent']
 
 /**
  * @param {HTMLElement} root
  * @param {Form} form
- * @param {{setParameter(key: string, value: Value): void, setTerm(key: string, value: Value): void, setQuoted(tolerance: string): void}} actions
+ * @param {{setParameter(key: string, value: Value): void, setTerm(key: string, value: Value): void}} actions
  */
 export function mount(root, form, actions) {
-  const chosen = /** @type {HTMLSelectElement} */ (find(root, '.at select'))
   const answer = find(root, '.answer')
+  const tables = find(root, '.tables')
   const waits = find(root, '.waits')
   const exporting = /** @type {NodeListOf<HTMLButtonElement>} */ (root.querySelectorAll('.exports button'))
   const pictures = find(root, '.pictures')
   /** @type {Parameter[]} */
   const terms = JSON.parse(termsForm())
-  const fields = terms.map((parameter) => field('term', parameter, actions.setTerm))
-  const rate = form.fields
-    .filter(({ key }) => key === MACHINE_RATE)
-    .map((parameter) => field('term', { ...parameter, label: say.quote.hourlyRate }, actions.setParameter))
-  // Beside the operator's.
-  const before = fields.findIndex(({ parameter }) => parameter.key === 'operator_hourly')
-  find(root, '.fields').append(...[...fields.slice(0, before), ...rate, ...fields.slice(before)].map(({ element }) => element))
+  const rate = form.fields.filter(({ key }) => key === MACHINE_RATE)
+  const fields = [
+    ...terms.map((parameter) => field('term', parameter, actions.setTerm)),
+    ...rate.map((parameter) => field('term', { ...parameter, label: say.quote.hourlyRate }, actions.setParameter)),
+  ]
+  const isFirst = (/** @type {typeof fields[number]} */ { parameter }) => FIRST.includes(parameter.key)
+  const place = ({ parameter: { key } = fields[0].parameter }) => FIRST.indexOf(key)
+  find(root, '.first').append(...fields.filter(isFirst).sort((a, b) => place(a) - place(b)).map(({ element }) => element))
+  find(root, '.rest').append(...fields.filter((entry) => !isFirst(entry)).map(({ element }) => element))
   find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
 
   /** @type {State | undefined} */
   let state
-  /** @type {Column[]} */
+  /** Those that are computed, and which of them is quoted. @type {Column[]} */
   let columns = []
-  /** @type {Offered | null} */
+  let chosen = -1
+  /** The program alone, with its tolerances, tools and operations. @type {Offered | null} */
   let offered = null
   /** What is in sight is of. @type {unknown[]} */
   let shown = []
 
-  chosen.addEventListener('change', () => actions.setQuoted(chosen.value))
+  const job = () => state?.price?.job ?? null
+  /** A job, else the program alone. */
+  const whole = () => (state && isJob(state) ? job() : offered)
 
-  /** @param {string} selector @param {(offered: Offered, name: string) => void} act */
+  /** @param {string} selector @param {(name: string) => void} act */
   function on(selector, act) {
     find(root, selector).addEventListener('click', () => {
-      const name = program()?.name.replace(/\.[^.]*$/, '').replace(/[^\w.-]+/g, '-') ?? 'part'
-      if (offered) act(offered, `quote-${name}`)
+      const called = state?.job || program()?.name.replace(/\.[^.]*$/, '') || 'part'
+      if (whole() && job()) act(`quote-${called.replace(/[^\w.-]+/g, '-')}`)
     })
   }
-  on('.csv', (offer, name) => saveFile(offer.csv(), 'text/csv', `${name}.csv`))
-  on('.json', (offer, name) => saveFile(offer.json(), 'application/json', `${name}.json`))
-  on('.html', (offer, name) => {
-    const charts = drawn()
-    const html = wordedHtml(offer.html(charts, charts.map(() => CAPTION)))
-    saveFile(html, 'text/html', `${name}.html`)
+  /** A document of Rust in the words of the browser's language. @param {string | undefined} html */
+  const documentOf = (html) => wordedHtml(html ?? '', state?.price?.report.currency)
+  on('.csv', (name) => saveFile(whole()?.csv() ?? '', 'text/csv', `${name}.csv`))
+  on('.json', (name) => saveFile(whole()?.json() ?? '', 'application/json', `${name}.json`))
+  on('.customer', (name) => saveFile(documentOf(job()?.offer()), 'text/html', `${name}-customer.html`))
+  on('.share', (name) => saveFile(documentOf(job()?.result(...captioned())), 'text/html', `${name}-result.html`))
+  on('.html', (name) => {
+    const html = state && isJob(state) ? job()?.costing(...captioned()) : offered?.html(...captioned())
+    saveFile(documentOf(html), 'text/html', `${name}.html`)
   })
   on('.print', async () => {
     await Promise.all(placePictures().map((picture) => picture.decode()))
@@ -70,29 +82,38 @@ export function mount(root, form, actions) {
 
   /** The charts on paper. */
   function placePictures() {
-    const images = drawn().map((svg) => make('img', { src: addressOf(svg), alt: CAPTION }))
+    const images = drawn().map(({ svg, caption }) => make('img', { src: addressOf(svg), alt: caption }))
     pictures.replaceChildren(...images)
     return images
   }
 
-  const program = () => state?.programs.find(({ id }) => id === state?.selected)
+  /** The charts, and what each shows. @returns {[string[], string[]]} */
+  function captioned() {
+    const all = drawn()
+    return [all.map(({ svg }) => svg), all.map(({ caption }) => caption)]
+  }
 
-  /** The chart of the tolerance in sight as SVG. */
+  const program = () => state && programInSight(state)
+
+  /** The chart of the tolerance that is quoted as SVG, of each program of the job. @returns {{svg: string, caption: string}[]} */
   function drawn() {
-    const outcome = program()?.outcome
-    const column = columns[chosen.selectedIndex]
-    const run = outcome?.runs.get(column)
-    if (!outcome || !run) return []
-    const chart = new Chart()
-    const { end, feedrate, rapid, line } = outcome.steps
-    chart.program(end, feedrate, rapid, line)
-    addCurve(chart, column, outcome.held)
-    const { distance, feedrate: feed, time, corner, arcs, alongArcs } = run.columns
-    chart.fill(distance, feed, time)
-    chart.fillErrors(corner, arcs, alongArcs)
-    const svg = chart.svg(...CHART_PX)
-    chart.free()
-    return svg ? [svg] : []
+    const now = state
+    if (!now) return []
+    return now.programs.flatMap((one) => {
+      const column = quotedColumn(now, one)
+      const run = one.outcome?.runs.get(column)
+      if (!one.outcome || !run) return []
+      const chart = new Chart()
+      const { end, feedrate, rapid, line } = one.outcome.steps
+      chart.program(end, feedrate, rapid, line)
+      addCurve(chart, column, one.outcome.held)
+      const { distance, feedrate: feed, time, corner, arcs, alongArcs } = run.columns
+      chart.fill(distance, feed, time)
+      chart.fillErrors(corner, arcs, alongArcs)
+      const svg = chart.svg(...CHART_PX)
+      chart.free()
+      return svg ? [{ svg, caption: now.programs.length > 1 ? `${nameOf(one)}: ${CAPTION}` : CAPTION }] : []
+    })
   }
 
   /** @param {State} now */
@@ -100,32 +121,35 @@ export function mount(root, form, actions) {
     state = now
     const outcome = program()?.outcome
     const { machine, terms } = now
-    for (const { parameter, show } of [...fields, ...rate]) {
+    for (const { parameter, show } of fields) {
       const source = parameter.key === MACHINE_RATE ? machine : terms
       const message = source.faults.find(({ key }) => key === parameter.key)?.message ?? ''
       show(source.values[parameter.key] ?? null, message)
     }
-    choices(now, outcome)
-    if (columns.some((column) => columnLabel(column) === now.quoted)) chosen.value = now.quoted
-    const column = columns[chosen.selectedIndex]
+    const computed = columnsOf(now, program()).filter((column) => outcome?.runs.has(column))
+    if (!same(computed, columns)) columns = computed
+    const column = quotedColumn(now, program())
+    chosen = columns.indexOf(column)
     const run = outcome?.runs.get(column)?.summary
-    root.hidden = columns.length === 0
+    root.hidden = chosen < 0 && !isJob(now)
     document.body.classList.toggle('has-quote', !root.hidden)
-    const isStale = Boolean(outcome) && outcome?.motion !== machine.motion
+    const isStale = now.programs.some((one) => one.outcome && !isCurrent(now, one))
+    const done = now.programs.filter((one) => one.outcome?.runs.has(quotedColumn(now, one))).length
     root.classList.toggle('stale', isStale)
     // A price of the former motion and the settings of now is of neither.
-    const reason = isStale ? outOfDate(now) : ''
+    const reason = isStale ? outOfDate(now) : isJob(now) && done < now.programs.length ? say.job.waits(count(done), count(now.programs.length)) : ''
     if (waits.textContent !== reason) waits.textContent = reason
     if (isStale && shown[0] === program()) return allow(false)
-    const of = [program(), run, machine.values, terms.values, columns]
-    if (of.every((value, index) => value === shown[index])) return allow(offered !== null)
+    const of = [program(), run, columns, now.price, isJob(now)]
+    if (of.length === shown.length && of.every((value, index) => value === shown[index])) return allow(whole() !== null)
     shown = of
     offered?.free()
     offered = null
     pictures.replaceChildren()
     answer.replaceChildren()
-    if (run && outcome && !isStale) offer(now, outcome)
-    allow(offered !== null)
+    tables.replaceChildren()
+    if (!isStale) offer(now, outcome)
+    allow(whole() !== null)
   }
 
   /** Says whether the quote may be taken away. @param {boolean} may */
@@ -133,12 +157,24 @@ export function mount(root, form, actions) {
     for (const button of exporting) button.disabled = !may
   }
 
-  /** Prices what has been computed. @param {State} now @param {Outcome} outcome */
-  function offer({ machine, terms }, outcome) {
+  /** Prices what has been computed. @param {State} now @param {Outcome | null | undefined} outcome */
+  function offer(now, outcome) {
+    if (!now.price) return
+    const { report, faults } = now.price
+    if (faults) return answer.replaceChildren(make('p', { className: 'fault' }, say.quote.faults, list(faults)))
+    const names = report.operations.map(({ name }) => name)
+    if (!isJob(now) && outcome) offered = alone(now, outcome)
+    const offer = offered ? /** @type {Offer} */ (JSON.parse(offered.json())) : report
+    answer.replaceChildren(...headline(offer, report.missing.map((one) => lacks(one, names))))
+    tables.replaceChildren(...(offered ? madeOf(offer, byPart(/** @type {Offer} */ (offer)), []) : madeOf(offer, byProgram(report), names)))
+  }
+
+  /** The offer of the program in sight alone. @param {State} now @param {Outcome} outcome */
+  function alone({ machine, terms }, outcome) {
     const severe = (/** @type {string} */ kind) => outcome.summary.diagnostics.filter(({ severity }) => severity === kind).length
     const asked = {
-      machine: machine.values,
-      terms: terms.values,
+      machine: (program()?.machine ?? machine).values,
+      terms: { ...terms.values, ...ownTerms(program()) },
       program: program()?.name ?? '',
       // As ISO writes it, by the clock of the user.
       date: new Date().toLocaleDateString('sv'),
@@ -146,23 +182,9 @@ export function mount(root, form, actions) {
       remarks: { errors: severe('error'), warnings: severe('warning') },
       // What machines read has a decimal point.
       runs: columns.map((column) => ({ ...outcome.runs.get(column)?.summary, tolerance: column === null ? say.charts.asProgrammed : toleranceLabel(column) })),
-      chosen: chosen.selectedIndex,
+      chosen,
     }
-    try {
-      offered = new Offered(JSON.stringify(asked))
-      answer.replaceChildren(...priced(JSON.parse(offered.json())))
-    } catch (faults) {
-      if (typeof faults !== 'string') throw faults
-      answer.replaceChildren(make('p', { className: 'fault' }, say.quote.faults, list(faults)))
-    }
-  }
-
-  /** The tolerances that can be quoted. @param {State} now @param {Outcome | null | undefined} outcome */
-  function choices(now, outcome) {
-    const computed = columnsOf(now, outcome).filter((column) => outcome?.runs.has(column))
-    if (same(computed, columns)) return
-    columns = [...computed]
-    chosen.replaceChildren(...columns.map((column) => make('option', {}, columnLabel(column))))
+    return new Offered(JSON.stringify(asked))
   }
 
   return { update }
@@ -170,36 +192,89 @@ export function mount(root, form, actions) {
 
 const CAPTION = say.quote.picture
 
+/** The terms that an operation has of its own. @param {import("../types.js").Program | undefined} program */
+function ownTerms(program) {
+  const { setUp = null, loading = null } = program ?? {}
+  return { ...(setUp === null ? {} : { set_up_min: setUp }), ...(loading === null ? {} : { loading_s: loading }) }
+}
+
+/** What the price lacks, in words. @param {{label: string, operation: number | null}} missing @param {string[]} names */
+const lacks = ({ label, operation }, names) => (operation === null ? label.toLowerCase() : `${label.toLowerCase()} (${names[operation]})`)
+
 /** What is wrong, in one line. @param {string} faults  JSON */
 function list(faults) {
   const all = /** @type {{key: string | null, message: string}[]} */ (JSON.parse(faults))
   return all.map(({ key, message }) => (key ? `${key}: ${message}` : message)).join('; ')
 }
 
-/** The price and what it is made of. @param {Offer} offer */
-function priced(offer) {
-  const money = (/** @type {number} */ value) => amount(value, offer.decimals)
-  const each = (/** @type {number} */ value) => amount(value, Math.max(2, offer.decimals))
-  const { batch, uncertainty, currency } = offer
-  const range = (/** @type {[number, number] | null} */ ends, /** @type {(value: number) => string} */ write) =>
-    ends ? `${write(ends[0])} – ${write(ends[1])}` : say.quote.unknown
-  const parts = say.quote.parts(batch.quantity, count(batch.quantity))
-  const headline = make(
-    'p',
-    { className: 'headline' },
-    make('b', {}, `${each(batch.unit_price)} ${currency}`.trim()),
-    say.quote.aPart,
-    batch.quantity > 1 ? say.quote.batch(money(batch.total), currency, parts) : '',
-  )
+/** How an offer writes amounts, and those of one part, in tables and with the currency. @param {{decimals: number, currency: string}} offer */
+function writers({ decimals, currency }) {
+  const ofPart = Math.max(2, decimals)
+  return {
+    money: (/** @type {number} */ value) => amount(value, decimals),
+    each: (/** @type {number} */ value) => amount(value, ofPart),
+    inFull: (/** @type {number} */ value) => priced(value, currency, decimals),
+    eachInFull: (/** @type {number} */ value) => priced(value, currency, ofPart),
+  }
+}
+
+/** The price, and what is not in it. @param {Offer | JobReport} offer @param {string[]} lacking */
+function headline(offer, lacking) {
+  const { inFull, eachInFull } = writers(offer)
+  const { batch, uncertainty } = offer
+  const facts = offer.facts.map(({ name, value }) => make('div', {}, make('dt', {}, name), make('dd', {}, worded(value))))
+  const of = make('dl', { className: 'on-paper' }, ...facts)
   const ends = uncertainty.cycle_time_s
-  const time = say.quote.timeOfPart(clock(offer.cycle_time_s), seconds(offer.cycle_time_s), ends ? range(ends, seconds) : '')
-  const rows = offer.addends.map(({ item, basis, once, amount: value, of_batch: whole }) =>
-    row(item, [once ? money(value) : '', once ? '' : money(value), money(whole)], worded(basis)),
-  )
+  const time = say.quote.timeOfPart(duration(offer.cycle_time_s), ends ? between(ends, duration) : '')
+  const sure = make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence))
+  const behind = make('details', { className: 'confidence' }, make('summary', {}, say.quote.confidence), sure)
+  // Where nothing costs anything, a price of nothing would be taken for one.
+  if (offer.addends.length === 0) {
+    const rate = make('a', { href: `#${idOf('term', MACHINE_RATE)}` }, say.results.giveRate)
+    return [of, make('p', { className: 'headline none' }, make('b', {}, say.quote.noPrice)), make('p', {}, rate), behind]
+  }
+  const range = batch.unit_price_range ? ` · ${between(batch.unit_price_range, eachInFull)}` : ''
+  const isBatch = batch.quantity > 1
+  const parts = say.quote.parts(batch.quantity, count(batch.quantity))
+  return [
+    of,
+    make('p', { className: 'of' }, isBatch ? parts : say.quote.eachPart),
+    make('p', { className: 'headline' }, make('b', {}, isBatch ? inFull(batch.total) : eachInFull(batch.unit_price))),
+    make('p', { className: 'each' }, isBatch ? say.quote.aPart(eachInFull(batch.unit_price)) : '', isBatch ? range : range.slice(3)),
+    ...(lacking.length > 0 ? [make('p', { className: 'lacking' }, make('b', {}, say.quote.notInPrice), lacking.join(', '))] : []),
+    behind,
+  ]
+}
+
+/** What the price is made of. @param {Offer | JobReport} offer @param {HTMLElement} parts  by what it can be divided @param {string[]} names  of operations, where there are several */
+function madeOf(offer, parts, names) {
+  if (offer.addends.length === 0) return []
+  const { money, each } = writers(offer)
+  const { batch, currency } = offer
+  const range = (/** @type {[number, number] | null} */ ends) => (ends ? between(ends, money) : say.quote.unknown)
+  const quantity = say.quote.parts(batch.quantity, count(batch.quantity))
+  const rows = offer.addends.map(({ item, basis, once, amount: value, of_batch: all, ...addend }) => {
+    const of = 'operation' in addend ? names[/** @type {number} */ (addend.operation)] : undefined
+    return row(of ? `${of}: ${item}` : item, [once ? money(value) : '', once ? '' : money(value), money(all)], worded(basis))
+  })
   rows.push(sum(say.quote.total, [money(offer.once), money(offer.part), money(batch.total)]))
   const breaks = offer.breaks.map((other) =>
-    row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range, money)]),
+    row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range)]),
   )
+  return [
+    folded(say.quote.madeOf, table(say.quote.madeOf, ['', say.quote.once, say.quote.eachPart, `${quantity}${currency ? `, ${currency}` : ''}`], rows), ...offer.notes.map((note) => make('p', { className: 'help' }, worded(note)))),
+    folded(say.quote.byQuantity, table(say.quote.byQuantity, [say.quote.quantity, say.quote.eachPart, say.quote.total, say.quote.ifOff], breaks)),
+    parts,
+  ]
+}
+
+/** @param {string} title @param {HTMLElement[]} content */
+const folded = (title, ...content) => make('details', {}, make('summary', {}, title), ...content)
+
+/** A program by its operations, tools and tolerances. @param {Offer} offer */
+function byPart(offer) {
+  const { money, each } = writers(offer)
+  const parts = say.quote.parts(offer.batch.quantity, count(offer.batch.quantity))
   const tolerances = offer.tolerances.map(({ tolerance, cycle_time_s: own, unit_price: one, total }) =>
     row(worded(tolerance), [clock(own), each(one), money(total)]),
   )
@@ -210,31 +285,24 @@ function priced(offer) {
     ),
     sum(say.common.together, cost),
   ]
-  const byPart = make(
-    'details',
-    {},
-    make('summary', {}, say.quote.byOperation),
+  const heads = [say.common.contourTolerance, say.common.cycleTime, say.quote.eachPart, parts]
+  return folded(
+    say.quote.byOperation,
     table(say.quote.operations, ['', say.common.time, say.quote.cost], shares(offer.operations)),
     table(say.quote.tools, ['', say.common.time, say.quote.cost], shares(offer.tools)),
+    ...(offer.tolerances.length > 0 ? [table(say.quote.byTolerance, heads, tolerances)] : []),
   )
-  const facts = offer.facts.map(({ name, value }) => make('div', {}, make('dt', {}, name), make('dd', {}, worded(value))))
-  const of = make('dl', { className: 'on-paper' }, ...facts)
-  const sure = make('p', { className: `sure ${uncertainty.kind}` }, make('b', {}, say.quote.cycleTime(time)), worded(uncertainty.sentence))
-  // Where nothing costs anything, a price of nothing would be taken for one.
-  if (offer.addends.length === 0) {
-    const rate = make('a', { href: `#${idOf('term', MACHINE_RATE)}` }, say.results.giveRate)
-    return [of, make('p', { className: 'headline' }, make('b', {}, say.quote.noPrice)), make('p', {}, rate), sure]
-  }
-  return [
-    of,
-    headline,
-    sure,
-    table(say.quote.madeOf, ['', say.quote.once, say.quote.eachPart, `${parts}${currency ? `, ${currency}` : ''}`], rows),
-    table(say.quote.byQuantity, [say.quote.quantity, say.quote.eachPart, say.quote.total, say.quote.ifOff], breaks),
-    ...(tolerances.length > 0 ? [table(say.quote.byTolerance, [say.common.contourTolerance, say.common.cycleTime, say.quote.eachPart, parts], tolerances)] : []),
-    byPart,
-    ...offer.notes.map((note) => make('p', { className: 'help' }, worded(note))),
-  ]
+}
+
+/** A job by its programs. @param {JobReport} job */
+function byProgram(job) {
+  const { money } = writers(job)
+  const rows = job.operations.map(({ name, program, machine, tolerance, set_up_s: setUp, cycle_time_s: cycle, set_up_cost: once, part_cost: part }) =>
+    row(name, [clock(setUp), clock(cycle), money(once), money(part)], worded([program, machine, tolerance].join(', '))),
+  )
+  const together = [clock(job.set_up_s), clock(job.cycle_time_s), '', '']
+  const heads = ['', say.job.setUp, say.common.time, say.quote.once, say.quote.eachPart]
+  return folded(say.job.operations, table(say.job.operationsMade, heads, [...rows, sum(say.common.together, together)]))
 }
 
 /** @param {string} title @param {string[]} cells @param {string} [basis]  what the title is made of */

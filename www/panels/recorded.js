@@ -5,10 +5,10 @@ import { find, make } from '../dom.js'
 import { clock, count, difference, feedrate, percent, seconds, size, worded } from '../format.js'
 import { lostLabel } from '../labels.js'
 import { mountPlot } from '../plot.js'
-import { programOf, recordingOf } from '../recordings.js'
+import { isOfNone, isToPair, programOf, recordingOf } from '../recordings.js'
 import { say } from '../texts_later.js'
 import { mountUndo } from '../undo.js'
-import { headOf, lineOf } from './chart.js'
+import { headOf, lineOf, rangeOf } from './chart.js'
 
 /** @import { Filled } from "../plot.js" */
 /** @import { Actions } from "./recording.js" */
@@ -54,7 +54,7 @@ export function mount(root, actions) {
   /** @param {State} state */
   function fillList(state) {
     const shown = JSON.stringify([
-      state.recordings.map(({ id, used, program: of, match }) => [id, used, of, match?.report?.sentence, match?.refusal]),
+      state.recordings.map(({ id, used, program: of, found, match }) => [id, used, of, found, match?.report?.sentence, match?.refusal]),
       state.programs.map(({ id }) => id),
       recording?.id,
     ])
@@ -71,9 +71,11 @@ export function mount(root, actions) {
     const choose = make('button', { type: 'button', className: 'choose', id: `recording-${id}` }, make('span', { className: 'file', title: name }, name), make('span', { className: 'about' }, standing(entry, state)))
     if (entry === recording) choose.setAttribute('aria-current', 'true')
     choose.addEventListener('click', () => actions.selectRecording(id))
-    const of = make('select', { id: `recording-${id}-program` }, ...state.programs.map((other) => make('option', { value: String(other.id) }, other.name)))
+    const isOpen = entry.program === null || isOfNone(entry)
+    const none = isOpen ? [make('option', { value: '' }, say.recording.chooseProgram)] : []
+    const of = make('select', { id: `recording-${id}-program` }, ...none, ...state.programs.map((other) => make('option', { value: String(other.id) }, other.name)))
     of.setAttribute('aria-label', say.recording.programOf(name))
-    of.value = String(entry.program)
+    of.value = isOpen ? '' : String(entry.program)
     of.addEventListener('change', () => actions.setProgramOf(id, Number(of.value)))
     const box = make('input', { type: 'checkbox', checked: used, id: `recording-${id}-used` })
     box.addEventListener('change', () => actions.setUsed(id, box.checked))
@@ -128,6 +130,7 @@ export function mount(root, actions) {
   return {
     /** @param {State} state */
     update(state) {
+      undo.update()
       recording = recordingOf(state)
       program = recording && programOf(recording, state)
       fillList(state)
@@ -150,11 +153,20 @@ export function mount(root, actions) {
 /** One line on how a recording stands. @param {Recording} entry @param {State} state */
 function standing(entry, state) {
   const { match, bytes } = entry
-  if (!programOf(entry, state)) return say.recording.chooseItsProgram
+  if (!programOf(entry, state)) return unpaired(entry, state)
+  if (isOfNone(entry)) return say.recording.ofNone
   if (match?.refusal) return say.recording.notComparable
   if (!match?.report) return say.recording.waiting(size(bytes.length))
   const { recorded_s: recorded, simulated_s: simulated, time_error: error } = match.report
   return say.recording.standing(clock(recorded), difference(simulated - recorded), percent(error))
+}
+
+/** Why a recording is without a program. @param {Recording} entry @param {State} state */
+function unpaired(entry, state) {
+  if (state.programs.length === 0) return say.recording.dropItsProgram
+  if (isToPair(entry, state)) return say.recording.pairing
+  const among = state.programs.filter(({ id }) => entry.found?.among.includes(id)).map(({ name }) => name)
+  return say.recording.among(among.join(', '))
 }
 
 /** @param {string[]} all */
@@ -167,12 +179,12 @@ function remarks(all) {
 
 /** What the chart says about one distance. @param {Pointer} pointer @param {Program | undefined} program */
 function words({ distance, line, programmed, rapid, curves, lost }, program) {
-  const rows = curves.map(({ label, feedrate: feed, time }, index) =>
+  const rows = curves.map(({ label, index, feedrate: feed, range, time }) =>
     make(
       'tr',
       {},
       make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
-      make('td', {}, feedrate(feed)),
+      make('td', {}, feedrate(feed), rangeOf(range)),
       make('td', {}, time < 60 ? seconds(time) : clock(time)),
     ),
   )

@@ -2,6 +2,7 @@
 
 import { find } from '../dom.js'
 import { programOf, recordingOf } from '../recordings.js'
+import { sample } from '../samples.js'
 import { say } from '../texts.js'
 import { bytesOf } from './program.js'
 
@@ -16,7 +17,7 @@ const SAMPLE = { program: 'standin.nc', recording: 'standin.csv', machine: 'stan
  * @property {(id: number) => void} selectRecording
  * @property {(id: number, program: number) => void} setProgramOf
  * @property {(id: number, used: boolean) => void} setUsed
- * @property {(id: number) => () => void} removeRecording
+ * @property {(id: number) => import('../state/store.js').Step} removeRecording
  * @property {(sample: {machine: string, program: {name: string, file: Blob}, recording: {name: string, bytes: Uint8Array}}) => Promise<void>} addSample
  */
 
@@ -39,11 +40,11 @@ export function mount(root, actions) {
   })
   for (const button of document.querySelectorAll('.concealed')) {
     button.addEventListener('click', async () => {
-      const [program, recording, machine] = await Promise.all([SAMPLE.program, SAMPLE.recording, SAMPLE.machine].map(fetched))
+      const [program, recording, machine] = await Promise.all([SAMPLE.program, SAMPLE.recording, SAMPLE.machine].map(sample))
       actions.addSample({
-        machine: new TextDecoder().decode(machine),
-        program: { name: SAMPLE.program, file: new Blob([program]) },
-        recording: { name: SAMPLE.recording, bytes: recording },
+        machine: await machine.text(),
+        program: { name: SAMPLE.program, file: program },
+        recording: { name: SAMPLE.recording, bytes: new Uint8Array(await recording.arrayBuffer()) },
       })
     })
   }
@@ -59,10 +60,6 @@ export function mount(root, actions) {
   }
 
   return {
-    /** Brings the panel in sight. */
-    reveal() {
-      root.scrollIntoView({ block: 'start' })
-    },
     /** @param {State} state */
     update(state) {
       latest = state
@@ -73,10 +70,4 @@ export function mount(root, actions) {
       else if (state.recordings.length > 0) fetching ??= fetchShown()
     },
   }
-}
-
-/** A file of the sample. @param {string} name */
-async function fetched(name) {
-  const response = await fetch(new URL(`../samples/${name}`, import.meta.url))
-  return new Uint8Array(await response.arrayBuffer())
 }

@@ -1,186 +1,154 @@
-// The table of cycle times, one row a tolerance.
+// The answer: the cycle time of a part at the tolerance that is quoted, what CAM says, what is in doubt, and what other tolerances
+// would change. Several programs make a part together; the operation in sight then has a line of its own.
 
-import { price } from '../pkg/truefeed.js'
-import { columnLabel, columnsOf, isStill } from '../columns.js'
-import { find, make, scroll } from '../dom.js'
-import { clock, count, difference, millimetres, money, percent, seconds } from '../format.js'
-import { deviationLabel, toleranceLabel } from '../labels.js'
+import { columnLabel, columnsOf, cycleOf, isJob, isStill, machineOf, programInSight, quotedColumn } from '../columns.js'
+import { find, make } from '../dom.js'
+import { between, count, duration, percent, signed, seconds, worded } from '../format.js'
+import { nameOf } from '../job/names.js'
 import { say } from '../texts.js'
 
-/** @import { Column, Form, Held, Outcome, Place, RunSummary, State, Value } from "../types.js" */
+/** @import { Program, RunSummary, State } from "../types.js" */
 
-/** @type {[Exclude<keyof import("../types.js").Breakdown, "other">, string][]} */
-const PARTS = [
-  ['cutting_s', say.common.cutting],
-  ['rapid_s', say.common.rapid],
-  ['dwell_s', say.common.dwell],
-  ['tool_change_s', say.common.toolChange],
-  ['other_s', say.common.other],
-]
-
-/** More parts of a program are only counted. */
-const MOST_HELD = 24
-
-/** What makes no place exceed its tolerance. */
-const CURE = { key: 'interpolator.corner_mode', word: 'guaranteed' }
+/** CAM's estimate agrees where it is this close, as a part of the time. */
+const AGREES = 0.005
 
 /**
  * @param {HTMLElement} root
- * @param {Form} form
- * @param {{show(place: Pick<Place, 'distance_mm'>): void, setParameter(key: string, value: Value): void}} actions
+ * @param {{setQuoted(column: import("../types.js").Column): void, openPanel(id: string): void}} actions
  */
-export function mount(root, form, actions) {
-  const place = find(root, '.table')
-  const mode = form.fields.find(({ key }) => key === CURE.key)?.label ?? ''
-  /** Where the contour error is above the tolerance, and what helps. @param {Outcome} outcome @param {State} state */
-  function beyond(outcome, state) {
-    const { machine } = state
-    const items = columnsOf(state, outcome).flatMap((column, index) => {
-      const places = outcome.runs.get(column)?.summary.beyond_tolerance ?? []
-      return places.length > 0 ? [item(column, index, places)] : []
-    })
-    if (items.length === 0) return []
-    if (machine.values[CURE.key] !== CURE.word) {
-      const cure = make('button', { type: 'button', className: 'cure' }, say.results.setTo(mode.toLowerCase(), CURE.word))
-      cure.title = say.results.holdsEverywhere
-      cure.addEventListener('click', () => actions.setParameter(CURE.key, CURE.word))
-      items.push(make('li', {}, say.results.toHold, cure))
-    }
-    return [make('ul', { className: 'beyond' }, ...items)]
+export function mount(root, actions) {
+  const [figures, time, one, others, why] = ['.figures', '.time', '.one', '.others', '.why'].map((selector) => find(root, selector))
+  const [range, cam, doubt] = ['.range', '.cam', '.doubt'].map((selector) => find(root, selector))
+  /** What is in sight is of. @type {unknown[]} */
+  let shown = []
+
+  /** Puts words beside a figure, or takes it away. @param {HTMLElement} figure @param {(Node | string)[]} words */
+  function put(figure, ...words) {
+    figure.hidden = words.length === 0
+    find(figure, 'p').replaceChildren(...words)
   }
 
-  /** One column with the way to its worst place. @param {Column} column @param {number} index @param {Place[]} places */
-  function item(column, index, places) {
-    const worst = places.reduce((a, b) => (b.max_contour_error_mm > a.max_contour_error_mm ? b : a))
-    const lines = linesOf(worst)
-    const go = make('button', { type: 'button', title: say.common.showInChart })
-    go.append(say.results.worstAt(deviationLabel(worst.max_contour_error_mm), lines))
-    go.addEventListener('click', () => actions.show(worst))
-    const number = say.results.exceeded(places.length, count(places.length))
-    const swatch = make('span', { className: `swatch curve-${index}` })
-    return make('li', {}, swatch, make('b', {}, columnLabel(column)), ' ', number, go)
+  /** The time of a part, with all that stands beside it. @param {State} state @param {RunSummary[]} runs  of all operations */
+  function fill(state, runs) {
+    const report = state.price?.report
+    const cycle = isJob(state) ? report?.cycle_time_s : runs[0]?.cycle_time_s
+    const programmed = isJob(state) ? report?.programmed_time_s : programInSight(state)?.outcome?.summary.programmed_time_s
+    time.textContent = cycle === undefined ? '…' : duration(cycle)
+    const ends = cycle === undefined ? undefined : report?.cycle_time_range_s
+    put(range, ...(ends ? [between(ends, duration)] : []))
+    put(cam, ...(programmed === undefined ? [] : [duration(programmed), ' ', make('span', { className: 'short' }, short(programmed, cycle))]))
+    const reasons = runs.flatMap(({ trust }, index) => trust.reasons.map((reason) => (isJob(state) ? `${nameOf(state.programs[index])}: ${reason}` : reason)))
+    const bound = runs.reduce((sum, { trust }) => sum + trust.seconds_in_doubt, 0)
+    put(doubt, ...unsure(reasons, bound, runs.every(({ trust }) => trust.bounded)))
+    figures.classList.toggle('doubtful', runs.some(isDoubtful))
   }
 
-  /** Where each of the program's own tolerances holds. @param {Outcome} outcome */
-  function programmed({ held }) {
-    if (held.length === 0) return []
-    const items = held.slice(0, MOST_HELD).map((part) => {
-      const go = make('button', { type: 'button', title: say.common.showInChart }, linesOf(part))
-      go.addEventListener('click', () => actions.show(part))
-      const source = part.source === '' ? [] : [' ', make('code', {}, part.source)]
-      return make('li', {}, go, ` ${wordsOf(part)}`, ...source)
+  /** The operation in sight of a job. @param {State} state @param {Program} program */
+  function fillOne(state, program) {
+    const run = program.outcome?.runs.get(quotedColumn(state, program))?.summary
+    const cycle = cycleOf(state, program)
+    const words = isStill(program.outcome)
+      ? [whyStill(program)]
+      : run && program.outcome && cycle !== undefined
+        ? [make('b', { className: isDoubtful(run) ? 'doubtful' : '' }, duration(cycle)), ` · ${say.results.cam} ${duration(program.outcome.summary.programmed_time_s)} ${short(program.outcome.summary.programmed_time_s, run.cycle_time_s)}`]
+        : [program.failure ? say.program.failed : say.common.computing]
+    one.replaceChildren(make('span', {}, nameOf(program)), ' ', ...words)
+  }
+
+  /** What another tolerance would change, and the way to quote it. @param {State} state @param {Program} program @param {import("../types.js").Column} column */
+  function against(state, program, column) {
+    const by = changeAt(state, program, column)
+    const button = make('button', { type: 'button', title: say.results.quoteIt }, say.results.at(columnLabel(column)), make('b', {}, by === undefined ? '…' : signed(by)))
+    button.addEventListener('click', () => {
+      actions.setQuoted(column)
+      others.querySelector('button')?.focus()
     })
-    if (held.length > MOST_HELD) items.push(make('li', {}, say.results.andMore(count(held.length - MOST_HELD))))
-    const title = make('b', {}, say.common.asProgrammed)
-    return [make('div', { className: 'held' }, title, make('ol', {}, ...items))]
+    return button
+  }
+
+  /** Why there is less than all: what is still computed, what is of another machine, and lines that do not run. @param {State} state @param {Program} program @param {boolean} isStale */
+  function reasons(state, program, isStale) {
+    if (isStale) return [outOfDate(state)]
+    const failed = state.programs.filter((other) => other.failure)
+    if (isJob(state) && failed.length > 0) return [say.results.failed(failed.map(nameOf).join(', '))]
+    const { outcome } = program
+    if (!outcome) return [state.progress ? say.common.computing : say.common.notComputed]
+    const errors = outcome.summary.diagnostics.filter(({ severity }) => severity === 'error').length
+    if (errors === 0) return []
+    const link = make('button', { type: 'button', className: 'plain errors' }, say.results.notRun(errors, count(errors)))
+    link.addEventListener('click', () => actions.openPanel('diagnostics'))
+    return [link]
   }
 
   return {
     /** @param {State} state */
     update(state) {
-      const program = state.programs.find(({ id }) => id === state.selected)
-      const outcome = program?.outcome
-      const stale = Boolean(outcome) && outcome?.motion !== state.machine.motion
-      root.classList.toggle('stale', stale)
-      if (program && isStill(outcome)) {
-        const sentence = program.file.size === 0 ? say.results.empty(program.name) : say.results.nothingMoves(program.name)
-        place.replaceChildren(make('p', { className: 'sentence' }, sentence))
-      } else if (program && outcome) {
-        place.replaceChildren(
-          table(outcome, columnsOf(state, outcome), JSON.stringify(state.machine.values)),
-          ...inDoubt(columnsOf(state, outcome), outcome),
-          ...programmed(outcome),
-          ...beyond(outcome, state),
-          about(outcome, stale ? outOfDate(state) : '', Number(state.machine.values['rates.hourly']) > 0),
-        )
-      } else {
-        place.replaceChildren(make('p', { className: 'empty' }, state.progress ? say.common.computing : say.common.notComputed))
-      }
+      const program = programInSight(state)
+      if (!program) return
+      const isStale = state.programs.some((other) => other.outcome && other.outcome.motion !== machineOf(state, other).motion)
+      root.classList.toggle('stale', isStale)
+      const columns = columnsOf(state, program)
+      const column = quotedColumn(state, program)
+      const each = state.programs.flatMap((other) => [other, nameOf(other), other.failure, other.outcome, quotedColumn(state, other), ...columns.map((one) => other.outcome?.runs.get(one))])
+      const now = [program, column, ...columns, ...each, state.price, state.fixture, Boolean(state.progress), isStale && outOfDate(state)]
+      if (now.length === shown.length && now.every((value, index) => value === shown[index])) return
+      shown = now
+      const isEmpty = !isJob(state) && isStill(program.outcome)
+      const runs = state.programs.flatMap((other) => other.outcome?.runs.get(quotedColumn(state, other))?.summary ?? [])
+      // The figures of before stay in sight until those of the changed machine are there.
+      if (!isStale) fill(state, isEmpty ? [] : runs)
+      one.hidden = !isJob(state)
+      if (isJob(state)) fillOne(state, program)
+      const hasRun = Boolean(program.outcome?.runs.has(column))
+      const isFelt = columns.some((other) => changeAt(state, program, other) !== 0 && other !== column)
+      others.replaceChildren(...(hasRun && !isEmpty && isFelt ? columns.filter((other) => other !== column).map((other) => against(state, program, other)) : []))
+      why.replaceChildren(...(isEmpty ? [whyStill(program)] : reasons(state, program, isStale)))
+      if (!isEmpty) return
+      time.textContent = '–'
+      put(cam)
     },
   }
 }
 
-/** By how much a cycle time may be off; why stands below the table. @param {RunSummary} run */
-function unsure({ trust, in_doubt: why }) {
-  if (!why) return []
-  const bound = trust.seconds_in_doubt > 0 ? seconds(trust.seconds_in_doubt) : '?'
-  return [' ', make('span', { className: 'unsure', title: why }, say.results.unsure(bound, trust.bounded))]
-}
+/** Why nothing moves in a program. @param {Program} program */
+const whyStill = ({ file, name }) => (file.size === 0 ? say.results.empty(name) : say.results.nothingMoves(name))
 
-/** What of a cycle time is in doubt and why, each sentence once. @param {Column[]} columns @param {Outcome} outcome */
-function inDoubt(columns, outcome) {
-  const sentences = new Set(columns.flatMap((column) => outcome.runs.get(column)?.summary.in_doubt ?? []))
-  return [...sentences].map((sentence) => make('p', { className: 'doubt' }, sentence))
-}
-
-/** The lines of a place in words. @param {{lines: [number, number]}} place */
-function linesOf({ lines: [first, last] }) {
-  return first === last ? say.results.line(first) : say.results.lines(first, last)
-}
-
-/** What the program asks for in words. @param {Held} part */
-function wordsOf({ mode, tolerance_mm: tolerance }) {
-  if (mode === 'exact_stop') return say.results.exactStops
-  const label = toleranceLabel(tolerance)
-  if (mode === 'machine') return say.results.ofMachine(label)
-  return mode === 'distance' ? say.results.atMost(label) : label
-}
-
-/** @param {Outcome} outcome @param {Column[]} columns @param {string} machine  JSON */
-function table(outcome, columns, machine) {
-  // Rates change no motion: the price is told by the form as it is now, where that has no fault.
-  const priceOf = (/** @type {RunSummary} */ run) => price(machine, run.cycle_time_s) ?? run.price
-  const priced = [...outcome.runs.values()].some(({ summary }) => priceOf(summary))
-  const title = (/** @type {string} */ text, colSpan = 1, className = '') => make('th', { scope: 'col', colSpan, className }, text)
-  const titles = [title(say.common.tolerance), title(say.common.cycleTime, 2)]
-  if (priced) titles.push(title(say.results.price))
-  titles.push(title(say.common.programmed), title(say.common.difference, 2))
-  for (const [, part] of PARTS) titles.push(title(part, 1, 'part'))
-  titles.push(title(say.common.contourError))
-  const head = make('tr', {}, ...titles)
-  const programmed = outcome.summary.programmed_time_s
-  const rows = columns.map((column, index) => {
-    const label = make(
-      'th',
-      { scope: 'row' },
-      make('span', { className: `swatch curve-${index}` }),
-      columnLabel(column),
-    )
-    const run = outcome.runs.get(column)?.summary
-    if (!run) return make('tr', { className: 'waiting' }, label, make('td', { colSpan: titles.length + 1 }, '…'))
-    const longer = run.cycle_time_s - programmed
-    const cells = [
-      make('data', { value: String(run.cycle_time_s) }, clock(run.cycle_time_s)),
-      make('span', {}, seconds(run.cycle_time_s), ...unsure(run)),
-      ...(priced ? [make('b', { className: 'price' }, money(priceOf(run)))] : []),
-      seconds(programmed),
-      difference(longer),
-      percent(longer / programmed),
-    ].map((cell) => make('td', {}, cell))
-    for (const [key] of PARTS) cells.push(make('td', { className: 'part' }, seconds(run.breakdown[key])))
-    cells.push(make('td', {}, deviationLabel(run.max_contour_error_mm)))
-    return make('tr', { className: column === null ? 'programmed' : '' }, label, ...cells)
+/** By how much a part takes longer where another tolerance is quoted: that of the operation in sight where it has its own, else that of the job; undefined while something is still to be computed. @param {State} state @param {Program} program  in sight @param {import("../types.js").Column} column */
+function changeAt(state, program, column) {
+  const isOwn = program.tolerance !== null
+  const changed = isOwn ? [program] : state.programs.filter(({ tolerance }) => tolerance === null)
+  const differences = changed.map((other) => {
+    const next = isOwn ? column : quotedColumn({ ...state, quoted: columnLabel(column) }, other)
+    const [to, from] = [next, quotedColumn(state, other)].map((at) => other.outcome?.runs.get(at)?.summary.cycle_time_s)
+    return to === undefined || from === undefined ? undefined : to - from
   })
-  const table = make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows))
-  return scroll(table)
+  return differences.reduce((sum, by) => (sum === undefined || by === undefined ? undefined : sum + by), 0)
+}
+
+/** A cycle time is not to be relied on where so much of it is in doubt. */
+const MOST_IN_DOUBT = 0.1
+
+/** Whether a time is in so much doubt that it is no answer. @param {RunSummary} run */
+export const isDoubtful = ({ cycle_time_s: cycle, trust }) => trust.seconds_in_doubt > MOST_IN_DOUBT * cycle
+
+/** By how much a cycle time may be off, and why; a single reason says how much by itself. @param {string[]} reasons @param {number} bound  s @param {boolean} isBounded */
+function unsure(reasons, bound, isBounded) {
+  if (reasons.length === 0) return []
+  const why = worded(reasons.join(' · '))
+  const all = reasons.length > 1 ? [make('b', {}, say.results.unsure(bound > 0 ? seconds(bound) : '?', isBounded)), ' '] : []
+  return [make('span', { className: 'unsure', title: why }, ...all, why)]
+}
+
+/** By how much CAM's time is short of the predicted one. @param {number} programmed @param {number | undefined} cycle */
+function short(programmed, cycle) {
+  const ratio = cycle === undefined ? NaN : programmed / cycle - 1
+  if (!Number.isFinite(ratio) || Math.abs(ratio) < AGREES) return ''
+  const written = percent(Math.abs(ratio)).replace('+', '')
+  return ratio < 0 ? say.results.short(written) : say.results.long(written)
 }
 
 /** Why the results in sight are not those of the machine in the form. @param {State} state */
 export function outOfDate({ machine, paused }) {
   if (machine.faults.length > 0) return say.results.ofBeforeFault
   return paused ? say.results.ofBefore : say.results.anew
-}
-
-/** @param {Outcome} outcome @param {string} note @param {boolean} hasPrice */
-function about({ steps, summary }, note, hasPrice) {
-  const errors = summary.diagnostics.filter(({ severity }) => severity === 'error').length
-  const facts = say.results.about(count(steps.end.length), millimetres(steps.end.at(-1) ?? 0))
-  const rate = make('a', { href: '#field-rates-hourly' }, say.results.giveRate)
-  const unpriced = hasPrice ? [] : [' ', rate, say.results.toSeePrices, make('a', { href: '#quote' }, say.results.quote), '.']
-  const link = make(
-    'a',
-    { href: '#diagnostics', className: 'errors' },
-    say.results.notRun(errors, count(errors)),
-  )
-  return make('p', { className: 'about' }, ...(errors > 0 ? [link, ' '] : []), facts + note, ...unpriced)
 }

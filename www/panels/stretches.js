@@ -33,7 +33,9 @@ export function partsTable(report) {
       ...[seconds(recorded), seconds(simulated), apart(recorded, simulated)].map((cell) => make('td', {}, cell)),
     ),
   )
-  return table(say.recording.motionWaiting, ['', say.recording.recorded, say.recording.simulated, say.common.difference], rows)
+  const all = table(say.recording.motionWaiting, ['', say.recording.recorded, say.recording.simulated, say.common.difference], rows)
+  all.append(make('p', { className: 'help' }, say.recording.divided))
+  return all
 }
 
 /** @param {ComparisonReport} report @param {(place: Pick<Place, 'distance_mm'>) => void} show */

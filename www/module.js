@@ -3,8 +3,8 @@
 
 /** A module, and which. @typedef {{module: WebAssembly.Module, isWhole: boolean}} Compiled */
 
-const first = compiledOnce(new URL('../pkg/truefeed_bg.wasm', import.meta.url))
-const whole = compiledOnce(new URL('../pkg/truefeed_whole_bg.wasm', import.meta.url))
+const first = compiledOnce(new URL('./pkg/truefeed_bg.wasm', import.meta.url))
+const whole = compiledOnce(new URL('./pkg/truefeed_whole_bg.wasm', import.meta.url))
 
 /** @returns {Promise<Compiled>} */
 export const firstModule = async () => ({ module: await first(), isWhole: false })

@@ -1,0 +1,16 @@
+// The panels that can wait for the first chart, to be loaded together.
+
+export * as against from './against.js'
+export * as breakdown from './breakdown.js'
+export * as calibration from './calibration.js'
+export * as compare from './compare.js'
+export * as cutting from './cutting.js'
+export * as diagnosis from './diagnosis.js'
+export * as job from './job.js'
+export * as jobs from './jobs.js'
+export * as letter from './letter.js'
+export * as path from './path.js'
+export * as quote from './quote.js'
+export * as savings from './savings.js'
+export { pricing } from '../job/pricing.js'
+export { jobActions } from '../state/job.js'
