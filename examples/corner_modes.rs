@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 
 use truefeed::machine::{CornerMode, Machine};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::trace;
 
 const HEAD: &str = "# What the corner modes cost
 
 Cycle times of the two corner modes on the first preset (three filters, T1 = 0.0255 s) and the largest distance of the motion
-from the programmed path. `paper` takes each corner as if it were alone, as published; `guaranteed` corrects the plan until the
-filtered path holds the tolerance everywhere, and takes back caution that is not needed. Written by
-`cargo run --release --example corner_modes`; name programs to see your own.
+from the programmed path. `paper` treats each corner as if it were alone, as published; `guaranteed` corrects the plan until the
+filtered path holds the tolerance everywhere, and removes unneeded caution. `cargo run --release --example corner_modes` writes
+this page; name programs to see your own.
 
 | program | tolerance µm | paper s | error µm | guaranteed s | error µm | difference |
 |---|---:|---:|---:|---:|---:|---:|

@@ -7,14 +7,13 @@ use std::path::Path;
 
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{Dialect, Options, read_with};
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::interpreter::trace;
 
 const HEAD: &str = "# Words by dialect
 
-What becomes of a word in each dialect, found by running it: **●** read, and nothing to say; **○** read, and a diagnostic says
-what is assumed or not modelled; **–** not known, which a diagnostic says by line and column. Written by
-`cargo run --example words`. A word stands in a short program of its dialect, with a tool, a spindle speed and a feedrate before
-it; the example is what was run.
+**●** supported · **○** supported with a caveat, which a remark states · **–** unsupported, which a remark reports with line and
+column. `cargo run --example words` writes this page: it runs each example in a short program of its dialect, after a tool, a
+spindle speed and a feedrate.
 
 Heidenhain means Klartext; Heidenhain's DIN/ISO form is the column DIN.
 

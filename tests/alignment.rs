@@ -5,7 +5,8 @@ use truefeed::identification::alignment::{Alignment, AlignmentError, Pairing, al
 use truefeed::identification::recording::{Log, read};
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::gcode;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::toolpath::Toolpath;
 
 use crate::sceptic::{Rows, csv, recorded};
 use crate::shared::recordings_of_others;

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use truefeed::machine::{Machine, Tool};
 use truefeed::simulation::gcode::{self, Dialect, Options};
-use truefeed::simulation::toolpath::{self, Curve, Motion, Segment, Toolpath};
+use truefeed::simulation::interpreter;
+use truefeed::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
 
 /// Diameters of tools 1, 2 and 3, mm.
 const DIAMETERS: [f64; 3] = [5.08, 6.0, 1.0];
@@ -103,7 +104,7 @@ fn trace(text: &[u8]) -> Toolpath {
         machine.tools.insert(number, Tool { diameter });
     }
     let options = Options { dialect: Some(Dialect::LinuxCnc), ..Options::default() };
-    toolpath::trace(&gcode::read_with(text, &options), &machine)
+    interpreter::trace(&gcode::read_with(text, &options), &machine)
 }
 
 /// How the two differ, where they do.

@@ -12,11 +12,12 @@
 //! derivatives against finite differences, and a program of an hour.
 
 use truefeed::machine::{Junction, Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Phase, Rule, Stretch};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan, Phase, RestToRest};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Moment, Profile};
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Point, Toolpath, Vector, trace};
+use truefeed::simulation::toolpath::{Point, Toolpath, Vector};
 
 /// Contour tolerance of all plans here, mm.
 const TOLERANCE: f64 = 0.02;
@@ -53,12 +54,12 @@ fn machine(constants: &[f64], acceleration: f64) -> Machine {
 
 fn planned(program: &str, machine: &Machine) -> (Toolpath, FeedPlan) {
     let toolpath = trace(&read(program.as_bytes()), machine);
-    let plan = simulate::by_rule(&toolpath, machine, Rule::Isolated(TOLERANCE));
+    let plan = simulate::with_policy(&toolpath, machine, CornerPolicy::Isolated(TOLERANCE));
     (toolpath, plan)
 }
 
 /// The only stretch of a plan.
-fn stretch(plan: &FeedPlan) -> &Stretch {
+fn stretch(plan: &FeedPlan) -> &RestToRest {
     match plan.phases.as_slice() {
         [Phase::Motion(stretch)] => stretch,
         phases => panic!("one stretch, not {phases:?}"),
@@ -332,7 +333,7 @@ fn hour_long(blocks: usize) -> Toolpath {
 fn an_hour_of_motion_loses_no_digits() {
     let blocks = 150_000;
     let toolpath = hour_long(blocks);
-    let whole_plan = simulate::by_rule(&toolpath, &Machine::default(), Rule::Isolated(TOLERANCE));
+    let whole_plan = simulate::with_policy(&toolpath, &Machine::default(), CornerPolicy::Isolated(TOLERANCE));
     let whole_profile = Profile::new(&toolpath, &whole_plan);
     let cycle_time = whole_plan.cycle_time();
     assert!((3550.0..3700.0).contains(&cycle_time), "about an hour: {cycle_time}");
@@ -348,7 +349,7 @@ fn an_hour_of_motion_loses_no_digits() {
     // The same last blocks alone; only the first of them is run otherwise, from a full stop.
     let alone =
         Toolpath { segments: toolpath.segments.iter().skip(blocks - 1000).collect(), ..Toolpath::default() };
-    let alone_plan = simulate::by_rule(&alone, &Machine::default(), Rule::Isolated(TOLERANCE));
+    let alone_plan = simulate::with_policy(&alone, &Machine::default(), CornerPolicy::Isolated(TOLERANCE));
     let alone_profile = Profile::new(&alone, &alone_plan);
     let before = whole_profile.distance_before(blocks - 1000);
     let (whole_motion, alone_motion) =

@@ -5,11 +5,12 @@
 
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::contour::contour_errors;
-use truefeed::simulation::feed::{FeedPlan, Rule};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::Toolpath;
 
 /// Turns of the path at the corner, degrees.
 const TURNS: [f64; 5] = [10.0, 45.0, 90.0, 135.0, 170.0];
@@ -64,7 +65,7 @@ fn for_all_corners(
     for turn in TURNS {
         for tolerance in TOLERANCES {
             let toolpath = corner(turn, feedrates);
-            let plan = simulate::by_rule(&toolpath, &machine, Rule::Isolated(tolerance));
+            let plan = simulate::with_policy(&toolpath, &machine, CornerPolicy::Isolated(tolerance));
             let case = format!("{turn}°, {tolerance} mm, {constants:?} s, {feedrates:?} mm/min");
             check(&case, &toolpath, &plan, tolerance);
         }

@@ -2,16 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
 
 use truefeed::machine::Machine;
 use truefeed::quote::programmed_time;
-use truefeed::simulation::feed::Rule;
-use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
+use truefeed::simulation::feed::CornerPolicy;
+use truefeed::simulation::gcode::{Dialect, Severity, read_with};
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Segment, Toolpath, trace};
+use truefeed::simulation::toolpath::{Segment, Toolpath};
 
-use crate::shared::corpus;
+use crate::shared::kept::assert_kept;
+use crate::shared::samples::{Sample, samples};
 
 /// Coordinates are written to the micrometre and helices by their angle, so that rounding remains, mm.
 const ROUNDING_MM: f64 = 1e-9;
@@ -19,14 +20,9 @@ const ROUNDING_MM: f64 = 1e-9;
 /// The toolpaths by kind of job and dialect.
 fn toolpaths() -> BTreeMap<String, BTreeMap<String, Toolpath>> {
     let mut jobs: BTreeMap<String, BTreeMap<String, Toolpath>> = BTreeMap::new();
-    for entry in std::fs::read_dir(corpus::programs()).expect("the corpus is unpacked") {
-        let path = entry.expect("a readable folder").path();
-        let name = path.file_stem().expect("a file").to_string_lossy();
-        let (kind, word) = name.split_once('-').expect("files are called KIND-DIALECT");
-        let options = Options { dialect: Dialect::from_word(word), ..Options::default() };
-        let bytes = std::fs::read(&path).expect("a readable file");
+    for Sample { kind, word, options, bytes } in samples() {
         let toolpath = trace(&read_with(&bytes, &options), &Machine::default());
-        jobs.entry(kind.into()).or_default().insert(word.into(), toolpath);
+        jobs.entry(kind).or_default().insert(word, toolpath);
     }
     assert_eq!(jobs.len(), 7);
     assert!(jobs.values().all(|dialects| dialects.len() == Dialect::WORDS.len()));
@@ -79,25 +75,16 @@ fn nothing_in_them_is_an_error() {
     }
 }
 
-/// Moves and renames change none of these times; what unifies a rule or corrects a fault says which and why.
 #[test]
 fn times_are_those_kept() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/corpus/times.csv");
     let mut table = String::from("kind,dialect,segments,programmed_s,cycle_s\n");
     let machine = Machine::default();
     for (kind, dialects) in toolpaths() {
         for (word, toolpath) in &dialects {
-            let plan = simulate::by_rule(toolpath, &machine, Rule::Programmed);
+            let plan = simulate::with_policy(toolpath, &machine, CornerPolicy::Programmed);
             let (programmed, cycle) = (programmed_time(toolpath, &machine), plan.cycle_time());
             let _ = writeln!(table, "{kind},{word},{},{programmed:.9},{cycle:.9}", toolpath.segments.len());
         }
     }
-    if std::env::var_os("TRUEFEED_UPDATE_EXPECTED").is_some() {
-        std::fs::write(&path, &table).expect("the folder of the tests can be written");
-    }
-    let kept = std::fs::read_to_string(&path).expect("times.csv comes with the corpus");
-    for (kept, now) in kept.lines().zip(table.lines()) {
-        assert_eq!(now, kept, "{}", path.display());
-    }
-    assert_eq!(table.lines().count(), kept.lines().count());
+    assert_kept("times.csv", &table);
 }

@@ -7,8 +7,8 @@ use truefeed::identification::fit::Run;
 use truefeed::identification::recording::read;
 use truefeed::machine::Machine;
 use truefeed::project::profile_csv;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Profile, Resolution};
-use truefeed::simulation::toolpath::trace;
 use truefeed::simulation::{gcode, simulate};
 
 #[test]
@@ -64,7 +64,8 @@ fn with_speeds() -> String {
             (3 * row, if row % 3 == 2 { format!(" S{}", 4000 + 500 * row) } else { String::new() });
         format!("G1 X40 Y{y} F1800{speed}\nX40 Y{}\nX0 F1500\n", y + 1)
     });
-    format!("G21 G90\nG0 X0 Y0\nM3 S4000\n{}M30\n", rows.collect::<String>())
+    // The rapid move shows that the cut began without a wait.
+    format!("G21 G90\nM3 S4000\nG0 X20\nX0\n{}M30\n", rows.collect::<String>())
 }
 
 #[test]
@@ -86,6 +87,35 @@ fn a_wait_at_s_words_is_found_and_predicts_the_run() {
     assert!((seconds - 0.8).abs() < 0.01, "{seconds} s");
     let (found, recorded) = (simulate(&toolpath, &diagnosis.machine).cycle_time(), plan.cycle_time());
     assert!((found - recorded).abs() < 0.05, "{found} s is not {recorded} s");
+}
+
+/// A control that starts the spindle without standing still, and has the first feed move wait for it.
+#[test]
+fn a_wait_of_the_first_feed_move_for_the_spindle_is_found_where_it_is() {
+    let believed = Machine::default();
+    let mut truth = believed.clone();
+    truth.times.spindle_at_feed = 1.7;
+    let part = |x: i32, speed: i32| {
+        format!(
+            "G0 Z20\nS{speed}\nX{x} Y0\nZ2\nG1 Z-1 F600\nX{} F1800\nY20\nG0 Z5\nX{x} Y10\nZ1\nG1 Z-1 F600\n",
+            x + 20
+        )
+    };
+    let text = format!("G21 G90\nG0 X0 Y0 Z10\nM3 S4000\n{}{}M30\n", part(10, 4000), part(60, 9000));
+    let toolpath = trace(&gcode::read(text.as_bytes()), &believed);
+    assert_eq!(toolpath.feeds_at_new_speed().count(), 2);
+    let plan = simulate(&toolpath, &truth);
+    assert!((plan.cycle_time() - simulate(&toolpath, &believed).cycle_time() - 3.4).abs() < 0.1);
+    let samples = Profile::new(&toolpath, &plan).samples(Resolution::FINE);
+    let log = read(profile_csv(&samples).as_bytes()).expect("a log");
+    let alignment = align(&log.recordings[0], &toolpath, &believed).expect("it is of this program");
+    let runs = [Run { toolpath: &toolpath, alignment: &alignment, overrides: (None, None) }];
+    let diagnosis = diagnose(&believed, &runs, &mut |_| {});
+    let found: Vec<_> = (diagnosis.causes.iter())
+        .map(|cause| (cause.candidate.hypothesis.effect.id, cause.candidate.hypothesis.variant.as_str()))
+        .collect();
+    assert_eq!(found, [("spindle_wait", "first feed moves")]);
+    assert!((diagnosis.causes[0].candidate.values[0] - 1.7).abs() < 0.02);
 }
 
 /// Each wait costs its time and a full stop, and none where the machine has no such wait.

@@ -9,7 +9,8 @@
 use crate::shared::case_count;
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{self, Dialect, Options, Severity};
-use truefeed::simulation::toolpath::{self, Segments, Stop, Toolpath};
+use truefeed::simulation::interpreter;
+use truefeed::simulation::toolpath::{Segments, Stop, Toolpath};
 
 /// The dialects whose words are letters with numbers, white space or not.
 const WORDS: [Dialect; 5] = [Dialect::Iso, Dialect::LinuxCnc, Dialect::Grbl, Dialect::Mach, Dialect::Okuma];
@@ -32,7 +33,7 @@ N110 M30
 
 fn trace(bytes: &[u8], dialect: Dialect) -> Toolpath {
     let options = Options { dialect: Some(dialect), ..Options::default() };
-    toolpath::trace(&gcode::read_with(bytes, &options), &Machine::default())
+    interpreter::trace(&gcode::read_with(bytes, &options), &Machine::default())
 }
 
 /// What the machine is told, line by line.

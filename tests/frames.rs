@@ -1,10 +1,11 @@
 //! Coordinates, feed modes and rotary axes: laws that hold from program to cycle time.
 
 use truefeed::machine::{Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Rule, limits};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan, limits};
 use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Motion, Point, Segment, StopCause, Toolpath, trace};
+use truefeed::simulation::toolpath::{Motion, Point, Segment, StopCause, Toolpath};
 
 /// Runs a program for LinuxCNC, which reads the words of the others too.
 fn run_on(text: &str, machine: &Machine) -> Toolpath {
@@ -31,7 +32,7 @@ fn run_well(text: &str) -> Toolpath {
 }
 
 fn plan_of(toolpath: &Toolpath, machine: &Machine) -> FeedPlan {
-    simulate::by_rule(toolpath, machine, Rule::Isolated(machine.interpolator.contour_tolerance))
+    simulate::with_policy(toolpath, machine, CornerPolicy::Isolated(machine.interpolator.contour_tolerance))
 }
 
 fn feedrate(segment: &Segment) -> f64 {

@@ -9,7 +9,8 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
-use truefeed::simulation::toolpath::{Curve, Motion, StopCause, trace};
+use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::toolpath::{Curve, Motion, StopCause};
 
 /// Where a move ends: X, Y, Z in mm, A, B, C in degrees.
 type Place = [f64; 6];

@@ -8,11 +8,13 @@ use truefeed::identification::effects::Reported;
 use truefeed::identification::fit::Run;
 use truefeed::identification::recording;
 use truefeed::machine::Machine;
-use truefeed::simulation::feed::Rule;
+use truefeed::project::machine_from_toml;
+use truefeed::simulation::feed::CornerPolicy;
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::Toolpath;
 
 /// A meander of lines and arcs with rapids between, and holes with a dwell at their bottom.
 fn program() -> String {
@@ -40,7 +42,7 @@ fn dwell(hole: usize) -> u32 {
 /// What a recorder sees of a run, every 10 ms and to a micrometre or two, as a table.
 fn recorded(program: &str, machine: &Machine) -> String {
     let toolpath = trace(&read(program.as_bytes()), machine);
-    let plan = simulate::by_rule(&toolpath, machine, Rule::Programmed);
+    let plan = simulate::with_policy(&toolpath, machine, CornerPolicy::Programmed);
     let profile = Profile::new(&toolpath, &plan);
     let mut seed = 1u64;
     let mut noise = || {
@@ -194,4 +196,24 @@ fn waits_for_position_at_rapid_ends_are_found() {
     let found = causes(&diagnosed(&machine));
     assert_eq!(found.first().map(|cause| cause.0), Some("in_position_wait"), "{found:?}");
     assert!((found[0].2 - 0.15).abs() < 0.015, "{found:?}");
+}
+
+/// LinuxCNC runs lines within P of one line as that line, which has the number of the last of them.
+#[test]
+fn a_feed_hold_costs_its_time_on_lines_that_are_run_as_one() {
+    let program = "G21 G64 P0.05\nG1 F1200 X1\nX2 Y0.001\nX3\nX4 Y0.001\nX5\nX9 Y6\n";
+    let mut machine =
+        machine_from_toml(include_str!("data/machines/linuxcnc.toml")).expect("the file is right");
+    let toolpath = trace(&read(program.as_bytes()), &machine);
+    let time =
+        |machine: &Machine| simulate::with_policy(&toolpath, machine, CornerPolicy::Programmed).cycle_time();
+    let before = time(&machine);
+    for line in 2..=7 {
+        machine.halts.feed_holds = [(line, 2.5)].into();
+        assert!(
+            (time(&machine) - before - 2.5).abs() < 1e-9,
+            "line {line}: {} s more",
+            time(&machine) - before
+        );
+    }
 }

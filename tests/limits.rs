@@ -2,9 +2,9 @@
 
 use truefeed::machine::{Machine, PathLimits, TimeConstants};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::trace;
 
 /// By what part an acceleration may pass its limit where a ramp of the filters turns into one of the
 /// limit: passes judge it from sample to sample.

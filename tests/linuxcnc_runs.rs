@@ -10,7 +10,7 @@ use truefeed::identification::recording;
 use truefeed::machine::{AXES, Machine};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::gcode::read;
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::interpreter::trace;
 
 use crate::shared::corpus;
 
@@ -22,6 +22,8 @@ filters = 1
 time_constant_s = 0.0005
 contour_tolerance_mm = 0.02
 junction_rule = "acceleration_blend"
+max_override_percent = 200
+look_ahead_blocks = 50
 [rapid]
 feed_mm_min = 10392.3
 time_constant_s = 0.0005

@@ -42,7 +42,11 @@ fn no_output_replaces_an_input() {
         for out in outputs {
             let output = bench.truefeed(command).arg(out).output().expect("the command starts");
             assert_eq!(output.status.code(), Some(2), "{command:?} {out}");
-            assert!(error(&output).contains("this is the input"), "{command:?} {out}: {}", error(&output));
+            assert!(
+                error(&output).contains("would replace the input"),
+                "{command:?} {out}: {}",
+                error(&output)
+            );
             assert_eq!(content(), before, "{command:?} {out}");
         }
     }

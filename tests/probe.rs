@@ -4,15 +4,16 @@
 use std::fmt::Write;
 
 use truefeed::identification::diagnosis::{Diagnosis, Verdict, diagnose};
-use truefeed::identification::fit::Recorded;
-use truefeed::identification::probe::{Probe, ProbeError, SPACE, probe_all, probe_between};
+use truefeed::identification::fit::AlignedRun;
+use truefeed::identification::probe::{Probe, ProbeError, SNIPPET_SPACE_MM, probe_all, probe_between};
 use truefeed::machine::{Machine, parameter};
 use truefeed::project::machine_from_toml;
 use truefeed::simulation::drive::actual_motion;
 use truefeed::simulation::gcode::{Severity, read};
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Motion, trace};
+use truefeed::simulation::toolpath::Motion;
 
 /// A machine file with these lines at its end.
 fn machine(more: &str) -> Machine {
@@ -53,9 +54,9 @@ fn recording(program: &str, machine: &Machine) -> String {
 
 fn diagnosed(program: &str, believed: &Machine, truth: &Machine) -> Diagnosis {
     let toolpath = trace(&read(program.as_bytes()), believed);
-    let recorded = Recorded::new(toolpath, recording(program, truth).as_bytes(), believed)
+    let recorded = AlignedRun::new(toolpath, recording(program, truth).as_bytes(), believed)
         .expect("a recording of this program");
-    diagnose(believed, &[recorded.unswitched()], &mut |_| {})
+    diagnose(believed, &[recorded.run_ignoring_overrides()], &mut |_| {})
 }
 
 /// The probe for a pair names each of the two where it is concealed.
@@ -150,7 +151,7 @@ fn holds_the_laws(machine: &Machine, probe: &Probe) {
         for part in 0..=20 {
             let at = segment.point(segment.length * f64::from(part) / 20.0);
             for axis in 0..3 {
-                assert!((0.0..=SPACE[axis]).contains(&at[axis]), "{at:?}");
+                assert!((0.0..=SNIPPET_SPACE_MM[axis]).contains(&at[axis]), "{at:?}");
             }
         }
         if let Motion::Feed { feedrate } = segment.motion {

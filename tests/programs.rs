@@ -8,6 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{self, Dialect, Severity};
+use truefeed::simulation::interpreter;
 use truefeed::simulation::toolpath::{self, Curve, Motion, PathMode, StopCause, Toolpath};
 use truefeed::units::mm_per_min;
 
@@ -30,8 +31,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 fn trace(path: &Path) -> Toolpath {
     let bytes = std::fs::read(path).expect("a readable file");
     let (options, machine) = (gcode::Options::default(), Machine::default());
-    let toolpath = toolpath::trace(&gcode::read(&bytes), &machine);
-    assert_eq!(toolpath::trace_text(bytes, &options, &machine), toolpath, "{}", path.display());
+    let toolpath = interpreter::trace(&gcode::read(&bytes), &machine);
+    assert_eq!(interpreter::trace_text(bytes, &options, &machine), toolpath, "{}", path.display());
     toolpath
 }
 

@@ -5,11 +5,12 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use truefeed::identification::recording::{
-    ClosureError, Log, Measure, Options, Recording, RecordingError, RunMark, Sampling, Scale, Status,
-    closure, closure_of, closure_on, is_recording, path_length, read, read_with, unit,
+    ChannelUnit, Log, Measure, ReadingOptions, Recording, RecordingError, RunMark, Sampling, Status,
+    UnitCheckError, archived, check_unit, check_unit_by, check_unit_on_lines, is_recording, path_length,
+    read, read_with, unit,
 };
 use truefeed::machine::Machine;
-use truefeed::simulation::{gcode, toolpath};
+use truefeed::simulation::{gcode, interpreter, toolpath};
 
 use crate::shared::{corpus, recordings_of_others};
 
@@ -36,9 +37,9 @@ fn samples() -> Vec<(String, Vec<u8>)> {
 }
 
 /// What the samples without a time column leave open.
-fn options(name: &str) -> Options {
+fn options(name: &str) -> ReadingOptions {
     let stated = !matches!(name, "halsampler.txt" | "scope2csv.csv");
-    Options { interval: if stated { None } else { Some(0.05) }, ..Options::default() }
+    ReadingOptions { interval: if stated { None } else { Some(0.05) }, ..ReadingOptions::default() }
 }
 
 /// Whether a remark contains `part`.
@@ -69,9 +70,9 @@ fn every_format_tells_the_same_motion() {
         let recording = &log.recordings[0];
         assert!((recording.duration - DURATION).abs() < 1e-9, "{name}: {} s", recording.duration);
         let [x, y, z] = recording.positions();
-        let factor = match x.as_ref().expect("X").scale {
-            Scale::Stated(_) => 1.0,
-            _ => closure_of(Measure::Positions, recording, PATH).expect("closes").unit.factor,
+        let factor = match x.as_ref().expect("X").unit {
+            ChannelUnit::Stated(_) => 1.0,
+            _ => check_unit_by(Measure::Positions, recording, PATH).expect("closes").unit.factor,
         };
         assert_eq!(factor, 1.0, "{name}: positions are in mm, also where the file does not say so");
         let length = path_length(recording.positions()).expect("positions");
@@ -90,11 +91,11 @@ fn every_format_tells_the_same_motion() {
             );
         }
         if recording.feed.is_some() {
-            let found = closure(recording, PATH).expect("units close");
+            let found = check_unit(recording, PATH).expect("units close");
             assert_eq!(found.measure, Measure::Feed, "{name}");
             assert!((found.ratio - 1.0).abs() < 0.04, "{name}: {}", found.ratio);
             let feed = recording.clone().settled(&found).feed.expect("still there");
-            assert_eq!(feed.scale, Scale::Stated(found.unit), "{name}");
+            assert_eq!(feed.unit, ChannelUnit::Stated(found.unit), "{name}");
             let (slowest, fastest) = feed.extent().expect("values");
             assert!(slowest.abs() < 1e-3 && (fastest - 20.0).abs() < 1e-3, "{name}: {fastest} mm/s");
         }
@@ -132,8 +133,8 @@ fn formats_keep_what_only_they_tell() {
     assert_eq!(trace.actual[2].as_ref().expect("Z").values.len(), 11, "Z is in every fourth record");
     let scope = log("twincat.csv");
     assert_eq!(scope.recordings[0].feed.as_ref().expect("feed").values.len(), 21, "a group of its own");
-    let scale = |recording: &Recording| recording.actual[0].as_ref().expect("X").scale;
-    assert_eq!(scale(&log("blanks.dat").recordings[0]), Scale::Stated(unit::INCH));
+    let scale = |recording: &Recording| recording.actual[0].as_ref().expect("X").unit;
+    assert_eq!(scale(&log("blanks.dat").recordings[0]), ChannelUnit::Stated(unit::INCH));
     assert!(remarked(&log("halsampler.txt"), "no names"));
     let (_, bytes) = samples().into_iter().find(|(file, _)| file == "scope2csv.csv").expect("a sample");
     let assumed = read(&bytes).expect("reads with Heidenhain's interval");
@@ -205,7 +206,7 @@ fn check_laws(name: &str, log: &Log) {
         assert!(!recording.runs.is_empty(), "{name}");
         for run in &recording.runs {
             let part = recording.during(&run.time);
-            let _ = (closure(&part, PATH), closure(recording, PATH));
+            let _ = (check_unit(&part, PATH), check_unit(recording, PATH));
         }
     }
 }
@@ -368,7 +369,27 @@ fn an_archive_that_unpacks_to_far_more_than_a_log_is_refused() {
     let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
     gzip.write_all(&vec![b'0'; 100 << 20]).expect("memory");
     let error = read(&gzip.finish().expect("memory")).expect_err("no log");
-    assert!(error.to_string().contains("far too much"), "{error}");
+    assert!(error.to_string().contains("far too large"), "{error}");
+}
+
+#[test]
+fn every_file_of_an_archive_comes_out_of_it() {
+    let long = "G1 X1\n".repeat(5000);
+    let files: [(&str, &[u8], bool); 4] = [
+        ("part/op10.nc", b"G1 X1", false),
+        ("part/op20.nc", long.as_bytes(), true),
+        ("part/", b"", false),
+        ("__MACOSX/x", b"?", true),
+    ];
+    let packed = archive(&files);
+    let names_and_bytes: Vec<(String, Vec<u8>)> =
+        files[..2].iter().map(|(name, bytes, _)| (name.to_string(), bytes.to_vec())).collect();
+    assert_eq!(archived(&packed), Ok(names_and_bytes));
+    for cut in [4, 40, packed.len() / 2, packed.len() - 3] {
+        assert!(matches!(archived(&packed[..cut]), Err(RecordingError::Binary(_))), "cut at {cut}");
+    }
+    let bomb = archive(&[("a.nc", &vec![b'0'; 100 << 20], true)]);
+    assert!(archived(&bomb).is_err(), "no program packs to a thousandth");
 }
 
 /// A ZIP archive of files: name, bytes, and whether they are deflated.
@@ -424,7 +445,7 @@ fn a_recorders_table_counts_cycles() {
     let recording = one(&text);
     assert!((recording.duration - 0.098).abs() < 1e-9, "{} s", recording.duration);
     assert!(recording.commanded[1].is_some() && recording.actual[0].is_some() && recording.actual_is_stated);
-    let told = Options { interval: Some(4e-3), ..Options::default() };
+    let told = ReadingOptions { interval: Some(4e-3), ..ReadingOptions::default() };
     let log = read_with(text.as_bytes(), &told).expect("reads");
     assert!((log.recordings[0].duration - 0.196).abs() < 1e-9);
 }
@@ -485,7 +506,7 @@ fn files_that_tell_nothing_are_refused_with_the_reason() {
     );
     let unclear = "time,x_mm\n".to_owned() + &rows(&|n| format!("{},{n}.0\n", 4 * n));
     assert!(matches!(refused(unclear.as_bytes()), RecordingError::TimeUnit { step, .. } if step == 4.0));
-    let told = Options { time_unit: Some(unit::MILLISECOND), ..Options::default() };
+    let told = ReadingOptions { time_unit: Some(unit::MILLISECOND), ..ReadingOptions::default() };
     let log = read_with(unclear.as_bytes(), &told).expect("the unit is told");
     assert!((log.recordings[0].duration - 0.196).abs() < 1e-12);
     assert!(matches!(refused(b"<MTConnectStreams><Streams>"), RecordingError::Syntax { line: 1, .. }));
@@ -517,7 +538,7 @@ fn small_faults_are_repaired_and_named() {
     assert_eq!(x.held(0.25), None);
     // Stamps rounded to 0.1 s: ten samples each, spread back to 0.01 s.
     let rounded = table(|n, _, x| Some(format!("{:.1},{x}\n", (n / 10) as f64 * 0.1)));
-    let log = repaired(rounded, "share a stamp", 50);
+    let log = repaired(rounded, "share their time stamp", 50);
     let steps: Vec<f64> =
         log.recordings[0].actual[0].as_ref().expect("X").time.windows(2).map(|p| p[1] - p[0]).collect();
     assert!(steps.iter().all(|step| (step - 0.01).abs() < 1e-9));
@@ -614,23 +635,23 @@ fn units_that_do_not_close_are_refused_with_the_factor_that_would_fit() {
     for (factor, expected) in
         [(1.0, unit::MM_PER_S), (60.0, unit::MM_PER_MIN), (60.0 / 25.4, unit::INCH_PER_MIN)]
     {
-        assert_eq!(closure(&log("feed", factor), path).expect("closes").unit, expected);
+        assert_eq!(check_unit(&log("feed", factor), path).expect("closes").unit, expected);
     }
-    assert_eq!(closure(&log("feed_mm_s", 1.0), path).expect("closes").unit, unit::MM_PER_S);
-    match closure(&log("feed_mm_s", 60.0), path) {
-        Err(ClosureError::WouldFit { factor, instead: Some(instead), .. }) => {
+    assert_eq!(check_unit(&log("feed_mm_s", 1.0), path).expect("closes").unit, unit::MM_PER_S);
+    match check_unit(&log("feed_mm_s", 60.0), path) {
+        Err(UnitCheckError::WouldFit { factor, instead: Some(instead), .. }) => {
             assert!((factor - 1.0 / 60.0).abs() < 1e-12);
             assert_eq!(instead, unit::MM_PER_MIN);
         }
         other => panic!("{other:?}"),
     }
     assert!(
-        matches!(closure(&log("feed_mm_s", 1.5), path), Err(ClosureError::NoFactor { ratio, .. }) if (ratio - 1.5).abs() < 1e-3)
+        matches!(check_unit(&log("feed_mm_s", 1.5), path), Err(UnitCheckError::NoFactor { ratio, .. }) if (ratio - 1.5).abs() < 1e-3)
     );
-    assert!(matches!(closure(&log("feed", 1.5), path), Err(ClosureError::NoFactor { .. })));
-    assert_eq!(closure(&log("feed", 1.0), 0.0), Err(ClosureError::NoPath));
+    assert!(matches!(check_unit(&log("feed", 1.5), path), Err(UnitCheckError::NoFactor { .. })));
+    assert_eq!(check_unit(&log("feed", 1.0), 0.0), Err(UnitCheckError::NoPath));
     let positions = log("x", 1.0 / 25.4);
-    let found = closure(&positions, 199.0).expect("inches");
+    let found = check_unit(&positions, 199.0).expect("inches");
     assert_eq!((found.measure, found.unit), (Measure::Positions, unit::INCH));
 }
 
@@ -656,7 +677,7 @@ fn file(path: PathBuf) -> Vec<u8> {
 
 /// Length of a program's path, mm.
 fn program_length(path: PathBuf) -> f64 {
-    let toolpath = toolpath::trace(&gcode::read(&file(path)), &Machine::default());
+    let toolpath = interpreter::trace(&gcode::read(&file(path)), &Machine::default());
     toolpath.segments.iter().map(|segment| segment.length).sum()
 }
 
@@ -687,7 +708,7 @@ fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
         assert!(run.has_start && run.has_end, "{name}");
         let lasted = run.time.end - run.time.start;
         assert!((lasted / seconds - 1.0).abs() < 0.008, "{name}: {lasted} s");
-        let program = toolpath::trace(
+        let program = interpreter::trace(
             &gcode::read(&file(nist.join("programs").join(program).with_extension("nc"))),
             &Machine::default(),
         );
@@ -695,7 +716,7 @@ fn a_shops_event_logs_are_read_and_their_feed_is_in_mm_per_s() {
         let path: f64 = program.segments.iter().filter(cuts).map(|segment| segment.length).sum();
         let lines: HashSet<u32> =
             program.segments.iter().filter(cuts).map(|segment| segment.line.0).collect();
-        let found = closure_on(&recording.during(&run.time), path, |line| lines.contains(&line));
+        let found = check_unit_on_lines(&recording.during(&run.time), path, |line| lines.contains(&line));
         let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(found.unit, unit::MM_PER_S, "{name}");
         // Of a short part the few polls that a rapid and a feed share are much; the holes of the
@@ -715,7 +736,7 @@ fn the_stand_in_machines_tables_close() {
         let rows = file(folder.join("recording.csv")).iter().filter(|byte| **byte == b'\n').count() - 1;
         let x = log.recordings[0].actual[0].as_ref().expect("X");
         let found =
-            closure(&log.recordings[0], program_length(folder.join("program.nc"))).expect("units close");
+            check_unit(&log.recordings[0], program_length(folder.join("program.nc"))).expect("units close");
         // Case 8 conceals lag, which shortens the path, case 9 vibration, which lengthens it.
         let expected = if matches!(case, 8 | 9) { 0.1 } else { 0.015 };
         assert!((found.ratio - 1.0).abs() < expected, "case {case}: {}", found.ratio);
@@ -739,8 +760,8 @@ fn a_controllers_tables_close_and_last_as_long_as_told() {
             recording.duration
         );
         let path = program_length(folder.join(answer["program"].as_str().expect("a name")));
-        let by_feed = closure(recording, path).expect("the feed closes");
-        let by_positions = closure_of(Measure::Positions, recording, path).expect("positions close");
+        let by_feed = check_unit(recording, path).expect("the feed closes");
+        let by_positions = check_unit_by(Measure::Positions, recording, path).expect("positions close");
         assert!((by_feed.ratio - 1.0).abs() < 0.01, "{name}: {}", by_feed.ratio);
         assert!((by_positions.ratio - 1.0).abs() < 0.02, "{name}: {}", by_positions.ratio);
     }

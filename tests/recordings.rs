@@ -8,9 +8,9 @@ use truefeed::machine::{Machine, TimeConstants};
 use truefeed::project::machine_from_toml;
 use truefeed::quote::programmed_time;
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::trace;
 
 use crate::shared::{corpus, recordings_of_others};
 

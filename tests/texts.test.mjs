@@ -12,7 +12,7 @@ const PAGE = fileURLToPath(new URL('../www/', import.meta.url))
 const html = readFileSync(`${PAGE}index.html`, 'utf8')
 /** The texts themselves, and what answers other programs. */
 const ELSEWHERE = /^texts(_later)?\.js$|^embed\/(protocol|request|module|sheet)\.js$/
-const scripts = ['', 'panels/', 'embed/'].flatMap((folder) =>
+const scripts = ['', 'panels/', 'embed/', 'cutting/', 'job/', 'state/'].flatMap((folder) =>
   readdirSync(PAGE + folder).flatMap((name) => (name.endsWith('.js') && !ELSEWHERE.test(folder + name) ? [folder + name] : [])),
 )
 const LETTERS = /[A-Za-z]{2}/

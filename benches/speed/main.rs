@@ -24,13 +24,14 @@ use futures::Stream;
 use programs::Made;
 use truefeed::machine::Machine;
 use truefeed::plot::Programmed;
-use truefeed::plot::path::{Pace, Trail};
+use truefeed::plot::path::{SteppedCurve, Trail};
 use truefeed::quote::quote;
-use truefeed::simulation::feed::{Rule, Tolerances};
-use truefeed::simulation::gcode::{Options, Parts};
+use truefeed::simulation::feed::{CornerPolicy, Tolerances};
+use truefeed::simulation::gcode::{Options, Parts, Scope};
+use truefeed::simulation::interpreter::trace_text;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace_text};
+use truefeed::simulation::toolpath::Toolpath;
 
 /// Contour tolerances, mm.
 static TOLERANCES: [f64; 4] = [0.005, 0.010, 0.020, 0.050];
@@ -111,7 +112,7 @@ impl Work {
             Work::Yardstick => parsed_elsewhere(&text) as f64,
             Work::Read => {
                 let (options, mut blocks) = (Options::default(), 0);
-                let mut parts = Parts::new(&text, &options).expect("an ISO program");
+                let mut parts = Parts::new(&text, &options, Scope::STRAIGHT).expect("an ISO program");
                 while parts.next_part(1_000) {
                     blocks += parts.part().blocks.len();
                 }
@@ -121,7 +122,7 @@ impl Work {
             Work::Plan | Work::PlanFour | Work::PlanFourAtOnce => {
                 let toolpath = toolpath(text);
                 let one = |tolerance: f64| {
-                    simulate::by_rule(&toolpath, &machine, Rule::Isolated(tolerance)).cycle_time()
+                    simulate::with_policy(&toolpath, &machine, CornerPolicy::Isolated(tolerance)).cycle_time()
                 };
                 match self {
                     Work::Plan => one(TOLERANCES[1]),
@@ -134,7 +135,7 @@ impl Work {
                 let shown = (Programmed::of(&toolpath, &machine), Trail::of(&toolpath));
                 let (time, plan, errors) = quoted(&toolpath, TOLERANCES[1]);
                 let curve = Profile::new(&toolpath, &plan).drawn();
-                black_box((shown, errors, Pace::of(&curve)));
+                black_box((shown, errors, SteppedCurve::of(&curve)));
                 time
             }
             Work::Quote | Work::QuoteFour | Work::QuoteFourAtOnce => {
@@ -369,9 +370,9 @@ fn page(is_whole: bool) -> String {
 }
 
 const HEAD: &str = "# Speed and size\n
-What it costs to quote programs, as multiples of yardsticks of the same run: reading each byte once, and the crate
-`async-gcode` parsing the same file. Written by `cargo bench --bench speed -- write` on one core; times are what the
-processor worked, so that other work on the machine does not count. The peak is that of the process, with the file in it.\n";
+The cost of quoting programs, in multiples of two yardsticks of the same run: reading each byte once, and parsing the same file with the
+crate `async-gcode`. `cargo bench --bench speed -- write` writes this page, on one core. Times are processor times, so that other work on the
+machine does not count. The peak is the memory of the process, including the file.\n";
 
-/// What is to be said of the figures, beneath them.
+/// The text below the figures.
 const NOTES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/speed/notes.md");

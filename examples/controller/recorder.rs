@@ -39,6 +39,8 @@ impl Recorder {
             .arg("--out")
             .arg(raw)
             .args(["--columns", "fb", "--prefill", "200", "--wall-limit", "120"])
+            // Without it a program that asks for no path mode has the one of a start-up that is not the same each time.
+            .args(["--default-path", "G64"])
             .args(["--every", &every.to_string(), "--speed", &self.speed.to_string()])
             .args(options)
             .output()?;

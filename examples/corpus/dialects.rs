@@ -238,6 +238,21 @@ fn turn(from: Point, end: &Point, centre: &[f64; 2], clockwise: bool) -> f64 {
     turned.to_degrees()
 }
 
+/// The parameters of Heidenhain's cycle 200 for a hole between these heights, mm; a `peck` of 0 is one down to the
+/// bottom.
+fn drilling_parameters(top: f64, bottom: f64, peck: f64, feed: f64) -> String {
+    let infeed = if peck == 0.0 { top - bottom } else { peck };
+    format!(
+        "Q200={} Q201={} Q206={} Q202={} Q210=0 Q203={} Q204={} Q211=0",
+        number(SAFETY_MM),
+        signed(bottom - top),
+        number(feed),
+        number(infeed),
+        signed(top),
+        number(RETRACT_MM),
+    )
+}
+
 fn klartext(moves: &[Move]) -> String {
     let mut lines = vec!["BEGIN PGM PART MM".to_string()];
     let mut at = [0.0; 3];
@@ -278,16 +293,8 @@ fn klartext(moves: &[Move]) -> String {
             }
             Move::Hole { at: [x, y], top, bottom, peck, feed } => {
                 if cycle.replace((*bottom, *peck)) != Some((*bottom, *peck)) {
-                    let infeed = if *peck == 0.0 { top - bottom } else { *peck };
-                    lines.push(format!(
-                        "CYCL DEF 200 DRILLING Q200={} Q201={} Q206={} Q202={} Q210=0 Q203={} Q204={} Q211=0",
-                        number(SAFETY_MM),
-                        signed(bottom - top),
-                        number(*feed),
-                        number(infeed),
-                        signed(*top),
-                        number(RETRACT_MM),
-                    ));
+                    let parameters = drilling_parameters(*top, *bottom, *peck, *feed);
+                    lines.push(format!("CYCL DEF 200 DRILLING {parameters}"));
                 }
                 lines.push(format!("L X{} Y{} R0 FMAX M99", signed(*x), signed(*y)));
             }
@@ -334,16 +341,7 @@ fn heidenhain_iso(moves: &[Move]) -> String {
             }
             Move::Hole { at: [x, y], top, bottom, peck, feed } => {
                 if cycle.replace((*bottom, *peck)) != Some((*bottom, *peck)) {
-                    let infeed = if *peck == 0.0 { top - bottom } else { *peck };
-                    lines.push(format!(
-                        "G200 Q200={} Q201={} Q206={} Q202={} Q210=0 Q203={} Q204={} Q211=0",
-                        number(SAFETY_MM),
-                        signed(bottom - top),
-                        number(*feed),
-                        number(infeed),
-                        signed(*top),
-                        number(RETRACT_MM),
-                    ));
+                    lines.push(format!("G200 {}", drilling_parameters(*top, *bottom, *peck, *feed)));
                 }
                 lines.push(format!("G00 X{} Y{} M99", signed(*x), signed(*y)));
             }

@@ -3,9 +3,10 @@
 use truefeed::cutting::{Mill, Setup, StockBox, engagement, loads, material, programmed_feedrates};
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Motion, trace};
+use truefeed::simulation::toolpath::Motion;
 use truefeed::units::mm_per_min;
 
 use super::chart::{Curve, Panel, svg};
@@ -131,8 +132,8 @@ pub fn page() -> Page {
 const HEAD: &str = "# Cutting forces from the predicted feed
 
 Section 4.3 of Ward, Sencer, Jones, Ozturk (2021), computed again: an open pocket of 40 × 60 × 10 mm in aluminium 7075, a 2-flute end
-mill of 12 mm, 3000 mm/min, 10 µm. Written by `cargo run --release --example forces`; `tests/forces_page.rs` holds it to what the
-program computes.
+mill of 12 mm, 3000 mm/min, 10 µm. `cargo run --release --example forces` writes this page; `tests/forces_page.rs` compares it
+with what the program computes.
 
 Force means the largest resultant within a revolution. The same engagement is loaded twice, with the programmed feedrate and with the
 predicted one (three filters, T1 = 0.0255 s, tolerance by the law of an isolated corner).
@@ -151,8 +152,8 @@ fn chosen() -> String {
          and the right side; they leave {:.1} mm at the walls;\n\
          - cornering section: one pass along the walls, corners of radius {:.0} mm in chords that turn by {:.0}°;\n\
          - stock in cells of {RESOLUTION} mm.\n\n\
-         Depth, speed, path and the way from loop to loop are not published. They were chosen among many with the paper's forces and ratios\n\
-         in sight, so that the closeness proves little; the coefficients were not. How far the ratios depend on the choice is said below.\n\n",
+         The paper does not publish depth, speed, path and the way from loop to loop. We chose them among many, knowing the paper's forces and ratios\n\
+         beforehand, so the agreement proves little; we did not choose the coefficients so. The last table shows how the ratios depend on the choice.\n\n",
         material.name,
         material.source,
         CHOICE.depth,

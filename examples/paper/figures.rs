@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use truefeed::identification::step::{Filters, Identification, Outcome, Quantity, Recording, identify};
 use truefeed::simulation::feed::corner::CornerLaw;
-use truefeed::simulation::feed::{FeedPlan, Rule};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan};
 use truefeed::simulation::filter::FilterChain;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
@@ -207,7 +207,11 @@ fn right_angle_plan(filters: usize) -> (Toolpath, FeedPlan) {
     pen.turn(90.0);
     pen.straight(10.0);
     let toolpath = pen.toolpath(20.0, 3000.0);
-    let plan = simulate::by_rule(&toolpath, &machine(filters, RAMP / filters as f64), Rule::Isolated(0.05));
+    let plan = simulate::with_policy(
+        &toolpath,
+        &machine(filters, RAMP / filters as f64),
+        CornerPolicy::Isolated(0.05),
+    );
     (toolpath, plan)
 }
 
@@ -271,7 +275,7 @@ fn pulse_train() -> String {
         pen.turn(turn);
     }
     let toolpath = pen.toolpath(pen.length, 3000.0);
-    let plan = simulate::by_rule(&toolpath, &machine(3, TIME_CONSTANT), Rule::Isolated(0.05));
+    let plan = simulate::with_policy(&toolpath, &machine(3, TIME_CONSTANT), CornerPolicy::Isolated(0.05));
     let profile = Profile::new(&toolpath, &plan);
     svg(
         &[

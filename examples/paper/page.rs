@@ -19,9 +19,9 @@ pub struct Page {
 const HEAD: &str = "# The paper, computed again
 
 Ward, Sencer, Jones, Ozturk: Accurate prediction of machining feedrate and cycle times considering interpolator dynamics (2021).
-This page and its figures are written by `cargo run --release --example paper`; `tests/paper.rs` holds them to what the program
+`cargo run --release --example paper` writes this page and its figures; `tests/paper.rs` compares them with what the program
 computes. Unless said otherwise: three filters, T1 = 0.0255 s (a third of the ramp of Sect. 2.2), tolerance by the law of an
-isolated corner. What had to be chosen is said with each table.
+isolated corner. Each table names the choices we had to make.
 
 ";
 
@@ -44,7 +44,7 @@ two and three, as in the text. One filter has no finite jerk and none is drawn.
 ![Fig. 5](paper/fig-05.svg)
 
 **Fig. 5. A recorded move against two and three filters, on synthetic data.** The recording of the paper is not published. In its place
-stand four equal filters with the same ramp of 76.5 ms, 6 mm at 3000 mm/min, sampled every 3 ms with noise of 0.2 % of the feedrate. As in
+we use four equal filters with the same ramp of 76.5 ms, 6 mm at 3000 mm/min, sampled every 3 ms with noise of 0.2 % of the feedrate. As in
 the paper the recorded acceleration peaks above that of three filters, and that above two. Jerk, differentiated twice, shows the noise.
 
 ";
@@ -75,8 +75,8 @@ filters and 25.5 ms for three. Three filters take every corner faster, and 50 µ
 
 const MISPRINTS: &str = "## Misprints
 
-Each is shown by a test of `tests/misprints.rs`: the printed formula misses the definition, a pulse averaged by n boxcars, and the
-corrected one meets it.
+A test of `tests/misprints.rs` shows each: it compares both formulas with the definition, a pulse averaged by n boxcars. The printed one
+differs from it, the corrected one does not.
 
 | place | printed | right | test |
 |---|---|---|---|
@@ -132,8 +132,8 @@ fn shapes(contour: ContourShape, trochoid: TrochoidShape) -> String {
          - trochoid: full circles of radius {:.0} mm in chords that turn by {:.1}°, {:.0} % of the length, joined by straight stepovers that\n  \
          meet them at {:.0}°. Two of its four numbers change the time in nearly the same way, so the feedrate on the main arc, of\n  \
          the same rows, is used beside the time, with {:.0} % of its weight.\n\n\
-         The grid was searched on the rows in use alone. What is free in it, and what is used beside the times, was settled with the\n\
-         whole of Table 1 in sight; how much that matters is said below the table.\n\n",
+         The grid was searched on the rows in use alone. We settled its free numbers, and the figures used beside the times, knowing\n\
+         the whole of Table 1; the text below the table says how much that matters.\n\n",
         contour.sharp_loops,
         contour.radius,
         contour.chord,
@@ -181,7 +181,7 @@ fn times(contour: &Pocket, trochoid: &Pocket) -> (String, f64) {
     let text = format!(
         "| pocket | mm/min | µm | used | CAM s | measured s | paper s | ours s | against paper | against measured |\n\
          |---|---:|---:|---|---:|---:|---:|---:|---:|---:|\n{rows}\n\
-         On the four rows not used the paper's predictions are met within {:.1} %.\n\n",
+         On the four rows that chose nothing, our times are within {:.1} % of the paper's predictions.\n\n",
         100.0 * worst
     );
     (text, worst)
@@ -242,7 +242,7 @@ fn features(contour: &Pocket, trochoid: &Pocket) -> String {
     format!(
         "In the middle of a long side, at a right angle, in the middle of a rounded corner, of a stepover and of a main arc; mm/min.\n\n\
          | pocket | F | µm | feature | measured | paper | ours | against paper |\n|---|---:|---:|---|---:|---:|---:|---:|\n{rows}\n\
-         At the sharp corner stand the true resultant and, below it, the command αF that Eq. 12 takes for it. The paper does not give the\n\
+         The rows of the sharp corner give the true resultant and, below it, the command αF that Eq. 12 takes for it. The paper does not give the\n\
          angle of its corner; here it is a right one, so these rows show the trend and no more. The trochoid loses its feedrate on the main\n\
          arc at 10 µm and keeps it at 50 µm, as printed; the stepover of the paper does not reach its feedrate at 3000 mm/min and 10 µm, ours,\n\
          longer, does. The contour's rounded corner, on which nothing was chosen, loses too little there.\n\n"
@@ -287,11 +287,11 @@ fn sections() -> (String, Vec<(&'static str, f64, f64)>) {
          Known: lengths, CAD time × feed, 44, 28 and 12 m. Each section is taken as half circles of radius {:.0} mm in chords that turn by \
          {:.0}°, straights between them and sharp right angles, in proportions chosen by a grid on the rows marked:\n\n{chosen}\n\
          The floor, with one row in use, keeps the chords and corners of the roughing; the walls keep its chords.\n\
-         What is free was settled with the whole table in sight, as for Table 1; the search saw the marked rows alone.\n\n\
+         We settled the free numbers knowing the whole table, as for Table 1; the search used the marked rows alone.\n\n\
          | section | µm | used | CAM s | measured s | paper s | ours s | against paper | against measured |\n\
          |---|---:|---|---:|---:|---:|---:|---:|---:|\n{rows}\n\
          Rows not used: {}. The paper's own prediction for the floor hardly falls from 20 to 50 µm and is above the measured time there, \
-         as no proportion of these blocks makes it; that row is not met. The trend with the tolerance is.\n",
+         as no proportion of these blocks makes it; our model misses that row. The trend with the tolerance is.\n",
         aerostructure::RADIUS,
         shapes[0].chord,
         unused.join(", ")

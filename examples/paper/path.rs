@@ -1,7 +1,7 @@
 //! Toolpaths as a CAM system writes them: straight blocks only, curves as chords.
 
 use truefeed::machine::{Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Rule};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan};
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
@@ -71,6 +71,7 @@ impl Pen {
                 motion: Motion::Feed { feedrate: mm_per_s(feedrate) },
                 rotation: Rotation::NONE,
                 exact_stop: false,
+                exact_path: false,
                 line: LineNumber(index as u32 + 1),
             });
             left -= own;
@@ -92,7 +93,7 @@ pub fn machine(filters: usize, time_constant: f64) -> Machine {
 
 /// The plan as published: every corner as if it were alone; tolerance in µm.
 pub fn plan_of(toolpath: &Toolpath, tolerance: f64) -> FeedPlan {
-    simulate::by_rule(toolpath, &machine(3, TIME_CONSTANT), Rule::Isolated(1e-3 * tolerance))
+    simulate::with_policy(toolpath, &machine(3, TIME_CONSTANT), CornerPolicy::Isolated(1e-3 * tolerance))
 }
 
 /// Feedrate of the tool when it has run `distance` (mm), mm/min.

@@ -19,12 +19,12 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use truefeed::identification::diagnosis::diagnose;
-use truefeed::identification::fit::{Recorded, RecordedError};
+use truefeed::identification::fit::{AlignedRun, AlignedRunError};
 use truefeed::machine::Machine;
 use truefeed::plot::{Theme, svg};
 use truefeed::project::{DiagnosisReport, diagnosis_chart, machine_from_toml};
 use truefeed::simulation::gcode::read;
-use truefeed::simulation::toolpath::trace;
+use truefeed::simulation::interpreter::trace;
 
 use crate::rivals::Rivals;
 
@@ -80,10 +80,10 @@ fn one(case: &Path, out: &Path) -> Result<(), Refusal> {
     let machine = machine_from_toml(&std::fs::read_to_string(case.join("machine.toml"))?)?;
     let start = Instant::now();
     let (report, transfer) = match recorded(case, &machine)? {
-        Err(RecordedError::Alignment(error)) => (DiagnosisReport::not_comparable(&error), None),
+        Err(AlignedRunError::Alignment(error)) => (DiagnosisReport::not_comparable(&error), None),
         Err(error) => return Err(error.into()),
         Ok(recorded) => {
-            let run = recorded.unswitched();
+            let run = recorded.run_ignoring_overrides();
             let diagnosis = diagnose(&machine, std::slice::from_ref(&run), &mut |_| {});
             let charts = diagnosis_chart(&diagnosis, &machine, std::slice::from_ref(&run), 0);
             let charts = Vec::from_iter(charts);
@@ -110,12 +110,12 @@ fn one(case: &Path, out: &Path) -> Result<(), Refusal> {
 }
 
 /// The program and the recording of a folder.
-fn recorded(folder: &Path, machine: &Machine) -> Result<Result<Recorded, RecordedError>, Refusal> {
+fn recorded(folder: &Path, machine: &Machine) -> Result<Result<AlignedRun, AlignedRunError>, Refusal> {
     let toolpath = trace(&read(&std::fs::read(folder.join("program.nc"))?), machine);
-    Ok(Recorded::new(toolpath, &std::fs::read(folder.join("recording.csv"))?, machine))
+    Ok(AlignedRun::new(toolpath, &std::fs::read(folder.join("recording.csv"))?, machine))
 }
 
 /// The same where nothing speaks against a comparison.
-fn recorded_at(folder: &Path, machine: &Machine) -> Result<Recorded, Refusal> {
+fn recorded_at(folder: &Path, machine: &Machine) -> Result<AlignedRun, Refusal> {
     Ok(recorded(folder, machine)??)
 }

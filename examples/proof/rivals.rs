@@ -13,8 +13,8 @@
 use std::ops::Range;
 
 use serde_json::{Value, json};
-use truefeed::identification::comparison::{Comparison, Lost, compare};
-use truefeed::identification::fit::{Freed, Recorded, Run, Scale, Whitening, fit};
+use truefeed::identification::comparison::{Comparison, VisitTimes, compare};
+use truefeed::identification::fit::{AlignedRun, FreeParameter, Run, VariationScale, Whitening, fit};
 use truefeed::machine::{Handle, Machine};
 use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{Curve, Motion, Toolpath};
@@ -36,10 +36,10 @@ pub struct Rivals<'a> {
 
 impl Rivals<'_> {
     /// The errors of each on another program of the machine: cycle time, s, and feedrate, mm/min.
-    pub fn on(&self, other: &Recorded) -> Value {
+    pub fn on(&self, other: &AlignedRun) -> Value {
         let here = compared(self.machine, self.run);
         let refitted = refit(self.machine, self.run);
-        let there = other.unswitched();
+        let there = other.run_ignoring_overrides();
         let of = |machine: &Machine| {
             let mut machine = machine.clone();
             machine.interpolator.contour_tolerance *= self.ratio;
@@ -79,9 +79,9 @@ fn refit(machine: &Machine, run: &Run) -> Machine {
     let ratio = |key| {
         let handle = Handle::number(key);
         let start = handle.get(machine)?;
-        Some(Freed::new(handle, start, (0.1 * start, 10.0 * start), Scale::Ratio))
+        Some(FreeParameter::new(handle, start, (0.1 * start, 10.0 * start), VariationScale::Ratio))
     };
-    let freed: Vec<Freed> = ["interpolator.time_constant_s", "interpolator.contour_tolerance_mm"]
+    let freed: Vec<FreeParameter> = ["interpolator.time_constant_s", "interpolator.contour_tolerance_mm"]
         .into_iter()
         .filter_map(ratio)
         .collect();
@@ -98,13 +98,13 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn of(toolpath: &Toolpath, lost: &[Lost]) -> Blocks {
+    fn of(toolpath: &Toolpath, lost: &[VisitTimes]) -> Blocks {
         let mut ends = vec![0.0];
         for segment in &toolpath.segments {
             ends.push(ends[ends.len() - 1] + segment.length);
         }
         let features = lost.iter().map(|visit| features(toolpath, &ends, &visit.distance, visit)).collect();
-        Blocks { features, lost: lost.iter().map(Lost::seconds).collect() }
+        Blocks { features, lost: lost.iter().map(VisitTimes::seconds).collect() }
     }
 
     /// What the blocks of another program would lose together, s.
@@ -133,7 +133,7 @@ impl Blocks {
 
 /// Nominal time and length as logarithms, feedrate, angles turned at start and end, curvature, direction,
 /// whether it is a rapid, whether the machine waits in it, and time simulated by nominal time.
-fn features(toolpath: &Toolpath, ends: &[f64], range: &Range<f64>, visit: &Lost) -> [f64; 11] {
+fn features(toolpath: &Toolpath, ends: &[f64], range: &Range<f64>, visit: &VisitTimes) -> [f64; 11] {
     let length = range.end - range.start;
     let middle = 0.5 * (range.start + range.end);
     let at = ends.partition_point(|end| *end <= middle).clamp(1, toolpath.segments.len().max(1)) - 1;

@@ -149,7 +149,7 @@ fn without_an_effect_the_predictor_agrees() {
         let machine = crate::cases::machine_file("gate", &physics);
         let machine = truefeed::project::machine_from_toml(&machine).expect("the file is in the tool's form");
         let program = truefeed::simulation::gcode::read(text.as_bytes());
-        let toolpath = truefeed::simulation::toolpath::trace(&program, &machine);
+        let toolpath = truefeed::simulation::interpreter::trace(&program, &machine);
         let (plan, _) = simulate::within(&toolpath, &machine, physics.tolerance, &mut |_| {});
         let predicted = plan.cycle_time();
         let share = (predicted / plant - 1.0).abs();

@@ -45,9 +45,11 @@ pageTest('the page has no fault', async ({ page }) => {
   await look('a fault in the form')
   await page.click('#history .undo-change')
   await page.click('#machine details summary')
+  // The drawer lies over what comes next.
+  await page.keyboard.press('Escape')
 
   await page.setInputFiles('#files', SAMPLE)
-  await page.waitForSelector('#results .empty, #results tbody')
+  await page.waitForSelector('.has-programs #results')
   await look('computing')
   await computed(page)
   await page.selectOption('#compare .beside', { index: 2 })
@@ -56,14 +58,25 @@ pageTest('the page has no fault', async ({ page }) => {
   await page.click('#chart .behind summary')
   await page.waitForSelector('#chart .behind td')
   await page.click('#cutting details summary')
-  await page.fill('#tolerances input', 'much')
-  await page.press('#tolerances input', 'Enter')
+  await page.waitForSelector('#cutting .entries input')
+  await look('a cutting job')
+  await page.click('#more [aria-controls="savings"]')
+  await page.waitForSelector('#savings tbody button', { timeout: 120_000 })
+  await look('savings')
+  await page.fill('#tolerances form input', 'much')
+  await page.press('#tolerances form input', 'Enter')
   await look('results')
   await page.hover('#chart .plot')
   await look('reading in the chart')
+  const buffer = Buffer.from(readFileSync(SAMPLE, 'utf8').replace(/F\d+/, 'F500'))
+  await page.setInputFiles('#against-files', { name: 'revision.nc', mimeType: 'text/plain', buffer })
+  await page.click('#more [aria-controls="against"]')
+  await page.waitForSelector('#against .where tbody')
+  await look('two jobs compared')
 
   await page.setInputFiles('#files', { name: 'bad.nc', mimeType: 'text/plain', buffer: Buffer.from('G0 X1 Q?\nG1 Y5\nM123\n') })
-  await page.waitForSelector('#diagnostics:not([hidden]) .list table')
+  await page.waitForSelector('#diagnostics:not([hidden]) .list table', { state: 'attached' })
+  await page.click('#more [aria-controls="diagnostics"]')
   await computed(page)
   await look('remarks')
   await page.click('.programs .remove >> nth=1')
@@ -104,7 +117,7 @@ pageTest('what is refused is announced as refused, and only that', async ({ page
   for (const [selector, wrong, right] of [
     ['#field-rapid-feed_mm_min', 'fast', '20000'],
     ['#field-times-m_codes', 'M8', 'M8 = 1'],
-    ['#tolerances input', 'much', '0.03'],
+    ['#tolerances form input', 'much', '0.03'],
   ]) {
     for (const [text, expected] of [[wrong, 'true'], [right, 'false']]) {
       await page.fill(selector, text)

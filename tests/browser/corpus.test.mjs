@@ -22,12 +22,12 @@ pageTest(
       await page.click(`.choose >> nth=${index}`)
       assert.equal(await page.textContent(`.choose >> nth=${index} >> .file`), basename(program))
       if (WITHOUT_MOTION.includes(basename(program))) {
-        await page.waitForSelector('.moves-nothing #diagnostics tbody tr')
+        await page.waitForSelector('.moves-nothing #diagnostics tbody tr', { state: 'attached' })
       } else {
         await computed(page)
         await assertAsPredicted(page, program)
       }
     }
   },
-  { isLong: true, skip: programs.length > 0 ? false : `no programs of others in ${SHARED}/gcode; the recorded corpus (docs/siege.md) provides them` },
+  { isLong: true, skip: programs.length > 0 ? false : `no programs of others in ${SHARED}/gcode; the recorded corpus (docs/fuzzing.md) provides them` },
 )

@@ -89,6 +89,21 @@ exampleTest(
     assert.equal(await rowsOf(page, 'first'), 3)
     assert.equal(await page.$eval('#second', (element) => element.quote), null)
 
+    // The answer is large, with its price in the currency and a picture of the path.
+    const [own] = first.runs
+    const headline = await page.textContent('#first .headline')
+    assert.match(headline, /^\d:\d\d:\d\d €\d+\.\d\d per part at 10 µm$/)
+    assert.ok(Math.abs(Number(/€([\d.]+)/.exec(headline)[1]) - own.price) < 0.006, `${headline} for ${own.price}`)
+    assert.ok(await page.$eval('#first img', (picture) => picture.decode().then(() => picture.naturalWidth > 100)))
+    // Several programs make a part: each of them, and their sum.
+    await quoteOf(page, 'job')
+    const quotes = await page.$eval('#job', (element) => element.quotes.map(({ program, runs }) => ({ program, time: runs[0].cycle_time_s })))
+    assert.deepEqual(quotes.map(({ program }) => program), ['bracket-10.nc', 'bracket-20.nc', 'bracket-30.nc'])
+    const whole = Math.round(quotes.reduce((sum, { time }) => sum + time, 0))
+    const [, minutes, seconds] = /^0:(\d\d):(\d\d)/.exec(await page.textContent('#job .headline'))
+    assert.ok(Math.abs(60 * Number(minutes) + Number(seconds) - whole) <= 1)
+    assert.equal(await page.$$eval('#job [part=programs] tbody tr', (rows) => rows.length), 3)
+
     await page.click('#write')
     const second = await quoteOf(page, 'second')
     assert.equal(second.program, 'zigzag.nc')
@@ -377,6 +392,52 @@ exampleTest(
 
     const [[wrong]] = await ask({ id: 'd', type: 'set-machine', machine: ['list'] })
     assert.match(wrong.error.message, /“machine” of “set-machine” must be a text, or a plain object/)
+  },
+)
+
+exampleTest(
+  'a machine of objects in objects gets one answer, and what the browser cannot read gets one too',
+  ({ plain }) => `${plain.origin}/page.html`,
+  async ({ page, plain, portal }) => {
+    await held({ page, plain, portal })
+    await page.waitForFunction(() => window.said.some(({ type }) => type === 'ready'))
+    await send(page, { truefeed: 1, id: 'program', type: 'load-program', program: 'G1 X10 F100\n' })
+    for (const depth of [300, 3000]) {
+      await page.evaluate((depth) => {
+        window.said.length = 0
+        let machine = {}
+        for (let level = 0; level < depth; level += 1) machine = { machine }
+        const say = (id, message) => frames[0].postMessage({ truefeed: 1, id, ...message }, '*')
+        say('deep', { type: 'set-machine', machine })
+        say('refused', { type: 'get-quote' })
+        say('sound', { type: 'set-machine', machine: { preset: 'Older or heavy machine' } })
+        say('quoted', { type: 'get-quote' })
+      }, depth)
+      await page.waitForFunction(() => window.said.some(({ id, type }) => id === 'quoted' && type !== 'progress'), null, { timeout: 60_000 })
+      const said = (await saidOf(page)).filter(({ type }) => !['resize', 'progress'].includes(type))
+      const answers = (id) => said.filter((one) => one.id === id).map(({ type, error }) => error?.kind ?? type)
+      // A browser that does not read it cannot tell its id either, and the frame keeps the machine that it had.
+      const isRead = answers('deep').length > 0
+      assert.ok(isRead || depth === 3000, `${depth} levels`)
+      if (isRead) assert.deepEqual(answers('deep'), ['ready'], `${depth} levels`)
+      // Some browsers say that they could not read it, others hand over nothing at all.
+      else assert.ok(answers(null).every((kind) => kind === 'request'), `${depth} levels: ${answers(null)}`)
+      assert.equal(answers('refused').length, 1, `${depth} levels: ${answers('refused')}`)
+      assert.ok(!isRead || ['machine', 'cancelled'].includes(answers('refused')[0]), `${depth} levels: ${answers('refused')}`)
+      assert.deepEqual([answers('sound'), answers('quoted')], [['ready'], ['quote']], `${depth} levels`)
+    }
+
+    // The browser's event of a message that it could not read, which the frame hears of its portal alone.
+    for (const [origin, count] of [[portal.origin, 1], ['https://other.example', 0]]) {
+      await page.evaluate(() => void (window.said.length = 0))
+      await page.frames()[1].evaluate((origin) => {
+        window.dispatchEvent(new MessageEvent('messageerror', { origin, source: window.parent }))
+      }, origin)
+      await send(page, { truefeed: 1, id: 'after', type: 'set-tolerances', tolerances: [0.02] })
+      await page.waitForFunction(() => window.said.some(({ id }) => id === 'after'))
+      const unread = (await saidOf(page)).filter(({ type }) => type === 'error')
+      assert.deepEqual(unread.map(({ id, error }) => [id, error.kind]), Array(count).fill([null, 'request']), origin)
+    }
   },
 )
 

@@ -1,4 +1,4 @@
-// The way of docs/first-visit.md: from an empty browser to a quote for three tolerances, at three widths in both themes.
+// The way of docs/quote.md: from an empty browser to a quote for three tolerances, at three widths in both themes.
 
 import assert from 'node:assert/strict'
 import { join } from 'node:path'
@@ -13,12 +13,11 @@ pageTest(
     await page.setInputFiles('#files', SAMPLE)
     await computed(page)
     await atEverySize(page, 'first-2')
-    await page.click('#results .about a >> text=hourly rate')
-    await page.fill('#field-rates-hourly', '85')
-    await page.waitForSelector('#results .price')
+    await page.click('#quote a >> text=hourly rate')
+    await page.keyboard.type('85')
+    await page.waitForFunction(() => document.querySelector('#quote .headline').textContent.includes('€'))
     await atEverySize(page, 'first-3')
-    await page.click('header nav >> text=Quote')
-    await page.waitForFunction(() => document.querySelector('#quote').getBoundingClientRect().top < innerHeight / 2)
+    await page.click('#quote .tables summary >> text=tolerance')
     const prices = await page.$$eval('#quote table', (tables) => {
       const found = tables.find((table) => table.caption?.textContent === 'Price by tolerance')
       return [...found.querySelectorAll('tbody tr')].map((row) => Number(row.children[2].textContent))

@@ -15,11 +15,11 @@ const FLAGS = [
   '--disable-sync',
 ]
 
-/** A server of www/ and a browser. */
-async function start() {
+/** A server of www/, or of another folder, and a browser. @param {string} [folder] */
+async function start(folder) {
   const executablePath = findChromium()
   if (!executablePath) throw new Error('no Chromium here; run scripts/setup test')
-  const server = await serve(0)
+  const server = await serve(0, folder ? [folder] : undefined)
   const browser = await chromium.launch({ executablePath, args: FLAGS }).catch(async (error) => {
     await server.close()
     throw error
@@ -49,11 +49,11 @@ export async function stopShared() {
  * `isShared`: server and browser are those of all such pages, until `stopShared` is called; no service worker is then
  * registered, which would fetch and compile both modules beside each test.
  *
- * @param {{ path?: string, viewport?: { width: number, height: number }, locale?: string, isShared?: boolean }} [options]
+ * @param {{ path?: string, viewport?: { width: number, height: number }, locale?: string, isShared?: boolean, folder?: string }} [options]  `folder`: what is served
  */
-export async function openPage({ path = '/', viewport = { width: 1280, height: 900 }, locale, isShared = false } = {}) {
+export async function openPage({ path = '/', viewport = { width: 1280, height: 900 }, locale, isShared = false, folder } = {}) {
   if (isShared) shared ??= start()
-  const started = await (isShared ? shared : start())
+  const started = await (isShared ? shared : start(folder))
   const { server, browser } = started
   const context = await browser.newContext({ viewport, locale, serviceWorkers: isShared ? 'block' : 'allow' })
   const close = () => (isShared ? context.close() : stop(started))

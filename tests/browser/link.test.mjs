@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
-import { computed, pageTest } from './steps.mjs'
+import { computed, pageTest, reaching } from './steps.mjs'
 
 const ready = (page) => page.waitForSelector('html[data-ready]')
 
@@ -12,7 +12,7 @@ const standing = (page) =>
     fields: [...document.querySelectorAll('[id^="field-"], [id^="term-"]')]
       .filter((field) => 'value' in field)
       .map((field) => [field.id, field.type === 'checkbox' ? field.checked : field.value]),
-    tolerances: [...document.querySelectorAll('.chip')].map(({ textContent }) => textContent),
+    tolerances: [...document.querySelectorAll('.chip .label')].map(({ textContent }) => textContent),
   }))
 
 async function copied(page) {
@@ -28,7 +28,7 @@ async function filled(page) {
   await page.fill('#field-rapid-feed_mm_min', '23456')
   await page.fill('#term-quantity', '40')
   await page.fill('#term-reference', 'A&B #7 "x"')
-  await page.fill('#tolerances input', '33')
+  await page.fill('#tolerances form input', '33')
   await page.keyboard.press('Enter')
   await computed(page)
 }
@@ -38,14 +38,14 @@ pageTest('a link restores everything on another browser, and says what it holds'
   const before = await standing(page)
   const link = await copied(page)
   assert.match(await page.textContent('#settings .said'), /no program/)
-  assert.match(await page.textContent('#settings'), /never a program.*no server/s)
+  assert.match(await page.textContent('#settings'), /never a program.*browsers do not send/s)
   assert.ok(link.startsWith(`${origin}/#settings=`), link)
   assert.ok(link.length < 1500, `${link.length} characters`)
   assert.ok(!/G1|N10|pocket\.nc/.test(decodeURIComponent(link)))
   assert.doesNotMatch(link.slice(link.indexOf('#') + 1), /[()'"<> ]/)
 
   const context = await page.context().browser().newContext()
-  const other = await context.newPage()
+  const other = reaching(await context.newPage())
   const asked = []
   other.on('request', (request) => asked.push(request.url()))
   await other.goto(link)

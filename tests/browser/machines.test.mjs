@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
-import { computed, machineOf, pageTest } from './steps.mjs'
+import { computed, machineOf, pageTest, reach, reaching } from './steps.mjs'
 
 const options = (page, group) =>
   page.$$eval(`#preset optgroup[label="${group}"] option`, (all) => all.map(({ textContent }) => textContent))
@@ -97,7 +97,7 @@ pageTest('a machine file among dropped programs is the machine', async ({ page }
 })
 
 pageTest('machines that two tabs keep stay, and what one removes goes', async ({ page }) => {
-  const other = await page.context().newPage()
+  const other = reaching(await page.context().newPage())
   await other.goto(page.url())
   await other.waitForSelector('html[data-ready]')
   for (const [tab, name] of [[other, 'Mill B'], [page, 'Mill A']]) {
@@ -114,6 +114,7 @@ pageTest('machines that two tabs keep stay, and what one removes goes', async ({
 })
 
 pageTest('the editor has every parameter with meaning, bounds and neutral value; finds, marks and resets', async ({ page }) => {
+  await reach(page, '#preset')
   await openMore(page)
   const fields = await page.$$eval('#machine .field', (all) =>
     all.map((field) => ({

@@ -106,14 +106,13 @@ pageTest('what is in doubt of a cycle time stands beside it, and why below', asy
   const file = (/** @type {string} */ name, /** @type {string} */ text) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(text) })
   await page.setInputFiles('#files', file('sure.nc', 'G21 G90\nG1 X50 F500\nY30'))
   await computed(page)
-  assert.deepEqual([await page.$$('#results .unsure'), await page.$$('#results .doubt')], [[], []])
+  assert.deepEqual([await page.$$('#results .unsure'), await page.textContent('#results .why')], [[], ''])
   await page.setInputFiles('#files', file('no-feed.nc', 'G21 G90\nG1 X50\nY30\nX0 F500\nY0'))
   await page.waitForSelector('#results .unsure')
   await computed(page)
   const beside = await page.$$eval('#results .unsure', (all) => all.map(({ textContent }) => textContent))
-  assert.equal(beside.length, TOLERANCES_MM.length)
-  for (const text of beside) assert.match(text, /^± [1-9][0-9.]* s$/)
-  assert.match(await page.textContent('#results .doubt'), /^In doubt: .* feedrate is missing, at line 2/)
+  assert.equal(beside.length, 1)
+  assert.match(beside[0], /feedrate is missing, at line 2: up to [1-9][0-9.]* s$/)
   await shot(page, 'in-doubt')
 })
 
@@ -141,7 +140,7 @@ pageTest('a bad program is answered line by line, and the rest is quoted', async
 
   await page.setInputFiles('#files', { name: 'letter.txt', mimeType: 'text/plain', buffer: Buffer.from('Dear Sir,\nthe part is late.\n') })
   await page.waitForFunction(() => document.querySelectorAll('.choose').length === 2)
-  await page.waitForSelector('.moves-nothing #diagnostics tbody tr')
+  await page.waitForSelector('.moves-nothing #diagnostics tbody tr', { state: 'attached' })
 })
 
 pageTest('what is no program is named, with what to drop instead, and what is beside it is taken', async ({ page }) => {
@@ -150,7 +149,6 @@ pageTest('what is no program is named, with what to drop instead, and what is be
   const refused = '#notice .refused span'
   for (const [name, bytes, kind] of [
     ['noise.bin', noise, 'a binary file'],
-    ['part.zip', 'PK\x03\x04\x14', 'a ZIP archive'],
     ['drawing.pdf', '%PDF-1.7\n', 'a PDF'],
     ['part.step', 'ISO-10303-21;\nHEADER;\n', 'a STEP model'],
   ]) {
@@ -162,7 +160,8 @@ pageTest('what is no program is named, with what to drop instead, and what is be
   assert.equal(await page.locator('.choose').count(), 0)
   await page.setInputFiles('#files', [file('part.zip', 'PK\x03\x04'), file('part.nc', 'G21 G90\nG1 X10 F600\n')])
   await computed(page)
-  assert.match(await page.textContent(refused), /part\.zip/)
+  // Archives are unpacked; one that is cut off says so.
+  assert.match(await page.textContent(refused), /part\.zip: .*a ZIP archive that is damaged/)
   assert.deepEqual(await page.$$eval('.choose .file', (all) => all.map(({ textContent }) => textContent)), ['part.nc'])
 })
 
@@ -223,9 +222,9 @@ pageTest('cancelling ends the work and keeps what there was; the next run works'
   await page.click('.choose >> nth=0')
   assert.deepEqual(await cycleTimes(page), before)
   await page.click('.remove >> nth=1')
-  await page.fill('#tolerances input', '35')
-  await page.press('#tolerances input', 'Enter')
-  await page.waitForFunction(() => document.querySelectorAll('#results data').length === 4)
+  await page.fill('#tolerances form input', '35')
+  await page.press('#tolerances form input', 'Enter')
+  await page.waitForFunction(() => document.querySelectorAll('#tolerances data').length === 4)
   await computed(page)
   const times = await cycleTimes(page)
   assert.deepEqual([times[0], times[1], times[3]], before)
@@ -251,10 +250,10 @@ pageTest('results stay in sight, marked as out of date, while others are compute
 
 pageTest('tolerances are added, refused and removed as chips', async ({ page }) => {
   const labels = () =>
-    page.$$eval('.chip', (chips) => chips.map((chip) => chip.firstElementChild.nextSibling.textContent))
+    page.$$eval('.chip', (chips) => chips.map((chip) => chip.querySelector('.label').textContent))
   const add = async (text) => {
-    await page.fill('#tolerances input', text)
-    await page.press('#tolerances input', 'Enter')
+    await page.fill('#tolerances form input', text)
+    await page.press('#tolerances form input', 'Enter')
     return page.textContent('#tolerances .fault')
   }
   await page.click('#welcome .sample')
@@ -284,9 +283,11 @@ pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) 
   const size = ([low, high]) => high - low
 
   await page.mouse.move(...at(0.6))
-  assert.match(await page.textContent('.reading'), /mm\/min.*line \d+ N\d+ /s)
+  assert.match(await page.textContent('#chart .reading'), /mm\/min.*line \d+ N\d+ /s)
   const picture = await page.$eval('.plot canvas', (canvas) => canvas.toDataURL())
-  await page.mouse.wheel(0, -600)
+  await page.keyboard.down('Control')
+  for (let turn = 0; turn < 3; turn += 1) await page.mouse.wheel(0, -120)
+  await page.keyboard.up('Control')
   const wheeled = await span(page)
   assert.ok(size(wheeled) < 0.6 * size(whole))
   assert.notEqual(await page.$eval('.plot canvas', (canvas) => canvas.toDataURL()), picture)
@@ -315,7 +316,7 @@ pageTest('the chart zooms, moves and reads by mouse and keys', async ({ page }) 
   await page.keyboard.press('-')
   assert.ok(size(await span(page)) > size(moved))
   await page.keyboard.press('Shift+ArrowRight')
-  assert.ok(await page.isVisible('.reading'))
+  assert.ok(await page.isVisible('#chart .reading'))
   await page.keyboard.press('Home')
   assert.deepEqual(await span(page), whole)
 
@@ -342,7 +343,7 @@ pageTest('the read-out tells the contour error that the table calls the largest'
   await page.keyboard.press('Shift+ArrowLeft')
   const errors = () => page.$$eval('.reading td:nth-child(3)', (cells) => cells.map(({ textContent }) => textContent))
   assert.deepEqual(await errors(), ['10.0 µm off', '20.0 µm off', '50.0 µm off'])
-  const largest = await page.$$eval('#results td:last-child', (cells) => cells.map(({ textContent }) => textContent))
+  const largest = await page.$$eval('#tolerances .deviation', (cells) => cells.map(({ textContent }) => textContent))
   assert.deepEqual(largest, ['10.0 µm', '20.0 µm', '50.0 µm'])
   assert.equal(await page.isVisible('.beyond'), false)
   for (let i = 0; i < 5; i += 1) await page.keyboard.press('Shift+ArrowRight')
@@ -353,11 +354,11 @@ pageTest('places above the tolerance are named, shown in the chart and held by t
   await page.click('#welcome .sample')
   await computed(page)
   const { runs } = await predicted(page, SAMPLE)
-  const said = await page.$$eval('.beyond li:has(.swatch)', (items) => items.map(({ textContent }) => textContent))
+  const said = await page.$$eval('.beyond li', (items) => items.map(({ textContent }) => textContent))
   assert.equal(said.length, 3)
   runs.forEach(({ beyond_tolerance: places, max_contour_error_mm: largest }, index) => {
     assert.match(said[index], new RegExp(`in ${places.length} place`))
-    assert.ok(said[index].includes(`${(1000 * largest).toFixed(1)} µm at line`), said[index])
+    assert.ok(said[index].includes(`worst ${(1000 * largest).toFixed(1)} µm, line`), said[index])
   })
 
   const whole = await span(page)
@@ -369,12 +370,12 @@ pageTest('places above the tolerance are named, shown in the chart and held by t
   assert.ok(shown[1] - shown[0] < 0.2 * (whole[1] - whole[0]))
   await shot(page, 'place')
 
-  await page.click('.beyond .cure')
+  await page.click('#tolerances .cure')
   await page.waitForSelector('#results.stale')
   await computed(page)
   assert.equal(await page.inputValue('#field-interpolator-corner_mode'), 'guaranteed')
   assert.equal(await page.isVisible('.beyond'), false)
-  const errors = await page.$$eval('#results td:last-child', (cells) => cells.map(({ textContent }) => textContent))
+  const errors = await page.$$eval('#tolerances .deviation', (cells) => cells.map(({ textContent }) => textContent))
   errors.forEach((text, index) => assert.ok(parseFloat(text) <= 1000 * TOLERANCES_MM[index] + 0.05, text))
   await shot(page, 'guaranteed')
 })
@@ -404,6 +405,8 @@ pageTest(
     await frame(page)
     const shape = () => page.$eval('.plot canvas', ({ width, height }) => [width, height])
     const before = await shape()
+    // A phone has no mouse that rests where the chart will be.
+    await page.mouse.move(0, 0)
     await page.locator('#chart .plot').scrollIntoViewIfNeeded()
     const touch = { pointerType: 'touch', pointerId: 1, button: 0, isPrimary: true, bubbles: true }
     await page.$eval(
@@ -419,7 +422,7 @@ pageTest(
     )
     await frame(page)
     await frame(page)
-    assert.match(await page.textContent('.reading'), /mm\/min.*line \d+ N\d+ /s)
+    assert.match(await page.textContent('#chart .reading'), /mm\/min.*line \d+ N\d+ /s)
     assert.deepEqual(await shape(), before)
     await page.locator('#chart .reading').scrollIntoViewIfNeeded()
     await shot(page, 'reading-390')
@@ -447,6 +450,7 @@ pageTest('several programs are computed one after another; a removal is undone',
   assert.deepEqual(await names(), ['a.nc', 'b.nc'])
   await page.click('.undo button')
   assert.deepEqual(await names(), ['a.nc', 'b.nc', 'c.nc'])
+  await computed(page)
   assert.deepEqual(await cycleTimes(page), third)
 })
 
@@ -467,9 +471,10 @@ pageTest('the machine form refuses at the field, recomputes, prices, is kept and
   await computed(page)
   assert.ok((await cycleTimes(page))[0] > before[0])
   await page.fill(field('rates.hourly'), '72')
-  await page.waitForFunction(() => document.querySelector('#results thead').textContent.includes('Price'))
+  const priceNow = async () => Number((await page.textContent('#quote .headline')).replace(/[^\d.]/g, ''))
+  await page.waitForFunction(() => document.querySelector('#quote .headline').textContent.includes('€'))
   await computed(page)
-  const price = Number(await page.textContent('#results tbody tr:first-child .price'))
+  const price = await priceNow()
   assert.ok(Math.abs(price - ((await cycleTimes(page))[0] * 72) / 3600) <= 0.005)
 
   // A rate changes no motion: the price follows at once, and nothing is simulated again.
@@ -480,10 +485,10 @@ pageTest('the machine form refuses at the field, recomputes, prices, is kept and
     Object.assign(window, { busy })
   })
   await page.fill(field('rates.hourly'), '144')
-  assert.ok(Math.abs(Number(await page.textContent('#results tbody tr:first-child .price')) - 2 * price) <= 0.011)
+  assert.ok(Math.abs((await priceNow()) - 2 * price) <= 0.011)
   await page.fill(field('rates.hourly'), '')
   assert.equal(await page.textContent(`${field('rates.hourly')}-fault`), '')
-  assert.doesNotMatch(await page.textContent('#results thead'), /Price/)
+  assert.match(await page.textContent('#quote .headline'), /No price yet/)
   await page.fill(field('rates.hourly'), '72')
   await page.waitForTimeout(600)
   assert.deepEqual(await page.evaluate(() => window.busy), { stale: false })
@@ -512,7 +517,7 @@ pageTest('what is no program is said to be none, and quotes nothing; files of on
   await give('empty.nc', [])
   await says('empty.nc is empty')
   for (const panel of ['#chart', '#compare', '#path', '#quote', '#breakdown']) assert.ok(await page.isHidden(panel), panel)
-  assert.equal(await page.locator('#results table').count(), 0)
+  assert.equal(await page.textContent('#results .time'), '–')
   assert.equal(await standing(0), 'nothing moves')
 
   await give('photo.jpg', Array.from({ length: 50_000 }, (_, index) => (index * index * 7919 + (index >> 3)) % 251 | 128))
@@ -541,7 +546,7 @@ pageTest('behind the chart is a table of what is in sight', async ({ page }) => 
   const whole = await rows()
   assert.equal(whole.length, 20)
   // The largest contour error of each tolerance is that of the table of cycle times.
-  const largest = await page.$$eval('#results tbody tr', (all) => all.map(({ cells }) => cells[cells.length - 1].textContent))
+  const largest = await page.$$eval('#tolerances .deviation', (all) => all.map(({ textContent }) => textContent))
   for (const [index, error] of largest.entries()) {
     const told = whole.map((row) => row[4 + 2 * index])
     assert.ok(told.includes(error), `${error} is among ${told}`)

@@ -34,8 +34,8 @@ const program = (name, text) => {
   return path
 }
 const labels = (page) =>
-  page.$$eval('.chip', (chips) => chips.map((chip) => chip.firstElementChild.nextSibling.textContent))
-const programmedTime = (page) => page.$eval('#results tr.programmed data', (data) => Number(data.value))
+  page.$$eval('.chip', (chips) => chips.map((chip) => chip.querySelector('.label').textContent))
+const programmedTime = (page) => page.$eval('#tolerances tr.programmed data', (data) => Number(data.value))
 
 pageTest(
   "a program's own tolerances are its first column, and the user's hold all over beside it",
@@ -44,7 +44,7 @@ pageTest(
     await page.setInputFiles('#files', path)
     await computed(page)
     assert.deepEqual(await labels(page), ['as programmed', '10 µm', '20 µm', '50 µm'])
-    assert.equal(await page.textContent('#results tbody tr:first-child th'), 'as programmed')
+    assert.equal(await page.textContent('#tolerances tbody tr:first-child th'), 'as programmed')
 
     const { runs: own } = await predicted(page, path, [])
     assert.equal(own.length, 1)
@@ -119,7 +119,7 @@ pageTest('the column is taken away, comes back, and is remembered', async ({ pag
   await computed(page)
   await page.click('.chip:first-child button')
   assert.deepEqual(await labels(page), ['10 µm', '20 µm', '50 µm'])
-  assert.equal((await page.$$('#results tbody tr')).length, 3)
+  assert.equal((await page.$$('#tolerances tbody tr')).length, 3)
   assert.ok(await page.isVisible('#tolerances .own'))
   assert.ok((await page.$$('.held li')).length > 0, 'where they hold is still said')
 

@@ -27,7 +27,7 @@ async function quoted(page) {
   })) {
     await page.fill(term(key), value)
   }
-  await page.waitForFunction(() => document.querySelector('#quote .answer')?.textContent.includes('Margin on the part'))
+  await page.waitForFunction(() => document.querySelector('#quote .tables')?.textContent.includes('Margin on the part'))
 }
 
 async function downloaded(page, selector) {
@@ -42,13 +42,13 @@ pageTest('where nothing has a price, the quote says so and leads to the rate', a
   assert.doesNotMatch(await page.textContent('#quote .answer'), /0\.00/)
   await page.click('#quote .answer a')
   await page.keyboard.type('85')
-  await page.waitForFunction(() => document.querySelector('#quote .headline')?.textContent.includes('EUR'))
+  await page.waitForFunction(() => document.querySelector('#quote .headline')?.textContent.includes('€'))
 })
 
 pageTest('every amount is in sight and they add up to the total', async ({ page }) => {
   await quoted(page)
   const rows = await page.evaluate(() =>
-    [...document.querySelector('#quote .answer table').tBodies[0].rows].map((row) => [...row.cells].map((cell) => (cell.firstChild ?? cell).textContent)),
+    [...document.querySelector('#quote .tables table').tBodies[0].rows].map((row) => [...row.cells].map((cell) => (cell.firstChild ?? cell).textContent)),
   )
   const sum = rows.pop()
   assert.equal(sum[0], 'Total')
@@ -61,12 +61,12 @@ pageTest('every amount is in sight and they add up to the total', async ({ page 
     assert.ok(named.includes(item), item)
   }
   const breaks = await page.evaluate(() =>
-    [...document.querySelectorAll('#quote .answer table')[1].tBodies[0].rows].map((row) => [...row.cells].map((cell) => cell.textContent)),
+    [...document.querySelectorAll('#quote .tables table')[1].tBodies[0].rows].map((row) => [...row.cells].map((cell) => cell.textContent)),
   )
   assert.deepEqual(breaks.map(([quantity]) => quantity), ['1', '10', '25', '100'])
   const units = breaks.map(([, unit]) => cents(unit))
   assert.deepEqual(units, [...units].sort((a, b) => b - a))
-  assert.match(await page.textContent('#quote .sure'), /±7\.9 %.*docs\/paper\.md/s)
+  assert.match(await page.textContent('#quote .sure'), /±7\.9 %.*Ward et al\./s)
 
   // A rate is the machine's own, wherever it is entered.
   assert.equal(await page.inputValue('#field-rates-hourly'), '82')
@@ -84,7 +84,7 @@ pageTest('an edit of the machine takes its error away, and the quote says so', a
   await page.fill('#field-interpolator-time_constant_s', '0.03')
   await computed(page)
   assert.match(await page.textContent('#quote .sure'), /unknown/)
-  assert.match(await page.textContent('#quote .answer table >> nth=1'), /unknown/)
+  assert.match(await page.textContent('#quote .tables table >> nth=1'), /unknown/)
   await page.fill(term('uncertainty_percent'), '4')
   assert.match(await page.textContent('#quote .sure'), /±4\.0 %, as entered/)
   await page.click('#machine .reset')
@@ -96,10 +96,10 @@ pageTest('an edit of the machine takes its error away, and the quote says so', a
 pageTest('an uncertainty is claimed at the tolerances it was measured at, and nowhere else', async ({ page }) => {
   await quoted(page)
   assert.match(await page.textContent('#quote .sure'), /±7\.9 %/)
-  await page.selectOption('#quote .at select', '20 µm')
+  await page.check('#tolerances input[value="20 µm"]')
   assert.match(await page.textContent('#quote .sure'), /not measured at 20 µm\. At 10 µm and 50 µm it was ±7\.9 %/)
-  assert.match(await page.textContent('#quote .answer table >> nth=1'), /unknown/)
-  await page.selectOption('#quote .at select', '50 µm')
+  assert.match(await page.textContent('#quote .tables table >> nth=1'), /unknown/)
+  await page.check('#tolerances input[value="50 µm"]')
   assert.match(await page.textContent('#quote .sure'), /Cycle time ±7\.9 %/)
 
   // What is quoted is not forgotten.
@@ -107,7 +107,7 @@ pageTest('an uncertainty is claimed at the tolerances it was measured at, and no
   const beside = await page.inputValue('#compare .beside')
   await page.reload()
   await computed(page)
-  assert.equal(await page.inputValue('#quote .at select'), '50 µm')
+  assert.ok(await page.isChecked('#tolerances input[value="50 µm"]'))
   assert.match(await page.textContent('#quote .on-paper'), /50 µm/)
   assert.equal(await page.inputValue('#compare .beside'), beside)
 })
@@ -131,14 +131,14 @@ pageTest('a quote of the machine before is not taken away for one of the machine
     }
   })
   assert.equal(during.answer, before, 'the price of the machine before has settings of now')
-  assert.match(during.waits, /Computing anew/)
+  assert.match(during.waits, /Recomputing/)
   assert.equal(during.open, 0)
   await page.emulateMedia({ media: 'print' })
   await computed(page)
   await page.emulateMedia({ media: 'screen' })
   assert.equal(await page.textContent('#quote .waits'), '')
   const { cycle_time_s: time, batch } = JSON.parse((await downloaded(page, '#quote .json')).bytes)
-  assert.equal(time, Number(await page.getAttribute('#results data', 'value')))
+  assert.equal(time, Number(await page.getAttribute('#tolerances data', 'value')))
   assert.equal(batch.quantity, 3)
 })
 
@@ -147,7 +147,7 @@ pageTest('every document of a quote says the same facts', async ({ page }) => {
   const { facts, tolerances } = JSON.parse((await downloaded(page, '#quote .json')).bytes)
   assert.deepEqual(
     facts.map(({ name }) => name),
-    ['Reference', 'Program', 'Machine', 'Contour tolerance', 'Date', 'Cycle time of a part', 'Of that', 'CAM would say', 'How sure', 'Remarks on the program'],
+    ['Reference', 'Program', 'Machine', 'Contour tolerance', 'Date', 'Cycle time per part', 'Of that', 'CAM estimate', 'Confidence', 'Remarks on the program'],
   )
   assert.equal(tolerances.length, 3)
   const csv = (await downloaded(page, '#quote .csv')).bytes.toString()
@@ -195,7 +195,7 @@ pageTest('on paper is the quote alone, with its chart', async ({ page }) => {
   await page.emulateMedia({ media: 'print' })
   assert.ok(await page.isVisible('#quote .pictures img'))
   assert.ok(await page.isVisible('#quote .on-paper'))
-  for (const hidden of ['header', '.side', '#chart', '#quote form', '#quote .exports', 'footer']) assert.ok(await page.isHidden(hidden), hidden)
+  for (const hidden of ['header', '#program', '#chart', '#quote form', '#quote .exports', 'footer']) assert.ok(await page.isHidden(hidden), hidden)
   await shot(page, 'quote-print')
 })
 
@@ -216,7 +216,7 @@ pageTest('every chart leaves as SVG and PNG', async ({ page }) => {
   assert.notDeepEqual((await downloaded(page, '#chart .picture >> nth=0')).bytes, svg.bytes)
 
   await page.locator('#path').scrollIntoViewIfNeeded()
-  await page.waitForSelector('#path .places tbody tr')
+  await page.waitForSelector('#path .places tbody tr', { state: 'attached' })
   const path = await downloaded(page, '#path .picture >> nth=0')
   assert.equal(path.name, 'path.svg')
   // The colours of the legend are there, its ends and the length beside it as well.

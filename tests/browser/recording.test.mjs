@@ -30,6 +30,7 @@ const PROGRAM = file(
   ].join('\n'),
 )
 const OTHER = file('other.nc', ['G21 G90', 'G1 X200 F2000', 'G1 Y300', 'G1 X0', 'G1 Y0', 'M30'].join('\n'))
+const THIRD = file('wheel.nc', ['G21 G90', 'G0 X0 Y0', 'G1 X80 F1500', ...Array.from({ length: 20 }, (_, i) => `G1 X${80 - 4 * i} Y${15 * (i % 3)}`), 'M30'].join('\n'))
 const TIME_CONSTANT_S = 0.04
 
 /** What a recorder at 250 Hz that was started half a second early sees of the machine in the form with another time constant. */
@@ -86,7 +87,7 @@ const pixels = (page, from, to) =>
 
 /** The stretch that a chart shows; only what is in sight is drawn. */
 async function spanOf(page, root) {
-  await page.locator(`${root} canvas`).scrollIntoViewIfNeeded()
+  await page.locator(`${root} .plot canvas`).scrollIntoViewIfNeeded()
   await frame(page)
   return (await page.getAttribute(`${root} .plot`, 'data-span')).split(' ').map(Number)
 }
@@ -108,7 +109,7 @@ pageTest(
     assert.equal(await page.locator('#recording [role=toolbar] .picture').count(), 2, 'the chart leaves as SVG and PNG')
     // The tables come a moment later, and move what is in sight.
     await page.waitForSelector('#recording .tables > :last-child tbody tr')
-    await page.locator('#recording canvas').scrollIntoViewIfNeeded()
+    await page.locator('#recording .plot canvas').scrollIntoViewIfNeeded()
     await frame(page)
     const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
     assert.ok(feeds.every((count) => 300 < count), `curves: ${feeds}`)
@@ -171,15 +172,15 @@ pageTest('what is no recording of the program is refused with what to do, and no
   await drop(page, 'body', [PROGRAM, path])
   await compared(page)
   assert.ok(await page.isVisible('#recording .refused'))
-  assert.match(await page.textContent('#recording .answer'), /program.*Choose the program that was run.*stay as they are/s)
+  assert.match(await page.textContent('#recording .answer'), /program.*[Cc]hoose the program that ran.*do not change/s)
   assert.ok(await page.isHidden('#recording .plot'))
   assert.ok(await page.isDisabled('#calibration .start'))
-  assert.ok((await page.$$('#results data')).length > 0, 'the simulation is still there')
+  assert.ok((await page.$$('#tolerances data')).length > 0, 'the simulation is still there')
 
   const still = file('still.csv', ['t_s,x_mm,y_mm', ...Array.from({ length: 50 }, (_, i) => `${i * 0.01},1,2`)].join('\n'))
   await page.setInputFiles('#recordings', still)
   await compared(page)
-  assert.match(await page.textContent('#recording .refused'), /nothing moves|stands still/i)
+  assert.match(await page.textContent('#recording .refused'), /nothing moves|does not move/i)
 
   // The program that was run: by hand.
   await page.setInputFiles('#files', OTHER)
@@ -225,6 +226,13 @@ pageTest('the calibration brings the time constant back, by keyboard alone, and 
   assert.match(await page.textContent('#calibration'), /bracket-08\.csv.*−\d+\.\d %.*→/s)
   const [, error] = (await page.textContent('#recording .sentence')).match(/\(([+−]?[\d.]+) %\)/)
   assert.ok(Math.abs(Number(error.replace('−', '-'))) <= 0.2, `${error} %`)
+  // What was fitted is quoted, with as many figures as are known, and its range stays.
+  const fitted = Number(await page.inputValue('#field-interpolator-contour_tolerance_mm'))
+  const quoted = await page.textContent('#bar .tolerance .name')
+  assert.match(quoted, /^\d{1,3}(?:\.\d{1,2})? µm$/)
+  assert.ok(Math.abs(Number.parseFloat(quoted) / (1000 * fitted) - 1) < 0.006, `${quoted} for ${fitted} mm`)
+  assert.ok(await page.isVisible('#results .range'))
+  assert.match(await page.textContent('#bar .machine .small'), /^±\d{1,2}(?:\.\d)? %$/)
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#calibration .save')])
   await download.saveAs(join(folder, 'calibrated.toml'))
   const saved = readFileSync(join(folder, 'calibrated.toml'), 'utf8')
@@ -235,6 +243,7 @@ pageTest('the calibration brings the time constant back, by keyboard alone, and 
 
   await page.click('.undo-calibration')
   assert.equal(await page.inputValue(field), before)
+  assert.equal(await page.textContent('#bar .tolerance .name'), '10 µm', 'what was quoted before is quoted again')
   await compared(page)
   assert.equal(await page.locator('#calibration .sentence').count(), 0)
 })
@@ -281,6 +290,40 @@ pageTest('several recordings of two programs dropped at once are told apart, com
   const runs = await page.$$eval('#calibration .result table:last-of-type tbody th', (all) => all.map(({ textContent }) => textContent))
   assert.deepEqual(runs.filter((name) => name.endsWith('.csv')).sort(), ['bracket-11.csv', 'bracket-12.csv', 'other-3.csv'])
   assert.ok(await isCurrent('bracket-11.csv'), 'what was chosen stays chosen')
+})
+
+pageTest('a recording finds its program by what it holds, whatever its name says, and one of none says so', async ({ page }) => {
+  const [ofBracket, ofOther, ofNone] = [await recorded(page, 'other-5.csv'), await recorded(page, 'bracket-5.csv', OTHER), await recorded(page, 'bracket-6.csv', THIRD)]
+  const standing = (name) => page.textContent(`#recording .pairs li:has-text("${name}") .about`)
+  const of = (name) => page.$eval(`#recording .pairs li:has-text("${name}") select`, (select) => select.selectedOptions[0].textContent)
+  await drop(page, 'body', [ofBracket.path, ofOther.path, ofNone.path, PROGRAM, OTHER])
+  const settled = () => page.waitForFunction(() => document.querySelector('#progress').hidden && document.querySelectorAll('#recording .pairs li').length === 3 && ![...document.querySelectorAll('#recording .pairs .about')].some(({ textContent }) => /waiting|finding/.test(textContent)), null, { timeout: 120_000 })
+  await settled()
+  assert.deepEqual([await of('other-5.csv'), await of('bracket-5.csv'), await of('bracket-6.csv')], ['bracket.nc', 'other.nc', 'choose'])
+  assert.match(await standing('bracket-6.csv'), /fits none of the open programs/)
+  assert.match(await standing('other-5.csv'), /recorded/)
+  await shot(page, 'recordings-paired')
+  // Its own program comes later, and is found then; what was found before stays.
+  await drop(page, 'body', [file('third.nc', readFileSync(THIRD, 'utf8'))])
+  await page.waitForFunction(() => /recorded/.test([...document.querySelectorAll('#recording .pairs li')].find((row) => row.textContent.includes('bracket-6.csv')).querySelector('.about').textContent), null, { timeout: 120_000 })
+  assert.deepEqual([await of('other-5.csv'), await of('bracket-5.csv'), await of('bracket-6.csv')], ['bracket.nc', 'other.nc', 'third.nc'])
+  // What a user says takes the place of it, and is taken back.
+  await page.selectOption('#recording .pairs li:has-text("other-5.csv") select', { label: 'other.nc' })
+  await page.waitForFunction(() => document.querySelector('#recording .refused'), null, { timeout: 120_000 })
+  await page.click('#history .undo-change')
+  await settled()
+  assert.equal(await of('other-5.csv'), 'bracket.nc')
+})
+
+pageTest('between programs that a recording cannot tell apart its name decides, or the user', async ({ page }) => {
+  const { path } = await recorded(page, 'twin-b-1.csv')
+  const [first, second] = ['twin-a.nc', 'twin-b.nc'].map((name) => file(name, readFileSync(PROGRAM, 'utf8')))
+  const unnamed = file('log.csv', readFileSync(path, 'utf8'))
+  await drop(page, 'body', [first, second, path, unnamed])
+  await page.waitForFunction(() => document.querySelector('#progress').hidden && /could be any/.test(document.querySelector('#recording .pairs')?.textContent), null, { timeout: 120_000 })
+  const of = (name) => page.$eval(`#recording .pairs li:has-text("${name}") select`, (select) => select.selectedOptions[0].textContent)
+  assert.deepEqual([await of('twin-b-1.csv'), await of('log.csv')], ['twin-b.nc', 'choose'])
+  assert.match(await page.textContent('#recording .pairs li:has-text("log.csv") .about'), /any of these: twin-a\.nc, twin-b\.nc\. Choose one/)
 })
 
 pageTest('a calibration can be cancelled, and leaves the machine as it was', async ({ page }) => {

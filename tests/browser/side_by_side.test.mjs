@@ -85,7 +85,7 @@ pageTest('runs are bit for bit the same whoever computes them, and lost with nob
   const text = program(20_000).buffer.toString()
   const compared = await page.evaluate(async (text) => {
     const [{ Engine }, { confinedWorker }, { wholeModule }, { simulate }] = await Promise.all(
-      ['engine', 'confined', 'embed/module', 'side_by_side'].map((name) => import(`/${name}.js`)),
+      ['engine', 'confined', 'module', 'side_by_side'].map((name) => import(`/${name}.js`)),
     )
     const { form } = await import('/pkg/truefeed.js')
     const columns = [null, 0.005, 0.01, 0.02, 0.05]

@@ -158,6 +158,6 @@ pageTest('a loop that runs to its bound is quoted and drawn, and the chart says 
   const endless = 'o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n'
   await page.setInputFiles('#files', { name: 'endless.ngc', mimeType: 'text/plain', buffer: Buffer.from(endless) })
   await page.waitForFunction((note) => document.querySelector(note)?.textContent, note, { timeout: 250_000 })
-  assert.match(await page.textContent(note), /One point every 0\.\d+ s/)
+  assert.match(await page.textContent(note), /one point every 0\.\d+ s/)
   assert.ok(await page.isHidden('#failure'))
 }, { isLong: true })

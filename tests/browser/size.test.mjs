@@ -1,13 +1,22 @@
-// What a first visit takes over the wire until its first chart stands, as the project's own server sends it with brotli: page,
-// styles, scripts, module, the worker's own and the sample. What comes after, when the page is idle, is said beside it.
+// What the page takes over the wire as it is delivered, with brotli: until the first chart of a first visit stands, and all that is
+// ever loaded. And that what is delivered does what www/ does.
 
 import assert from 'node:assert/strict'
-import { test } from 'node:test'
+import { execFileSync } from 'node:child_process'
+import { readdirSync, statSync } from 'node:fs'
+import { join } from 'node:path'
+import { before, test } from 'node:test'
+import { DELIVERED } from '../../scripts/serve.mjs'
 import { openPage } from './harness.mjs'
-import { computed } from './steps.mjs'
+import { ROOT, computed, cycleTimes } from './steps.mjs'
 
 const MOST_BYTES = 400_000
+const MOST_BYTES_EVER = 1_350_000
 const WHOLE = '/pkg/truefeed_whole_bg.wasm'
+/** What no visit of the page loads: what other pages embed, licences, the worker that keeps files, and of the picture of the answer all but the one for the screen. */
+const NOT_LOADED = /^embed|notices\.txt$|^sw\.js|\.br$|answer-(phone|dark)/
+
+before(() => execFileSync('node', [join(ROOT, 'scripts/bundle.mjs')], { stdio: 'ignore' }))
 
 /** What came over the wire for a request, and when it began. @param {import('playwright-core').Request} request */
 async function weighed(request) {
@@ -16,8 +25,10 @@ async function weighed(request) {
   return { path: new URL(request.url()).pathname, start, bytes: responseBodySize + responseHeadersSize }
 }
 
+const kB = (/** @type {number} */ bytes) => `${Math.ceil(bytes / 1000)} kB`
+
 test('a first visit is small up to its charts, and the rest comes when they stand', { timeout: 180_000 }, async (context) => {
-  const { page, origin, errors, close } = await openPage({ path: '/icon.svg' })
+  const { page, origin, errors, close } = await openPage({ path: '/icon.svg', folder: DELIVERED })
   try {
     // What the service worker fetches beside the visit, to keep it, is not among them.
     /** @type {Promise<{path: string, start: number, bytes: number}>[]} */
@@ -30,7 +41,7 @@ test('a first visit is small up to its charts, and the rest comes when they stan
     await page.evaluate(() => {
       const notes = new MutationObserver(() => {
         const canvas = document.querySelector('#chart canvas')
-        if (!document.querySelector('#results data') || !canvas.width || !canvas.height) return
+        if (!document.querySelector('#tolerances data') || !canvas.width || !canvas.height) return
         const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height)
         if (!data.some((value) => value !== 0)) return
         notes.disconnect()
@@ -51,17 +62,28 @@ test('a first visit is small up to its charts, and the rest comes when they stan
     const sum = (/** @type {typeof received} */ all) => all.reduce((sum, { bytes }) => sum + bytes, 0)
     const first = received.filter(({ start }) => start <= at)
     const later = received.filter(({ start }) => at < start)
-    const kB = (/** @type {number} */ bytes) => `${Math.ceil(bytes / 1000)} kB`
     const module = sum(first.filter(({ path }) => path === '/pkg/truefeed_bg.wasm'))
     context.diagnostic(`a first visit takes ${kB(sum(first))} until its chart stands, ${kB(module)} of them its module; ${kB(sum(later))} come after`)
-    for (const path of ['/main.js', '/worker.js', '/pkg/truefeed.js', '/pkg/truefeed_bg.wasm', '/samples/pocket.nc'])
+    for (const path of ['/main.js', '/worker.js', '/pkg/truefeed_bg.wasm', '/samples/pocket.nc'])
       assert.ok(first.some((one) => one.path === path), `${path} is not counted`)
     assert.ok(later.some(({ path }) => path === WHOLE), 'the whole module does not come after the first chart')
     assert.ok(!first.some(({ path }) => path === WHOLE), 'the whole module is fetched before the first chart stands')
     assert.ok(sum(first) < MOST_BYTES, `a first visit takes ${sum(first)} bytes`)
+    assert.equal((await cycleTimes(page)).length, 3)
     // A picture alone names no icon, so that the browser asks for the usual one.
     assert.deepEqual(errors.filter((error) => !error.includes('/favicon.ico')), [])
   } finally {
     await close()
   }
+})
+
+test('all that is ever loaded stays small', (context) => {
+  const sent = readdirSync(DELIVERED, { recursive: true })
+    .map(String)
+    .filter((name) => !NOT_LOADED.test(name) && statSync(join(DELIVERED, name)).isFile())
+    .map((name) => ({ name, bytes: statSync(join(DELIVERED, name), { throwIfNoEntry: true }).size, small: statSync(join(DELIVERED, `${name}.br`), { throwIfNoEntry: false })?.size }))
+  const sum = sent.reduce((total, { bytes, small }) => total + (small ?? bytes), 0)
+  context.diagnostic(`all ${sent.length} files of the page take ${kB(sum)}`)
+  assert.ok(sent.some(({ name }) => name === 'pkg/truefeed_whole_bg.wasm') && sent.some(({ name }) => name === 'main.js'))
+  assert.ok(sum <= MOST_BYTES_EVER, `all files take ${sum} bytes`)
 })

@@ -23,12 +23,14 @@ mkdirSync(OUTPUT, { recursive: true })
  *
  * @param {string} name
  * @param {(opened: Awaited<ReturnType<typeof openPage>>) => Promise<void>} body
- * @param {{ viewport?: { width: number, height: number }, skip?: string | false, isLong?: boolean }} [options]
- *   `skip`: what is missing and what would provide it; `isLong`: it runs in the full suite only
+ * @param {{ viewport?: { width: number, height: number }, skip?: string | false, isLong?: boolean, open?: () => Promise<any> }} [options]
+ *   `skip`: what is missing and what would provide it; `isLong`: it runs in the full suite only; `open`: opens the page, in
+ *   Chromium if nothing else is said
  */
-export function pageTest(name, body, { viewport, skip = false, isLong = false } = {}) {
+export function pageTest(name, body, { viewport, skip = false, isLong = false, open = () => openPage({ viewport, isShared: true }) } = {}) {
   test(name, { skip: (isLong && leftForAll(name)) || (skip && skipped(skip)), timeout: 300_000 }, async () => {
-    const opened = await openPage({ viewport, isShared: true })
+    const opened = await open()
+    reaching(opened.page)
     try {
       await opened.page.waitForSelector('html[data-ready]')
       await body(opened)
@@ -53,15 +55,72 @@ export function leftForAll(name) {
   return 'full suite only'
 }
 
+/** What is done to a control, or asks that it is in sight. */
+const GESTURES = /** @type {const} */ (['click', 'fill', 'press', 'focus', 'selectOption', 'check', 'uncheck', 'hover'])
+const LOOKS = /** @type {const} */ (['scrollIntoViewIfNeeded', 'screenshot', 'boundingBox'])
+/** How a locator comes from another. */
+const NARROWED = /** @type {const} */ (['locator', 'first', 'last', 'nth', 'filter'])
+
+/** Has every gesture on this page first open what its control is in, by the buttons that a user has for it. */
+export function reaching(page) {
+  for (const gesture of GESTURES) {
+    const plain = page[gesture].bind(page)
+    page[gesture] = async (selector, ...rest) => {
+      await reach(page, selector)
+      return plain(selector, ...rest)
+    }
+  }
+  const plain = page.locator.bind(page)
+  page.locator = (...given) => reachingLocator(page, plain(...given))
+  return page
+}
+
+/** The same of a locator, and of those that it leads to. */
+function reachingLocator(page, locator) {
+  for (const gesture of [...GESTURES, ...LOOKS]) {
+    const plain = locator[gesture].bind(locator)
+    locator[gesture] = async (...given) => {
+      await open(page, locator)
+      return plain(...given)
+    }
+  }
+  for (const narrow of NARROWED) {
+    const plain = locator[narrow].bind(locator)
+    locator[narrow] = (...given) => reachingLocator(page, plain(...given))
+  }
+  return locator
+}
+
+/** Opens what the first of these elements is in. */
+export const reach = (page, selector) => open(page, page.locator(selector).first())
+
+/** Opens what an element is in: a drawer of the bar, a panel below the picture, what is folded away; a drawer that may lie over it is closed. */
+async function open(page, locator) {
+  const openers = await locator.evaluate((element) => {
+    const drawer = element.closest('.drawer:not(:popover-open)')
+    const over = document.querySelector('.drawer:popover-open')
+    const isOver = over && !over.contains(element) && over.id !== element.closest('[popovertarget]')?.getAttribute('popovertarget')
+    const panel = element.closest('#opened > section:not(.open)')
+    const folded = element.closest('main :is(#quote, #path, #program, #chart) details:not([open])')
+    const isSummary = element.closest('summary')
+    return [
+      ...(isOver ? [`#${over.id} .close`] : []),
+      ...(drawer ? [`.pick[popovertarget="${drawer.id}"]`] : []),
+      ...(panel ? [`#more [aria-controls~="${panel.id}"]`] : []),
+      ...(folded && !isSummary ? [`#${folded.closest('section').id} details${folded.className ? `.${folded.classList[0]}` : ''}:not([open]):has(${element.id ? `#${element.id}` : element.localName}) > summary`] : []),
+    ]
+  })
+  for (const opener of openers) await page.mainFrame().locator(opener).first().click()
+}
+
 /** Waits until every row of the table is of the machine and program in sight, and the panels that come later are there. */
 export async function computed(page, { later = true } = {}) {
   await page.waitForFunction(
     (later) => {
       if (later && !document.documentElement.dataset.whole) return false
-      const rows = [...document.querySelectorAll('#results tbody tr')]
+      const rows = [...document.querySelectorAll('#tolerances tbody tr')]
       const stale = document.querySelector('.stale') || !document.querySelector('#progress')?.hidden
-      const chips = document.querySelectorAll('.chip').length
-      return !stale && rows.length === chips && rows.every((row) => row.querySelector('data'))
+      return !stale && rows.length > 0 && rows.every((row) => row.querySelector('data'))
     },
     later,
     { timeout: 120_000 },
@@ -69,7 +128,7 @@ export async function computed(page, { later = true } = {}) {
 }
 
 /** Those of the tolerances that the user chose. */
-export const cycleTimes = (page) => page.$$eval('#results tbody tr:not(.programmed) data', (all) => all.map((data) => Number(data.value)))
+export const cycleTimes = (page) => page.$$eval('#tolerances tbody tr:not(.programmed) data', (all) => all.map((data) => Number(data.value)))
 
 /** @type {string | undefined} */
 let built
@@ -195,7 +254,7 @@ export const span = async (page) => {
   return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)
 }
 /** Widths of a phone, a laptop and a large screen, with heights. */
-const SIZES = [[360, 760], [1280, 900], [2560, 1440]]
+const SIZES = [[390, 844], [1280, 900], [1920, 1080]]
 
 /**
  * Looks at what is open at each size in both themes: nothing may scroll sideways. The page is left as it was found.
@@ -208,13 +267,29 @@ export async function atEverySize(page, name, look = (name) => shot(page, name))
     await page.setViewportSize({ width, height })
     for (const colorScheme of ['light', 'dark']) {
       await page.emulateMedia({ colorScheme })
-      await frame(page)
+      await drawAll(page)
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name} scrolls sideways at ${width} px`)
       await look(`${name}-${width}-${colorScheme}`)
     }
   }
   await page.emulateMedia({ colorScheme: null })
   await page.setViewportSize(before)
+  await frame(page)
+}
+
+/** Has every canvas drawn at the size and in the theme of now: what is out of sight is drawn when it comes in sight. */
+async function drawAll(page) {
+  const at = await page.evaluate(() => scrollY)
+  const count = await page.locator('canvas').count()
+  for (let index = 0; index < count; index += 1) {
+    const isThere = await page.evaluate((index) => {
+      const canvas = document.querySelectorAll('canvas')[index]
+      canvas?.scrollIntoView({ block: 'center' })
+      return canvas?.checkVisibility()
+    }, index)
+    if (isThere) await frame(page)
+  }
+  await page.evaluate((at) => scrollTo(0, at), at)
   await frame(page)
 }
 

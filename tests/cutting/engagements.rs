@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use truefeed::cutting::{Engagement, Place, Sector, engagement};
+use truefeed::cutting::{CutPlace, Engagement, Sector, engagement};
 
 use crate::cutting::{from, mill, setup, toolpath};
 
@@ -20,10 +20,10 @@ fn run(program: &str) -> Engagement {
 }
 
 /// Places of a line of the program, `from` to `to` of the way along it.
-fn on_line(found: &Engagement, line: u32, from: f64, to: f64) -> Vec<Place> {
-    let places: Vec<Place> = found.places.iter().filter(|place| place.line == line).cloned().collect();
+fn on_line(found: &Engagement, line: u32, from: f64, to: f64) -> Vec<CutPlace> {
+    let places: Vec<CutPlace> = found.places.iter().filter(|place| place.line == line).cloned().collect();
     let (first, last) = (places[0].distance, places[places.len() - 1].distance);
-    let is_within = |place: &Place| {
+    let is_within = |place: &CutPlace| {
         let way = (place.distance - first) / (last - first);
         from <= way && way <= to
     };
@@ -31,7 +31,7 @@ fn on_line(found: &Engagement, line: u32, from: f64, to: f64) -> Vec<Place> {
 }
 
 /// All places have one sector with these ends.
-fn has_sector(found: &Engagement, places: &[Place], entry: f64, exit: f64, depth: f64) {
+fn has_sector(found: &Engagement, places: &[CutPlace], entry: f64, exit: f64, depth: f64) {
     assert!(3 < places.len());
     let mean = |of: fn(&Sector) -> f64| {
         places.iter().map(|place| of(&found.sectors(place)[0])).sum::<f64>() / places.len() as f64
@@ -131,7 +131,7 @@ fn in_a_corner_the_engagement_grows_by_what_stands_in_front() {
     let found = run(&from(40.0, 6.0, -3.0, &format!("X6\nY40\nM4 G0 Z5\nX40 Y{free}\nG1 Z-3\nX{free}")));
     let places = on_line(&found, 8, 0.2, 1.0);
     let angle = f64::acos(1.0 - width / RADIUS);
-    let before: Vec<Place> =
+    let before: Vec<CutPlace> =
         places.iter().filter(|place| place.distance < places[0].distance + 8.0).cloned().collect();
     has_sector(&found, &before, PI - angle, PI, 3.0);
     // At the corner itself the two meet: from the front wall's near end on.

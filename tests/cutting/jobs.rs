@@ -1,6 +1,6 @@
 //! Cutting jobs that nobody wrote: any bytes are read or refused, and what is read is computed or refused.
 
-use truefeed::cutting::{Engagement, Loads, engagement, programmed_and_predicted};
+use truefeed::cutting::{Engagement, LoadCurve, engagement, programmed_and_predicted};
 use truefeed::machine::Machine;
 use truefeed::project::{EXAMPLE_CUTTING, Prediction, cutting_from_toml};
 use truefeed::simulation::feed::Tolerances;
@@ -32,8 +32,8 @@ fn run(text: &str) -> bool {
     let cut = engagement(&toolpath, &setup);
     let load = |cut: &Engagement| programmed_and_predicted(cut, &toolpath, &setup, &curve, &mut |_| {});
     let loads: Vec<_> = cut.iter().map(load).collect();
-    for Loads { at, .. } in loads.iter().flatten().flatten() {
-        let is_finite = |load: &truefeed::cutting::Load| {
+    for LoadCurve { at, .. } in loads.iter().flatten().flatten() {
+        let is_finite = |load: &truefeed::cutting::CutLoad| {
             [load.force, load.torque, load.power, load.removal_rate, load.chip, load.deflection]
                 .iter()
                 .all(|value| value.is_finite() && 0.0 <= *value)

@@ -12,7 +12,8 @@ mod volumes;
 use truefeed::cutting::{Mill, Setup, StockBox, material};
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::read;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::toolpath::Toolpath;
 
 /// The toolpath of a program on the neutral machine.
 fn toolpath(program: &str) -> Toolpath {

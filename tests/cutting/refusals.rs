@@ -1,6 +1,8 @@
 //! What cannot be computed is said, rapids through material are found, limits are watched.
 
-use truefeed::cutting::{CuttingError, Limit, Limits, Mill, Setup, engagement, loads, programmed_feedrates};
+use truefeed::cutting::{
+    CuttingError, LimitKind, LoadLimits, Mill, Setup, engagement, loads, programmed_feedrates,
+};
 
 use crate::cutting::{mill, setup, toolpath};
 
@@ -92,18 +94,18 @@ fn what_is_beyond_a_limit_is_told_with_its_line() {
     let toolpath = toolpath("G21 G90 G0 X-10 Y5 Z-1\nG1 X30 F1200\nZ-4\nX-10");
     let found = engagement(&toolpath, &base()).expect("all is given");
     let feedrates = programmed_feedrates(&found, &toolpath);
-    let told = |limits: Limits| {
+    let told = |limits: LoadLimits| {
         let tool = Mill { limits, ..mill(6.0) };
         let setup = Setup { tool: Some(tool), ..base() };
         loads(&found, &toolpath, &setup, &[&feedrates]).expect("all is given").remove(0)
     };
-    let free = told(Limits::default());
+    let free = told(LoadLimits::default());
     assert!(free.exceeded.is_empty() && free.force.line == 4);
-    let limited = told(Limits { force: 0.9 * free.force.value, ..Limits::default() });
+    let limited = told(LoadLimits { force: 0.9 * free.force.value, ..LoadLimits::default() });
     assert_eq!(limited.exceeded.len(), 1);
     let exceeded = limited.exceeded[0];
-    assert_eq!((exceeded.limit, exceeded.lines), (Limit::ToolForce, (4, 4)));
+    assert_eq!((exceeded.limit, exceeded.lines), (LimitKind::ToolForce, (4, 4)));
     assert_eq!(exceeded.peak, free.force);
-    let power = told(Limits { power: 0.0, ..Limits::default() });
+    let power = told(LoadLimits { power: 0.0, ..LoadLimits::default() });
     assert_eq!(power.exceeded.iter().map(|beyond| beyond.lines).collect::<Vec<_>>(), [(2, 2), (4, 4)]);
 }

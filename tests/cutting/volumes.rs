@@ -12,7 +12,7 @@ fn removed(program: &str, setup: &Setup) -> f64 {
     let stock = setup.stock.expect("given");
     let whole: f64 = (0..3).map(|axis| stock.max[axis] - stock.min[axis]).product();
     let sum: f64 = found.places.iter().map(|place| place.removed).sum();
-    let lost = whole - found.rest.volume();
+    let lost = whole - found.remaining.volume();
     assert!((sum - lost).abs() < 1e-6 * whole, "{sum} removed, {lost} lost");
     sum
 }

@@ -7,15 +7,16 @@ use truefeed::identification::probe::probe_between;
 use truefeed::identification::recording::{Recording, is_recording, read};
 use truefeed::machine::{CornerMode, Machine, presets};
 use truefeed::project::{
-    Fault, OfferReport, QuoteRequest, cutting_from_toml, machine_from_form, machine_from_toml,
+    OfferReport, QuoteRequest, TextFault, cutting_from_toml, machine_from_form, machine_from_toml,
     settings_from_text, settings_text, terms_from_form, toml_from_machine,
 };
 use truefeed::quote::{programmed_time, quote};
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read as read_program;
+use truefeed::simulation::interpreter::{trace, trace_within};
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace, trace_within};
+use truefeed::simulation::toolpath::Toolpath;
 
 /// Plans are checked of programs of no more moves than this, so that an execution stays short.
 const MOST_PLANNED: usize = 300;
@@ -56,7 +57,7 @@ fn one_line(text: &str) {
     assert!(!text.is_empty() && !text.contains(char::is_control), "message: {text:?}");
 }
 
-fn said(faults: &[Fault]) {
+fn said(faults: &[TextFault]) {
     assert!(!faults.is_empty(), "refused without a fault");
     assert!(faults.iter().all(|fault| !fault.message.is_empty()));
 }

@@ -4,7 +4,7 @@
 use truefeed::identification::calibration::calibrate;
 use truefeed::identification::comparison::{Comparison, compare};
 use truefeed::identification::diagnosis::{Plateau, plateau};
-use truefeed::identification::fit::{Recorded, Run};
+use truefeed::identification::fit::{AlignedRun, Run};
 use truefeed::machine::Machine;
 use truefeed::project::machine_from_toml;
 
@@ -46,7 +46,7 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
         ("plate-12", "plate-12"),
     ]
     .map(|(program, run)| recorded(&folder, program, run, &machine, true));
-    let runs: Vec<Run> = fitted.iter().map(Recorded::run).collect();
+    let runs: Vec<Run> = fitted.iter().map(AlignedRun::run).collect();
     let found = calibrate(&machine, &runs, &mut |_| {}).machine;
     for (program, run) in [
         ("box-op2", "box-op2-12"),
@@ -60,7 +60,7 @@ fn runs_of_two_mills_predict_other_programs_of_theirs() {
         let mut found = found.clone();
         // The switch of box-op2 was turned before the log begins: it is read off the plateaus, as a diagnosis does.
         if program == "box-op2" {
-            let Plateau { ratio, .. } = plateau(&other.unswitched()).expect("it has plateaus");
+            let Plateau { ratio, .. } = plateau(&other.run_ignoring_overrides()).expect("it has plateaus");
             found.overrides.feed = ratio;
         }
         let compared = compared(&other.run(), &found);

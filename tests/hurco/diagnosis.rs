@@ -51,7 +51,8 @@ fn plateaus_tell_the_feed_override_without_a_model_of_the_motion() {
         ("plate-12", "plate-12", 1.0),
     ] {
         let recorded = recorded(&folder, program, run, &rough, false);
-        let Plateau { ratio: found, deviation } = plateau(&recorded.unswitched()).expect("it has plateaus");
+        let Plateau { ratio: found, deviation } =
+            plateau(&recorded.run_ignoring_overrides()).expect("it has plateaus");
         eprintln!("{run}: {found:.4} ± {deviation:.4}, switch at {ratio}");
         assert!((found - ratio).abs() < 0.003, "{run}: {found}");
     }
@@ -63,7 +64,7 @@ fn an_override_of_one_part_in_a_hundred_is_found_in_half_an_hour() {
     let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "box-op1", "box-op1-07", &machine, false);
-    let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
+    let diagnosis = diagnose(&machine, &[recorded.run_ignoring_overrides()], &mut |_| {});
     let overrides =
         diagnosis.causes.iter().filter(|cause| cause.candidate.hypothesis.effect.id == "feed_override");
     let ratios: Vec<f64> = overrides.map(|cause| cause.candidate.values[0]).collect();
@@ -78,7 +79,7 @@ fn nothing_is_laid_to_an_operator_who_did_nothing() {
     let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "box-op3", "box-op3-07", &machine, false);
-    let diagnosis = diagnose(&machine, &[recorded.unswitched()], &mut |_| {});
+    let diagnosis = diagnose(&machine, &[recorded.run_ignoring_overrides()], &mut |_| {});
     eprintln!("{:?}", ids(&diagnosis));
     for id in ["feed_override", "rapid_override", "feed_hold"] {
         assert!(!ids(&diagnosis).contains(&id), "{:?}", ids(&diagnosis));
@@ -93,7 +94,7 @@ fn feed_holds_are_located_where_the_status_has_them() {
     let Some(folder) = recordings_of_others(HURCO) else { return };
     let machine = machine();
     let recorded = recorded(&folder, "plate-1", "plate-01", &machine, false);
-    let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
+    let holds = feed_holds(&machine, &[recorded.run_ignoring_overrides()], PRICE);
     let seconds: BTreeMap<u32, f64> = (holds.iter())
         .map(|(hold, _)| {
             let line = hold.hypothesis.variant.trim_start_matches("line ").parse().expect("a line");
@@ -126,7 +127,7 @@ fn standing_for_a_poll_or_two_is_no_hold() {
         ("plate-12", "plate-12"),
     ] {
         let recorded = recorded(&folder, program, run, &machine, false);
-        let holds = feed_holds(&machine, &[recorded.unswitched()], PRICE);
+        let holds = feed_holds(&machine, &[recorded.run_ignoring_overrides()], PRICE);
         let named: Vec<&str> = holds.iter().map(|(hold, _)| hold.hypothesis.variant.as_str()).collect();
         assert!(named.is_empty(), "{run}: {named:?}");
     }

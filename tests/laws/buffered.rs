@@ -8,8 +8,8 @@
 use truefeed::machine::{Junction, Machine, TimeConstants};
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::trace;
 
 use crate::laws::paths::Random;
 
@@ -90,7 +90,7 @@ fn a_buffer_of_blocks_takes_as_long_as_run_block_by_block() {
         let toolpath = trace(&read(program.as_bytes()), &machine);
         let mut planned = |look_ahead: f64| {
             machine.interpolator.look_ahead = look_ahead;
-            simulate::by_rule(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time()
+            simulate::with_policy(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time()
                 - TIME_CONSTANT_S
         };
         let [whole, few] = [planned(f64::INFINITY), planned(buffered as f64)];

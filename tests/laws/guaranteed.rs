@@ -59,6 +59,7 @@ fn path(random: &mut Random) -> Toolpath {
             motion,
             rotation: Rotation::NONE,
             exact_stop: false,
+            exact_path: false,
             line,
         });
         start = end;

@@ -113,7 +113,8 @@ fn a_wait_before_a_line_is_a_full_stop_that_lasts() {
         let (short, long) = (waiting(1.0).time(), waiting(1.0 + seconds).time());
         assert_close(long, short + seconds, &case);
         let plan = waiting(1.0).plan();
-        let starts = |segment: usize| plan.stretches().any(|stretch| stretch.segments.start == segment);
+        let starts =
+            |segment: usize| plan.rest_to_rest_motions().any(|stretch| stretch.segments.start == segment);
         assert!(starts(line as usize - 1), "case {}", case.number);
     }
 }

@@ -1,9 +1,9 @@
 //! Limits of the machine: without effect at their neutral values, respected when finite.
 
 use crate::laws::paths::{Case, Random, cases, line, stretches};
-use truefeed::machine::{Axis, Junction, Machine, PlannedBy};
+use truefeed::machine::{Axis, CornerPlanning, Junction, Machine};
 use truefeed::simulation::feed::limits::requested_feedrate;
-use truefeed::simulation::feed::{Pulse, Stretch};
+use truefeed::simulation::feed::{Pulse, RestToRest};
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::toolpath::{Curve, Motion, Point, Segment, Toolpath, Vector};
 
@@ -275,7 +275,7 @@ fn motion_can_stop_within_the_look_ahead() {
 #[test]
 fn a_starved_control_is_never_faster() {
     let limit = |machine: &mut Machine, random: &mut Random| {
-        machine.interpolator.planned_by = PlannedBy::Request;
+        machine.interpolator.planned_by = CornerPlanning::Request;
         machine.interpolator.block_time = random.log_between(0.0001, 0.05);
         machine.interpolator.look_ahead = random.between(1.0, 20.0).floor();
     };
@@ -311,7 +311,7 @@ fn the_machine_stands_where_it_has_to() {
         let stretches = stretches(&plan);
         for index in (0..segments.len() - 1).filter(|&index| stands_after(index)) {
             assert_eq!(plan.corner_feedrates[index], 0.0, "case {}, corner {index}", case.number);
-            let ends = |end: &&(f64, &Stretch)| end.1.segments.end == index + 1;
+            let ends = |end: &&(f64, &RestToRest)| end.1.segments.end == index + 1;
             let (start, stretch) = stretches.iter().find(ends).expect("a stretch ends here");
             let time = start + profile.motion(stretch).duration();
             let state = profile.at_time(time);

@@ -4,13 +4,12 @@ use crate::laws::paths::{Case, Random, cases, line};
 use truefeed::machine::{CornerMode, Machine};
 use truefeed::quote::quote;
 use truefeed::simulation::contour::contour_errors;
-use truefeed::simulation::feed::{Rule, Tolerances};
+use truefeed::simulation::feed::{CornerPolicy, Tolerances};
 use truefeed::simulation::gcode::{LineNumber, read};
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{
-    Blending, Motion, PathMode, Point, Stop, StopCause, Toolpath, Vector, trace,
-};
+use truefeed::simulation::toolpath::{Blending, Motion, PathMode, Point, Stop, StopCause, Toolpath, Vector};
 
 fn case_count() -> usize {
     crate::shared::case_count(2000)
@@ -35,8 +34,8 @@ fn modes(random: &mut Random, count: usize) -> Vec<PathMode> {
     from.into_iter().map(|from| mode(from, blending(random))).collect()
 }
 
-fn time(toolpath: &Toolpath, machine: &Machine, rule: Rule) -> f64 {
-    simulate::by_rule(toolpath, machine, rule).cycle_time()
+fn time(toolpath: &Toolpath, machine: &Machine, rule: CornerPolicy) -> f64 {
+    simulate::with_policy(toolpath, machine, rule).cycle_time()
 }
 
 #[test]
@@ -46,7 +45,7 @@ fn a_program_without_a_tolerance_has_that_of_the_machine() {
             case.toolpath.path_modes = vec![mode(1, Blending::Machine)];
         }
         assert_eq!(
-            simulate::by_rule(&case.toolpath, &case.machine, Rule::Programmed),
+            simulate::with_policy(&case.toolpath, &case.machine, CornerPolicy::Programmed),
             case.plan(),
             "case {}",
             case.number
@@ -92,8 +91,8 @@ fn a_program_is_the_sum_of_its_parts_between_full_stops() {
             ..Toolpath::default()
         };
         let parts = [part(0..middle, halves[0]), part(middle..count, halves[1])];
-        let sum: f64 = parts.iter().map(|part| time(part, &case.machine, Rule::Programmed)).sum();
-        let whole = time(&case.toolpath, &case.machine, Rule::Programmed);
+        let sum: f64 = parts.iter().map(|part| time(part, &case.machine, CornerPolicy::Programmed)).sum();
+        let whole = time(&case.toolpath, &case.machine, CornerPolicy::Programmed);
         assert!((whole / sum - 1.0).abs() < 1e-12, "case {}: {whole} s, parts {sum} s", case.number);
     }
 }
@@ -115,7 +114,7 @@ fn isolated_corners_take_the_tolerance_that_holds_there() {
             start = end;
         }
         toolpath.path_modes = modes(&mut random, 8);
-        let plan = simulate::by_rule(&toolpath, &machine, Rule::Programmed);
+        let plan = simulate::with_policy(&toolpath, &machine, CornerPolicy::Programmed);
         let errors = contour_errors(&toolpath, &plan, &Profile::new(&toolpath, &plan));
         let bounds = Tolerances::Programmed.bounds(&toolpath, &machine);
         for (corner, bound) in bounds.enumerate().take(7) {
@@ -128,7 +127,7 @@ fn isolated_corners_take_the_tolerance_that_holds_there() {
                 match in_force.map_or(Blending::Machine, |mode| mode.blending) {
                     Blending::Within(tolerance) => tolerance,
                     Blending::Distance(d) => (0.25 * d * turn.norm()).max(own.min(0.5 * d)),
-                    Blending::Machine | Blending::ExactStop => own,
+                    Blending::Machine | Blending::ExactStop | Blending::ExactPath => own,
                 }
             });
             let allowed = allowed[0].min(allowed[1]);
@@ -149,7 +148,7 @@ fn isolated_corners_take_the_tolerance_that_holds_there() {
 fn a_wider_tolerance_of_the_program_never_costs_time() {
     for (mut case, mut random) in cases(44, case_count()) {
         case.toolpath.path_modes = modes(&mut random, case.toolpath.segments.len());
-        let narrow = time(&case.toolpath, &case.machine, Rule::Programmed);
+        let narrow = time(&case.toolpath, &case.machine, CornerPolicy::Programmed);
         for mode in &mut case.toolpath.path_modes {
             if let (Blending::Within(length) | Blending::Distance(length), true) =
                 (&mut mode.blending, random.chance(0.5))
@@ -157,7 +156,7 @@ fn a_wider_tolerance_of_the_program_never_costs_time() {
                 *length *= random.log_between(1.001, 20.0);
             }
         }
-        let wide = time(&case.toolpath, &case.machine, Rule::Programmed);
+        let wide = time(&case.toolpath, &case.machine, CornerPolicy::Programmed);
         assert!(wide <= narrow * (1.0 + 1e-12), "case {}: {wide} s, not {narrow} s", case.number);
     }
 }
@@ -183,16 +182,16 @@ fn a_given_tolerance_replaces_all_but_exact_stops() {
             ..case.toolpath.clone()
         };
         let tolerance = random.log_between(0.001, 0.2);
-        let given = Rule::Isolated(tolerance);
+        let given = CornerPolicy::Isolated(tolerance);
         assert_eq!(
-            simulate::by_rule(&toolpath, &case.machine, given),
-            simulate::by_rule(&case.toolpath, &case.machine, given)
+            simulate::with_policy(&toolpath, &case.machine, given),
+            simulate::with_policy(&case.toolpath, &case.machine, given)
         );
     }
     let machine = Machine::default();
     let of = |text: &str| {
         let toolpath = trace(&read(text.as_bytes()), &machine);
-        time(&toolpath, &machine, Rule::Isolated(0.02))
+        time(&toolpath, &machine, CornerPolicy::Isolated(0.02))
     };
     let (stops, none) = (of("G64 P.05\nG61\nG1 F3000 X20\nY20\nX0"), of("G64 P.05\nG1 F3000 X20\nY20\nX0"));
     assert!(none * 1.001 < stops, "{none} s without, {stops} s with exact stops");

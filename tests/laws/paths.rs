@@ -4,42 +4,17 @@
 //! directions of space, smooth and sharp transitions, feedrates of 100 to 20 000 mm/min, some
 //! rapids, exact stops and dwells. Machines of one to four filters of 2 to 80 ms, equal or not.
 
+pub use crate::shared::random::Random;
 use crate::shared::seed_offset;
 use truefeed::machine::{Junction, Machine, TimeConstants};
-use truefeed::simulation::feed::{FeedPlan, Phase, Rule, Stretch};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan, Phase, RestToRest};
 use truefeed::simulation::gcode::LineNumber;
 use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::{
     Arc, Curve, Motion, Point, Rotation, Segment, Stop, StopCause, Toolpath, Vector,
 };
 
-/// Marsaglia's xorshift.
-pub struct Random(pub u64);
-
 impl Random {
-    /// From 0 to below 1.
-    pub fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / 53f64.exp2()
-    }
-
-    /// As often in the lower half as in the upper one.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// As often between 1 and 10 as between 10 and 100.
-    pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    /// True in this part of all calls.
-    pub fn chance(&mut self, part: f64) -> bool {
-        self.unit() < part
-    }
-
     /// A unit vector.
     pub fn direction(&mut self) -> Vector {
         loop {
@@ -78,7 +53,7 @@ impl Case {
     }
 
     pub fn plan(&self) -> FeedPlan {
-        simulate::by_rule(&self.toolpath, &self.machine, Rule::Isolated(self.tolerance()))
+        simulate::with_policy(&self.toolpath, &self.machine, CornerPolicy::Isolated(self.tolerance()))
     }
 
     pub fn time(&self) -> f64 {
@@ -103,7 +78,7 @@ pub fn cases(seed: u64, count: usize) -> impl Iterator<Item = (Case, Random)> {
 }
 
 /// When each stretch begins (s) and the stretch; exact to some 1e-15.
-pub fn stretches(plan: &FeedPlan) -> Vec<(f64, &Stretch)> {
+pub fn stretches(plan: &FeedPlan) -> Vec<(f64, &RestToRest)> {
     let mut time = 0.0;
     let mut stretches = Vec::new();
     for phase in &plan.phases {
@@ -128,6 +103,7 @@ pub fn line(start: Point, end: Point, motion: Motion) -> Segment {
         motion,
         rotation: Rotation::NONE,
         exact_stop: false,
+        exact_path: false,
         line: LineNumber(1),
     }
 }

@@ -3,10 +3,11 @@
 
 use crate::laws::paths::{Case, Random, cases};
 use truefeed::machine::{Junction, Machine};
-use truefeed::simulation::feed::{FeedPlan, Rule};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::Toolpath;
 
 fn case_count() -> usize {
     crate::shared::case_count(1000)
@@ -24,7 +25,7 @@ fn with_junctions(machine: &mut Machine, random: &mut Random) {
 }
 
 fn programmed(case: &Case) -> FeedPlan {
-    simulate::by_rule(&case.toolpath, &case.machine, Rule::Programmed)
+    simulate::with_policy(&case.toolpath, &case.machine, CornerPolicy::Programmed)
 }
 
 /// A polyline along X whose points lie up to `height` (mm) beside it, and the line itself.
@@ -69,7 +70,7 @@ fn a_corner_is_slowed_where_no_curve_passes_it_closely() {
         let passed = 0.5 * short * (0.5 * angle).sin();
         let at_corner = |within: f64, machine: &mut Machine| {
             machine.interpolator.corner_smoothing = within;
-            simulate::by_rule(&toolpath, machine, Rule::Programmed).corner_feedrates[0]
+            simulate::with_policy(&toolpath, machine, CornerPolicy::Programmed).corner_feedrates[0]
         };
         let slowed = at_corner(0.0, &mut machine);
         assert!(slowed < 99.0, "case {number}: {slowed} mm/s");
@@ -87,7 +88,8 @@ fn a_chain_takes_the_time_of_its_line() {
         let [chain, straight] = lines(&mut random, height, count);
         // Chords on the way may end on either side.
         case.machine.interpolator.path_smoothing = Some(2.0 * height);
-        let time = |toolpath| simulate::by_rule(toolpath, &case.machine, Rule::Programmed).cycle_time();
+        let time =
+            |toolpath| simulate::with_policy(toolpath, &case.machine, CornerPolicy::Programmed).cycle_time();
         let (found, expected) = (time(&chain), time(&straight));
         assert!((found / expected - 1.0).abs() < 1e-9, "case {}: {found} s, {expected} s", case.number);
     }
@@ -116,7 +118,8 @@ fn each_segment_keeps_its_length() {
         for (segment, reached) in segments.iter().zip(reached) {
             assert!((reached / segment.length - 1.0).abs() < 1e-8, "case {}: {reached}", case.number);
         }
-        let covered: Vec<_> = plan.stretches().flat_map(|stretch| stretch.segments.clone()).collect();
+        let covered: Vec<_> =
+            plan.rest_to_rest_motions().flat_map(|stretch| stretch.segments.clone()).collect();
         assert!(covered.into_iter().eq(0..segments.len()), "case {}", case.number);
     }
     assert!(case_count() / 10 < merged, "{merged} of the cases have something to merge");
@@ -129,6 +132,7 @@ fn a_long_chain_is_cut() {
     let mut machine = Machine::default();
     machine.interpolator.path_smoothing = Some(0.01);
     let [chain, straight] = lines(&mut random, 0.0, 20_000);
-    let plans = [&chain, &straight].map(|toolpath| simulate::by_rule(toolpath, &machine, Rule::Programmed));
+    let plans = [&chain, &straight]
+        .map(|toolpath| simulate::with_policy(toolpath, &machine, CornerPolicy::Programmed));
     assert!((plans[0].cycle_time() / plans[1].cycle_time() - 1.0).abs() < 1e-6);
 }

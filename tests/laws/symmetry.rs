@@ -2,7 +2,7 @@
 
 use crate::laws::paths::{Case, Random, cases};
 use truefeed::machine::{Machine, TimeConstants};
-use truefeed::simulation::feed::Rule;
+use truefeed::simulation::feed::CornerPolicy;
 use truefeed::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, Stop, StopCause, Toolpath};
 
 fn case_count() -> usize {
@@ -174,8 +174,8 @@ fn a_faster_corner_never_costs_time() {
         let segments = &plan.segment_feedrates;
         let mut corners = plan.corner_feedrates.clone();
         let given = |corners: &[f64]| {
-            let rule = Rule::Given { corners, segments };
-            truefeed::simulation::simulate::by_rule(&case.toolpath, &case.machine, rule).cycle_time()
+            let rule = CornerPolicy::Given { corners, segments };
+            truefeed::simulation::simulate::with_policy(&case.toolpath, &case.machine, rule).cycle_time()
         };
         let time = given(&corners);
         let raised = random.between(0.0, corners.len() as f64) as usize;

@@ -3,8 +3,8 @@
 use truefeed::machine::Machine;
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::trace;
 
 const SPEED_RPM: f64 = 600.0;
 const PITCH_MM: f64 = 1.0;
@@ -16,7 +16,7 @@ fn seconds(program: &str, ramp: f64) -> f64 {
     let mut machine = Machine::default();
     machine.times.spindle.ramp = ramp;
     let toolpath = trace(&read(program.as_bytes()), &machine);
-    simulate::by_rule(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time()
+    simulate::with_policy(&toolpath, &machine, Tolerances::Programmed.into()).cycle_time()
 }
 
 /// Programs that tap a hole of a depth so often.

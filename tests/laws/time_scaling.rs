@@ -3,11 +3,12 @@
 use crate::laws::paths::{Case, Random, cases};
 use truefeed::machine::{Junction, Machine, TimeConstants};
 use truefeed::quote::breakdown;
-use truefeed::simulation::feed::{FeedPlan, Rule};
+use truefeed::simulation::feed::{CornerPolicy, FeedPlan};
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::Toolpath;
 
 fn case_count() -> usize {
     crate::shared::case_count(1000)
@@ -131,7 +132,7 @@ fn line(length: f64, feedrate: f64, constant: f64, acceleration: f64) -> (Toolpa
     machine.axes[0].acceleration = acceleration;
     let program = format!("G1 X{length} F{}\n", feedrate * 60.0);
     let toolpath = trace(&read(program.as_bytes()), &machine);
-    let slowed = simulate::by_rule(&toolpath, &machine, Rule::Isolated(0.01));
+    let slowed = simulate::with_policy(&toolpath, &machine, CornerPolicy::Isolated(0.01));
     (toolpath, machine, slowed)
 }
 

@@ -2,12 +2,13 @@
 //! parts of a program add up to the whole.
 
 use crate::laws::paths::{Case, cases};
-use truefeed::machine::{Direction, Machine, PARAMETERS, Spin, Times};
-use truefeed::quote::{Breakdown, Quote, Share, breakdown, programmed_time, quote};
-use truefeed::simulation::feed::Rule;
+use truefeed::machine::{FunctionTimes, Machine, PARAMETERS, SpindleDirection, SpindleState};
+use truefeed::quote::{Breakdown, Quote, TimeShare, breakdown, programmed_time, quote};
+use truefeed::simulation::feed::CornerPolicy;
 use truefeed::simulation::gcode::{LineNumber, read};
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Operation, Stop, StopCause, Toolpath, trace};
+use truefeed::simulation::toolpath::{Operation, Stop, StopCause, Toolpath};
 
 fn case_count() -> usize {
     crate::shared::case_count(2_000)
@@ -43,7 +44,11 @@ M30
 
 fn breakdown_on(machine: &Machine) -> Breakdown {
     let toolpath = trace(&read(PROGRAM.as_bytes()), machine);
-    let plan = simulate::by_rule(&toolpath, machine, Rule::Isolated(machine.interpolator.contour_tolerance));
+    let plan = simulate::with_policy(
+        &toolpath,
+        machine,
+        CornerPolicy::Isolated(machine.interpolator.contour_tolerance),
+    );
     let breakdown = breakdown(&toolpath, machine, &plan);
     assert!((breakdown.total() - plan.cycle_time()).abs() < 1e-9);
     breakdown
@@ -84,7 +89,7 @@ const START: usize = 11;
 #[test]
 fn each_time_is_added_as_often_as_it_is_asked_for() {
     let before = parts(&breakdown_on(&Machine::default()));
-    type Change = fn(&mut Times);
+    type Change = fn(&mut FunctionTimes);
     let cases: [(Change, usize, f64); 17] = [
         (|t| t.start = 4.5, START, 4.5),
         // The third M6 finds its tool in the spindle.
@@ -133,8 +138,8 @@ fn a_spindle_ramp_takes_each_change_of_speed_and_a_full_stop_at_an_s_word() {
     assert!((after[SPINDLE] - before[SPINDLE] - (6.0 + 3.0 + 3.0 + 6.0 + 3.0)).abs() < 1e-9);
     // The S word in the cut is a corner less and a stop more.
     let toolpath = trace(&read(PROGRAM.as_bytes()), &machine);
-    let from = Spin { direction: Direction::Clockwise, speed: 6000.0 };
-    let to = Spin { speed: 9000.0, ..from };
+    let from = SpindleState { direction: SpindleDirection::Clockwise, speed: 6000.0 };
+    let to = SpindleState { speed: 9000.0, ..from };
     let stop = Stop { after: 2, cause: StopCause::Spindle { from, to, code: None }, line: LineNumber(6) };
     assert!(toolpath.stops.contains(&stop), "{:?}", toolpath.stops);
     let neutral = trace(&read(PROGRAM.as_bytes()), &Machine::default());
@@ -149,8 +154,8 @@ fn neutral_times_leave_the_result_as_it_is() {
     let expected = breakdown_on(&machine);
     let s_word_less = PROGRAM.replace("S9000\n", "");
     let toolpath = trace(&read(s_word_less.as_bytes()), &machine);
-    let rule = Rule::Isolated(machine.interpolator.contour_tolerance);
-    assert_eq!(breakdown(&toolpath, &machine, &simulate::by_rule(&toolpath, &machine, rule)), expected);
+    let rule = CornerPolicy::Isolated(machine.interpolator.contour_tolerance);
+    assert_eq!(breakdown(&toolpath, &machine, &simulate::with_policy(&toolpath, &machine, rule)), expected);
     for m_code in [0.0, 1.7] {
         let mut plain = Machine::default();
         plain.times.m_code = m_code;
@@ -165,10 +170,11 @@ fn neutral_times_leave_the_result_as_it_is() {
         given.times.spindle.exponent = Some(3.0);
         given.times.spindle_awaited_by = vec![8, 30];
         given.times.spindle_change = 0.0;
+        given.times.spindle_at_feed = 0.0;
         assert_eq!(breakdown_on(&given), breakdown_on(&plain));
     }
     let rows = PARAMETERS.iter().filter(|row| row.key.starts_with("times."));
-    assert_eq!(rows.count(), 21, "a new time belongs into these laws");
+    assert_eq!(rows.count(), 22, "a new time belongs into these laws");
 }
 
 /// A random path with random stops and operations.
@@ -179,12 +185,12 @@ fn with_parts(case: &mut Case, random: &mut crate::laws::paths::Random) {
         if !random.chance(0.2) {
             continue;
         }
-        let spin = |direction, speed| Spin { direction, speed };
+        let spin = |direction, speed| SpindleState { direction, speed };
         let cause = match (random.between(0.0, 5.0) as u32, random.between(0.0, 80.0) as u32) {
             (0, tool) => StopCause::ToolChange { tool: Some(tool % 4) },
             (1, speed) => StopCause::Spindle {
-                from: spin(Direction::Counterclockwise, 100.0 * f64::from(speed)),
-                to: spin(Direction::Clockwise, 70.0 * f64::from(speed)),
+                from: spin(SpindleDirection::Counterclockwise, 100.0 * f64::from(speed)),
+                to: spin(SpindleDirection::Clockwise, 70.0 * f64::from(speed)),
                 code: Some(3),
             },
             (2, _) => StopCause::Dwell { seconds: random.between(0.0, 3.0) },
@@ -223,8 +229,13 @@ fn with_parts(case: &mut Case, random: &mut crate::laws::paths::Random) {
 }
 
 #[track_caller]
-fn assert_adds_up(shares: impl Iterator<Item = Share>, quote: &Quote, toolpath: &Toolpath, programmed: f64) {
-    let mut sum = Share::default();
+fn assert_adds_up(
+    shares: impl Iterator<Item = TimeShare>,
+    quote: &Quote,
+    toolpath: &Toolpath,
+    programmed: f64,
+) {
+    let mut sum = TimeShare::default();
     shares.for_each(|share| sum += share);
     let close = |found: f64, expected: f64| (found - expected).abs() <= 1e-9 * (1.0 + expected.abs());
     for (found, expected) in parts(&sum.breakdown).into_iter().zip(parts(&quote.breakdown)) {

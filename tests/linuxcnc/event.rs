@@ -3,7 +3,8 @@
 
 use truefeed::machine::Machine;
 use truefeed::simulation::gcode::{Dialect, Options, read_with};
-use truefeed::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Toolpath, trace};
+use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::toolpath::{Curve, Motion, Point, Segment, StopCause, Toolpath};
 
 /// The M-words that both report: stops, end, spindle, coolant, pallet. M30 counts as M2, since
 /// LinuxCNC reports the end of a program in one way.

@@ -7,39 +7,7 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
-/// Marsaglia's xorshift.
-pub struct Random(pub u64);
-
-impl Random {
-    /// Of consecutive seeds, streams that have nothing in common.
-    pub fn new(seed: u64) -> Random {
-        let mut random = Random(seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
-        (0..8).for_each(|_| {
-            random.unit();
-        });
-        random
-    }
-
-    /// From 0 to below 1.
-    pub fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / 53f64.exp2()
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    pub fn below(&mut self, bound: usize) -> usize {
-        (self.unit() * bound as f64) as usize
-    }
-
-    pub fn chance(&mut self, part: f64) -> bool {
-        self.unit() < part
-    }
-}
+use crate::shared::random::Random;
 
 /// The letters of axes and centres.
 const AXES: [char; 3] = ['X', 'Y', 'Z'];

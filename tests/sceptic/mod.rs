@@ -8,13 +8,14 @@ mod claims;
 mod refusals;
 
 use truefeed::identification::diagnosis::{Diagnosis, diagnose};
-use truefeed::identification::fit::{Recorded, RecordedError, Run};
+use truefeed::identification::fit::{AlignedRun, AlignedRunError, Run};
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::feed::Tolerances;
 use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::Profile;
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::Toolpath;
 
 /// Seconds the machine stands before and after.
 const STANDS: f64 = 0.4;
@@ -82,16 +83,16 @@ pub fn csv(rows: &Rows) -> String {
     String::from("t_s,x_mm,y_mm,z_mm\n") + &rows.iter().map(row).collect::<String>()
 }
 
-fn laid(text: &str, recording: &str, machine: &Machine) -> Result<Recorded, RecordedError> {
-    Recorded::new(toolpath(text, machine), recording.as_bytes(), machine)
+fn laid(text: &str, recording: &str, machine: &Machine) -> Result<AlignedRun, AlignedRunError> {
+    AlignedRun::new(toolpath(text, machine), recording.as_bytes(), machine)
 }
 
 /// The diagnosis of recordings of the program against a machine.
 fn diagnosed(recordings: &[&Rows], machine: &Machine) -> Diagnosis {
-    let recorded: Vec<Recorded> = recordings
+    let recorded: Vec<AlignedRun> = recordings
         .iter()
         .map(|rows| laid(&program(), &csv(rows), machine).expect("it is of this program"))
         .collect();
-    let runs: Vec<Run> = recorded.iter().map(Recorded::unswitched).collect();
+    let runs: Vec<Run> = recorded.iter().map(AlignedRun::run_ignoring_overrides).collect();
     diagnose(machine, &runs, &mut |_| {})
 }

@@ -110,7 +110,7 @@ fn files_without_a_motion_are_refused() {
     assert!(laid(&program(), "\u{0}\u{1}\u{2}\u{3}PK\u{0}\u{0}", &machine()).is_err());
     let bytes: Vec<u8> = (0..4000u32).map(|value| (value.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     let toolpath = crate::sceptic::toolpath(&program(), &machine());
-    let error = truefeed::identification::fit::Recorded::new(toolpath, &bytes, &machine());
+    let error = truefeed::identification::fit::AlignedRun::new(toolpath, &bytes, &machine());
     assert!(error.is_err(), "bytes of any kind are no recording");
 }
 

@@ -1,6 +1,10 @@
 //! What several tests begin with: the size of a run, and the folders of programs and recordings.
 
 pub mod corpus;
+pub mod kept;
+pub mod pages;
+pub mod random;
+pub mod samples;
 
 use std::path::PathBuf;
 

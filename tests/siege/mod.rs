@@ -1,14 +1,18 @@
 //! Siege: programs made to hurt. Geometry that no CAM writes must give a plan that holds the laws, on any machine, and
 //! small files that ask for endless work must end with a message, in bounded time and memory.
+mod clocks;
+mod machines;
+
 use crate::fuzz::borders;
 use std::fmt::Write;
 
 use truefeed::machine::{CornerMode, Machine, TimeConstants, presets};
-use truefeed::simulation::feed::Rule;
+use truefeed::simulation::feed::CornerPolicy;
 use truefeed::simulation::gcode::{Dialect, Options, Severity, read_with};
+use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::profile::{Profile, Resolution};
 use truefeed::simulation::simulate;
-use truefeed::simulation::toolpath::{Toolpath, trace};
+use truefeed::simulation::toolpath::Toolpath;
 
 /// Blocks of each hostile path.
 const BLOCKS: usize = 400;
@@ -303,6 +307,86 @@ fn lines_without_end_are_refused() {
     }
 }
 
+/// Constructs within each other, far deeper than any control follows them: read with a message, and run within bounds.
+#[test]
+fn constructs_nested_without_end_end_with_a_message() {
+    const DEEP: usize = 20_000;
+    let nested = |open: &str, inside: &str, close: &str| {
+        format!("{}{inside}{}", open.repeat(DEEP), close.repeat(DEEP))
+    };
+    let move_by_one = "G91 G1 X1 F1000\n";
+    for (name, text) in [
+        ("branches", nested("IF R1==0\n", move_by_one, "ENDIF\n")),
+        ("branches in ELSE", nested("IF R1==1\nELSE\n", move_by_one, "ENDIF\n")),
+        ("loops", nested("LOOP\n", move_by_one, "ENDLOOP\n")),
+        ("loops that count", nested("FOR R1=1 TO 2\n", move_by_one, "ENDFOR\n")),
+        ("loops that never close", nested("WHILE R1<3\n", move_by_one, "")),
+        ("loops that never open", nested("", move_by_one, "ENDWHILE\n")),
+        ("loops that cross", nested("WHILE R1<2\nREPEAT\n", move_by_one, "ENDWHILE\nUNTIL R1>2\n")),
+        ("brackets", format!("G1 X={}1{} F100\n", "(".repeat(DEEP), ")".repeat(DEEP))),
+        ("functions", format!("R1={}0{}\n{move_by_one}", "SIN(".repeat(DEEP), ")".repeat(DEEP))),
+        ("parameters", format!("R1={}0{}\n{move_by_one}", "R[".repeat(DEEP), "]".repeat(DEEP))),
+        ("signs", format!("R1={}5\nNOPE\n{move_by_one}", "-".repeat(DEEP))),
+        ("arguments", format!("CYCLE81({}1{})\n", "(".repeat(DEEP), ")".repeat(DEEP))),
+        ("strings", format!("MSG({}\n{move_by_one}", "\"(".repeat(DEEP))),
+        ("cases", format!("CASE R1 OF {}\n{move_by_one}", "1 GOTOF A ".repeat(DEEP))),
+        ("frames", format!("{}{move_by_one}NOPE\n", "ATRANS X1\nAROT Z1\nASCALE X2\n".repeat(DEEP))),
+        ("modal calls", format!("{}X1\n", "MCALL CYCLE81(10,0,2,-5)\n".repeat(DEEP) + "X1 NOPE\n")),
+        (
+            "repeats in each other",
+            format!(
+                "{}{move_by_one}{}",
+                (0..5000).map(|n| format!("L{n}:\n")).collect::<String>(),
+                (0..5000).rev().map(|n| format!("REPEAT L{n} P=9\n")).collect::<String>()
+            ),
+        ),
+    ] {
+        ends_with_a_message(&format!("{name} of SINUMERIK"), Dialect::Siemens, &text);
+    }
+    let program = |inside: &str| format!("0 BEGIN PGM A MM\n{inside}9 END PGM A MM\n");
+    let move_by_one = "L IX+1 F1000\n";
+    for (name, text) in [
+        ("calls of itself", "LBL 1\nL IX+1 F1000\nCALL LBL 1\nLBL 0\nCALL LBL 1\n".to_string()),
+        (
+            "calls in each other",
+            format!(
+                "CALL LBL 1\nM30\n{}",
+                (1..5000)
+                    .map(|n| format!("LBL {n}\nL IX+1 F100\nCALL LBL {}\nLBL 0\n", n + 1))
+                    .collect::<String>()
+            ),
+        ),
+        (
+            "repeats in each other",
+            format!(
+                "{}{move_by_one}{}",
+                (1..5000).map(|n| format!("LBL {n}\n")).collect::<String>(),
+                (1..5000).rev().map(|n| format!("CALL LBL {n} REP 9\n")).collect::<String>()
+            ),
+        ),
+        ("jumps back", "LBL 1\nL IX+1 F1000\nFN 9: IF +0 EQU +0 GOTO LBL 1\n".to_string()),
+        ("brackets", format!("Q1 = {}1{}\n{move_by_one}", "(".repeat(DEEP), ")".repeat(DEEP))),
+        ("functions", format!("Q1 = {}0\n{move_by_one}", "SIN ".repeat(DEEP))),
+        ("signs", format!("Q1 = {}5\nNOPE\n{move_by_one}", "-".repeat(DEEP))),
+        (
+            "cycles",
+            "CYCL DEF 200 Q200=2 Q201=-5 Q206=150 Q202=1 Q210=0 Q203=0 Q204=50 Q211=0\n".repeat(DEEP)
+                + "CYCL CALL\nNOPE\n",
+        ),
+        ("programs", format!("{}{move_by_one}", "BEGIN PGM A MM\n".repeat(DEEP) + "NOPE\n")),
+        ("parts of a cycle", format!("CYCL DEF 200{}\n", " Q201=-5".repeat(DEEP))),
+    ] {
+        ends_with_a_message(&format!("{name} of Klartext"), Dialect::Klartext, &program(&text));
+    }
+    let blocks = (1..5000).map(|n| format!("N{n} G98 L{n} *\n")).collect::<String>();
+    let calls = (1..5000).rev().map(|n| format!("N{} L{n},9 *\n", 10_000 - n)).collect::<String>();
+    ends_with_a_message(
+        "repeats in each other of DIN/ISO",
+        Dialect::HeidenhainIso,
+        &format!("%A G71 *\n{blocks}G91 G01 X+1 F1000 *\n{calls}N99999 %A G71 *\n"),
+    );
+}
+
 /// A table with all rows that its corners need has 78 million of them, and took three minutes.
 #[test]
 fn the_chart_of_a_loop_without_end_has_no_more_rows_than_it_can_show() {
@@ -312,7 +396,7 @@ fn the_chart_of_a_loop_without_end_has_no_more_rows_than_it_can_show() {
         "o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n",
     );
     let machine = Machine::default();
-    let endless = simulate::by_rule(&toolpath, &machine, Rule::Programmed);
+    let endless = simulate::with_policy(&toolpath, &machine, CornerPolicy::Programmed);
     let profile = Profile::new(&toolpath, &endless);
     let samples = profile.drawn();
     assert!((1_000_000..=4_000_000).contains(&samples.time.len()), "{} rows", samples.time.len());
@@ -322,7 +406,7 @@ fn the_chart_of_a_loop_without_end_has_no_more_rows_than_it_can_show() {
     assert!(samples.distance.is_sorted() && samples.time.is_sorted());
 
     let short = trace(&read_with(b"G91 G1 X1 F1000\nY1\nX-1\nM2\n", &Options::default()), &machine);
-    let whole = simulate::by_rule(&short, &machine, Rule::Programmed);
+    let whole = simulate::with_policy(&short, &machine, CornerPolicy::Programmed);
     let profile = Profile::new(&short, &whole);
     assert_eq!(
         profile.drawn(),

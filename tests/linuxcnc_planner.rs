@@ -1,0 +1,74 @@
+//! LinuxCNC's planner by closed forms, whose speeds and accelerations were read off recordings of it.
+
+use std::f64::consts::PI;
+
+use truefeed::machine::{Junction, Machine};
+use truefeed::project::machine_from_toml;
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::simulate;
+
+fn planner() -> Machine {
+    machine_from_toml(include_str!("data/machines/linuxcnc.toml")).expect("the file is right")
+}
+
+fn time(program: &str, machine: &Machine) -> f64 {
+    simulate(&trace(&read(program.as_bytes()), machine), machine).cycle_time()
+}
+
+/// The last half of a servo period is not in the closed forms.
+const WITHIN_S: f64 = 2e-3;
+
+/// Both legs overlap while the first brakes: an arc at √(0.866 · A/2 · r) with half of half its acceleration, and a line that
+/// is the last of the program, with half of its own.
+#[test]
+fn without_arc_blends_the_next_leg_starts_while_the_last_one_brakes() {
+    let mut machine = planner();
+    machine.interpolator.junction = Junction::ParabolicBlend;
+    machine.axes.iter_mut().for_each(|axis| (axis.acceleration, axis.velocity) = (960.0, 60.0));
+    let radius = 3.841;
+    let (arc, line) = (PI * radius, 83.589);
+    let on_arc = (0.75f64.sqrt() * 480.0 * radius).sqrt();
+    let on_line = 2850.0 / 60.0;
+    let expected = arc / on_arc + line / on_line + on_line / 480.0;
+    let found = time("G21 G64\nG3 X0 Y7.682 I0 J3.841 F2850\nG1 X-83.589", &machine);
+    assert!((found - expected).abs() < WITHIN_S, "{found} s, {expected} s");
+}
+
+/// Before an arc, the leg's brake is held against the direction in which the arc accelerates, towards its centre as well:
+/// 28.7 mm/s in the recording, where the tangents alone would allow all of 47.5.
+#[test]
+fn an_arc_that_goes_straight_on_slows_the_line_before_it() {
+    let mut machine = planner();
+    machine.interpolator.junction = Junction::ParabolicBlend;
+    machine.axes.iter_mut().for_each(|axis| (axis.acceleration, axis.velocity) = (960.0, 60.0));
+    let onto_arc = |radius: f64| {
+        let program = format!("G21 G64 P0.062\nG1 X83.589 F2850\nG3 Y{:.3} I0 J{radius}", 2.0 * radius);
+        time(&program, &machine) - PI * radius / (0.75f64.sqrt() * 480.0 * radius).sqrt().min(47.5)
+    };
+    let (tight, wide) = (onto_arc(3.841), onto_arc(400.0));
+    assert!(wide + 0.05 < tight, "{tight} s, {wide} s");
+}
+
+/// An exact-stop angle of 0 is G61.1: a stop at the end of every block, where the path goes straight on as well.
+#[test]
+fn an_angle_of_nothing_stops_where_nothing_turns() {
+    let mut machine = planner();
+    let blocks = "G1 X10 F900\nX20\nG3 Y8 J4\nG1 X5\nG0 Z5";
+    let stopped = time(&format!("G21 G61.1\n{blocks}"), &machine);
+    machine.interpolator.exact_stop_angle = 0.0;
+    let by_angle = time(&format!("G21 G64\n{blocks}"), &machine);
+    assert!((stopped - by_angle).abs() < 1e-9, "{stopped} s, {by_angle} s");
+}
+
+/// RS274/NGC runs canned cycles in exact path mode, whatever mode the program is in.
+#[test]
+fn cycles_run_in_exact_path_mode() {
+    let machine = planner();
+    let cycle = time("G21 G64 P0.1\nG0 Z9\nG98 G81 X20 Y0 Z-2 R2 F300\nX40\nG80", &machine);
+    let moves = "G0 X20\nZ2\nG1 Z-2 F300\nG0 Z9\nX40\nZ2\nG1 Z-2\nG0 Z9";
+    let written = time(&format!("G21 G64 P0.1\nG0 Z9\nG61\n{moves}"), &machine);
+    let blended = time(&format!("G21 G64 P0.1\nG0 Z9\n{moves}"), &machine);
+    assert!((cycle - written).abs() < 1e-9, "{cycle} s, {written} s");
+    assert!(0.01 < (cycle - blended).abs(), "{cycle} s, {blended} s");
+}

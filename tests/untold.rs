@@ -1,0 +1,152 @@
+//! What the runs of a calibration do not tell: it is assumed, said, and no cause of another program.
+
+use truefeed::identification::alignment::{Alignment, align};
+use truefeed::identification::calibration::calibrate;
+use truefeed::identification::diagnosis::{Diagnosis, ModelError, diagnose};
+use truefeed::identification::fit::Run;
+use truefeed::identification::measured::calibrated_on;
+use truefeed::identification::recording;
+use truefeed::machine::Machine;
+use truefeed::project::machine_from_toml;
+use truefeed::simulation::gcode::read;
+use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::profile::Profile;
+use truefeed::simulation::simulate;
+use truefeed::simulation::toolpath::Toolpath;
+
+use crate::planners::GENERIC;
+
+/// A planner whose axes differ.
+fn truth() -> Machine {
+    let mut machine =
+        machine_from_toml(include_str!("data/machines/linuxcnc.toml")).expect("the file is right");
+    for (axis, acceleration) in machine.axes.iter_mut().zip([500.0, 800.0, 450.0]) {
+        axis.acceleration = acceleration;
+    }
+    machine
+}
+
+/// What is known of it before any recording.
+fn believed() -> Machine {
+    machine_from_toml(GENERIC).expect("the file is right")
+}
+
+/// Rows along one of two axes with a step along Z after each.
+fn rows(axis: char) -> String {
+    let row = |at: u32| {
+        let (there, feed) = (5 + 7 * (at % 5), 900 + 300 * (at % 4));
+        format!("G1 {axis}{there} F{feed}\nZ-{at}\n{axis}0\nZ-{at}.5\n")
+    };
+    format!(
+        "G21 G90\nG0 X0 Y0 Z5\nG0 {axis}90 Z12\nG0 {axis}0 Z0\n{}M30\n",
+        (1..30).map(row).collect::<String>()
+    )
+}
+
+fn traced(program: &str) -> Toolpath {
+    trace(&read(program.as_bytes()), &believed())
+}
+
+/// The program as a machine runs it, every 4 ms, aligned.
+fn recorded(toolpath: &Toolpath, machine: &Machine) -> Alignment {
+    let plan = simulate(toolpath, machine);
+    let profile = Profile::new(toolpath, &plan);
+    let row = |sample: u32| {
+        let time = 0.004 * f64::from(sample);
+        let p = profile.at_time(time).position;
+        format!("{time:.3},{:.4},{:.4},{:.4}\n", p.x, p.y, p.z)
+    };
+    let rows = (0..=(profile.cycle_time() / 0.004) as u32).map(row);
+    let csv: String = ["t_s,x_mm,y_mm,z_mm\n".to_string()].into_iter().chain(rows).collect();
+    let log = recording::read(csv.as_bytes()).expect("a log");
+    align(&log.recordings[0], toolpath, &believed()).expect("it is of this program")
+}
+
+fn run<'a>(toolpath: &'a Toolpath, alignment: &'a Alignment) -> Run<'a> {
+    Run { toolpath, alignment, overrides: (None, None) }
+}
+
+/// Calibrated on one program, with all that its machine file keeps.
+fn calibrated(program: &str) -> Machine {
+    calibrated_on_run(program, &truth())
+}
+
+fn calibrated_on_run(program: &str, truth: &Machine) -> Machine {
+    let toolpath = traced(program);
+    let alignment = recorded(&toolpath, truth);
+    let runs = [run(&toolpath, &alignment)];
+    let calibration = calibrate(&believed(), &runs, &mut |_| {});
+    let error = ModelError::of(&calibration.machine, &runs);
+    let mut machine = calibration.machine.clone();
+    machine.cycle_time_error = Some(calibration.worst_error(|comparison| comparison.whole));
+    machine.calibrated_on = calibrated_on(&calibration.machine, &runs, &calibration.fitted);
+    error.keep_in(&mut machine);
+    machine
+}
+
+fn diagnosed(machine: &Machine, program: &str, truth: &Machine) -> Diagnosis {
+    let toolpath = traced(program);
+    let alignment = recorded(&toolpath, truth);
+    diagnose(machine, &[run(&toolpath, &alignment)], &mut |_| {})
+}
+
+#[test]
+fn an_axis_that_never_ramps_has_the_acceleration_of_the_others_and_the_file_says_so() {
+    let machine = calibrated(&rows('Y'));
+    let [x, y, z] = [0, 1, 2].map(|axis: usize| machine.axes[axis].acceleration);
+    assert!((y / 800.0 - 1.0).abs() < 0.05 && (z / 450.0 - 1.0).abs() < 0.02, "{y}, {z} mm/s²");
+    assert!((x / y - 1.0).abs() < 0.01, "{x} mm/s² is not that of Y, {y}");
+    assert_eq!(machine.calibrated_on.assumed_accelerations, [true, false, false]);
+}
+
+#[test]
+fn what_was_assumed_is_no_cause_of_another_program() {
+    let machine = calibrated(&rows('Y'));
+    let diagnosis = diagnosed(&machine, &rows('X'), &truth());
+    assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
+    assert!(diagnosis.elsewhere.is_some_and(|off| 0.01 < off), "{:?}", diagnosis.elsewhere);
+}
+
+/// Pockets of arcs on which the slowest axis of the plane is the limit.
+const ARCS: &str = "G21 G90\nG0 X20 Y0 Z2\nG1 Z0 F600\nG3 X20 Y0 I-20 J0 F6000\nG3 X20 Y0 I-14 J0\nG3 X20 Y0 I-9 J0\n\
+    G3 X20 Y0 I-5 J0\nG1 X50\nY40\nX0\nY0\nZ-1\nG3 X0 Y0 I12 J0\nG3 X0 Y0 I7 J0\nG0 Z5\nM30\n";
+
+#[test]
+fn a_limit_is_found_where_a_looser_one_would_cost_more_than_all() {
+    let machine = calibrated(ARCS);
+    let mut changed = truth();
+    changed.axes[0].acceleration = 440.0;
+    let diagnosis = diagnosed(&machine, ARCS, &changed);
+    let named: Vec<_> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.name()).collect();
+    assert_eq!(named, ["axis acceleration limit (X)"]);
+    assert!((diagnosis.causes[0].candidate.values[0] / 440.0 - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_rapid_that_no_run_showed_is_taken_from_the_recording_and_is_no_cause() {
+    let mut slow = truth();
+    slow.axes.iter_mut().for_each(|axis| axis.rapid = 50.0);
+    let short: String =
+        (1..40).map(|at| format!("G1 X{} F900\nG0 Z1\nX0\nZ0\nG1 Y{}\n", 3 + at % 2, at % 3)).collect();
+    let long: String = ["X90 Y60", "X0", "Y0", "X80"].map(|to| format!("G0 {to}\nG1 Z3\nZ4 F900\n")).concat();
+    let long = format!("G21 G90 F900\n{long}{short}M30\n");
+    let machine = calibrated_on_run(&format!("G21 G90\nG0 Z1\n{short}M30\n"), &slow);
+    assert_eq!(machine.calibrated_on.assumed_rapids, [true; 3]);
+    let diagnosis = diagnosed(&machine, &long, &slow);
+    assert!(diagnosis.causes.is_empty(), "{:?}", diagnosis.causes);
+    let found = diagnosis.calibrated.expect("the rapids are taken from the recording");
+    let rapids = found.axes.each_ref().map(|axis| axis.rapid);
+    assert!(rapids[..2].iter().all(|rapid| (rapid / 50.0 - 1.0).abs() < 0.01), "{rapids:?} mm/s");
+}
+
+#[test]
+fn a_change_of_the_program_that_was_calibrated_on_is_found_all_the_same() {
+    let machine = calibrated(&rows('Y'));
+    let mut changed = truth();
+    changed.axes[1].acceleration = 350.0;
+    let diagnosis = diagnosed(&machine, &rows('Y'), &changed);
+    assert_eq!(diagnosis.elsewhere, None);
+    let named: Vec<_> = diagnosis.causes.iter().map(|cause| cause.candidate.hypothesis.name()).collect();
+    assert_eq!(named, ["axis acceleration limit (Y)"]);
+    assert!((diagnosis.causes[0].candidate.values[0] / 350.0 - 1.0).abs() < 0.03);
+}
