@@ -1,5 +1,7 @@
-// Serves www/ on this machine only:  node scripts/serve.mjs [PORT]
+// Serves the page on this machine only:  node scripts/serve.mjs [--dev] [PORT]
 //
+// What the build delivers (scripts/bundle.mjs), or with --dev www/ as it is. --dev also takes the service worker back, which
+// answers with the files of the last build: an edit shows on the next reload.
 // PORT (or $PORT) is used as given; without it, 8080 or the next free one. A browser asks every time whether a file is
 // another one, so that a reload shows the last build. Files go out with brotli or gzip, as from the servers of the world: what
 // the build has compressed beside the file (scripts/compress.mjs), or else what is compressed here when it is first asked for.
@@ -13,6 +15,7 @@ import { promisify } from 'node:util'
 import { brotliCompress, constants, gzip } from 'node:zlib'
 
 const WWW = fileURLToPath(new URL('../www', import.meta.url))
+export const DELIVERED = fileURLToPath(new URL('../target/delivered', import.meta.url))
 
 /** @type {Record<string, string>} */
 const TYPES = {
@@ -27,6 +30,7 @@ const TYPES = {
   '.txt': 'text/plain; charset=utf-8',
   '.wasm': 'application/wasm',
   '.webmanifest': 'application/manifest+json',
+  '.webp': 'image/webp',
 }
 
 /** Brotli's last two steps take a second a megabyte for another tenth: they are for small files, and for the build. */
@@ -41,14 +45,29 @@ const ENCODERS = {
   gzip: (bytes) => promisify(gzip)(bytes, { level: 9 }),
 }
 
+/** In place of the page's service worker: forgets what that kept, and unregisters. The page that it controlled loads again without it. */
+const NO_SERVICE_WORKER = `
+self.addEventListener('install', () => self.skipWaiting())
+self.addEventListener('activate', (event) => event.waitUntil(leave()))
+async function leave() {
+  for (const name of await caches.keys()) await caches.delete(name)
+  await self.registration.unregister()
+  for (const page of await self.clients.matchAll({ type: 'window' })) page.navigate(page.url)
+}
+`
+
 /**
  * Starts the server; port 0 takes any free one. A file is looked for in the folders in their order.
  * @param {number} port
  * @param {string[]} [folders]
+ * @param {{ isDev?: boolean }} [options] `isDev`: without the service worker
  * @returns {Promise<{ origin: string, close: () => Promise<void> }>}
  */
-export async function serve(port, folders = [WWW]) {
-  const server = createServer((request, response) => answer(folders, request, response))
+export async function serve(port, folders = [WWW], { isDev = false } = {}) {
+  const server = createServer((request, response) => {
+    const isServiceWorker = /^\/sw\.js($|[?#])/.test(request.url ?? '')
+    return isDev && isServiceWorker ? withoutServiceWorker(response) : answer(folders, request, response)
+  })
   // A connection stays open until the page leaves; a time limit would be told with each of the page's many small files.
   server.keepAliveTimeout = 0
   await new Promise((resolve, reject) => {
@@ -93,6 +112,11 @@ async function answer(folders, request, response) {
     ...(encoding && { 'Content-Encoding': encoding }),
   })
   response.end(request.method === 'HEAD' ? undefined : body)
+}
+
+/** @param {import('node:http').ServerResponse} response */
+function withoutServiceWorker(response) {
+  response.writeHead(200, { 'Cache-Control': 'no-store', 'Content-Type': TYPES['.js'] }).end(NO_SERVICE_WORKER)
 }
 
 /** What was compressed, by path and encoding. @type {Map<string, {version: string, body: Promise<Buffer>}>} */
@@ -143,11 +167,11 @@ function refuse(response, status) {
   response.writeHead(status, { 'Content-Type': 'text/plain' }).end(`${status}\n`)
 }
 
-/** @param {number} port */
-async function serveFrom(port) {
+/** @param {number} port @param {{ isDev: boolean }} options */
+async function serveFrom(port, options) {
   for (;;) {
     try {
-      return await serve(port)
+      return await serve(port, [options.isDev ? WWW : DELIVERED], options)
     } catch (error) {
       if (/** @type {NodeJS.ErrnoException} */ (error).code !== 'EADDRINUSE') throw error
       port += 1
@@ -156,9 +180,10 @@ async function serveFrom(port) {
 }
 
 if (argv[1] === fileURLToPath(import.meta.url)) {
-  const wanted = argv[2] ?? env.PORT
+  const isDev = argv.includes('--dev')
+  const wanted = argv.slice(2).find((argument) => argument !== '--dev') ?? env.PORT
   try {
-    const { origin } = await (wanted ? serve(Number(wanted)) : serveFrom(8080))
+    const { origin } = await (wanted ? serve(Number(wanted), [isDev ? WWW : DELIVERED], { isDev }) : serveFrom(8080, { isDev }))
     console.log(`The page is at ${origin}/  (Ctrl-C ends the server)`)
   } catch (error) {
     console.error(`cannot serve: ${/** @type {Error} */ (error).message}`)

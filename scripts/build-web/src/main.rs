@@ -18,8 +18,10 @@ use std::env;
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::Write;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
+use std::thread;
 
 use anyhow::{Context, Result, bail, ensure};
 use flate2::Compression;
@@ -85,20 +87,12 @@ fn build() -> Result<()> {
 
     let package = settings.out_dir.with_extension("new");
     remove_if_there(&package)?;
-    for module in &settings.module {
-        println!("{}: compiling for {WASM_TARGET}, profile {}", module.out_name, module.profile);
-        let compiled = compile(&settings, module)?;
-        println!("writing the bindings");
-        write_bindings(&settings, module, &compiled, &package)?;
-        let wasm = package.join(format!("{}_bg.wasm", module.out_name));
-        println!("  {}", size(&wasm)?);
-        if !module.wasm_opt.is_empty() {
-            println!("optimising: wasm-opt {}", module.wasm_opt.join(" "));
-            optimise(&wasm, &module.wasm_opt)?;
-            println!("  {}", size(&wasm)?);
-        }
-        leave_out_comments(&package.join(format!("{}.js", module.out_name)))?;
-    }
+    // Each module is compiled whole, on one core for most of the time: they are made side by side.
+    thread::scope(|scope| {
+        let made: Vec<_> =
+            settings.module.iter().map(|module| scope.spawn(|| make(&settings, module, &package))).collect();
+        made.into_iter().try_for_each(|made| made.join().unwrap_or_else(|panic| resume_unwind(panic)))
+    })?;
     notices::write(&package)?;
     println!("compressing");
     run_node(COMPRESS, [&package])?;
@@ -109,6 +103,23 @@ fn build() -> Result<()> {
     println!("the package is in {}", settings.out_dir.display());
     files::write(&settings.out_dir)?;
     Ok(())
+}
+
+/// Compiles one module and puts it into the folder `package`, optimised and with its script.
+fn make(settings: &Settings, module: &Module, package: &Path) -> Result<()> {
+    let name = &module.out_name;
+    println!("{name}: compiling for {WASM_TARGET}, profile {}", module.profile);
+    let compiled = compile(settings, module)?;
+    println!("{name}: writing the bindings");
+    write_bindings(settings, module, &compiled, package)?;
+    let wasm = package.join(format!("{name}_bg.wasm"));
+    println!("{name}: {}", size(&wasm)?);
+    if !module.wasm_opt.is_empty() {
+        println!("{name}: optimising: wasm-opt {}", module.wasm_opt.join(" "));
+        optimise(&wasm, &module.wasm_opt)?;
+        println!("{name}: {}", size(&wasm)?);
+    }
+    leave_out_comments(&package.join(format!("{name}.js")))
 }
 
 /// Compiles the library and returns the path of its WebAssembly module, as Cargo reports it.
