@@ -5,7 +5,7 @@ import { columnLabel, columnsOf, isJob, programInSight, quotedColumn } from '../
 import { find, make } from '../dom.js'
 import { field } from '../field.js'
 import { clock } from '../format.js'
-import { nameOf } from '../job/names.js'
+import { keepHead, nameOf } from '../job/names.js'
 import { say } from '../texts_later.js'
 
 /** @import { OfOperation } from "../job/document.js" */
@@ -150,8 +150,9 @@ export function mount(root, form, actions) {
     for (const program of unknown) asked.add(program)
     const read = async (/** @type {Program} */ program) => {
       const head = new Uint8Array(await program.file.slice(0, sniffedBytes()).arrayBuffer())
-      program.found = programTitle(head) ?? ''
-      program.described = JSON.parse(toolsOf(head))
+      const said = { found: programTitle(head) ?? '', described: JSON.parse(toolsOf(head)) }
+      keepHead(program.file, said)
+      Object.assign(program, said)
     }
     await Promise.allSettled(unknown.map(read))
     if (unknown.length > 0) actions.update()

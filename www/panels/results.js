@@ -90,7 +90,9 @@ export function mount(root, actions) {
       const columns = columnsOf(state, program)
       const column = quotedColumn(state, program)
       const each = state.programs.flatMap((other) => [other, nameOf(other), other.failure, other.outcome, quotedColumn(state, other), ...columns.map((one) => other.outcome?.runs.get(one))])
-      const now = [program, column, ...columns, ...each, state.price, state.fixture, Boolean(state.progress), isStale && outOfDate(state)]
+      // An entry of the price changes no time, and nothing is announced again.
+      const { cycle_time_s, programmed_time_s, cycle_time_range_s = [] } = state.price?.report ?? {}
+      const now = [program, column, ...columns, ...each, cycle_time_s, programmed_time_s, ...(cycle_time_range_s ?? []), state.fixture, Boolean(state.progress), isStale && outOfDate(state)]
       if (now.length === shown.length && now.every((value, index) => value === shown[index])) return
       shown = now
       const isEmpty = !isJob(state) && isStill(program.outcome)

@@ -2,6 +2,7 @@
 // recording that is no longer in the document is let go at once: taking its removal back computes it again.
 
 import { faults, motionOf, termFaults } from '../pkg/truefeed.js'
+import { headOf } from '../job/names.js'
 import { linesOf } from '../lines.js'
 import { programFor } from '../recordings.js'
 import { History } from './history.js'
@@ -108,7 +109,7 @@ function programOf({ id, name, file, dialect, title, machine, tolerance, setUp, 
     if (before.dialect !== dialect) Object.assign(before, { dialect, outcome: null, failure: null })
     return Object.assign(before, own)
   }
-  return { id, file, dialect, lines: linesOf(file), found: '', described: null, outcome: null, failure: null, ...own }
+  return { id, file, dialect, lines: linesOf(file), ...headOf(file), outcome: null, failure: null, ...own }
 }
 
 /** The forms of machines that operations have of their own. @type {WeakMap<OwnMachine, MachineForm & {start: string}>} */
