@@ -24,7 +24,7 @@ pageTest('presets say where their numbers come from and what they are not', asyn
     assert.match(await page.textContent('#machine .source'), /Calibrate|not measured/)
   }
   await page.selectOption('#preset', { label: names[0] })
-  assert.match(await page.textContent('#machine .origin'), /Ward et al\. 2021.*7\.9 %/)
+  assert.match(await page.textContent('#machine .origin'), /within 8 %.*Ward et al\. 2021/)
 })
 
 pageTest('a machine is kept under its name, changed, duplicated, removed and brought back', async ({ page }) => {

@@ -92,7 +92,7 @@ pageTest('what was computed of a program goes with it', async ({ page }) => {
   await computed(page)
   const before = await held()
   await page.setInputFiles('#files', { name: 'long.nc', mimeType: 'text/plain', buffer: Buffer.from(lines.join('\n')) })
-  await page.waitForFunction(() => document.querySelector('#bar .job').textContent === 'long.nc')
+  await page.waitForFunction(() => document.querySelector('.choose[aria-selected=true] .file')?.textContent === 'long.nc')
   await computed(page)
   const most = await held()
   assert.ok(before + 1e6 < most, `${before} bytes became ${most}`)
