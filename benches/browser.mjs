@@ -141,8 +141,8 @@ async function turned() {
   const request = { program, machine: JSON.stringify(machine), dialect: null, columns: [0.01], labels: ['0.01 mm'] }
   await engine.simulate(request, {
     stage() {},
-    /** @param {any} _ @param {any} steps @param {any} held @param {any} trail */
-    program: (_, { end, feedrate, rapid, line }, held, trail) => view.program(trail.points, trail.distance, end, feedrate, rapid, line),
+    /** @param {any} _ @param {any} steps @param {any} _held @param {any} trail */
+    program: (_, { end, feedrate, rapid, line }, _held, trail) => view.program(trail.points, trail.distance, end, feedrate, rapid, line),
     run() {},
   })
   const canvas = document.createElement('canvas')

@@ -12,11 +12,26 @@ test('an entry that is moved takes its place and the others keep their order', (
   assert.deepEqual(moved(list, 0, 2), ['b', 'c', 'a', 'd'])
   assert.deepEqual(moved(list, 3, 0), ['d', 'a', 'b', 'c'])
   assert.deepEqual(moved(list, 1, 9), ['a', 'c', 'd', 'b'])
-  for (const [from, to] of [[1, 1], [0, -4], [3, 7], [9, 0], [-1, 2]]) assert.equal(moved(list, from, to), list)
+  for (const [from, to] of [
+    [1, 1],
+    [0, -4],
+    [3, 7],
+    [9, 0],
+    [-1, 2],
+  ])
+    assert.equal(moved(list, from, to), list)
   assert.deepEqual(list, ['a', 'b', 'c', 'd'], 'it is another list')
 })
 
-const form = { fields: [{ key: 'name', neutral: '' }, { key: 'rates.hourly', neutral: 0 }, { key: 'times.m_codes', neutral: null }], presets: [], version: '' }
+const form = {
+  fields: [
+    { key: 'name', neutral: '' },
+    { key: 'rates.hourly', neutral: 0 },
+    { key: 'times.m_codes', neutral: null },
+  ],
+  presets: [],
+  version: '',
+}
 const machine = { name: 'mill', 'rates.hourly': 80, 'times.m_codes': null }
 
 test('what is open becomes a job and comes back', () => {
@@ -35,10 +50,28 @@ test('what is open becomes a job and comes back', () => {
   const read = { ...text, operations: text.operations.map((one) => ({ machine: text.machine, fixture: text.fixture, ...one })) }
   const back = opened(read, form)
   assert.deepEqual([back.job, back.fixture, back.values, back.tolerance], ['Bracket', 4, machine, 0.01])
-  assert.deepEqual(back.operations.map((one) => one.tolerance), [null, 'programmed'])
-  assert.deepEqual(back.operations.map(({ name, title, dialect }) => [name, title, dialect]), [['op10.nc', 'Face', 'iso absolute'], ['op20.nc', '', null]])
-  assert.deepEqual(back.operations.map((one) => one.machine), [null, { start: 'other', values: other }])
-  assert.deepEqual(back.operations.map(({ setUp, loading }) => [setUp, loading]), [[20, null], [null, 0]])
+  assert.deepEqual(
+    back.operations.map((one) => one.tolerance),
+    [null, 'programmed'],
+  )
+  assert.deepEqual(
+    back.operations.map(({ name, title, dialect }) => [name, title, dialect]),
+    [
+      ['op10.nc', 'Face', 'iso absolute'],
+      ['op20.nc', '', null],
+    ],
+  )
+  assert.deepEqual(
+    back.operations.map((one) => one.machine),
+    [null, { start: 'other', values: other }],
+  )
+  assert.deepEqual(
+    back.operations.map(({ setUp, loading }) => [setUp, loading]),
+    [
+      [20, null],
+      [null, 0],
+    ],
+  )
 })
 
 test('a job is priced when all of its programs are computed', () => {
@@ -47,8 +80,14 @@ test('a job is priced when all of its programs are computed', () => {
   const done = { found: 'FACE', outcome: { summary, runs: new Map([[0.01, run]]) } }
   const [one] = planned([done], () => 0.01)
   assert.deepEqual([one.title, one.programmed_time_s, one.remarks, 'lost' in one], ['FACE', 12, { errors: 1, warnings: 0 }, false])
-  assert.equal(planned([done, { outcome: null }], () => 0.01), null)
-  assert.equal(planned([done], () => 0.02), null)
+  assert.equal(
+    planned([done, { outcome: null }], () => 0.01),
+    null,
+  )
+  assert.equal(
+    planned([done], () => 0.02),
+    null,
+  )
 })
 
 /** A folder as a browser hands it out, a few entries at a time. */
@@ -69,12 +108,15 @@ const dropped = (...all) => all.map((one) => (one instanceof File ? { entry: nul
 test('a folder is gone through, in the order of its numbers, without what is hidden', async () => {
   const part = folder('/part', { 'op10.nc': '10', 'op2.nc': '2', '.git': { config: '' }, deep: { 'op1.nc': '1' }, 'Thumbs.db': '?', '.DS_Store': '?' })
   const found = await filesOf(dropped(part, new File(['x'], 'alone.nc')))
-  assert.deepEqual(found.map(({ path, named }) => [path, named]), [
-    ['alone.nc', true],
-    ['part/deep/op1.nc', false],
-    ['part/op2.nc', false],
-    ['part/op10.nc', false],
-  ])
+  assert.deepEqual(
+    found.map(({ path, named }) => [path, named]),
+    [
+      ['alone.nc', true],
+      ['part/deep/op1.nc', false],
+      ['part/op2.nc', false],
+      ['part/op10.nc', false],
+    ],
+  )
   assert.equal(await found[3].file.text(), '10')
   const many = Object.fromEntries(Array.from({ length: 1000 }, (_, index) => [`${index}.nc`, 'G1']))
   assert.equal((await filesOf(dropped(folder('/many', many)))).length, MOST_FILES)
@@ -84,10 +126,19 @@ test('an archive gives its files, and a chosen folder those in it', async () => 
   const files = { 'part/op10.nc': 'G1', '__MACOSX/part/._op10.nc': '?', 'part/op9.nc': 'G0' }
   const unpacked = { names: () => Object.keys(files), take: (index) => new TextEncoder().encode(Object.values(files)[index]) }
   const inArchive = inside('part.zip', unpacked)
-  assert.deepEqual(inArchive.map(({ path, file }) => [path, file.name]), [['part.zip/part/op9.nc', 'op9.nc'], ['part.zip/part/op10.nc', 'op10.nc']])
+  assert.deepEqual(
+    inArchive.map(({ path, file }) => [path, file.name]),
+    [
+      ['part.zip/part/op9.nc', 'op9.nc'],
+      ['part.zip/part/op10.nc', 'op10.nc'],
+    ],
+  )
   assert.equal(await inArchive[0].file.text(), 'G0')
   const file = (name, webkitRelativePath) => Object.assign(new File([''], name), { webkitRelativePath })
-  assert.deepEqual(chosen([file('b.nc', ''), file('.x', 'p/.x'), file('a.nc', 'p/a.nc')]).map(({ path }) => path), ['b.nc', 'p/a.nc'])
+  assert.deepEqual(
+    chosen([file('b.nc', ''), file('.x', 'p/.x'), file('a.nc', 'p/a.nc')]).map(({ path }) => path),
+    ['b.nc', 'p/a.nc'],
+  )
 })
 
 test('a kept job is found by its name, its customer and its programs', () => {

@@ -13,7 +13,9 @@ const read = (name, encoding) => readFileSync(join(ROOT, 'www/pkg', name), encod
 
 /** Crate by crate what stands above its text: name, version and licence; and how long the text is. */
 function noticed() {
-  const parts = read('notices.txt', 'utf8').split(/\n-{79}\n/).slice(1)
+  const parts = read('notices.txt', 'utf8')
+    .split(/\n-{79}\n/)
+    .slice(1)
   return parts.flatMap((part) => {
     const titles = part.slice(0, part.indexOf('\n\n')).split('\n')
     const text = part.slice(part.indexOf('\n\n')).trim()
@@ -26,12 +28,26 @@ function noticed() {
 
 test('the notices name every crate that the modules are made of, each with its licence', () => {
   const tree = ['tree', '--locked', '--target', 'wasm32-unknown-unknown', '--edges', 'normal,no-proc-macro', '--prefix', 'none']
-  const lines = execFileSync('cargo', [...tree, '--format', '{p} {l}'], { cwd: ROOT, encoding: 'utf8' }).trim().split('\n')
-  const compiled = new Set(lines.map((line) => line.match(/^(\S+) v(\S+)/).slice(1, 3).join(' ')).filter((crate) => !crate.startsWith('truefeed ')))
+  const lines = execFileSync('cargo', [...tree, '--format', '{p} {l}'], { cwd: ROOT, encoding: 'utf8' })
+    .trim()
+    .split('\n')
+  const compiled = new Set(
+    lines
+      .map((line) =>
+        line
+          .match(/^(\S+) v(\S+)/)
+          .slice(1, 3)
+          .join(' '),
+      )
+      .filter((crate) => !crate.startsWith('truefeed ')),
+  )
   const found = noticed()
   const named = new Set(found.map(({ crate }) => crate))
   assert.ok(20 < compiled.size, `${compiled.size} crates are compiled`)
-  assert.deepEqual([...compiled].filter((crate) => !named.has(crate)), [])
+  assert.deepEqual(
+    [...compiled].filter((crate) => !named.has(crate)),
+    [],
+  )
   for (const { crate, licence, length } of found) {
     assert.notEqual(licence, 'no expression', crate)
     assert.ok(400 <= length, `the text of ${crate} has ${length} characters`)

@@ -79,7 +79,10 @@ function literals(name, source) {
 test('no script says a text of its own', () => {
   const planted = "make('p', {}, 'rapid'); a.textContent = `Hello ${name}`; b.setAttribute('aria-label', ok ? 'yes' : say.no); f('Not here.')"
   assert.equal(literals('planted', planted).length, 4, 'the rule finds nothing')
-  assert.deepEqual(scripts.flatMap((name) => literals(name, readFileSync(PAGE + name, 'utf8'))), [])
+  assert.deepEqual(
+    scripts.flatMap((name) => literals(name, readFileSync(PAGE + name, 'utf8'))),
+    [],
+  )
 })
 
 /** The tags of the page, and the text after each. */
@@ -107,7 +110,10 @@ test('the page names its texts, and what it shows at once is as they are', () =>
 test('no style says a text', () => {
   const contents = [...readFileSync(`${PAGE}style.css`, 'utf8').matchAll(/[{; ]content:\s*("[^"]*")/g)].map(([, text]) => text)
   assert.ok(contents.length > 0)
-  assert.deepEqual(contents.filter((text) => LETTERS.test(text)), [])
+  assert.deepEqual(
+    contents.filter((text) => LETTERS.test(text)),
+    [],
+  )
 })
 
 test('every text is said somewhere', () => {
@@ -115,5 +121,8 @@ test('every text is said somewhere', () => {
   const isSaid = (/** @type {string} */ key) => sources.includes(`say.${key}`) || html.includes(`="${key}"`) || key.startsWith('stages.')
   const keys = Object.entries(say).flatMap(([group, texts]) => Object.keys(texts).map((name) => `${group}.${name}`))
   assert.ok(keys.length > 300)
-  assert.deepEqual(keys.filter((key) => !isSaid(key)), [])
+  assert.deepEqual(
+    keys.filter((key) => !isSaid(key)),
+    [],
+  )
 })

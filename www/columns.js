@@ -60,5 +60,10 @@ export const isStill = (outcome) => Boolean(outcome && outcome.steps.end.length 
 export function addCurve(chart, column, held) {
   const parts = column === null ? held : [{ distance_mm: [0, Infinity], tolerance_mm: column }]
   const [from, to] = [0, 1].map((end) => Float64Array.from(parts, ({ distance_mm: ends }) => ends[end]))
-  chart.add(columnLabel(column), from, to, Float64Array.from(parts, ({ tolerance_mm: tolerance }) => tolerance))
+  chart.add(
+    columnLabel(column),
+    from,
+    to,
+    Float64Array.from(parts, ({ tolerance_mm: tolerance }) => tolerance),
+  )
 }

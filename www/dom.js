@@ -29,6 +29,19 @@ export function make(name, properties, ...children) {
   return element
 }
 
+/**
+ * Gives a choice its options, and chooses one, or none where it is not offered.
+ * @param {HTMLSelectElement} select
+ * @param {string[][]} choices  value, text
+ * @param {string} chosen
+ */
+export function offer(select, choices, chosen) {
+  const offered = JSON.stringify(choices)
+  if (select.dataset.offered !== offered) select.replaceChildren(...choices.map(([value, text]) => make('option', { value }, text)))
+  select.dataset.offered = offered
+  select.value = chosen
+}
+
 /** A wide table that scrolls in itself, by keys as well. @param {HTMLTableElement} table */
 export function scroll(table) {
   const element = make('div', { className: 'scroll', tabIndex: 0 }, table)
@@ -48,6 +61,5 @@ const PLACES = /** @type {const} */ ([
 export function fillTexts(page) {
   for (const element of page.querySelectorAll('[data-text]')) element.textContent = textOf(element.getAttribute('data-text') ?? '')
   page.documentElement.style.setProperty('--out-of-date', JSON.stringify(say.charts.outOfDate))
-  for (const [key, attribute] of PLACES)
-    for (const element of page.querySelectorAll(`[${key}]`)) element.setAttribute(attribute, textOf(element.getAttribute(key) ?? ''))
+  for (const [key, attribute] of PLACES) for (const element of page.querySelectorAll(`[${key}]`)) element.setAttribute(attribute, textOf(element.getAttribute(key) ?? ''))
 }

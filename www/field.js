@@ -27,11 +27,7 @@ export function field(prefix, parameter, changed) {
   const { key, label, doc, kind, unit, min, max, words, neutral } = parameter
   const id = idOf(prefix, key)
   const control =
-    kind === 'choice'
-      ? make('select', { id }, ...words.map((word) => make('option', { value: word }, titleOf(word))))
-      : kind === 'lines'
-        ? make('textarea', { id, rows: 3 })
-        : make('input', { id })
+    kind === 'choice' ? make('select', { id }, ...words.map((word) => make('option', { value: word }, titleOf(word)))) : kind === 'lines' ? make('textarea', { id, rows: 3 }) : make('input', { id })
   if (control instanceof HTMLInputElement) {
     control.type = kind === 'flag' ? 'checkbox' : 'text'
     if (kind === 'number') control.inputMode = 'decimal'
@@ -44,12 +40,7 @@ export function field(prefix, parameter, changed) {
   const written = kind === 'flag' ? (neutral ? say.field.on : say.field.off) : worded(text(neutral)) || say.field.empty
   const toNeutral = make('button', { type: 'button', className: 'neutral', title: say.field.backTo(written) }, say.common.reset)
   toNeutral.setAttribute('aria-label', say.field.resetTo(label, written))
-  const hint = make(
-    'p',
-    { className: 'hint' },
-    say.field.neutral(typeof neutral === 'number' ? written + ofUnit : written, bounds),
-    toNeutral,
-  )
+  const hint = make('p', { className: 'hint' }, say.field.neutral(typeof neutral === 'number' ? written + ofUnit : written, bounds), toNeutral)
   const element = make(
     'div',
     { className: `field ${kind}` },
@@ -93,13 +84,17 @@ function typed(kind, control) {
   if (kind === 'text' || kind === 'lines' || kind === 'choice') return written
   if (written === '') return null
   if (kind === 'number') return numberOr(written)
-  if (kind === 'list') return /** @type {number[]} */ (written.split(/[;\s]+|,\s+/).filter(Boolean).map(numberOr))
+  if (kind === 'list')
+    return /** @type {number[]} */ (
+      written
+        .split(/[;\s]+|,\s+/)
+        .filter(Boolean)
+        .map(numberOr)
+    )
   if (kind === 'codes' || kind === 'tools') {
     // A comma parts entries only where another one follows it; else it is a decimal comma.
     const pairs = written.split(/;|,(?=[^;,=]*=)/).map((pair) => pair.split('=').map((part) => part.trim()))
-    return /** @type {Record<string, number>} */ (
-      Object.fromEntries(pairs.filter(([code]) => code).map(([code, time]) => [code, numberOr(time ?? '')]))
-    )
+    return /** @type {Record<string, number>} */ (Object.fromEntries(pairs.filter(([code]) => code).map(([code, time]) => [code, numberOr(time ?? '')])))
   }
   return written
 }
@@ -126,9 +121,6 @@ const entry = (value) => (typeof value === 'number' ? shown(value) : String(valu
 
 /** Whether two values are the same, an empty field and none among them. @param {unknown} a @param {unknown} b */
 export function same(a, b) {
-  const settled = (/** @type {unknown} */ value) =>
-    value && typeof value === 'object' && !Array.isArray(value)
-      ? Object.entries(value).sort(([x], [y]) => (x < y ? -1 : 1))
-      : (value ?? null)
+  const settled = (/** @type {unknown} */ value) => (value && typeof value === 'object' && !Array.isArray(value) ? Object.entries(value).sort(([x], [y]) => (x < y ? -1 : 1)) : (value ?? null))
   return JSON.stringify(settled(a)) === JSON.stringify(settled(b))
 }

@@ -4,8 +4,7 @@
 const inDigits = (language) => new Intl.Locale(language || 'en', { numberingSystem: 'latn' })
 const LOCALE = inDigits(navigator.language)
 
-const decimals = (/** @type {number} */ count) =>
-  new Intl.NumberFormat(LOCALE, { minimumFractionDigits: count, maximumFractionDigits: count })
+const decimals = (/** @type {number} */ count) => new Intl.NumberFormat(LOCALE, { minimumFractionDigits: count, maximumFractionDigits: count })
 
 const none = decimals(0)
 const one = decimals(1)
@@ -121,7 +120,7 @@ const SIGN = axis(0.5, 1).charAt(1)
 /** A number with a decimal point; words of programs (G61.1, DEF 7.1), names of files, sections and versions hold none. */
 const DECIMAL = /(?<![\w./]|(?:Sect\.|DEF|doi) )(\d+)\.(\d+)(?!\w|\.\w|\/)/g
 /** What is between the tags of a document, or what has its numbers as they should be: charts and styles. */
-const BETWEEN = /<(style|svg)\b[^]*?<\/\1>|>[^<]+</g
+const BETWEEN = /<(style|svg)\b.*?<\/\1>|>[^<]+</gs
 
 /** A text of Rust with its numbers as the browser's language writes them. @param {string} text */
 export const worded = (text) => (SIGN === '.' ? text : text.replace(DECIMAL, `$1${SIGN}$2`))
@@ -138,8 +137,7 @@ function withCurrency(text, currency) {
 }
 
 /** The same in a document, whose amounts are in a currency where one is named. @param {string} html @param {string} [currency] */
-export const wordedHtml = (html, currency = '') =>
-  html.replace(BETWEEN, (part) => (part.startsWith('>') ? withCurrency(worded(part), currency).replace(GROUPED, GROUP) : part))
+export const wordedHtml = (html, currency = '') => html.replace(BETWEEN, (part) => (part.startsWith('>') ? withCurrency(worded(part), currency).replace(GROUPED, GROUP) : part))
 
 /** Thousands or thousandths, nobody knows: three digits behind a sign that is not the decimal sign of the language. */
 const UNCLEAR = SIGN === ',' ? /^-?[1-9]\d{0,2}\.\d{3}$/ : /^-?[1-9]\d{0,2},\d{3}$/

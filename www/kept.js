@@ -90,13 +90,7 @@ export function saveOpen(state) {
   const { selected, recording, calibration, sample, job, fixture, letter } = state
   const found = [calibration, state.diagnosis, sample]
   const diagnosis = state.diagnosis && { ...state.diagnosis, runs: state.diagnosis.runs.map((run) => ({ ...run, program: run.program.id })) }
-  const standing = JSON.stringify([
-    programs.map(({ file, ...own }) => own),
-    [job, fixture, letter],
-    recordings.map(({ id, program, used }) => [id, program, used]),
-    selected,
-    recording,
-  ])
+  const standing = JSON.stringify([programs.map(({ file, ...own }) => own), [job, fixture, letter], recordings.map(({ id, program, used }) => [id, program, used]), selected, recording])
   if (standing === last && found.every((one, index) => one === lastFound[index])) return
   last = standing
   lastFound = found

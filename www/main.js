@@ -276,7 +276,11 @@ async function mountOthers() {
     opened.open('against')
     other.withKept(id)
   }
-  const own = { path: path.mount(element('path'), actions), jobs: jobs.mount(element('jobs'), form, columnOf, { ...ofJob, compare: compared }), savings: savings.mount(element('savings'), newEngine(), { ...actions, ...ofJob }) }
+  const own = {
+    path: path.mount(element('path'), actions),
+    jobs: jobs.mount(element('jobs'), form, columnOf, { ...ofJob, compare: compared }),
+    savings: savings.mount(element('savings'), newEngine(), { ...actions, ...ofJob }),
+  }
   panels.push(
     compare.mount(element('compare'), newEngine(), form, actions),
     other,

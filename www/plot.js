@@ -78,7 +78,10 @@ export function join(plot) {
   return {
     point: (distance) => [...others(), ...linked].forEach((other) => other.point(distance)),
     leave: () => [...others(), ...linked].forEach((other) => other.hide()),
-    span: () => others().find((other) => other.isShown())?.span(),
+    span: () =>
+      others()
+        .find((other) => other.isShown())
+        ?.span(),
   }
 }
 
@@ -97,7 +100,6 @@ export function mountPlot(root, chart, { isShown, words, fill, chosen, operation
   const plot = find(root, '.plot')
   const canvas = /** @type {HTMLCanvasElement} */ (find(root, 'canvas'))
   const cross = find(root, '.cross')
-  const box = find(root, '.box')
   const reading = find(root, '.reading')
   const rapids = find(root, '.rapids')
   const rapidsBox = /** @type {HTMLInputElement} */ (find(rapids, 'input'))

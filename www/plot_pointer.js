@@ -49,8 +49,7 @@ export function byPointer(plot, chart, { isShown, read, leave, moved, chosen }) 
     fingers.set(event.pointerId, now)
     moved()
   })
-  for (const end of ['pointerup', 'pointercancel'])
-    plot.addEventListener(end, (event) => fingers.delete(/** @type {PointerEvent} */ (event).pointerId))
+  for (const end of ['pointerup', 'pointercancel']) plot.addEventListener(end, (event) => fingers.delete(/** @type {PointerEvent} */ (event).pointerId))
 
   /** Draws a box to zoom to; with Shift, or on an axis, moves the picture. A touch moves it as well. @param {PointerEvent} start */
   function drag(start) {

@@ -51,5 +51,4 @@ export function evidence(state) {
 }
 
 /** The recordings that can calibrate the machine. @param {State} state */
-export const usable = (state) =>
-  state.recordings.filter((recording) => recording.used && recording.match?.report && programOf(recording, state))
+export const usable = (state) => state.recordings.filter((recording) => recording.used && recording.match?.report && programOf(recording, state))

@@ -30,9 +30,7 @@ async function pngOf(svg) {
   await image.decode()
   const canvas = make('canvas', { width: RATIO * image.naturalWidth, height: RATIO * image.naturalHeight })
   canvas.getContext('2d')?.drawImage(image, 0, 0, canvas.width, canvas.height)
-  return new Promise((resolve, reject) =>
-    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the chart gives no PNG'))), 'image/png'),
-  )
+  return new Promise((resolve, reject) => canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the chart gives no PNG'))), 'image/png'))
 }
 
 /** A picture as an address that the policy of the page allows. @param {string} svg */

@@ -12,8 +12,14 @@ export function tableOf(chart, caption) {
   const isOverTime = chart.isOverTime()
   const labels = chart.labels()
   const rows = chart.table()
-  const place = written(rows.map(({ to }) => to), isOverTime ? ' s' : '')
-  const lateness = written(rows.flatMap(({ lost, lostAfter }) => [lost, lostAfter]).filter((value) => value !== undefined), ' s')
+  const place = written(
+    rows.map(({ to }) => to),
+    isOverTime ? ' s' : '',
+  )
+  const lateness = written(
+    rows.flatMap(({ lost, lostAfter }) => [lost, lostAfter]).filter((value) => value !== undefined),
+    ' s',
+  )
   const range = (/** @type {ArrayLike<number>} */ pair, write = count) => (pair.length > 0 ? between(write(pair[0]), write(pair[1])) : '–')
   const told = (/** @type {number | undefined} */ value, /** @type {(value: number) => string} */ write) => (value === undefined ? '–' : write(value))
   const hasErrors = labels.map((_, index) => rows.some(({ curves }) => curves[index].error !== undefined))

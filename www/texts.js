@@ -229,7 +229,8 @@ export const say = {
   recording: {
     choose: 'Recording of the machine',
     chooseButton: 'Choose a recording',
-    invitation: 'Drop the control’s log of a run anywhere on the page: positions, feedrate or program lines over time, as CSV, SHDR, MTConnect, SINUMERIK trace, TwinCAT Scope or halsampler. Truefeed matches it to the program, compares it with the simulation, and can calibrate the machine from it. The log never leaves this page.',
+    invitation:
+      'Drop the control’s log of a run anywhere on the page: positions, feedrate or program lines over time, as CSV, SHDR, MTConnect, SINUMERIK trace, TwinCAT Scope or halsampler. Truefeed matches it to the program, compares it with the simulation, and can calibrate the machine from it. The log never leaves this page.',
     recordings: 'Recordings',
     view: 'View of the recording',
     label: 'Recorded and simulated feedrate and time lost over distance',

@@ -149,7 +149,8 @@ export const say = {
     remarks: (count, written) => `${written} ${count === 1 ? 'remark' : 'remarks'} on the recording`,
     simulatedCurve: 'simulated',
     motionWaiting: 'Motion and waiting',
-    divided: 'Where the log has no entry at the end of a line, Truefeed divides the recorded time as the simulation does. With another machine, recorded motion and waiting therefore shift a little; their sum does not.',
+    divided:
+      'Where the log has no entry at the end of a line, Truefeed divides the recorded time as the simulation does. With another machine, recorded motion and waiting therefore shift a little; their sum does not.',
     recorded: 'Recorded',
     simulated: 'Simulated',
     largestOf: (count, all) => `, the ${count} largest of ${all} stretches`,
@@ -168,8 +169,7 @@ export const say = {
   },
   measured: {
     title: 'Your machine, measured',
-    legend:
-      'Read off the recordings without a model: dots with their standard deviation, the monotone curve through them, and open circles for what the machine file does at the same places.',
+    legend: 'Read off the recordings without a model: dots with their standard deviation, the monotone curve through them, and open circles for what the machine file does at the same places.',
     absent: (title, reason) => `${title} not measured: ${reason}.`,
   },
   diagnosis: {

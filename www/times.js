@@ -90,5 +90,8 @@ export class Times {
 export function coarseFirst(all) {
   const passes = [8, 4, 2, 1]
   const pass = (/** @type {number} */ index) => (index === all.length - 1 ? 0 : passes.findIndex((step) => index % step === 0))
-  return all.map((one, index) => ({ one, at: pass(index) })).sort((a, b) => a.at - b.at).map(({ one }) => one)
+  return all
+    .map((one, index) => ({ one, at: pass(index) }))
+    .sort((a, b) => a.at - b.at)
+    .map(({ one }) => one)
 }

@@ -37,9 +37,7 @@ export function workOn(state, engine, page) {
   async function work() {
     if (state.progress) return
     for (;;) {
-      const selectedFirst = [...state.programs].sort(
-        (a, b) => Number(b.id === state.selected) - Number(a.id === state.selected),
-      )
+      const selectedFirst = [...state.programs].sort((a, b) => Number(b.id === state.selected) - Number(a.id === state.selected))
       const { motion } = state.machine
       const waits = (/** @type {Program} */ candidate) => {
         const { motion: own } = machineOf(state, candidate)
@@ -154,7 +152,10 @@ export function workOn(state, engine, page) {
     function take(indices) {
       const among = indices.map((index) => programs[index].id)
       // Between those that a recording cannot tell apart its name may; one of none is compared with the program in sight, to say why.
-      const alike = namesake(recording.name, programs.filter(({ id }) => among.includes(id)))
+      const alike = namesake(
+        recording.name,
+        programs.filter(({ id }) => among.includes(id)),
+      )
       const program = among.length === 0 ? state.selected : among.length === 1 ? among[0] : alike
       recording.found = { program, among, of }
       recording.program = programFor(recording.chosen, recording, state.programs)

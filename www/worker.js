@@ -8,39 +8,11 @@ let glue
 
 const VERBS = { simulate, pair, compare, revise, calibrate, diagnose, cycleTimes, timesOver, cut, quote }
 const CURVE = /** @type {const} */ (['distance', 'feedrate', 'time', 'corner', 'arcs', 'alongArcs', 'paceEnd', 'paceFeedrate'])
-const MATCHED = /** @type {const} */ ([
-  'recordedDistance',
-  'recordedFeedrate',
-  'recordedTime',
-  'simulatedDistance',
-  'simulatedFeedrate',
-  'simulatedTime',
-  'lostDistance',
-  'lostSeconds',
-])
+const MATCHED = /** @type {const} */ (['recordedDistance', 'recordedFeedrate', 'recordedTime', 'simulatedDistance', 'simulatedFeedrate', 'simulatedTime', 'lostDistance', 'lostSeconds'])
 
-const DIAGNOSED = /** @type {const} */ ([
-  'end',
-  'feedrate',
-  'rapid',
-  'line',
-  'distances',
-  'feedrates',
-  'times',
-  'lostDistances',
-  'lostSeconds',
-])
+const DIAGNOSED = /** @type {const} */ (['end', 'feedrate', 'rapid', 'line', 'distances', 'feedrates', 'times', 'lostDistances', 'lostSeconds'])
 
-const LOADS = /** @type {const} */ ([
-  'distance',
-  'programmedForce',
-  'predictedForce',
-  'programmedPower',
-  'predictedPower',
-  'programmedRate',
-  'predictedRate',
-  'predictedPerTooth',
-])
+const LOADS = /** @type {const} */ (['distance', 'programmedForce', 'predictedForce', 'programmedPower', 'predictedPower', 'programmedRate', 'predictedRate', 'predictedPerTooth'])
 
 /** @type {Promise<void> | undefined} */
 let ready
@@ -137,7 +109,15 @@ async function quote({ program, request, picture }) {
   const text = await textOf(program)
   try {
     const quote = glue.quoteText(text, request, (/** @type {number} */ part) => stage('simulating', part, 1))
-    post({ type: 'quoted', quote, labels: quote.runs.map((/** @type {any} */ run) => glue.toleranceLabel(run.tolerance_mm)), picture: picture ? await pathOf(program, quote.dialect, picture) : undefined }, [])
+    post(
+      {
+        type: 'quoted',
+        quote,
+        labels: quote.runs.map((/** @type {any} */ run) => glue.toleranceLabel(run.tolerance_mm)),
+        picture: picture ? await pathOf(program, quote.dialect, picture) : undefined,
+      },
+      [],
+    )
   } catch (refusal) {
     // A refused request leaves the worker as it is; anything else is a fault of it.
     if (typeof refusal !== 'string') throw refusal
@@ -187,7 +167,10 @@ async function diagnose({ machine, runs }) {
   const { report, json, html } = found
   const columns = found.runs.map((run) => plain(run, [...DIAGNOSED]))
   found.free()
-  post({ type: 'diagnosed', report, json, html, runs: columns }, columns.flatMap((own) => Object.values(own).flat()))
+  post(
+    { type: 'diagnosed', report, json, html, runs: columns },
+    columns.flatMap((own) => Object.values(own).flat()),
+  )
 }
 
 /** What a diagnosis is at. @param {number} part */

@@ -27,10 +27,11 @@ for (const entry of (await readdir(folder, { withFileTypes: true })).filter((ent
     const program = await readFile(join(folder, entry.name))
     const { runs, programmed_time_s: programmed, diagnostics } = await quote(program, machine, tolerances, { name: entry.name })
     if (programmed === 0) console.error(`${entry.name}: there is no motion in it`)
-    else for (const run of runs) {
-      const numbers = [run.tolerance_mm, programmed.toFixed(2), run.cycle_time_s.toFixed(2), run.price.toFixed(2), diagnostics.length]
-      console.log([JSON.stringify(entry.name), ...numbers].join(','))
-    }
+    else
+      for (const run of runs) {
+        const numbers = [run.tolerance_mm, programmed.toFixed(2), run.cycle_time_s.toFixed(2), run.price.toFixed(2), diagnostics.length]
+        console.log([JSON.stringify(entry.name), ...numbers].join(','))
+      }
   } catch (error) {
     if (!(error instanceof QuoteError)) throw error
     console.error(`${entry.name}: ${error.message}`)

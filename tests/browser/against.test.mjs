@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 import { after } from 'node:test'
@@ -19,7 +19,13 @@ after(() => rmSync(scratch, { recursive: true }))
 const FORMER = join(scratch, 'drilling-rev-a.nc')
 const drilling = readFileSync(PROGRAMS[1], 'utf8').split('\n')
 const END = drilling.findIndex((line) => /\bM30\b/.test(line))
-writeFileSync(FORMER, drilling.toSpliced(END, 0, `G4 X${DWELL_S}.`).map((line, index) => (/^[GMTXYZ]/.test(line) ? `N${10 * index} ${line}` : line)).join('\n'))
+writeFileSync(
+  FORMER,
+  drilling
+    .toSpliced(END, 0, `G4 X${DWELL_S}.`)
+    .map((line, index) => (/^[GMTXYZ]/.test(line) ? `N${10 * index} ${line}` : line))
+    .join('\n'),
+)
 
 const ready = (page) =>
   page.waitForFunction(() => /\d:\d\d:\d\d/.test(document.querySelector('#program .total')?.textContent ?? '') && document.querySelector('#progress').hidden, null, { timeout: 120_000 })
@@ -46,9 +52,16 @@ pageTest('another revision of one program is compared by operation, in price, an
   await located(page)
   assert.match(await sentence(page), /^7\.0 s less per part than drilling-rev-a\.nc \(−.* %\)\. Price per part −€0\.1\d\.$/)
   const table = await rows(page)
-  assert.deepEqual(table.slice(0, 4).map(([name]) => name), [...TITLES, 'Total per part'])
+  assert.deepEqual(
+    table.slice(0, 4).map(([name]) => name),
+    [...TITLES, 'Total per part'],
+  )
   const differences = table.slice(0, 4).map((row) => written(row[3]))
-  assert.deepEqual(differences.map((value) => Math.abs(value + 0)), [0, DWELL_S, 0, DWELL_S], 'what did not change takes as long')
+  assert.deepEqual(
+    differences.map((value) => Math.abs(value + 0)),
+    [0, DWELL_S, 0, DWELL_S],
+    'what did not change takes as long',
+  )
   // Only the line that waits is told, though the numbers of all blocks are others.
   const where = await rows(page, '#against .where')
   assert.equal(where.length, 1, JSON.stringify(where))
@@ -125,7 +138,10 @@ pageTest('the same job on another machine is as the command compares both', asyn
   const before = await page.$eval('#machine .preset, #preset', () => document.querySelector('#preset').options[0].textContent)
   await page.selectOption('#against-with', `machine ${before}`)
   await page.waitForFunction((name) => document.querySelector('#against .sentence').textContent.includes(name), before, { timeout: 120_000 })
-  assert.deepEqual((await rows(page)).slice(0, 3).map((row) => row[3]), table.slice(0, 3).map((row) => row[3]))
+  assert.deepEqual(
+    (await rows(page)).slice(0, 3).map((row) => row[3]),
+    table.slice(0, 3).map((row) => row[3]),
+  )
 })
 
 pageTest('a job as a file is compared where its programs are there, and what is neither is refused', async ({ page }) => {
@@ -138,7 +154,14 @@ pageTest('a job as a file is compared where its programs are there, and what is 
   await page.setInputFiles('#against-files', [job, PROGRAMS[0], PROGRAMS[2]])
   await compared(page)
   const table = await rows(page)
-  assert.deepEqual(table.slice(0, 3).map((row) => [row[0], row[1] === '–']), [[TITLES[0], false], [TITLES[2], false], [TITLES[1], true]])
+  assert.deepEqual(
+    table.slice(0, 3).map((row) => [row[0], row[1] === '–']),
+    [
+      [TITLES[0], false],
+      [TITLES[2], false],
+      [TITLES[1], true],
+    ],
+  )
   assert.match(await sentence(page), /more per part than Two/)
   const picture = join(scratch, 'picture.png')
   writeFileSync(picture, Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0, 0, 0, 0]))

@@ -16,9 +16,7 @@ const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 async function faults(page) {
   await page.evaluate(AXE)
   const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }))
-  return violations.flatMap(({ id, help, nodes }) =>
-    nodes.map(({ target, failureSummary }) => `${id} (${help}): ${target.join(' ')}\n  ${failureSummary.replaceAll('\n', '\n  ')}`),
-  )
+  return violations.flatMap(({ id, help, nodes }) => nodes.map(({ target, failureSummary }) => `${id} (${help}): ${target.join(' ')}\n  ${failureSummary.replaceAll('\n', '\n  ')}`))
 }
 
 /** Looks at one state after the other, in both themes; `done` says what was found in any. @param {import('playwright-core').Page} [top]  where `page` is a frame in it */
@@ -119,7 +117,10 @@ pageTest('what is refused is announced as refused, and only that', async ({ page
     ['#field-times-m_codes', 'M8', 'M8 = 1'],
     ['#tolerances form input', 'much', '0.03'],
   ]) {
-    for (const [text, expected] of [[wrong, 'true'], [right, 'false']]) {
+    for (const [text, expected] of [
+      [wrong, 'true'],
+      [right, 'false'],
+    ]) {
       await page.fill(selector, text)
       await page.press(selector, 'Enter')
       assert.equal(await announced(selector), expected, `${selector}: ${text}`)

@@ -93,7 +93,11 @@ pageTest('curves of twenty long programs are lines that can be traced and told a
     await frame(page)
     // Where two differ by a tenth of the axis, each is seen.
     let [apart, seen] = [0, 0]
-    for (const [a, b] of [[0, 1], [0, 2], [1, 2]])
+    for (const [a, b] of [
+      [0, 1],
+      [0, 2],
+      [1, 2],
+    ])
       alone[a].forEach((rows, x) => {
         const other = alone[b][x]
         if (!rows || !other) return
@@ -147,7 +151,10 @@ pageTest('curves are hidden and shown by their names, and the read-out says what
   assert.equal(rows.length, 2, 'what is hidden is not read')
   assert.match(rows[0], /10 µm.*mm\/min mean, [\d,]+–[\d,]+/)
   const { rows: colors } = await drawn(page)
-  assert.ok(colors[1].every((column) => column === null), 'the hidden curve is not drawn')
+  assert.ok(
+    colors[1].every((column) => column === null),
+    'the hidden curve is not drawn',
+  )
   const [reading, plot] = [await page.locator('#chart .reading').boundingBox(), box]
   assert.ok(reading.width * reading.height < 0.25 * plot.width * plot.height, 'the read-out takes a corner')
   await shot(page, 'charts-read')

@@ -8,10 +8,14 @@ import { binary, computed, frame, machineOf, pageTest, predicted, reach, ROOT, s
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 
 const row = (page, title) =>
-  page.$$eval('#compare .columns tbody tr', (rows, title) => {
-    const found = rows.find((row) => row.querySelector('th').textContent === title)
-    return [...found.querySelectorAll('td')].map((cell) => cell.textContent)
-  }, title)
+  page.$$eval(
+    '#compare .columns tbody tr',
+    (rows, title) => {
+      const found = rows.find((row) => row.querySelector('th').textContent === title)
+      return [...found.querySelectorAll('td')].map((cell) => cell.textContent)
+    },
+    title,
+  )
 const curveDone = (page) => page.waitForFunction(() => document.querySelector('#compare .stop').hidden, null, { timeout: 60_000 })
 const number = (text) => Number(text.replaceAll(/[^\d.−-]/g, '').replace('−', '-'))
 const chips = (page) => page.$$eval('.chip .label', (all) => all.map(({ textContent }) => textContent))
@@ -21,7 +25,10 @@ pageTest('tolerances stand side by side, on another machine as well, with the ti
   await computed(page)
   const { runs } = await predicted(page, SAMPLE)
   const times = runs.map((run) => run.cycle_time_s)
-  assert.deepEqual((await row(page, 'In seconds')).map(number), times.map((time) => Number(time.toFixed(1))))
+  assert.deepEqual(
+    (await row(page, 'In seconds')).map(number),
+    times.map((time) => Number(time.toFixed(1))),
+  )
   const differences = (await row(page, 'Difference')).slice(1).map(number)
   differences.forEach((shown, index) => assert.ok(Math.abs(shown - (times[index + 1] - times[0])) <= 0.051))
   const parts = (await row(page, 'Difference in %')).slice(1).map(number)
@@ -48,12 +55,18 @@ pageTest('the curve over the tolerance falls to the programmed time, and a click
   assert.equal(points.length, 24)
   assert.deepEqual([points[0][0], points[23][0]], ['1.0 µm', '1000.0 µm'])
   const times = points.map(([, time]) => number(time))
-  assert.ok(times.every((time, index) => index === 0 || time <= times[index - 1] + 0.051), `${times}`)
+  assert.ok(
+    times.every((time, index) => index === 0 || time <= times[index - 1] + 0.051),
+    `${times}`,
+  )
   assert.ok(times[0] > 1.2 * times[23])
   const machine = await machineOf(page)
   assert.ok(machine && binary())
   const { runs } = await predicted(page, SAMPLE, [0.001, 1])
-  assert.deepEqual(runs.map((run) => Number(run.cycle_time_s.toFixed(1))), [times[0], times[23]])
+  assert.deepEqual(
+    runs.map((run) => Number(run.cycle_time_s.toFixed(1))),
+    [times[0], times[23]],
+  )
 
   const before = await chips(page)
   const { width, height } = await page.locator('#compare .curve').boundingBox()
@@ -73,7 +86,10 @@ pageTest('the curve over the tolerance falls to the programmed time, and a click
       return count
     })
   })
-  assert.ok(dots.every((count) => count > 100), `${dots}`)
+  assert.ok(
+    dots.every((count) => count > 100),
+    `${dots}`,
+  )
 
   await page.focus('#compare .curve')
   await page.keyboard.press('ArrowRight')

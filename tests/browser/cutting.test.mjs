@@ -42,9 +42,7 @@ pageTest('cutting forces are computed on request, as on the command line', async
   const options = ['predict', PROGRAM, '--machine', machine, '--cutting', JOB, '--tolerance', '0.01', '--json']
   const { runs, diagnostics } = JSON.parse(execFileSync(binary(), options, { encoding: 'utf8' }))
   const { programmed, predicted } = runs[0].cutting
-  const rows = await page.$$eval('#cutting .result tbody tr', (all) =>
-    all.map((row) => [...row.cells].map((cell) => cell.textContent)),
-  )
+  const rows = await page.$$eval('#cutting .result tbody tr', (all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)))
   assert.equal(rows[0][0], 'Force (N)')
   assert.equal(rows[0][2], String(programmed.force_n.line))
   assert.ok(Math.abs(Number(rows[0][1]) - programmed.force_n.value) < 0.051, rows[0][1])
@@ -209,7 +207,7 @@ pageTest('a cutting job is a form: tools from the comments, the stock from the p
   // The text is the same job, and takes its place once it is edited.
   await page.click('#cutting .as-text summary')
   const text = await page.inputValue('#cutting textarea')
-  assert.match(text, /\[tools\.5\]  # .*FLAT END MILL\ndiameter_mm = 10\nteeth = 2\nmax_chip_mm = 0\.2\n/)
+  assert.match(text, /\[tools\.5\] {2}# .*FLAT END MILL\ndiameter_mm = 10\nteeth = 2\nmax_chip_mm = 0\.2\n/)
   await page.fill('#cutting textarea', text.replace('teeth = 2', 'teeth = 3'))
   assert.ok(await page.$eval('#cutting .entries', (entries) => entries.inert))
   await page.click('#cutting .form button:has-text("Back to the form")')

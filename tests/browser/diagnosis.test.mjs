@@ -16,14 +16,7 @@ const TIMEOUT = { timeout: 120_000 }
 
 /** Waits until the recording in sight is compared and nothing runs. */
 const compared = (page) =>
-  page.waitForFunction(
-    () =>
-      document.querySelector('#progress').hidden &&
-      !document.querySelector('.stale') &&
-      document.querySelector('#recording .answer .sentence'),
-    null,
-    TIMEOUT,
-  )
+  page.waitForFunction(() => document.querySelector('#progress').hidden && !document.querySelector('.stale') && document.querySelector('#recording .answer .sentence'), null, TIMEOUT)
 const diagnosed = (page) => page.waitForFunction(() => document.querySelector('#diagnosis .sentence').textContent, null, TIMEOUT)
 
 /** Loads the sample from the first page, which diagnoses itself. */
@@ -63,7 +56,10 @@ async function addsUp(page) {
   const [simulated, ...steps] = rows
   const recorded = steps.pop()
   assert.deepEqual([simulated.name, steps[0].name, steps.at(-1).name, recorded.name], ['simulated', 'feed override (on some lines)', 'unexplained', 'recorded'])
-  assert.equal(steps.reduce((sum, { hundredths }) => sum + hundredths, simulated.hundredths), recorded.hundredths)
+  assert.equal(
+    steps.reduce((sum, { hundredths }) => sum + hundredths, simulated.hundredths),
+    recorded.hundredths,
+  )
   assert.ok(Math.abs(steps[0].left - simulated.right) < 1, 'the first cause begins where the simulated time ends')
   assert.ok(100 < steps[0].right - steps[0].left, 'its bar can be seen')
 }
@@ -77,41 +73,40 @@ const lostPixels = (page) =>
     return [1, 2].map((index) => {
       const wanted = getComputedStyle(document.documentElement).getPropertyValue(`--curve-${index}`).match(/\d+/g).map(Number)
       let count = 0
-      for (let i = 0; i < data.length; i += 4)
-        if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
+      for (let i = 0; i < data.length; i += 4) if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
       return count
     })
   })
 
-pageTest(
-  'what is concealed in the sample is found',
-  async ({ page }) => {
-    await page.click('#welcome .concealed')
-    await page.waitForFunction(() => /Diagnosing/.test(document.querySelector('#progress p').textContent))
-    await diagnosed(page)
-    const sentence = await page.textContent('#diagnosis .sentence')
-    assert.match(sentence, /^The run took [\d.]+ s, [\d.]+ s longer than simulated: from line 31 on the machine ran at 78 % of the programmed feed: feed override \([\d.]+ s\); /)
-    await addsUp(page)
-    assert.equal(await page.getAttribute('#diagnosis .sentence', 'aria-live'), 'polite')
-    const cause = await page.textContent('#diagnosis .cause')
-    assert.match(cause, /ratio.*7[78]\.\d %/s)
-    assert.match(cause, /Confidence.*\d+ %; better in \d+ of \d+ validation sections/s)
-    const [, before, found] = await cells(page, 'Feedrate error (RMS), validation')
-    assert.ok(Number.parseFloat(found) < 0.5 * Number.parseFloat(before), `${before} → ${found}`)
-    await page.locator('#diagnosis .plot canvas').scrollIntoViewIfNeeded()
-    await frame(page)
-    const pixels = await lostPixels(page)
-    assert.ok(pixels.every((count) => 200 < count), `time lost before and after: ${pixels}`)
-    await atEverySize(page, 'diagnosis', async (name) => {
-      await page.locator('#diagnosis').screenshot({ path: join(ROOT, `tests/browser/output/${name}.png`) })
-    })
+pageTest('what is concealed in the sample is found', async ({ page }) => {
+  await page.click('#welcome .concealed')
+  await page.waitForFunction(() => /Diagnosing/.test(document.querySelector('#progress p').textContent))
+  await diagnosed(page)
+  const sentence = await page.textContent('#diagnosis .sentence')
+  assert.match(sentence, /^The run took [\d.]+ s, [\d.]+ s longer than simulated: from line 31 on the machine ran at 78 % of the programmed feed: feed override \([\d.]+ s\); /)
+  await addsUp(page)
+  assert.equal(await page.getAttribute('#diagnosis .sentence', 'aria-live'), 'polite')
+  const cause = await page.textContent('#diagnosis .cause')
+  assert.match(cause, /ratio.*7[78]\.\d %/s)
+  assert.match(cause, /Confidence.*\d+ %; better in \d+ of \d+ validation sections/s)
+  const [, before, found] = await cells(page, 'Feedrate error (RMS), validation')
+  assert.ok(Number.parseFloat(found) < 0.5 * Number.parseFloat(before), `${before} → ${found}`)
+  await page.locator('#diagnosis .plot canvas').scrollIntoViewIfNeeded()
+  await frame(page)
+  const pixels = await lostPixels(page)
+  assert.ok(
+    pixels.every((count) => 200 < count),
+    `time lost before and after: ${pixels}`,
+  )
+  await atEverySize(page, 'diagnosis', async (name) => {
+    await page.locator('#diagnosis').screenshot({ path: join(ROOT, `tests/browser/output/${name}.png`) })
+  })
 
-    // A region is shown in the charts.
-    const whole = await page.getAttribute('#diagnosis .plot', 'data-span')
-    await page.click('#diagnosis .scroll button')
-    await page.waitForFunction((whole) => document.querySelector('#diagnosis .plot').dataset.span !== whole, whole)
-  },
-)
+  // A region is shown in the charts.
+  const whole = await page.getAttribute('#diagnosis .plot', 'data-span')
+  await page.click('#diagnosis .scroll button')
+  await page.waitForFunction((whole) => document.querySelector('#diagnosis .plot').dataset.span !== whole, whole)
+})
 
 pageTest('the extended machine is used, undone, saved and varied; the report is exported', async ({ page }) => {
   const own = await formOf(page)
@@ -168,7 +163,9 @@ pageTest('names of files and machines, comments and columns carry no script, int
   const program = `(${carrier})\n${read('standin.nc')}`.replace('G21 G90 G17', `G21 G90 G17 (MSG,${carrier}) &?${carrier}`)
   const [head, ...rows] = read('standin.csv').trim().split('\n')
   const recording = [`${head},${carrier},"<b>""`, ...rows.map((row) => `${row},${carrier},0`)].join('\n')
-  const machine = read('standin.toml').replace(/^name = .*$/m, '').replace(/^/, `name = ${JSON.stringify(carrier + name)}\n`)
+  const machine = read('standin.toml')
+    .replace(/^name = .*$/m, '')
+    .replace(/^/, `name = ${JSON.stringify(carrier + name)}\n`)
   let dialogs = 0
   page.context().on('dialog', (dialog) => ((dialogs += 1), dialog.dismiss()))
   await page.setInputFiles('#files', [file('standin.toml', machine)])
@@ -182,7 +179,9 @@ pageTest('names of files and machines, comments and columns carry no script, int
   /** What a file could have brought in: elements that load or run something, and handlers. */
   const brought = () =>
     [...document.querySelectorAll('*')]
-      .filter((element) => element.matches('img:not(#welcome img, #letter img), iframe, object, embed, b[onclick], script:not([src])') || [...element.attributes].some(({ name }) => name.startsWith('on')))
+      .filter(
+        (element) => element.matches('img:not(#welcome img, #letter img), iframe, object, embed, b[onclick], script:not([src])') || [...element.attributes].some(({ name }) => name.startsWith('on')),
+      )
       .map((element) => element.outerHTML.slice(0, 200))
   assert.deepEqual(await page.evaluate(brought), [])
   const html = await saved(page, '#diagnosis .html', 'carrier.html')

@@ -75,8 +75,7 @@ function exampleTest(name, address, body, { isLong = false } = {}) {
   })
 }
 
-const quoteOf = (page, id) =>
-  page.waitForFunction((id) => document.getElementById(id).quote, id, { timeout: 60_000 }).then((handle) => handle.jsonValue())
+const quoteOf = (page, id) => page.waitForFunction((id) => document.getElementById(id).quote, id, { timeout: 60_000 }).then((handle) => handle.jsonValue())
 const rowsOf = (page, id) => page.$$eval(`#${id} tbody tr`, (rows) => rows.length)
 
 exampleTest(
@@ -98,7 +97,10 @@ exampleTest(
     // Several programs make a part: each of them, and their sum.
     await quoteOf(page, 'job')
     const quotes = await page.$eval('#job', (element) => element.quotes.map(({ program, runs }) => ({ program, time: runs[0].cycle_time_s })))
-    assert.deepEqual(quotes.map(({ program }) => program), ['bracket-10.nc', 'bracket-20.nc', 'bracket-30.nc'])
+    assert.deepEqual(
+      quotes.map(({ program }) => program),
+      ['bracket-10.nc', 'bracket-20.nc', 'bracket-30.nc'],
+    )
     const whole = Math.round(quotes.reduce((sum, { time }) => sum + time, 0))
     const [, minutes, seconds] = /^0:(\d\d):(\d\d)/.exec(await page.textContent('#job .headline'))
     assert.ok(Math.abs(60 * Number(minutes) + Number(seconds) - whole) <= 1)
@@ -107,7 +109,10 @@ exampleTest(
     await page.click('#write')
     const second = await quoteOf(page, 'second')
     assert.equal(second.program, 'zigzag.nc')
-    assert.deepEqual(second.runs.map((run) => run.tolerance_mm), [0.05, 0.1])
+    assert.deepEqual(
+      second.runs.map((run) => run.tolerance_mm),
+      [0.05, 0.1],
+    )
     assert.deepEqual((await quoteOf(page, 'first')).runs, first.runs)
     await page.waitForFunction(() => document.querySelector('#said').textContent.startsWith('zigzag.nc: '))
 
@@ -124,7 +129,10 @@ exampleTest(
     await page.$eval('#first', (element) => element.setAttribute('tolerances', 'programmed, 0.03'))
     await page.waitForFunction(() => document.querySelector('#first').quote?.runs.length === 2)
     const again = await quoteOf(page, 'first')
-    assert.deepEqual(again.runs.map((run) => run.tolerance_mm), [0.02, 0.03])
+    assert.deepEqual(
+      again.runs.map((run) => run.tolerance_mm),
+      [0.02, 0.03],
+    )
   },
 )
 
@@ -162,7 +170,10 @@ exampleTest(
     assert.equal(kinds.times, 1)
     assert.match(kinds.inSight, /CAM says/)
     // The browser itself notes the program that is not there.
-    assert.deepEqual(errors.splice(0).filter((text) => !/404|none\.nc/.test(text)), [])
+    assert.deepEqual(
+      errors.splice(0).filter((text) => !/404|none\.nc/.test(text)),
+      [],
+    )
   },
 )
 
@@ -246,7 +257,7 @@ exampleTest(
         ['type', { truefeed: 1, type: 'constructor' }],
         ['type', { truefeed: 1, type: ['get-quote'] }],
         ['request', { truefeed: 1, type: 'get-quote', extra: 1 }],
-        ['request', { truefeed: 1, type: 'get-quote', ...Object.fromEntries([['__proto__', { admin: 1 }]]) , constructor: 1 }],
+        ['request', { truefeed: 1, type: 'get-quote', ...Object.fromEntries([['__proto__', { admin: 1 }]]), constructor: 1 }],
         ['request', { truefeed: 1, type: 'load-program' }],
         ['request', { truefeed: 1, type: 'load-program', program: 3 }],
         ['request', { truefeed: 1, type: 'load-program', program: { length: 5, byteLength: 5 } }],
@@ -309,15 +320,18 @@ exampleTest(
     assert.equal(refused.nameless, 3, 'messages without a proper id')
 
     // After all that it still quotes, bytes too.
-    await page.evaluate((text) => {
-      const bytes = new TextEncoder().encode(text)
-      const messages = [
-        { id: 'a', type: 'set-machine', machine: 'Older or heavy machine' },
-        { id: 'b', type: 'load-program', program: bytes, name: 'part.nc' },
-        { id: 'c', type: 'get-quote' },
-      ]
-      for (const message of messages) frames[0].postMessage({ truefeed: 1, ...message }, '*')
-    }, readFileSync(SAMPLE, 'utf8'))
+    await page.evaluate(
+      (text) => {
+        const bytes = new TextEncoder().encode(text)
+        const messages = [
+          { id: 'a', type: 'set-machine', machine: 'Older or heavy machine' },
+          { id: 'b', type: 'load-program', program: bytes, name: 'part.nc' },
+          { id: 'c', type: 'get-quote' },
+        ]
+        for (const message of messages) frames[0].postMessage({ truefeed: 1, ...message }, '*')
+      },
+      readFileSync(SAMPLE, 'utf8'),
+    )
     await page.waitForFunction(() => window.said.some(({ id, type }) => id === 'c' && type === 'quote'), null, { timeout: 60_000 })
     const said = await saidOf(page)
     assert.ok(said.every(({ origin, truefeed }) => origin === plain.origin && truefeed === 1))
@@ -381,13 +395,17 @@ exampleTest(
       return messages.map(({ id }) => said.filter((one) => one.id === id && one.type !== 'progress'))
     }
     const machine = { preset: 'Older or heavy machine' }
-    const [half, other] = ['\\ud83d', '\\ude00'].map((escape) => JSON.parse(`"${escape}"`))
+    const [half, other] = ['\\ud83d', '\\ude00'].map((code) => JSON.parse(`"${code}"`))
     const [set, loaded, quoted] = await ask(
       { id: 'm', type: 'set-machine', machine },
       { id: 'p', type: 'load-program', program: `G1 X10 F100 (${half})`, name: `a${half}b${other}${half}${other}\\ud800.nc` },
       { id: 'q', type: 'get-quote' },
     )
-    assert.deepEqual([set, loaded, quoted].map((all) => all.map(({ type }) => type)), [['ready'], ['ready'], ['quote']], JSON.stringify([set, loaded, quoted]))
+    assert.deepEqual(
+      [set, loaded, quoted].map((all) => all.map(({ type }) => type)),
+      [['ready'], ['ready'], ['quote']],
+      JSON.stringify([set, loaded, quoted]),
+    )
     assert.equal(quoted[0].quote.program, `a\ufffdb\ufffd${half}${other}\\ud800.nc`)
 
     const [[wrong]] = await ask({ id: 'd', type: 'set-machine', machine: ['list'] })
@@ -421,14 +439,21 @@ exampleTest(
       assert.ok(isRead || depth === 3000, `${depth} levels`)
       if (isRead) assert.deepEqual(answers('deep'), ['ready'], `${depth} levels`)
       // Some browsers say that they could not read it, others hand over nothing at all.
-      else assert.ok(answers(null).every((kind) => kind === 'request'), `${depth} levels: ${answers(null)}`)
+      else
+        assert.ok(
+          answers(null).every((kind) => kind === 'request'),
+          `${depth} levels: ${answers(null)}`,
+        )
       assert.equal(answers('refused').length, 1, `${depth} levels: ${answers('refused')}`)
       assert.ok(!isRead || ['machine', 'cancelled'].includes(answers('refused')[0]), `${depth} levels: ${answers('refused')}`)
       assert.deepEqual([answers('sound'), answers('quoted')], [['ready'], ['quote']], `${depth} levels`)
     }
 
     // The browser's event of a message that it could not read, which the frame hears of its portal alone.
-    for (const [origin, count] of [[portal.origin, 1], ['https://other.example', 0]]) {
+    for (const [origin, count] of [
+      [portal.origin, 1],
+      ['https://other.example', 0],
+    ]) {
       await page.evaluate(() => void (window.said.length = 0))
       await page.frames()[1].evaluate((origin) => {
         window.dispatchEvent(new MessageEvent('messageerror', { origin, source: window.parent }))
@@ -436,12 +461,20 @@ exampleTest(
       await send(page, { truefeed: 1, id: 'after', type: 'set-tolerances', tolerances: [0.02] })
       await page.waitForFunction(() => window.said.some(({ id }) => id === 'after'))
       const unread = (await saidOf(page)).filter(({ type }) => type === 'error')
-      assert.deepEqual(unread.map(({ id, error }) => [id, error.kind]), Array(count).fill([null, 'request']), origin)
+      assert.deepEqual(
+        unread.map(({ id, error }) => [id, error.kind]),
+        Array(count).fill([null, 'request']),
+        origin,
+      )
     }
   },
 )
 
-for (const [count, isLong] of [[1000, false], [10_000, false], [50_000, true]]) {
+for (const [count, isLong] of [
+  [1000, false],
+  [10_000, false],
+  [50_000, true],
+]) {
   exampleTest(
     `of ${count} requests in a row each is answered, and those that are superseded start no worker`,
     ({ plain }) => `${plain.origin}/page.html`,
@@ -537,7 +570,10 @@ test('a bundle of the package quotes, by function and by component', { timeout: 
     const quoted = await page.waitForFunction(() => window.quoted)
     assertAlike(await quoted.jsonValue(), predicted(SAMPLE, [0.01, 0.05]))
     await page.waitForFunction(() => document.querySelector('truefeed-quote').shadowRoot?.textContent.includes('Drop a G-code program'))
-    assert.deepEqual(errors.filter((error) => !error.includes('/favicon.ico')), [])
+    assert.deepEqual(
+      errors.filter((error) => !error.includes('/favicon.ico')),
+      [],
+    )
     assert.deepEqual(leaving(requests, server.origin), [])
   } finally {
     await close()
@@ -553,7 +589,10 @@ test('the example in Node quotes a folder', () => {
   const example = join(ROOT, 'examples/embedding/folder.mjs')
   const { stdout, status } = spawnSync('node', [example, folder, machine, '0.01', '0.05'], { encoding: 'utf8' })
   assert.equal(status, 0)
-  const rows = stdout.trim().split('\n').map((row) => row.split(','))
+  const rows = stdout
+    .trim()
+    .split('\n')
+    .map((row) => row.split(','))
   assert.equal(rows.length, 5)
   const { runs } = predicted(SAMPLE, [0.01, 0.05])
   assert.deepEqual(
@@ -593,6 +632,5 @@ export const wrong: string = (await quote(3, 'x')).runs
   const cargo = readFileSync(join(ROOT, 'Cargo.toml'), 'utf8')
   const [release] = JSON.parse(readFileSync(join(PACKAGE, 'package.json'), 'utf8')).version.split('+')
   assert.equal(release, version(cargo, /^version = "(.+)"/m), 'the last tag is of the version in Cargo.toml')
-  for (const name of ['LICENSE-APACHE', 'LICENSE-MIT', 'www/pkg/notices.txt'])
-    assert.match(readFileSync(join(PACKAGE, name), 'utf8'), /Permission is hereby granted|Apache License/, name)
+  for (const name of ['LICENSE-APACHE', 'LICENSE-MIT', 'www/pkg/notices.txt']) assert.match(readFileSync(join(PACKAGE, name), 'utf8'), /Permission is hereby granted|Apache License/, name)
 })

@@ -26,7 +26,10 @@ firefoxTest('Firefox: a program dropped has its times, curves, path and price, w
   await computed(page)
   await frame(page)
   const times = await cycleTimes(page)
-  assert.ok((await pixelsOfCurves(page)).every((count) => 50 < count), 'every curve is drawn')
+  assert.ok(
+    (await pixelsOfCurves(page)).every((count) => 50 < count),
+    'every curve is drawn',
+  )
   assert.ok(20 < (await colours(page, '#path canvas')), 'the path is drawn')
 
   await page.fill('#term-rates-hourly', '85')
@@ -82,7 +85,9 @@ firefoxTest('Firefox: a job is kept, opened, kept again and computed from its fi
   await page.keyboard.press('Escape')
   // Another machine computes from the files again.
   await page.selectOption('#preset', { index: 2 })
-  await page.waitForFunction((before) => document.querySelector('#program .total').textContent !== before && /\d:\d\d/.test(document.querySelector('#program .total').textContent), before, { timeout: 120_000 })
+  await page.waitForFunction((before) => document.querySelector('#program .total').textContent !== before && /\d:\d\d/.test(document.querySelector('#program .total').textContent), before, {
+    timeout: 120_000,
+  })
   assert.ok(await page.isHidden('#failure'))
 })
 

@@ -40,8 +40,7 @@ pageTest(`a program of ${LINES} lines is drawn before it is simulated, and coars
     const { x, y, width, height } = await page.locator(selector).boundingBox()
     const picture = () => page.$eval(`${selector} canvas`, (canvas) => canvas.toDataURL())
     /** What rests is drawn finer than the page's own pixels. */
-    const rests = async () =>
-      page.waitForFunction((canvas) => canvas.width > canvas.clientWidth, await page.$(`${selector} canvas`))
+    const rests = async () => page.waitForFunction((canvas) => canvas.width > canvas.clientWidth, await page.$(`${selector} canvas`))
     await rests()
     const whole = await picture()
     await page.$eval(`${selector} canvas`, (canvas) => {

@@ -5,15 +5,7 @@ import { serve } from '../../scripts/serve.mjs'
 import { findChromium } from './chromium.mjs'
 
 // Without the sandbox, which root may not use; the rest keeps Chromium from asking the network for its own ends.
-const FLAGS = [
-  '--no-sandbox',
-  '--disable-gpu',
-  '--disable-quic',
-  '--no-first-run',
-  '--disable-background-networking',
-  '--disable-component-update',
-  '--disable-sync',
-]
+const FLAGS = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync']
 
 /** A server of www/, or of another folder, and a browser. @param {string} [folder] */
 async function start(folder) {

@@ -35,10 +35,16 @@ const price = (page) => page.textContent('#quote .headline b')
 const clocks = (page, selector) =>
   page.$$eval(selector, (all) =>
     all.flatMap(({ textContent }) =>
-      [...textContent.matchAll(/(\d+):(\d\d):(\d\d)|(\d+(?:\.\d)?) s\b/g)].map(([, hours, minutes, rest, plain]) => (plain ? Number(plain) : Number(hours) * 3600 + Number(minutes) * 60 + Number(rest))),
+      [...textContent.matchAll(/(\d+):(\d\d):(\d\d)|(\d+(?:\.\d)?) s\b/g)].map(([, hours, minutes, rest, plain]) =>
+        plain ? Number(plain) : Number(hours) * 3600 + Number(minutes) * 60 + Number(rest),
+      ),
     ),
   )
-const seconds = (clock) => clock.match(/(\d+):(\d\d):(\d\d)/).slice(1).reduce((sum, part) => 60 * sum + Number(part), 0)
+const seconds = (clock) =>
+  clock
+    .match(/(\d+):(\d\d):(\d\d)/)
+    .slice(1)
+    .reduce((sum, part) => 60 * sum + Number(part), 0)
 
 async function downloaded(page, selector) {
   const [download] = await Promise.all([page.waitForEvent('download'), page.click(selector)])
@@ -199,7 +205,10 @@ pageTest('an operation has a tolerance of its own, which is taken back, saved an
   await ready(page)
   await page.click('[popovertarget="jobs"]')
   const saved = await downloaded(page, '#jobs .choices:nth-of-type(2) button')
-  assert.deepEqual(JSON.parse(saved.text).operations.map(({ tolerance_mm: own }) => own), [0.05, 0.01, 0.01])
+  assert.deepEqual(
+    JSON.parse(saved.text).operations.map(({ tolerance_mm: own }) => own),
+    [0.05, 0.01, 0.01],
+  )
   await page.keyboard.press('Escape')
   await page.reload()
   await page.waitForSelector('html[data-whole]')
@@ -229,7 +238,15 @@ pageTest('a folder and an archive are gone through, in the order of their number
   for (let count = 0; count < 3; count += 1) await page.click('#program .remove-selected')
   const archive = join(scratch, 'part.zip')
   const text = Buffer.from('Read me\nRun op10 first, then op20.\nClamp with M6 screws.\nZ0 is the top of the stock.\n')
-  writeFileSync(archive, zip([['part/op20.nc', readFileSync(PROGRAMS[1])], ['part/op10.nc', readFileSync(PROGRAMS[0])], ['part/readme.pdf', Buffer.from('%PDF-1.7\n')], ['part/readme.txt', text]]))
+  writeFileSync(
+    archive,
+    zip([
+      ['part/op20.nc', readFileSync(PROGRAMS[1])],
+      ['part/op10.nc', readFileSync(PROGRAMS[0])],
+      ['part/readme.pdf', Buffer.from('%PDF-1.7\n')],
+      ['part/readme.txt', text],
+    ]),
+  )
   await drop(page, 'body', [archive])
   await ready(page, TITLES.slice(0, 2))
   assert.match(await page.textContent('#notice .refused'), /readme\.txt/, 'a text without blocks is no operation, and the page says so')
@@ -255,7 +272,10 @@ pageTest('a job is kept, found, copied, saved as a file and opened again', async
   assert.equal(saved.name, 'Bracket-left.job.json')
   const job = JSON.parse(saved.text)
   assert.deepEqual([job.truefeed_job, job.name, job.operations.length], [1, 'Bracket left', 3])
-  assert.ok(job.operations.every(({ text }) => text.startsWith('%')), 'with its programs')
+  assert.ok(
+    job.operations.every(({ text }) => text.startsWith('%')),
+    'with its programs',
+  )
 
   // Another one begins, and the kept one comes back.
   await page.click('#jobs button:has-text("New job")')

@@ -9,9 +9,7 @@ const ready = (page) => page.waitForSelector('html[data-ready]')
 /** Everything that settings hold, as it stands in the forms. */
 const standing = (page) =>
   page.evaluate(() => ({
-    fields: [...document.querySelectorAll('[id^="field-"], [id^="term-"]')]
-      .filter((field) => 'value' in field)
-      .map((field) => [field.id, field.type === 'checkbox' ? field.checked : field.value]),
+    fields: [...document.querySelectorAll('[id^="field-"], [id^="term-"]')].filter((field) => 'value' in field).map((field) => [field.id, field.type === 'checkbox' ? field.checked : field.value]),
     tolerances: [...document.querySelectorAll('.chip .label')].map(({ textContent }) => textContent),
   }))
 

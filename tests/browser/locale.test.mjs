@@ -32,7 +32,9 @@ for (const [locale, time, constant] of [
       assert.match(cells.at(-1), time)
       // So are the numbers of the charts.
       const [download] = await Promise.all([page.waitForEvent('download'), page.click('#chart .picture >> nth=0')])
-      const numbers = readFileSync(await download.path(), 'utf8').match(/(?<=>\s*)[\d.,\s\u00a0\u202f]+(?=\s*<\/text>)/g).map((number) => number.trim())
+      const numbers = readFileSync(await download.path(), 'utf8')
+        .match(/(?<=>\s*)[\d.,\s\u00a0\u202f]+(?=\s*<\/text>)/g)
+        .map((number) => number.trim())
       const written = (value) => new Intl.NumberFormat(new Intl.Locale(locale, { numberingSystem: 'latn' })).format(value)
       assert.ok(numbers.includes(written(2000)) || numbers.includes(written(1000)), numbers.join(' | '))
       const before = await page.textContent('#tolerances tbody')
@@ -75,7 +77,11 @@ for (const [locale, unclear, plain] of [
     try {
       await page.waitForSelector('html[data-ready]')
       const field = '#field-rapid-feed_mm_min'
-      const fault = () => page.locator('#machine .field', { has: page.locator(field) }).locator('.fault').textContent()
+      const fault = () =>
+        page
+          .locator('#machine .field', { has: page.locator(field) })
+          .locator('.fault')
+          .textContent()
       await page.fill(field, unclear)
       assert.match(await fault(), /expected a number in mm\/min, with nothing between thousands, such as 1250/)
       await page.fill(field, plain)
@@ -111,13 +117,22 @@ test('where a comma is the decimal sign no number on page, pictures and reports 
     await page.locator('#path .places').scrollIntoViewIfNeeded()
     await frame(page)
     const texts = await page.$$eval(READ, (all) => all.flatMap((element) => [...element.childNodes].filter((node) => node.nodeType === 3).map(({ data }) => data.trim())))
-    assert.ok(texts.some((text) => text === '12,5\u00a0µm' || text === '12,5 µm'), 'the tolerance is written with a comma')
-    assert.deepEqual(texts.filter((text) => POINTED.test(text)), [])
+    assert.ok(
+      texts.some((text) => text === '12,5\u00a0µm' || text === '12,5 µm'),
+      'the tolerance is written with a comma',
+    )
+    assert.deepEqual(
+      texts.filter((text) => POINTED.test(text)),
+      [],
+    )
 
-    const words = (text) => text.replace(/<style[^]*?<\/style>/g, '').match(/(?<=>)[^<]+/g)
+    const words = (text) => text.replace(/<style.*?<\/style>/gs, '').match(/(?<=>)[^<]+/g)
     const isPointed = (text) => POINTED.test(text) && !/Truefeed/.test(text)
     const svg = words(await saved('#chart .picture >> nth=0'))
-    assert.ok(svg.some((text) => text.includes('12,5')), svg.join(' | '))
+    assert.ok(
+      svg.some((text) => text.includes('12,5')),
+      svg.join(' | '),
+    )
     const report = words(await saved('#diagnosis .html'))
     assert.ok(report.some((text) => /\d,\d/.test(text)))
     const quote = words(await saved('#quote .html'))

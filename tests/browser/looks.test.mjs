@@ -8,7 +8,11 @@ import { ROOT, computed, drop, frame, pageTest } from './steps.mjs'
 
 const KEPT = join(ROOT, 'tests/browser/looks')
 const PROGRAMS = ['10', '20', '30'].map((number) => join(ROOT, `www/samples/bracket-${number}.nc`))
-const SIZES = [[390, 844], [1280, 860], [1920, 1080]]
+const SIZES = [
+  [390, 844],
+  [1280, 860],
+  [1920, 1080],
+]
 const SCALE = 0.25
 const QUALITY = 0.8
 /** A channel of a pixel differs by more than this, of 255, where it is another one, ... */
@@ -69,11 +73,15 @@ async function looksAsKept(page, name) {
 
 pageTest('an empty page looks as it was kept', ({ page }) => looksAsKept(page, 'empty'), { isLong: true })
 
-pageTest('a job with its price looks as it was kept', async ({ page }) => {
-  await drop(page, 'body', PROGRAMS)
-  await computed(page)
-  await page.fill('#term-rates-hourly', '85')
-  await page.waitForFunction(() => document.querySelector('#quote .headline')?.textContent.includes('€'))
-  await page.evaluate(() => document.activeElement?.blur())
-  await looksAsKept(page, 'job')
-}, { isLong: true })
+pageTest(
+  'a job with its price looks as it was kept',
+  async ({ page }) => {
+    await drop(page, 'body', PROGRAMS)
+    await computed(page)
+    await page.fill('#term-rates-hourly', '85')
+    await page.waitForFunction(() => document.querySelector('#quote .headline')?.textContent.includes('€'))
+    await page.evaluate(() => document.activeElement?.blur())
+    await looksAsKept(page, 'job')
+  },
+  { isLong: true },
+)

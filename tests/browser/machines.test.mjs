@@ -4,8 +4,7 @@ import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { computed, machineOf, pageTest, reach, reaching } from './steps.mjs'
 
-const options = (page, group) =>
-  page.$$eval(`#preset optgroup[label="${group}"] option`, (all) => all.map(({ textContent }) => textContent))
+const options = (page, group) => page.$$eval(`#preset optgroup[label="${group}"] option`, (all) => all.map(({ textContent }) => textContent))
 const KEPT = 'Kept in this browser'
 const chosen = (page) => page.$eval('#preset', (select) => select.selectedOptions[0].textContent)
 const openMore = (page) => page.$eval('#machine details', (details) => (details.open = true))
@@ -70,8 +69,7 @@ pageTest('a machine file comes back as it went, and a broken one is refused with
   await page.fill('#field-rapid-feed_mm_min', '23456')
   const saved = readFileSync(await machineOf(page), 'utf8')
   await page.click('#machine .reset')
-  const load = (name, text) =>
-    page.setInputFiles('#machine-file', { name, mimeType: 'text/plain', buffer: Buffer.from(text) })
+  const load = (name, text) => page.setInputFiles('#machine-file', { name, mimeType: 'text/plain', buffer: Buffer.from(text) })
   await load('bob.toml', saved)
   await page.waitForFunction(() => document.querySelector('#field-rapid-feed_mm_min').value === '23456')
   assert.deepEqual(await options(page, KEPT), ['Lathe of <i>Bob</i>'])
@@ -100,7 +98,10 @@ pageTest('machines that two tabs keep stay, and what one removes goes', async ({
   const other = reaching(await page.context().newPage())
   await other.goto(page.url())
   await other.waitForSelector('html[data-ready]')
-  for (const [tab, name] of [[other, 'Mill B'], [page, 'Mill A']]) {
+  for (const [tab, name] of [
+    [other, 'Mill B'],
+    [page, 'Mill A'],
+  ]) {
     await tab.fill('#field-name', name)
     await tab.click('#machine .keep')
   }

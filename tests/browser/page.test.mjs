@@ -4,28 +4,10 @@ import assert from 'node:assert/strict'
 import { existsSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { basename, dirname, join } from 'node:path'
-import {
-  assertAsPredicted,
-  atEverySize,
-  computed,
-  cycleTimes,
-  drop,
-  frame,
-  pageTest,
-  pixelsOfCurves,
-  predicted,
-  ROOT,
-  shot,
-  span,
-  TOLERANCES_MM,
-  workersEnded,
-} from './steps.mjs'
+import { assertAsPredicted, atEverySize, computed, cycleTimes, drop, frame, pageTest, pixelsOfCurves, predicted, ROOT, shot, span, TOLERANCES_MM, workersEnded } from './steps.mjs'
 
 const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
-const REAL = [
-  join(ROOT, '../shared/gcode/fanuc_haas/easy_gcode_plo__PARALLEL.NC'),
-  join(ROOT, '../shared/recordings/nist-hurco/programs/box-op3.nc'),
-]
+const REAL = [join(ROOT, '../shared/gcode/fanuc_haas/easy_gcode_plo__PARALLEL.NC'), join(ROOT, '../shared/recordings/nist-hurco/programs/box-op3.nc')]
 /** The lower panel, as a part of the canvas. */
 const CONTOUR_ERRORS_BELOW = 0.65
 const WHOLE = '/pkg/truefeed_whole_bg.wasm'
@@ -38,26 +20,29 @@ function longProgram(blocks) {
   return { name: 'long.nc', mimeType: 'text/plain', buffer: Buffer.from(lines.join('\n')) }
 }
 
-pageTest(
-  "the sample gives the command line's times and a curve of each colour",
-  async ({ page }) => {
-    await page.click('#welcome .sample')
-    await computed(page)
-    await assertAsPredicted(page, SAMPLE)
-    await frame(page)
-    const bottom = await page.$eval('.plot', (plot) => plot.getBoundingClientRect().bottom)
-    assert.ok(bottom <= page.viewportSize().height, 'both panels are in sight without scrolling')
-    await atEverySize(page, 'sample', async (name) => {
-      const pixels = await pixelsOfCurves(page)
-      assert.equal(pixels.length, TOLERANCES_MM.length)
-      // The legend alone has about 50 pixels of a colour.
-      assert.ok(pixels.every((count) => count > 80), `${name}, pixels of each curve: ${pixels}`)
-      const errors = await pixelsOfCurves(page, CONTOUR_ERRORS_BELOW)
-      assert.ok(errors.every((count) => count > 200), `${name}, pixels of each curve's contour errors: ${errors}`)
-      await shot(page, name)
-    })
-  },
-)
+pageTest("the sample gives the command line's times and a curve of each colour", async ({ page }) => {
+  await page.click('#welcome .sample')
+  await computed(page)
+  await assertAsPredicted(page, SAMPLE)
+  await frame(page)
+  const bottom = await page.$eval('.plot', (plot) => plot.getBoundingClientRect().bottom)
+  assert.ok(bottom <= page.viewportSize().height, 'both panels are in sight without scrolling')
+  await atEverySize(page, 'sample', async (name) => {
+    const pixels = await pixelsOfCurves(page)
+    assert.equal(pixels.length, TOLERANCES_MM.length)
+    // The legend alone has about 50 pixels of a colour.
+    assert.ok(
+      pixels.every((count) => count > 80),
+      `${name}, pixels of each curve: ${pixels}`,
+    )
+    const errors = await pixelsOfCurves(page, CONTOUR_ERRORS_BELOW)
+    assert.ok(
+      errors.every((count) => count > 200),
+      `${name}, pixels of each curve's contour errors: ${errors}`,
+    )
+    await shot(page, name)
+  })
+})
 
 for (const program of REAL) {
   const skip = existsSync(program) ? false : `${basename(program)} is not in ../shared; the recorded corpus provides it`
@@ -89,7 +74,10 @@ for (const program of REAL) {
 // Neither goes straight on, so that the module of the first visit leaves them to the whole one.
 const LOOP = ['%', 'O1 (STEPS)', '#1=3', 'WHILE [#1 GT 0] DO1', 'G1 X[#1*10.] F500.', 'Y[#1*4.]', '#1=#1-1', 'END1', 'M30', '%']
 const KLARTEXT = ['0 BEGIN PGM STEPS MM', '1 L X+0 Y+0 R0 FMAX', '2 L X+30 F500', '3 L Y+20', '4 END PGM STEPS MM']
-for (const [name, lines] of /** @type {[string, string[]][]} */ ([['loop.nc', LOOP], ['steps.h', KLARTEXT]])) {
+for (const [name, lines] of /** @type {[string, string[]][]} */ ([
+  ['loop.nc', LOOP],
+  ['steps.h', KLARTEXT],
+])) {
   pageTest(`${name}, the first program of a visit, waits for the whole module and is quoted by it`, async ({ page, requests }) => {
     const program = join(mkdtempSync(join(tmpdir(), 'truefeed-left-')), name)
     writeFileSync(program, lines.join('\n'))
@@ -249,8 +237,7 @@ pageTest('results stay in sight, marked as out of date, while others are compute
 })
 
 pageTest('tolerances are added, refused and removed as chips', async ({ page }) => {
-  const labels = () =>
-    page.$$eval('.chip', (chips) => chips.map((chip) => chip.querySelector('.label').textContent))
+  const labels = () => page.$$eval('.chip', (chips) => chips.map((chip) => chip.querySelector('.label').textContent))
   const add = async (text) => {
     await page.fill('#tolerances form input', text)
     await page.press('#tolerances form input', 'Enter')
@@ -394,7 +381,10 @@ pageTest('the bar moves within one tolerance in the guaranteed mode', async ({ p
   const steps = TOLERANCES_MM.length + 1
   const within = values.filter((value) => Math.abs(value * steps - Math.round(value * steps)) > 1e-6)
   assert.ok(within.length >= 3, `the bar stood at ${values}`)
-  assert.deepEqual(values, [...values].sort((a, b) => a - b))
+  assert.deepEqual(
+    values,
+    [...values].sort((a, b) => a - b),
+  )
 })
 
 pageTest(
@@ -520,7 +510,10 @@ pageTest('what is no program is said to be none, and quotes nothing; files of on
   assert.equal(await page.textContent('#results .time'), '–')
   assert.equal(await standing(0), 'nothing moves')
 
-  await give('photo.jpg', Array.from({ length: 50_000 }, (_, index) => (index * index * 7919 + (index >> 3)) % 251 | 128))
+  await give(
+    'photo.jpg',
+    Array.from({ length: 50_000 }, (_, index) => ((index * index * 7919 + (index >> 3)) % 251) | 128),
+  )
   await says('Nothing moves in photo.jpg')
   assert.ok(await page.isHidden('#quote'))
 
@@ -539,8 +532,7 @@ pageTest('what is no program is said to be none, and quotes nothing; files of on
 pageTest('behind the chart is a table of what is in sight', async ({ page }) => {
   await page.click('#welcome .sample')
   await computed(page)
-  const rows = () =>
-    page.$$eval('#chart .behind tbody tr', (all) => all.map(({ cells }) => [...cells].map((cell) => cell.textContent)))
+  const rows = () => page.$$eval('#chart .behind tbody tr', (all) => all.map(({ cells }) => [...cells].map((cell) => cell.textContent)))
   await page.click('#chart .behind summary')
   await page.waitForSelector('#chart .behind tbody tr')
   const whole = await rows()

@@ -33,14 +33,12 @@ const drawn = (page) =>
     const ratio = width / canvas.clientWidth
     const found = []
     for (let i = 0; i < width * height; i += 1)
-      if (data[4 * i + 3] > 0)
-        found.push({ x: (i % width) / ratio, y: Math.floor(i / width) / ratio, color: `${data[4 * i]} ${data[4 * i + 1]} ${data[4 * i + 2]}` })
+      if (data[4 * i + 3] > 0) found.push({ x: (i % width) / ratio, y: Math.floor(i / width) / ratio, color: `${data[4 * i]} ${data[4 * i + 1]} ${data[4 * i + 2]}` })
     return found
   })
 
 const colors = async (page) => new Set((await drawn(page)).map(({ color }) => color))
-const legend = (page) =>
-  page.$$eval('#path .ramp span', (all) => all.map((swatch) => swatch.style.backgroundColor.match(/\d+/g).join(' ')))
+const legend = (page) => page.$$eval('#path .ramp span', (all) => all.map((swatch) => swatch.style.backgroundColor.match(/\d+/g).join(' ')))
 /** The shades of which colours are, each faded to white by less than a half and darkened; undefined is of a colour that is of none. */
 function litShades(found, shades) {
   const all = [...shades, RAPID].map((shade) => shade.split(' ').map(Number))
@@ -245,7 +243,10 @@ pageTest('with a recording the path shows where time was lost', async ({ page })
   assert.ok(ends && 0 < Number(ends[1]) && ends[1] === ends[2], 'the scale has as much to lose as to gain')
   const shades = await legend(page)
   const found = litShades(await colors(page), shades)
-  assert.ok(shades.slice(8).some((shade) => found.has(shade)), 'time was lost somewhere')
+  assert.ok(
+    shades.slice(8).some((shade) => found.has(shade)),
+    'time was lost somewhere',
+  )
   await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-lost.png') })
 })
 
@@ -364,8 +365,14 @@ pageTest('tools have colours of their own', async ({ page }) => {
   await page.selectOption('#path .by', 'tool')
   await rested(page)
   const parts = await page.$$eval('#path .legend .part', (all) => all.map((part) => [part.textContent, part.querySelector('i').style.backgroundColor.match(/\d+/g).join(' ')]))
-  assert.deepEqual(parts.map(([name]) => name.slice(0, 2)), ['T1', 'T2', 'T3'])
-  const used = litShades(await colors(page), parts.map(([, color]) => color))
+  assert.deepEqual(
+    parts.map(([name]) => name.slice(0, 2)),
+    ['T1', 'T2', 'T3'],
+  )
+  const used = litShades(
+    await colors(page),
+    parts.map(([, color]) => color),
+  )
   assert.ok(parts.every(([, color]) => used.has(color)) && !used.has(undefined), `${[...used]}`)
   await page.locator('#path').screenshot({ path: join(ROOT, 'tests/browser/output/path-tools.png') })
 })

@@ -11,8 +11,7 @@ const folder = mkdtempSync(join(tmpdir(), 'truefeed-modes-'))
 after(() => rmSync(folder, { recursive: true }))
 
 /** A zigzag of square corners, 10 mm apart. */
-const zigzag = (count, y) =>
-  Array.from({ length: count }, (_, i) => (i % 2 ? `Y${y + 5 * (i + 1)}` : `X${i % 4 ? 0 : 20}`)).join('\n')
+const zigzag = (count, y) => Array.from({ length: count }, (_, i) => (i % 2 ? `Y${y + 5 * (i + 1)}` : `X${i % 4 ? 0 : 20}`)).join('\n')
 const ROUGH_AND_FINE = `G21 G90 G64
 G0 X0 Y-10
 F3000
@@ -33,49 +32,45 @@ const program = (name, text) => {
   writeFileSync(path, text)
   return path
 }
-const labels = (page) =>
-  page.$$eval('.chip', (chips) => chips.map((chip) => chip.querySelector('.label').textContent))
+const labels = (page) => page.$$eval('.chip', (chips) => chips.map((chip) => chip.querySelector('.label').textContent))
 const programmedTime = (page) => page.$eval('#tolerances tr.programmed data', (data) => Number(data.value))
 
-pageTest(
-  "a program's own tolerances are its first column, and the user's hold all over beside it",
-  async ({ page }) => {
-    const path = program('rough-and-fine.nc', ROUGH_AND_FINE)
-    await page.setInputFiles('#files', path)
-    await computed(page)
-    assert.deepEqual(await labels(page), ['as programmed', '10 µm', '20 µm', '50 µm'])
-    assert.equal(await page.textContent('#tolerances tbody tr:first-child th'), 'as programmed')
+pageTest("a program's own tolerances are its first column, and the user's hold all over beside it", async ({ page }) => {
+  const path = program('rough-and-fine.nc', ROUGH_AND_FINE)
+  await page.setInputFiles('#files', path)
+  await computed(page)
+  assert.deepEqual(await labels(page), ['as programmed', '10 µm', '20 µm', '50 µm'])
+  assert.equal(await page.textContent('#tolerances tbody tr:first-child th'), 'as programmed')
 
-    const { runs: own } = await predicted(page, path, [])
-    assert.equal(own.length, 1)
-    assert.ok(Math.abs((await programmedTime(page)) / own[0].cycle_time_s - 1) <= 1e-9)
-    const { runs } = await predicted(page, path)
-    const times = await cycleTimes(page)
-    assert.deepEqual(
-      times.map((time) => time.toFixed(6)),
-      runs.map((run) => run.cycle_time_s.toFixed(6)),
-    )
-    assert.ok(!times.includes(await programmedTime(page)), 'the program asks for another time')
+  const { runs: own } = await predicted(page, path, [])
+  assert.equal(own.length, 1)
+  assert.ok(Math.abs((await programmedTime(page)) / own[0].cycle_time_s - 1) <= 1e-9)
+  const { runs } = await predicted(page, path)
+  const times = await cycleTimes(page)
+  assert.deepEqual(
+    times.map((time) => time.toFixed(6)),
+    runs.map((run) => run.cycle_time_s.toFixed(6)),
+  )
+  assert.ok(!times.includes(await programmedTime(page)), 'the program asks for another time')
 
-    // Where each holds, as the command line says it.
-    const parts = await page.$$eval('.held li', (items) => items.map((item) => item.textContent))
-    assert.equal(parts.length, own[0].tolerances.length)
-    assert.match(parts[0], /^line 2 10 µm, the machine’s/)
-    assert.match(parts[1], /^lines 5–24 100 µm G64 P0\.1$/)
-    assert.match(parts[2], /^lines 26–45 2 µm G64 P0\.002$/)
-    assert.match(parts[3], /^line 47 exact stops G61$/)
+  // Where each holds, as the command line says it.
+  const parts = await page.$$eval('.held li', (items) => items.map((item) => item.textContent))
+  assert.equal(parts.length, own[0].tolerances.length)
+  assert.match(parts[0], /^line 2 10 µm, the machine’s/)
+  assert.match(parts[1], /^lines 5–24 100 µm G64 P0\.1$/)
+  assert.match(parts[2], /^lines 26–45 2 µm G64 P0\.002$/)
+  assert.match(parts[3], /^line 47 exact stops G61$/)
 
-    await frame(page)
-    assert.ok((await pixelsOfCurves(page)).every((pixels) => pixels > 80))
-    await atEverySize(page, 'pathmodes')
+  await frame(page)
+  assert.ok((await pixelsOfCurves(page)).every((pixels) => pixels > 80))
+  await atEverySize(page, 'pathmodes')
 
-    await page.click('.held li:nth-child(3) button')
-    const [from, to] = await span(page)
-    const [begin, end] = own[0].tolerances[2].distance_mm
-    assert.ok(from <= begin && end <= to && to - from < 3 * (end - begin), `${from} to ${to} mm in sight`)
-    await shot(page, 'pathmodes-part')
-  },
-)
+  await page.click('.held li:nth-child(3) button')
+  const [from, to] = await span(page)
+  const [begin, end] = own[0].tolerances[2].distance_mm
+  assert.ok(from <= begin && end <= to && to - from < 3 * (end - begin), `${from} to ${to} mm in sight`)
+  await shot(page, 'pathmodes-part')
+})
 
 pageTest('where the time goes has a column for the program’s own tolerances, and each the colour of its chip', async ({ page }) => {
   const path = program('rough-and-fine.nc', ROUGH_AND_FINE)

@@ -57,14 +57,7 @@ async function recorded(page, name, program = PROGRAM) {
 
 /** Waits until the recording in sight is compared with the machine in the form. */
 const compared = (page) =>
-  page.waitForFunction(
-    () =>
-      document.querySelector('#progress').hidden &&
-      !document.querySelector('.stale') &&
-      document.querySelector('#recording .sentence'),
-    null,
-    { timeout: 120_000 },
-  )
+  page.waitForFunction(() => document.querySelector('#progress').hidden && !document.querySelector('.stale') && document.querySelector('#recording .sentence'), null, { timeout: 120_000 })
 
 /** Pixels of the recording's canvas in the colours of both curves, in a part of its height. */
 const pixels = (page, from, to) =>
@@ -77,8 +70,7 @@ const pixels = (page, from, to) =>
         const hex = getComputedStyle(document.documentElement).getPropertyValue(`--curve-${index}`)
         const wanted = hex.match(/\d+/g).map(Number)
         let count = 0
-        for (let i = 0; i < data.length; i += 4)
-          if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
+        for (let i = 0; i < data.length; i += 4) if (wanted.every((value, channel) => Math.abs(data[i + channel] - value) <= 2)) count += 1
         return count
       })
     },
@@ -93,34 +85,34 @@ async function spanOf(page, root) {
 }
 const cell = (page, row, column) => page.textContent(`#calibration tbody tr:has(th:text-is("${row}")) >> td >> nth=${column}`)
 
-pageTest(
-  'program and recording dropped together are compared',
-  async ({ page }) => {
-    const { path, seconds } = await recorded(page, 'bracket-07.csv')
-    await drop(page, 'body', [path, PROGRAM])
-    await compared(page)
-    assert.equal(await page.locator('.programs li').count(), 1, 'the recording is no program')
-    const sentence = await page.textContent('#recording .sentence')
-    const [, took, simulated] = sentence.match(/^The machine took ([\d.]+) s, the simulation ([\d.]+) s \(−\d/)
-    // Where the tool starts and ends a recorder of positions sees only to its resolution.
-    assert.ok(Math.abs(Number(took) - seconds) < 0.25, `${took} s of ${seconds} s`)
-    assert.ok(Number(simulated) < Number(took) - 0.5, sentence)
-    assert.match(await page.textContent('#recording .facts'), /aligned by axis positions: (99|100) %/)
-    assert.equal(await page.locator('#recording [role=toolbar] .picture').count(), 2, 'the chart leaves as SVG and PNG')
-    // The tables come a moment later, and move what is in sight.
-    await page.waitForSelector('#recording .tables > :last-child tbody tr')
-    await page.locator('#recording .plot canvas').scrollIntoViewIfNeeded()
-    await frame(page)
-    const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
-    assert.ok(feeds.every((count) => 300 < count), `curves: ${feeds}`)
-    assert.ok(300 < lost[0], `time lost: ${lost}`)
+pageTest('program and recording dropped together are compared', async ({ page }) => {
+  const { path, seconds } = await recorded(page, 'bracket-07.csv')
+  await drop(page, 'body', [path, PROGRAM])
+  await compared(page)
+  assert.equal(await page.locator('.programs li').count(), 1, 'the recording is no program')
+  const sentence = await page.textContent('#recording .sentence')
+  const [, took, simulated] = sentence.match(/^The machine took ([\d.]+) s, the simulation ([\d.]+) s \(−\d/)
+  // Where the tool starts and ends a recorder of positions sees only to its resolution.
+  assert.ok(Math.abs(Number(took) - seconds) < 0.25, `${took} s of ${seconds} s`)
+  assert.ok(Number(simulated) < Number(took) - 0.5, sentence)
+  assert.match(await page.textContent('#recording .facts'), /aligned by axis positions: (99|100) %/)
+  assert.equal(await page.locator('#recording [role=toolbar] .picture').count(), 2, 'the chart leaves as SVG and PNG')
+  // The tables come a moment later, and move what is in sight.
+  await page.waitForSelector('#recording .tables > :last-child tbody tr')
+  await page.locator('#recording .plot canvas').scrollIntoViewIfNeeded()
+  await frame(page)
+  const [feeds, lost] = [await pixels(page, 0.1, 0.55), await pixels(page, 0.62, 1)]
+  assert.ok(
+    feeds.every((count) => 300 < count),
+    `curves: ${feeds}`,
+  )
+  assert.ok(300 < lost[0], `time lost: ${lost}`)
 
-    const rows = await page.$$eval('#recording .tables > :last-child tbody tr', (all) => all.map((row) => row.cells.length))
-    assert.ok(5 < rows.length && rows.every((count) => count === 5))
-    await page.locator('#recording').scrollIntoViewIfNeeded()
-    await atEverySize(page, 'recording')
-  },
-)
+  const rows = await page.$$eval('#recording .tables > :last-child tbody tr', (all) => all.map((row) => row.cells.length))
+  assert.ok(5 < rows.length && rows.every((count) => count === 5))
+  await page.locator('#recording').scrollIntoViewIfNeeded()
+  await atEverySize(page, 'recording')
+})
 
 pageTest('all charts have one cursor and one stretch in sight', async ({ page }) => {
   const { path } = await recorded(page, 'run.csv')
@@ -259,14 +251,21 @@ pageTest('several recordings of two programs dropped at once are told apart, com
   await page.waitForFunction(() => [...document.querySelectorAll('#recording .pairs .about')].every(({ textContent }) => /recorded/.test(textContent)), null, { timeout: 120_000 })
   assert.equal(await page.locator('.programs li').count(), 2)
   assert.equal(await page.locator('#recording .pairs li').count(), 3)
-  for (const [name, program] of [['bracket-11.csv', 'bracket.nc'], ['bracket-12.csv', 'bracket.nc'], ['other-3.csv', 'other.nc']]) {
+  for (const [name, program] of [
+    ['bracket-11.csv', 'bracket.nc'],
+    ['bracket-12.csv', 'bracket.nc'],
+    ['other-3.csv', 'other.nc'],
+  ]) {
     const of = entry(name).locator('select')
     assert.equal(await of.evaluate((select) => select.selectedOptions[0].textContent), program, name)
   }
 
   // Choosing a recording shows it, and its program, in list, sentence and chart.
   const took = async () => Number((await page.textContent('#recording .sentence')).match(/took ([\d.]+) s/)[1])
-  for (const [name, program, seconds] of [['other-3.csv', 'other.nc', third], ['bracket-11.csv', 'bracket.nc', first]]) {
+  for (const [name, program, seconds] of [
+    ['other-3.csv', 'other.nc', third],
+    ['bracket-11.csv', 'bracket.nc', first],
+  ]) {
     await entry(name).locator('.choose').click()
     await compared(page)
     assert.ok(await isCurrent(name))
@@ -297,7 +296,15 @@ pageTest('a recording finds its program by what it holds, whatever its name says
   const standing = (name) => page.textContent(`#recording .pairs li:has-text("${name}") .about`)
   const of = (name) => page.$eval(`#recording .pairs li:has-text("${name}") select`, (select) => select.selectedOptions[0].textContent)
   await drop(page, 'body', [ofBracket.path, ofOther.path, ofNone.path, PROGRAM, OTHER])
-  const settled = () => page.waitForFunction(() => document.querySelector('#progress').hidden && document.querySelectorAll('#recording .pairs li').length === 3 && ![...document.querySelectorAll('#recording .pairs .about')].some(({ textContent }) => /waiting|finding/.test(textContent)), null, { timeout: 120_000 })
+  const settled = () =>
+    page.waitForFunction(
+      () =>
+        document.querySelector('#progress').hidden &&
+        document.querySelectorAll('#recording .pairs li').length === 3 &&
+        ![...document.querySelectorAll('#recording .pairs .about')].some(({ textContent }) => /waiting|finding/.test(textContent)),
+      null,
+      { timeout: 120_000 },
+    )
   await settled()
   assert.deepEqual([await of('other-5.csv'), await of('bracket-5.csv'), await of('bracket-6.csv')], ['bracket.nc', 'other.nc', 'choose'])
   assert.match(await standing('bracket-6.csv'), /fits none of the open programs/)
@@ -305,7 +312,11 @@ pageTest('a recording finds its program by what it holds, whatever its name says
   await shot(page, 'recordings-paired')
   // Its own program comes later, and is found then; what was found before stays.
   await drop(page, 'body', [file('third.nc', readFileSync(THIRD, 'utf8'))])
-  await page.waitForFunction(() => /recorded/.test([...document.querySelectorAll('#recording .pairs li')].find((row) => row.textContent.includes('bracket-6.csv')).querySelector('.about').textContent), null, { timeout: 120_000 })
+  await page.waitForFunction(
+    () => /recorded/.test([...document.querySelectorAll('#recording .pairs li')].find((row) => row.textContent.includes('bracket-6.csv')).querySelector('.about').textContent),
+    null,
+    { timeout: 120_000 },
+  )
   assert.deepEqual([await of('other-5.csv'), await of('bracket-5.csv'), await of('bracket-6.csv')], ['bracket.nc', 'other.nc', 'third.nc'])
   // What a user says takes the place of it, and is taken back.
   await page.selectOption('#recording .pairs li:has-text("other-5.csv") select', { label: 'other.nc' })

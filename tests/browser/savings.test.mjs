@@ -8,8 +8,7 @@ const SAMPLE = join(ROOT, 'www/samples/pocket.nc')
 const PROGRAMS = ['10', '20', '30'].map((number) => join(ROOT, `www/samples/bracket-${number}.nc`))
 
 /** Waits until all changes are computed. */
-const found = (page) =>
-  page.waitForFunction(() => document.querySelector('#savings progress').hidden && document.querySelector('#savings .result').childElementCount > 0, null, { timeout: 120_000 })
+const found = (page) => page.waitForFunction(() => document.querySelector('#savings progress').hidden && document.querySelector('#savings .result').childElementCount > 0, null, { timeout: 120_000 })
 
 /** The rows of the table: texts of their cells. */
 const rows = (page) => page.$$eval('#savings tbody tr', (all) => all.map((row) => [...row.cells].map((cell) => (cell.querySelector('span') ?? cell).textContent)))
@@ -28,7 +27,11 @@ pageTest('a change saves what the panel says when it is tried, and is taken back
   const all = await rows(page)
   const saved = all.map(([, seconds]) => number(seconds))
   assert.ok(all.length >= 2 && saved.every((own) => own < 0), `${saved}`)
-  assert.deepEqual(saved, [...saved].sort((a, b) => a - b), 'the largest comes first')
+  assert.deepEqual(
+    saved,
+    [...saved].sort((a, b) => a - b),
+    'the largest comes first',
+  )
   const row = all.find(([title]) => title === 'Contour tolerance 20 µm')
   assert.ok(Math.abs(number(row[1]) - (second - first)) < 0.06, `${row[1]} for ${second - first}`)
   assert.ok(Math.abs(number(row[3]) - (25 * 85 * (second - first)) / 3600) < 0.3, `${row[3]} of 25 parts`)
@@ -56,11 +59,17 @@ pageTest('in a job each operation has changes of its own, and trying one leaves 
   await page.click('#more [aria-controls="savings"]')
   await found(page)
   const [of, ...others] = await operations(page)
-  assert.ok(others.some((other) => other !== of), 'several operations have something')
+  assert.ok(
+    others.some((other) => other !== of),
+    'several operations have something',
+  )
   const times = () => page.$$eval('#program .choose .about', (about) => about.map(({ textContent }) => textContent))
   const before = await times()
   await page.click('#savings tbody tr:first-child button')
-  await page.waitForFunction((before) => [...document.querySelectorAll('#program .choose .about')].map(({ textContent }) => textContent).join() !== before && document.querySelector('#progress').hidden, before.join())
+  await page.waitForFunction(
+    (before) => [...document.querySelectorAll('#program .choose .about')].map(({ textContent }) => textContent).join() !== before && document.querySelector('#progress').hidden,
+    before.join(),
+  )
   const names = await page.$$eval('#program .choose .file', (files) => files.map(({ textContent }) => textContent))
   const changed = (await times()).flatMap((time, index) => (time === before[index] ? [] : [names[index]]))
   assert.deepEqual(changed, [of])

@@ -105,29 +105,38 @@ pageTest('no time and no amount is in sight twice', async ({ page }) => {
   await priced(page)
   const all = await figures(page)
   assert.ok(all.length >= 4, `${all}`)
-  assert.deepEqual(all.filter((figure, index) => all.indexOf(figure) !== index), [])
+  assert.deepEqual(
+    all.filter((figure, index) => all.indexOf(figure) !== index),
+    [],
+  )
   await atEverySize(page, 'screen')
 })
 
-pageTest('at 1280 × 800 the answer, the picture, the timeline and the price are in sight at once', async ({ page }) => {
-  await drop(page, 'main', [SAMPLE])
-  await computed(page)
-  await frame(page)
-  for (const selector of ['#results .time', '#path .space', '#chart .plot', '#quote .answer']) {
-    const { top, bottom } = await page.$eval(selector, (element) => element.getBoundingClientRect().toJSON())
-    assert.ok(0 <= top && bottom <= 800, `${selector} is at ${top} to ${bottom}`)
-  }
-  await page.mouse.move(640, 780)
-  await page.evaluate(() => scrollTo(0, document.body.scrollHeight))
-  for (const selector of ['#bar', '#quote .answer']) {
-    const { top } = await page.$eval(selector, (element) => element.getBoundingClientRect().toJSON())
-    assert.ok(0 <= top && top < 400, `${selector} scrolls away`)
-  }
-}, { viewport: { width: 1280, height: 800 } })
+pageTest(
+  'at 1280 × 800 the answer, the picture, the timeline and the price are in sight at once',
+  async ({ page }) => {
+    await drop(page, 'main', [SAMPLE])
+    await computed(page)
+    await frame(page)
+    for (const selector of ['#results .time', '#path .space', '#chart .plot', '#quote .answer']) {
+      const { top, bottom } = await page.$eval(selector, (element) => element.getBoundingClientRect().toJSON())
+      assert.ok(0 <= top && bottom <= 800, `${selector} is at ${top} to ${bottom}`)
+    }
+    await page.mouse.move(640, 780)
+    await page.evaluate(() => scrollTo(0, document.body.scrollHeight))
+    for (const selector of ['#bar', '#quote .answer']) {
+      const { top } = await page.$eval(selector, (element) => element.getBoundingClientRect().toJSON())
+      assert.ok(0 <= top && top < 400, `${selector} scrolls away`)
+    }
+  },
+  { viewport: { width: 1280, height: 800 } },
+)
 
 /** What of the text of these elements is cut off. */
 const cut = (page, selector) =>
-  page.$$eval(selector, (all) => all.filter((element) => element.checkVisibility() && (element.scrollWidth > element.clientWidth + 1 || element.scrollHeight > element.clientHeight + 1)).map(({ textContent }) => textContent))
+  page.$$eval(selector, (all) =>
+    all.filter((element) => element.checkVisibility() && (element.scrollWidth > element.clientWidth + 1 || element.scrollHeight > element.clientHeight + 1)).map(({ textContent }) => textContent),
+  )
 
 pageTest('titles of operations, what is in doubt and the machine are not cut off', async ({ page }) => {
   const programs = ['10', '20', '30'].map((number) => join(ROOT, `www/samples/bracket-${number}.nc`))
@@ -197,27 +206,34 @@ pageTest('what opens goes away by Escape and by ×, and gives the focus back', a
   }
 })
 
-pageTest('an answer on a phone comes first, then the picture, the timeline, the operations, the price', async ({ page }) => {
-  await drop(page, 'main', [SAMPLE])
-  await computed(page)
-  const tops = await page.$$eval('#results, #path, #chart, #program, #quote', (all) => all.map((element) => [element.id, element.getBoundingClientRect().top + scrollY]))
-  const order = tops.sort(([, a], [, b]) => a - b).map(([id]) => id)
-  assert.deepEqual(order, ['results', 'path', 'chart', 'program', 'quote'])
-  const small = await page.$$eval('a[href]:not(.skip a), button, .button, select, summary, input:not([type="file"])', (all) =>
-    all.filter((element) => element.checkVisibility()).flatMap((element) => {
-      const { width, height } = element.getBoundingClientRect()
-      const label = element.matches('[type="radio"], [type="checkbox"]') && element.closest('label')
-      return label || Math.min(width, height) >= 24 ? [] : [`${element.outerHTML.slice(0, 80)}: ${width} × ${height}`]
-    }),
-  )
-  assert.deepEqual(small, [])
-  // Below it the answer goes along in the bar, and only there.
-  assert.ok(await page.isHidden('header .answer'))
-  await page.$eval('#quote', (quote) => quote.scrollIntoView())
-  await page.waitForSelector('header .answer:not([hidden])')
-  assert.equal(await page.textContent('header .answer'), await page.textContent('#results .time'))
-  for (const id of ['jobs', 'settings']) assert.ok((await page.$eval(`header > [popovertarget=${id}]`, (button) => Number.parseFloat(getComputedStyle(button).fontSize))) > 9, 'a symbol has its word')
-}, { viewport: { width: 390, height: 844 } })
+pageTest(
+  'an answer on a phone comes first, then the picture, the timeline, the operations, the price',
+  async ({ page }) => {
+    await drop(page, 'main', [SAMPLE])
+    await computed(page)
+    const tops = await page.$$eval('#results, #path, #chart, #program, #quote', (all) => all.map((element) => [element.id, element.getBoundingClientRect().top + scrollY]))
+    const order = tops.sort(([, a], [, b]) => a - b).map(([id]) => id)
+    assert.deepEqual(order, ['results', 'path', 'chart', 'program', 'quote'])
+    const small = await page.$$eval('a[href]:not(.skip a), button, .button, select, summary, input:not([type="file"])', (all) =>
+      all
+        .filter((element) => element.checkVisibility())
+        .flatMap((element) => {
+          const { width, height } = element.getBoundingClientRect()
+          const label = element.matches('[type="radio"], [type="checkbox"]') && element.closest('label')
+          return label || Math.min(width, height) >= 24 ? [] : [`${element.outerHTML.slice(0, 80)}: ${width} × ${height}`]
+        }),
+    )
+    assert.deepEqual(small, [])
+    // Below it the answer goes along in the bar, and only there.
+    assert.ok(await page.isHidden('header .answer'))
+    await page.$eval('#quote', (quote) => quote.scrollIntoView())
+    await page.waitForSelector('header .answer:not([hidden])')
+    assert.equal(await page.textContent('header .answer'), await page.textContent('#results .time'))
+    for (const id of ['jobs', 'settings'])
+      assert.ok((await page.$eval(`header > [popovertarget=${id}]`, (button) => Number.parseFloat(getComputedStyle(button).fontSize))) > 9, 'a symbol has its word')
+  },
+  { viewport: { width: 390, height: 844 } },
+)
 
 pageTest('the demo diagnoses by itself and ends at the diagnosis', async ({ page }) => {
   await page.click('#welcome .concealed')

@@ -31,7 +31,13 @@ async function elsewhere() {
 
 /** Tries to reach an address in every way a script has; what came through, by name. */
 const leaks = async (address) => {
-  const reached = async (name, attempt) => ((await attempt().then(() => true, () => false)) ? [name] : [])
+  const reached = async (name, attempt) =>
+    (await attempt().then(
+      () => true,
+      () => false,
+    ))
+      ? [name]
+      : []
   const loads = (tag, key) => () =>
     new Promise((done, fail) => {
       const element = document.createElement(tag)
@@ -130,11 +136,21 @@ test('the worker of the page is under the policy of the page', { timeout: 120_00
     await page.waitForSelector('html[data-ready]')
     await page.click('#welcome .sample')
     await computed(page)
-    const reaches = (address) => fetch(address, { mode: 'no-cors' }).then(() => true, () => false)
+    const reaches = (address) =>
+      fetch(address, { mode: 'no-cors' }).then(
+        () => true,
+        () => false,
+      )
     assert.equal(page.workers().length, 1)
     assert.equal(await page.workers()[0].evaluate(reaches, `${other.origin}/worker`), false)
     assert.deepEqual(other.asked, [])
-    assert.deepEqual(leaving(opened.requests.filter((url) => !url.startsWith(other.origin)), opened.origin), [])
+    assert.deepEqual(
+      leaving(
+        opened.requests.filter((url) => !url.startsWith(other.origin)),
+        opened.origin,
+      ),
+      [],
+    )
   } finally {
     await opened.close()
     other.close()
@@ -174,7 +190,11 @@ test('after one visit the page loads and quotes without a network', { timeout: 1
 
     const list = await page.evaluate(async () => [...(await (await caches.open((await caches.keys())[0])).keys())].map(({ url }) => url))
     const missing = opened.requests.filter((url) => url.startsWith(server.origin) && !list.includes(url.replace(/\/$/, '/index.html')))
-    assert.deepEqual([...new Set(missing)], [`${server.origin}/sw.js`].filter((url) => missing.includes(url)), 'files that are not kept')
+    assert.deepEqual(
+      [...new Set(missing)],
+      [`${server.origin}/sw.js`].filter((url) => missing.includes(url)),
+      'files that are not kept',
+    )
     await server.close()
 
     // As a new tab would be, with nothing open.
@@ -240,7 +260,10 @@ test('the page can be installed', { timeout: 120_000 }, async () => {
     assert.deepEqual(errors, [])
     const { installabilityErrors } = await devtools.send('Page.getInstallabilityErrors')
     // The tests' profile is a private one, where nothing is ever installed.
-    assert.deepEqual(installabilityErrors.filter(({ errorId }) => errorId !== 'in-incognito'), [])
+    assert.deepEqual(
+      installabilityErrors.filter(({ errorId }) => errorId !== 'in-incognito'),
+      [],
+    )
   } finally {
     await close()
   }

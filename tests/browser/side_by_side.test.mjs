@@ -14,8 +14,7 @@ function program(blocks) {
 }
 
 /** From now on the machine has so many cores. */
-const cores = (page, count) =>
-  page.evaluate((count) => Object.defineProperty(navigator, 'hardwareConcurrency', { value: count, configurable: true }), count)
+const cores = (page, count) => page.evaluate((count) => Object.defineProperty(navigator, 'hardwareConcurrency', { value: count, configurable: true }), count)
 
 /** Counts workers beside the first that are started and ended, and notes where they are from. Those that are `mortal` die at work. */
 const count = (page, { mortal = false } = {}) =>
@@ -77,16 +76,20 @@ pageTest('two workers say what one does, the bar never goes back, and the second
   assert.deepEqual(await page.evaluate(() => [...window.addresses]), ['blob:'])
   const said = await page.evaluate(() => window.said)
   const parts = said.map(([part]) => part)
-  assert.deepEqual(parts, [...parts].sort((a, b) => a - b))
-  assert.ok(said.some(([, text]) => /Simulating .+, .+/.test(text)), 'it says what both are at')
+  assert.deepEqual(
+    parts,
+    [...parts].sort((a, b) => a - b),
+  )
+  assert.ok(
+    said.some(([, text]) => /Simulating .+, .+/.test(text)),
+    'it says what both are at',
+  )
 })
 
 pageTest('runs are bit for bit the same whoever computes them, and lost with nobody', async ({ page }) => {
   const text = program(20_000).buffer.toString()
   const compared = await page.evaluate(async (text) => {
-    const [{ Engine }, { confinedWorker }, { wholeModule }, { simulate }] = await Promise.all(
-      ['engine', 'confined', 'module', 'side_by_side'].map((name) => import(`/${name}.js`)),
-    )
+    const [{ Engine }, { confinedWorker }, { wholeModule }, { simulate }] = await Promise.all(['engine', 'confined', 'module', 'side_by_side'].map((name) => import(`/${name}.js`)))
     const { form } = await import('/pkg/truefeed.js')
     const columns = [null, 0.005, 0.01, 0.02, 0.05]
     const request = { program: new Blob([text]), machine: JSON.stringify(JSON.parse(form()).presets[0].values), dialect: null, columns, labels: columns.map(String) }
@@ -94,9 +97,9 @@ pageTest('runs are bit for bit the same whoever computes them, and lost with nob
     const heard = async (engine, work) => {
       const all = { programs: 0, runs: {}, parts: [] }
       await work(engine, request, {
-        stage: (stage, part) => all.parts.push(part),
+        stage: (_, part) => all.parts.push(part),
         program: () => (all.programs += 1),
-        run: (column, run) => (all.runs[column] = JSON.stringify(run, (key, value) => (ArrayBuffer.isView(value) ? [...value] : value))),
+        run: (column, run) => (all.runs[column] = JSON.stringify(run, (_, value) => (ArrayBuffer.isView(value) ? [...value] : value))),
       })
       engine.end()
       return all

@@ -123,7 +123,10 @@ pageTest('a duplicated tab goes on with a copy, and neither changes what the oth
   await computed(copy)
   await kept(copy, ({ programs }) => programs.length === 1 && programs[0] > 1)
 
-  for (const [tab, expected] of [[page, 'a.nc'], [copy, 'd.nc']]) {
+  for (const [tab, expected] of [
+    [page, 'a.nc'],
+    [copy, 'd.nc'],
+  ]) {
     const own = await name(tab)
     await tab.reload()
     await tab.waitForSelector('html[data-ready]')
@@ -139,9 +142,15 @@ pageTest('hostile files leave a page that works', async ({ page }) => {
     ['noise.nc', Buffer.from(Uint8Array.from({ length: 50_000 }, (_, i) => (i * 7919 + (i >> 3)) % 256))],
     ['<img src=x onerror=alert(1)>.nc', Buffer.from('G1 X10 F100\n(<script>alert(1)</script>)\nG1 X#<<b>>\n')],
   ]
-  await page.setInputFiles('#files', hostile.slice(0, 3).map(([name, buffer]) => ({ name, mimeType: 'text/plain', buffer })))
+  await page.setInputFiles(
+    '#files',
+    hostile.slice(0, 3).map(([name, buffer]) => ({ name, mimeType: 'text/plain', buffer })),
+  )
   await page.waitForFunction(() => document.querySelector('#progress')?.hidden)
-  await page.setInputFiles('#files', hostile.slice(3).map(([name, buffer]) => ({ name, mimeType: 'text/plain', buffer })))
+  await page.setInputFiles(
+    '#files',
+    hostile.slice(3).map(([name, buffer]) => ({ name, mimeType: 'text/plain', buffer })),
+  )
   await computed(page)
   assert.equal(await page.$('#program img'), null)
   await page.setInputFiles('#files', longProgram('after.nc', 100))
@@ -150,14 +159,18 @@ pageTest('hostile files leave a page that works', async ({ page }) => {
   assert.ok(await page.isHidden('#failure'))
 })
 
-pageTest('a loop that runs to its bound is quoted and drawn, and the chart says what its curve leaves out', async ({ page }) => {
-  const note = '#chart .note'
-  await page.setInputFiles('#files', longProgram('ordinary.nc', 500))
-  await computed(page)
-  assert.equal(await page.textContent(note), '')
-  const endless = 'o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n'
-  await page.setInputFiles('#files', { name: 'endless.ngc', mimeType: 'text/plain', buffer: Buffer.from(endless) })
-  await page.waitForFunction((note) => document.querySelector(note)?.textContent, note, { timeout: 250_000 })
-  assert.match(await page.textContent(note), /one point every 0\.\d+ s/)
-  assert.ok(await page.isHidden('#failure'))
-}, { isLong: true })
+pageTest(
+  'a loop that runs to its bound is quoted and drawn, and the chart says what its curve leaves out',
+  async ({ page }) => {
+    const note = '#chart .note'
+    await page.setInputFiles('#files', longProgram('ordinary.nc', 500))
+    await computed(page)
+    assert.equal(await page.textContent(note), '')
+    const endless = 'o1 repeat [100000]\no2 repeat [100000]\nG91 G1 X1 F1000\nY1\nX-1\nY-1\no2 endrepeat\no1 endrepeat\nM2\n'
+    await page.setInputFiles('#files', { name: 'endless.ngc', mimeType: 'text/plain', buffer: Buffer.from(endless) })
+    await page.waitForFunction((note) => document.querySelector(note)?.textContent, note, { timeout: 250_000 })
+    assert.match(await page.textContent(note), /one point every 0\.\d+ s/)
+    assert.ok(await page.isHidden('#failure'))
+  },
+  { isLong: true },
+)

@@ -10,7 +10,10 @@ test('the page loads its module, without errors and from its own server alone', 
     await page.waitForLoadState('networkidle')
     assert.deepEqual(errors, [])
     assert.deepEqual(leaving(requests, origin), [])
-    assert.ok(requests.some((url) => url.endsWith('/pkg/truefeed_bg.wasm')), 'the module was not loaded')
+    assert.ok(
+      requests.some((url) => url.endsWith('/pkg/truefeed_bg.wasm')),
+      'the module was not loaded',
+    )
   } finally {
     await close()
   }

@@ -137,9 +137,7 @@ function shapes() {
 pageTest('results have the shapes that the page believes them to have', async ({ page }) => {
   const known = shapes()
   const found = await page.evaluate(async () => {
-    const [{ Engine }, { confinedWorker }, { wholeModule }, { form }] = await Promise.all(
-      ['/engine.js', '/confined.js', '/module.js', '/pkg/truefeed.js'].map((path) => import(path)),
-    )
+    const [{ Engine }, { confinedWorker }, { wholeModule }, { form }] = await Promise.all(['/engine.js', '/confined.js', '/module.js', '/pkg/truefeed.js'].map((path) => import(path)))
     const engine = new Engine(await wholeModule(), confinedWorker, wholeModule)
     const program = await (await fetch('/samples/pocket.nc')).blob()
     const { fields, presets } = JSON.parse(form())
@@ -150,7 +148,18 @@ pageTest('results have the shapes that the page believes them to have', async ({
     )
     engine.end()
     const run = got.RunSummary
-    const all = { ...got, Breakdown: run.breakdown, Functions: run.breakdown.other, Operation: run.operations[0], Tool: run.tools[0], Lost: run.lost, LostAt: run.lost.places[0], Place: run.beyond_tolerance[0], Parameter: fields[0], Preset: presets[0] }
+    const all = {
+      ...got,
+      Breakdown: run.breakdown,
+      Functions: run.breakdown.other,
+      Operation: run.operations[0],
+      Tool: run.tools[0],
+      Lost: run.lost,
+      LostAt: run.lost.places[0],
+      Place: run.beyond_tolerance[0],
+      Parameter: fields[0],
+      Preset: presets[0],
+    }
     return Object.fromEntries(Object.entries(all).map(([name, value]) => [name, Object.keys(value)]))
   })
   for (const [name, keys] of Object.entries(found)) {
@@ -167,7 +176,8 @@ pageTest('what is announced is not said again while an entry is typed, and the f
   await page.evaluate(() => {
     window.told = []
     const note = (records) => window.told.push(...records.map(({ target }) => target.parentElement?.className ?? target.className))
-    for (const live of document.querySelectorAll('#results [aria-live], #results .others, #tolerances .table')) new MutationObserver(note).observe(live, { childList: true, subtree: true, characterData: true })
+    for (const live of document.querySelectorAll('#results [aria-live], #results .others, #tolerances .table'))
+      new MutationObserver(note).observe(live, { childList: true, subtree: true, characterData: true })
   })
   await page.fill('#term-quantity', '2')
   await page.fill('#term-quantity', '25')
@@ -192,10 +202,13 @@ pageTest('every word that a script says is one of the texts', async ({ page }) =
     const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT)
     const found = []
     for (let node = walker.nextNode(); node; node = walker.nextNode()) if (!node.parentElement.closest('script, style, noscript, code, .fields, .list, .places')) found.push(node.textContent)
-    return found.map((text) => text.replace(/⟦[^]*?⟧+/g, ''))
+    return found.map((text) => text.replace(/⟦.*?⟧+/gs, ''))
   })
   const words = /\b(operations?|errors?|warnings?|notes?|rapid|programmed|predicted|chip)\b/
   // What a form, a remark or a place says of a program is Rust's.
   assert.ok(said.length > 100)
-  assert.deepEqual(said.filter((text) => words.test(text) && text.length < 60), [])
+  assert.deepEqual(
+    said.filter((text) => words.test(text) && text.length < 60),
+    [],
+  )
 })

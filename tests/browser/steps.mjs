@@ -107,7 +107,9 @@ async function open(page, locator) {
       ...(isOver ? [`#${over.id} .close`] : []),
       ...(drawer ? [`.pick[popovertarget="${drawer.id}"]`] : []),
       ...(panel ? [`#more [aria-controls~="${panel.id}"]`] : []),
-      ...(folded && !isSummary ? [`#${folded.closest('section').id} details${folded.className ? `.${folded.classList[0]}` : ''}:not([open]):has(${element.id ? `#${element.id}` : element.localName}) > summary`] : []),
+      ...(folded && !isSummary
+        ? [`#${folded.closest('section').id} details${folded.className ? `.${folded.classList[0]}` : ''}:not([open]):has(${element.id ? `#${element.id}` : element.localName}) > summary`]
+        : []),
     ]
   })
   for (const opener of openers) await page.mainFrame().locator(opener).first().click()
@@ -144,7 +146,9 @@ export function binary() {
 
 /** The page is compared with a command of the same sources, or not at all. */
 function assertModulesAreCurrent() {
-  const sources = readdirSync(join(ROOT, 'src'), { recursive: true }).filter((path) => path.endsWith('.rs')).map((path) => join('src', path))
+  const sources = readdirSync(join(ROOT, 'src'), { recursive: true })
+    .filter((path) => path.endsWith('.rs'))
+    .map((path) => join('src', path))
   const time = (path) => statSync(join(ROOT, path)).mtimeMs
   const module = 'www/pkg/truefeed_whole_bg.wasm'
   const later = [...sources, 'Cargo.toml', 'Cargo.lock'].filter((path) => time(module) < time(path))
@@ -176,10 +180,7 @@ export async function assertAsPredicted(page, program) {
   assert.equal(times.length, runs.length)
   runs.forEach(({ cycle_time_s: expected }, index) => {
     assert.ok(expected > 0)
-    assert.ok(
-      Math.abs(times[index] / expected - 1) <= 1e-9,
-      `${times[index]} on the page, ${expected} on the command line`,
-    )
+    assert.ok(Math.abs(times[index] / expected - 1) <= 1e-9, `${times[index]} on the page, ${expected} on the command line`)
   })
 }
 
@@ -254,7 +255,11 @@ export const span = async (page) => {
   return (await page.getAttribute('.plot', 'data-span')).split(' ').map(Number)
 }
 /** Widths of a phone, a laptop and a large screen, with heights. */
-const SIZES = [[390, 844], [1280, 900], [1920, 1080]]
+const SIZES = [
+  [390, 844],
+  [1280, 900],
+  [1920, 1080],
+]
 
 /**
  * Looks at what is open at each size in both themes: nothing may scroll sideways. The page is left as it was found.

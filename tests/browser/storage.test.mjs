@@ -30,11 +30,7 @@ const machines = ['[{"name":"x"}]', '[{"name":"x","rapid.feed_mm_min":{"a":1},"t
 pageTest('whatever stands in the storage, the page starts and computes', async ({ page, errors }) => {
   const keys = ['truefeed.settings.1', 'truefeed.settings.before.1', 'truefeed.machines.1', 'truefeed.tab']
   /** What stands under each key, for one start each. */
-  const poisons = [
-    ...SHAPES.map((text) => [text, text, text, text]),
-    ...parts.map((text) => [text, text, '[]', 'x'.repeat(100_000)]),
-    ...machines.map((text) => ['{}', 'null', text, '__proto__']),
-  ]
+  const poisons = [...SHAPES.map((text) => [text, text, text, text]), ...parts.map((text) => [text, text, '[]', 'x'.repeat(100_000)]), ...machines.map((text) => ['{}', 'null', text, '__proto__'])]
   for (const poison of poisons) {
     await page.evaluate(
       ([keys, poison]) => {

@@ -81,7 +81,13 @@ export function mountForm(root, materials, changed) {
   function stockTable(own) {
     const rows = own.stock.map((ends, axis) => {
       const name = 'XYZ'[axis]
-      const cells = [say.cutting.from, say.cutting.to].map((title, end) => make('td', {}, number(`${say.cutting.stock} ${name} ${title}`, ends[end], (value) => (ends[end] = value))))
+      const cells = [say.cutting.from, say.cutting.to].map((title, end) =>
+        make(
+          'td',
+          {},
+          number(`${say.cutting.stock} ${name} ${title}`, ends[end], (value) => (ends[end] = value)),
+        ),
+      )
       return make('tr', {}, make('th', { scope: 'row' }, name), ...cells)
     })
     return titled(say.cutting.stockHelp, ['', say.cutting.from, say.cutting.to], rows)
@@ -91,7 +97,13 @@ export function mountForm(root, materials, changed) {
   function toolTable(own) {
     const rows = own.tools.map((tool) => {
       const called = tool.number === null ? say.charts.noTool : `T${tool.number}`
-      const cells = OF_TOOL.map(([key, title]) => make('td', {}, number(`${called} ${title}`, /** @type {number | null} */ (tool[key]), (value) => Object.assign(tool, { [key]: value }))))
+      const cells = OF_TOOL.map(([key, title]) =>
+        make(
+          'td',
+          {},
+          number(`${called} ${title}`, /** @type {number | null} */ (tool[key]), (value) => Object.assign(tool, { [key]: value })),
+        ),
+      )
       return make('tr', {}, make('th', { scope: 'row' }, called), make('td', { className: 'name' }, tool.name), ...cells)
     })
     return titled(say.cutting.toolsHelp, [say.breakdown.tool, say.breakdown.name, ...OF_TOOL.map(([, title]) => title)], rows)

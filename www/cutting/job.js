@@ -35,7 +35,12 @@ function boxOf({ steps, trail }) {
       high[axis] = Math.max(high[axis], value)
     }
   }
-  if (!Number.isFinite(low[0])) return [[null, null], [null, null], [null, null]]
+  if (!Number.isFinite(low[0]))
+    return [
+      [null, null],
+      [null, null],
+      [null, null],
+    ]
   if (low[2] < 0) high[2] = 0
   return [0, 1, 2].map((axis) => [Math.floor(low[axis] * STEPS_PER_MM) / STEPS_PER_MM, Math.ceil(high[axis] * STEPS_PER_MM) / STEPS_PER_MM])
 }

@@ -53,7 +53,11 @@ export function skeleton(root) {
     show(quotes, labels, currency, picture) {
       rest()
       const programmed = sum(quotes, (quote) => quote.programmed_time_s)
-      title.textContent = quotes.map(({ program }) => program).filter(Boolean).join(' + ') || say.common.cycleTime
+      title.textContent =
+        quotes
+          .map(({ program }) => program)
+          .filter(Boolean)
+          .join(' + ') || say.common.cycleTime
       about.textContent = say.embed.cam(show.clock(programmed), show.seconds(programmed))
       choice.textContent = say.embed.chooseOther
       const tables = [table(quotes, labels, currency), ...(quotes.length > 1 ? [programsTable(quotes, currency)] : [])]
@@ -81,7 +85,12 @@ function headline(quotes, labels, currency) {
   const [first] = quotes[0].runs
   if (!first) return []
   const price = sum(quotes, ({ runs }) => runs[0].price)
-  const words = [make('b', {}, show.clock(sum(quotes, ({ runs }) => runs[0].cycle_time_s))), ...(price > 0 ? [' ', make('b', { className: 'price' }, money(price, currency))] : []), ' ', make('span', { className: 'about' }, say.embed.perPart(nameOf(first, labels[0])))]
+  const words = [
+    make('b', {}, show.clock(sum(quotes, ({ runs }) => runs[0].cycle_time_s))),
+    ...(price > 0 ? [' ', make('b', { className: 'price' }, money(price, currency))] : []),
+    ' ',
+    make('span', { className: 'about' }, say.embed.perPart(nameOf(first, labels[0]))),
+  ]
   const made = make('p', { className: 'headline' }, ...words)
   made.setAttribute('part', 'headline')
   return [made]
@@ -110,9 +119,7 @@ function table(quotes, labels, currency) {
   ]
   if (priced) columns.push([say.compare.price, (index) => money(price(index), currency), ''])
   const titles = columns.map(([title, , className]) => make('th', { scope: 'col', className }, title))
-  const rows = runs.map((run, index) =>
-    make('tr', {}, make('th', { scope: 'row' }, nameOf(run, labels[index])), ...columns.map(([, text, className]) => make('td', { className }, text(index)))),
-  )
+  const rows = runs.map((run, index) => make('tr', {}, make('th', { scope: 'row' }, nameOf(run, labels[index])), ...columns.map(([, text, className]) => make('td', { className }, text(index)))))
   const made = make('table', {}, make('thead', {}, make('tr', {}, make('th', { scope: 'col' }, say.common.tolerance), ...titles)), make('tbody', {}, ...rows))
   made.setAttribute('part', 'table')
   return made

@@ -18,16 +18,13 @@ export const LIMITS = Object.freeze({
 })
 
 /** What may be themed. */
-const THEMED = ['accent', 'error', 'font', 'ground', 'line', 'muted', 'padding', 'radius', 'text'].map(
-  (name) => `--truefeed-${name}`,
-)
+const THEMED = ['accent', 'error', 'font', 'ground', 'line', 'muted', 'padding', 'radius', 'text'].map((name) => `--truefeed-${name}`)
 
 /** @typedef {string | number | null} Id */
 /** @typedef {{type: string, id: Id, [key: string]: any}} Message */
 
 const isText = (/** @type {unknown} */ value, /** @type {number} */ most) => typeof value === 'string' && value.length <= most
-const isOptional = (/** @type {(value: unknown) => boolean} */ test) => (/** @type {unknown} */ value) =>
-  value === undefined || value === null || test(value)
+const isOptional = (/** @type {(value: unknown) => boolean} */ test) => (/** @type {unknown} */ value) => value === undefined || value === null || test(value)
 
 /** What a key must be, in words, and the test of it. @typedef {Record<string, [string, (value: any) => boolean]>} Tests */
 
@@ -35,41 +32,35 @@ const SHORT_TEXT = `a text of up to ${LIMITS.nameCharacters} characters`
 
 /** What each kind of message says. @type {Map<string, Tests>} */
 const KINDS = new Map(
-  Object.entries(/** @type {Record<string, Tests>} */ ({
-    'load-program': {
-      program: [
-        'a text, a Uint8Array or an ArrayBuffer',
-        (value) => typeof value === 'string' || value instanceof Uint8Array || value instanceof ArrayBuffer,
-      ],
-      name: [SHORT_TEXT, isOptional((value) => isText(value, LIMITS.nameCharacters))],
-      dialect: [SHORT_TEXT, isOptional((value) => isText(value, LIMITS.nameCharacters))],
-    },
-    'set-machine': {
-      machine: [
-        'a text, or a plain object of plain objects, lists, texts, finite numbers, true, false and null',
-        (value) => typeof value === 'string' || (isRecord(value) && partsOf(value).every(isJson)),
-      ],
-    },
-    'set-tolerances': {
-      tolerances: [
-        `a list of up to ${LIMITS.tolerances} numbers in mm, or null for the program’s own`,
-        (value) =>
-          Array.isArray(value) &&
-          value.length <= LIMITS.tolerances &&
-          value.every((one) => one === null || (typeof one === 'number' && Number.isFinite(one))),
-      ],
-    },
-    'set-theme': {
-      theme: [
-        `an object with texts of up to ${LIMITS.themeCharacters} characters for any of ${THEMED.join(', ')}`,
-        (value) =>
-          isRecord(value) &&
-          Object.entries(value).every(([key, text]) => THEMED.includes(key) && isText(text, LIMITS.themeCharacters)),
-      ],
-    },
-    'get-quote': {},
-    cancel: {},
-  })),
+  Object.entries(
+    /** @type {Record<string, Tests>} */ ({
+      'load-program': {
+        program: ['a text, a Uint8Array or an ArrayBuffer', (value) => typeof value === 'string' || value instanceof Uint8Array || value instanceof ArrayBuffer],
+        name: [SHORT_TEXT, isOptional((value) => isText(value, LIMITS.nameCharacters))],
+        dialect: [SHORT_TEXT, isOptional((value) => isText(value, LIMITS.nameCharacters))],
+      },
+      'set-machine': {
+        machine: [
+          'a text, or a plain object of plain objects, lists, texts, finite numbers, true, false and null',
+          (value) => typeof value === 'string' || (isRecord(value) && partsOf(value).every(isJson)),
+        ],
+      },
+      'set-tolerances': {
+        tolerances: [
+          `a list of up to ${LIMITS.tolerances} numbers in mm, or null for the program’s own`,
+          (value) => Array.isArray(value) && value.length <= LIMITS.tolerances && value.every((one) => one === null || (typeof one === 'number' && Number.isFinite(one))),
+        ],
+      },
+      'set-theme': {
+        theme: [
+          `an object with texts of up to ${LIMITS.themeCharacters} characters for any of ${THEMED.join(', ')}`,
+          (value) => isRecord(value) && Object.entries(value).every(([key, text]) => THEMED.includes(key) && isText(text, LIMITS.themeCharacters)),
+        ],
+      },
+      'get-quote': {},
+      cancel: {},
+    }),
+  ),
 )
 
 /**

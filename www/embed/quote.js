@@ -338,7 +338,12 @@ async function fetched(source, signal) {
 
 /** The last part of an address. @param {string | null | undefined} address */
 function nameOf(address) {
-  return (address ?? '').replace(/[?#].*$/s, '').split('/').pop() ?? ''
+  return (
+    (address ?? '')
+      .replace(/[?#].*$/s, '')
+      .split('/')
+      .pop() ?? ''
+  )
 }
 
 customElements.define('truefeed-quote', QuoteElement)

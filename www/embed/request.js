@@ -39,7 +39,7 @@ export function requestOf(machine, tolerances, { name = '', dialect = null }) {
 }
 
 /** JSON with U+FFFD for each half of a surrogate pair, as `TextEncoder` writes it: no text can hold one. @param {string} json */
-const wellFormed = (json) => json.replace(/\\(?:ud[89a-f][\da-f]{2}|.)/g, (escape) => (escape.length > 2 ? '\ufffd' : escape))
+const wellFormed = (json) => json.replace(/\\(?:ud[89a-f][\da-f]{2}|.)/g, (code) => (code.length > 2 ? '\ufffd' : code))
 
 /** The bytes of a program. @param {Program} program */
 export function bytesOf(program) {

@@ -89,10 +89,7 @@ export async function compute(engine, state, job, operation) {
     let summary
     /** @type {Run | undefined} */
     let run
-    await engine.simulate(
-      { program, machine, dialect, columns: [column], labels: [columnLabel(column)] },
-      { stage() {}, program: (told) => (summary = told), run: (_, told) => (run = told) },
-    )
+    await engine.simulate({ program, machine, dialect, columns: [column], labels: [columnLabel(column)] }, { stage() {}, program: (told) => (summary = told), run: (_, told) => (run = told) })
     if (!summary || !run) continue
     const all = known.get(program) ?? new Map()
     known.set(program, all.set(wayOf(job, operation), { summary, run, column, title }))

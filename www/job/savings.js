@@ -49,7 +49,10 @@ function raised(cut, program) {
   if (rooms.length === 0) return undefined
   /** @type {Record<string, number>} */
   const factors = {}
-  for (const { lines: [from, to], factor } of inOrder(rooms)) {
+  for (const {
+    lines: [from, to],
+    factor,
+  } of inOrder(rooms)) {
     factors[`L${from}`] = factor
     factors[`L${to + 1}`] ??= 1
   }

@@ -27,10 +27,7 @@ const KINDS = [
   [say.common.rapid, ({ rapid_s }) => rapid_s],
   [say.common.dwell, ({ dwell_s }) => dwell_s],
   [say.breakdown.toolChanges, ({ tool_change_s }) => tool_change_s],
-  ...FUNCTIONS.map(
-    ([key, title]) =>
-      /** @type {[string, (breakdown: Breakdown) => number]} */ ([title, ({ other }) => other[key]]),
-  ),
+  ...FUNCTIONS.map(([key, title]) => /** @type {[string, (breakdown: Breakdown) => number]} */ ([title, ({ other }) => other[key]])),
 ]
 
 /** What is told of an operation or a tool, and how it is written. @type {[string, (part: Part) => number, (value: number) => string][]} */
@@ -126,7 +123,10 @@ export function mount(root, actions) {
       shown = now
       quotedBefore = quoted
       kinds.replaceChildren(kindsTable(shown))
-      at.update(shown.map(({ column }) => column), quoted)
+      at.update(
+        shown.map(({ column }) => column),
+        quoted,
+      )
       fill()
     },
   }
@@ -142,18 +142,11 @@ function cutOf(state) {
 
 /** Seconds by kind, a column a tolerance; kinds that take no time at any are left out. @param {ColumnRun[]} shown */
 function kindsTable(shown) {
-  const titles = shown.map(({ column, index }) =>
-    make('th', { scope: 'col' }, make('span', { className: `swatch curve-${index}` }), columnLabel(column)),
-  )
+  const titles = shown.map(({ column, index }) => make('th', { scope: 'col' }, make('span', { className: `swatch curve-${index}` }), columnLabel(column)))
   const runs = shown.map(({ run }) => run)
   const head = make('tr', {}, make('th', { scope: 'col' }, say.breakdown.timeByKind), ...titles)
   const rows = KINDS.filter(([, time]) => runs.some(({ breakdown }) => time(breakdown) !== 0)).map(([title, time]) =>
-    make(
-      'tr',
-      {},
-      make('th', { scope: 'row' }, title),
-      ...runs.map(({ breakdown }) => make('td', {}, seconds(time(breakdown)))),
-    ),
+    make('tr', {}, make('th', { scope: 'row' }, title), ...runs.map(({ breakdown }) => make('td', {}, seconds(time(breakdown))))),
   )
   return scroll(make('table', {}, make('thead', {}, head), make('tbody', {}, ...rows)))
 }

@@ -55,9 +55,7 @@ export function mount(root, actions) {
 /** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */
 function table(caption, titles, rows) {
   const head = make('tr', {}, ...titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {}))))
-  const body = rows.map(([name, ...cells]) =>
-    make('tr', {}, make('th', { scope: 'row' }, name), ...cells.map((cell) => make('td', {}, cell))),
-  )
+  const body = rows.map(([name, ...cells]) => make('tr', {}, make('th', { scope: 'row' }, name), ...cells.map((cell) => make('td', {}, cell))))
   const all = make('table', {}, make('caption', {}, caption), make('thead', {}, head), make('tbody', {}, ...body))
   return scroll(all)
 }

@@ -76,8 +76,7 @@ export function mount(root) {
   /** Gives the colours of the chart to chips, table and read-out. */
   function colors() {
     chart.setDark(dark.matches)
-    for (let index = 0; index <= mostCurves(); index += 1)
-      document.documentElement.style.setProperty(`--curve-${index}`, chart.color(index))
+    for (let index = 0; index <= mostCurves(); index += 1) document.documentElement.style.setProperty(`--curve-${index}`, chart.color(index))
   }
   colors()
 

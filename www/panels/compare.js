@@ -3,7 +3,7 @@
 
 import { TolerancePicture, curveTolerances, price } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, offer } from '../dom.js'
 import { sheetOf, whenStill } from '../drawing.js'
 import { clock, difference, money, percent, seconds } from '../format.js'
 import { deviationLabel, toleranceLabel } from '../labels.js'
@@ -99,7 +99,9 @@ export function mount(root, engine, form, actions) {
     cross.hidden = false
     Object.assign(cross.style, { left: `${left}px`, top: `${top}px`, height: `${bottom - top}px` })
     const found = [...picture.times(tolerance)]
-    const rows = sides.slice(0, found.length).map(({ name }, index) => make('p', {}, sides.length > 1 ? `${name}: ` : '', make('strong', {}, Number.isFinite(found[index]) ? say.compare.about(seconds(found[index])) : '…')))
+    const rows = sides
+      .slice(0, found.length)
+      .map(({ name }, index) => make('p', {}, sides.length > 1 ? `${name}: ` : '', make('strong', {}, Number.isFinite(found[index]) ? say.compare.about(seconds(found[index])) : '…')))
     reading.hidden = false
     reading.replaceChildren(make('p', {}, make('strong', {}, toleranceLabel(tolerance))), ...rows, make('p', { className: 'small' }, say.compare.clickToAdd))
     const toTheLeft = left > sheet.width / 2
@@ -116,7 +118,7 @@ export function mount(root, engine, form, actions) {
   /** @param {State} now */
   function show(now) {
     state = now
-    offer(now)
+    offer(beside, [['', say.compare.noOtherMachine], ...form.presets.map(({ name }, index) => [String(index), name])], now.beside === null ? '' : String(now.beside))
     const program = selected()
     const outcome = program?.outcome
     const own = asked(now.machine.values)
@@ -140,10 +142,7 @@ export function mount(root, engine, form, actions) {
     const isComplete = columns.every((column) => outcome.runs.has(column))
     if (stopped !== subject()) stopped = ''
     const curve = coarseFirst(all)
-    const wanted = [
-      ...sides.slice(1).map(({ machine }) => ({ machine, columns })),
-      ...sides.map(({ machine }) => ({ machine, columns: curve })),
-    ]
+    const wanted = [...sides.slice(1).map(({ machine }) => ({ machine, columns })), ...sides.map(({ machine }) => ({ machine, columns: curve }))]
     const lacks = wanted.some(({ machine, columns }) => columns.some((column) => !times.of(program, machine).has(column)))
     // The page's own results come first.
     if (now.progress || !isComplete || now.paused) times.stop()
@@ -164,18 +163,6 @@ export function mount(root, engine, form, actions) {
     standing.textContent = say.compare.failed(message)
   }
 
-  /** The machines to compare with. @param {State} now */
-  function offer({ beside: chosen }) {
-    const names = form.presets.map(({ name }, index) => ({ name, index }))
-    const signature = JSON.stringify(names)
-    if (beside.dataset.offered !== signature) {
-      const options = names.map(({ name, index }) => make('option', { value: String(index) }, name))
-      beside.replaceChildren(make('option', { value: '' }, say.compare.noOtherMachine), ...options)
-      beside.dataset.offered = signature
-    }
-    beside.value = chosen === null ? '' : String(chosen)
-  }
-
   /** @param {Outcome} outcome @param {Column[]} columns */
   function fill(outcome, columns) {
     const cells = sides.flatMap((side) => columns.map((column, index) => ({ side, column, index, time: side.times.get(column) })))
@@ -183,13 +170,13 @@ export function mount(root, engine, form, actions) {
     const prices = cells.map(({ side, time }) => (time === undefined ? 0 : (price(side.machine.json, time) ?? 0)))
     const row = (/** @type {string} */ title, /** @type {(cell: typeof cells[number], index: number) => string} */ text, className = '') =>
       make('tr', { className }, make('th', { scope: 'row' }, title), ...cells.map((cell, index) => make('td', {}, cell.time === undefined ? '…' : text(cell, index))))
-    const against = (/** @type {(by: number, from: number) => string} */ text) => (/** @type {typeof cells[number]} */ { time = 0 }, /** @type {number} */ index) =>
-      base === undefined ? '…' : index === 0 ? '–' : text(time - base, base)
+    const against =
+      (/** @type {(by: number, from: number) => string} */ text) =>
+      (/** @type {typeof cells[number]} */ { time = 0 }, /** @type {number} */ index) =>
+        base === undefined ? '…' : index === 0 ? '–' : text(time - base, base)
     const first = cells[0] ? `${columnLabel(cells[0].column)}${sides.length > 1 ? `, ${sides[0].name}` : ''}` : ''
     const heads = sides.length > 1 ? [make('tr', {}, make('td', {}), ...sides.map(({ name }) => make('th', { scope: 'colgroup', colSpan: columns.length }, name)))] : []
-    const labels = cells.map(({ column, index, side }) =>
-      make('th', { scope: 'col' }, ...(side === sides[0] ? [make('span', { className: `swatch curve-${index}` })] : []), columnLabel(column)),
-    )
+    const labels = cells.map(({ column, index, side }) => make('th', { scope: 'col' }, ...(side === sides[0] ? [make('span', { className: `swatch curve-${index}` })] : []), columnLabel(column)))
     table.replaceChildren(
       make('caption', {}, say.compare.against(first)),
       make('thead', {}, ...heads, make('tr', {}, make('th', { scope: 'col' }, say.common.tolerance), ...labels)),
@@ -198,8 +185,14 @@ export function mount(root, engine, form, actions) {
         {},
         row(say.common.cycleTime, ({ time = 0 }) => clock(time), 'time'),
         row(say.compare.inSeconds, ({ time = 0 }) => seconds(time)),
-        row(say.common.difference, against((by) => difference(by))),
-        row(say.compare.inPercent, against((by, from) => percent(by / from))),
+        row(
+          say.common.difference,
+          against((by) => difference(by)),
+        ),
+        row(
+          say.compare.inPercent,
+          against((by, from) => percent(by / from)),
+        ),
         ...(prices.some((amount) => amount > 0) ? [row(say.compare.price, (_, index) => (prices[index] > 0 ? money(prices[index]) : '–'), 'price')] : []),
         row(say.compare.againstProgrammed, ({ time = 0 }) => percent(time / outcome.summary.programmed_time_s - 1)),
         row(say.common.contourError, ({ side, column }) => {
@@ -216,7 +209,10 @@ export function mount(root, engine, form, actions) {
     picture?.free()
     picture = new TolerancePicture(outcome.summary.programmed_time_s)
     for (const rows of shown)
-      picture.add(Float64Array.from(rows, ([tolerance]) => tolerance), Float64Array.from(rows, ([, time]) => time))
+      picture.add(
+        Float64Array.from(rows, ([tolerance]) => tolerance),
+        Float64Array.from(rows, ([, time]) => time),
+      )
     for (const [index, column] of columns.entries()) {
       const time = sides[0].times.get(column)
       if (column !== null && time !== undefined) picture.mark(index, column, time)

@@ -106,7 +106,7 @@ export function mount(root, engine, actions) {
   })
   plot.addEventListener('pointermove', (event) => {
     const distance = distanceAt(event)
-    if (distance === undefined) return others.leave(), hide()
+    if (distance === undefined) return (others.leave(), hide())
     read(distance, false)
     others.point(distance)
   })
@@ -140,8 +140,15 @@ export function mount(root, engine, actions) {
     reading.hidden = passive
     if (passive) return
     const loads = picture.reading(distance)
-    const rows = [[say.cutting.force, 'N'], [say.cutting.power, 'W'], [say.cutting.removal, 'cm³/min']].map(([title, unit], index) =>
-      row(title, [0, 1].map((which) => `${figures(loads[2 * index + which])} ${unit}`)),
+    const rows = [
+      [say.cutting.force, 'N'],
+      [say.cutting.power, 'W'],
+      [say.cutting.removal, 'cm³/min'],
+    ].map(([title, unit], index) =>
+      row(
+        title,
+        [0, 1].map((which) => `${figures(loads[2 * index + which])} ${unit}`),
+      ),
     )
     const body = make('table', {}, row('', [say.charts.programmed, say.charts.predicted]), ...rows)
     const line = lineAt(distance)
@@ -273,37 +280,27 @@ export function mount(root, engine, actions) {
   /** @param {CutResult} cut */
   function show({ summary, columns: loads }) {
     const { cutting, operations } = summary.runs[0]
-    const remarks = summary.diagnostics.map(({ line, severity, message }) =>
-      make('li', { className: severity }, ...(line ? [say.cutting.line, way(line, placeOf(line)), `: ${message}`] : [message])),
-    )
+    const remarks = summary.diagnostics.map(({ line, severity, message }) => make('li', { className: severity }, ...(line ? [say.cutting.line, way(line, placeOf(line)), `: ${message}`] : [message])))
     result.replaceChildren(...(remarks.length ? [make('ul', {}, ...remarks)] : []))
     if (!cutting) return
     const peaks = PEAKS.map(([key, title, unit]) => {
       const { programmed, predicted } = cutting
-      const cells = [programmed[key], predicted[key]].map(({ value, line, distance_mm: at }) => [
-        figures(value),
-        value > 0 ? way(line, around(at).distance_mm) : '–',
-      ])
+      const cells = [programmed[key], predicted[key]].map(({ value, line, distance_mm: at }) => [figures(value), value > 0 ? way(line, around(at).distance_mm) : '–'])
       return row(`${title} (${unit})`, cells.flat())
     })
-    const peak = (/** @type {CutPeak} */ { value, line, distance_mm: at }) => [
-      figures(value),
-      value > 0 ? way(line, around(at).distance_mm) : '–',
-    ]
-    const parts = operations.flatMap(({ line, name, cutting: own }) =>
-      own
-        ? [row(`${line} ${name ?? ''}`, [number(own.removed_mm3), ...peak(own.peak_force_n), ...peak(own.peak_power_w)])]
-        : [],
-    )
-    const rooms = cutting.headroom.slice(0, ROOMS).map(({ lines: [from, to], distance_mm: place, ...room }) =>
-      row(way(from, place, from === to ? `${from}` : `${from}–${to}`), [
-        feedrate(room.programmed_mm_min),
-        `× ${room.factor}`,
-        room.limit === null ? say.cutting.noLimit : LIMITS[room.limit],
-        feedrate(room.predicted_mm_min),
-        seconds(room.saved_s),
-      ]),
-    )
+    const peak = (/** @type {CutPeak} */ { value, line, distance_mm: at }) => [figures(value), value > 0 ? way(line, around(at).distance_mm) : '–']
+    const parts = operations.flatMap(({ line, name, cutting: own }) => (own ? [row(`${line} ${name ?? ''}`, [number(own.removed_mm3), ...peak(own.peak_force_n), ...peak(own.peak_power_w)])] : []))
+    const rooms = cutting.headroom
+      .slice(0, ROOMS)
+      .map(({ lines: [from, to], distance_mm: place, ...room }) =>
+        row(way(from, place, from === to ? `${from}` : `${from}–${to}`), [
+          feedrate(room.programmed_mm_min),
+          `× ${room.factor}`,
+          room.limit === null ? say.cutting.noLimit : LIMITS[room.limit],
+          feedrate(room.predicted_mm_min),
+          seconds(room.saved_s),
+        ]),
+      )
     result.append(
       table([say.cutting.largest, say.cutting.programmedFeed, say.common.line, say.cutting.predictedFeed, say.common.line], peaks),
       table([say.common.operation, say.common.removedMm, say.common.peakForceN, say.common.line, say.common.peakPowerW, say.common.line], parts),
@@ -318,15 +315,7 @@ export function mount(root, engine, actions) {
     fed = fedAlong(loads.distance, loads.predictedPerTooth, form.tools(), operations)
     if (fed.byTool.size > 0) result.append(perToothTable(fed.byTool))
     const { distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate } = loads
-    picture = new LoadPicture(
-      distance,
-      programmedForce,
-      predictedForce,
-      programmedPower,
-      predictedPower,
-      programmedRate,
-      predictedRate,
-    )
+    picture = new LoadPicture(distance, programmedForce, predictedForce, programmedPower, predictedPower, programmedRate, predictedRate)
     plot.hidden = false
     find(root, '.tools').hidden = false
     span = others.span() ?? [distance[0] ?? 0, distance.at(-1) ?? 1]

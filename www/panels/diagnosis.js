@@ -104,8 +104,8 @@ export function mount(root, engine, form, actions) {
     if (stretch) show(index, stretch)
   }
 
-  /** @param {Diagnosis} diagnosis @param {State} state */
-  function fill({ report, json, html, runs: all, used }, state) {
+  /** @param {Diagnosis} diagnosis */
+  function fill({ report, json, html, runs: all, used }) {
     sentence.textContent = worded(report.sentence)
     const use = make('button', { type: 'button', className: 'use-diagnosis' }, used ? say.common.undoMachine : say.diagnosis.useExtended)
     use.addEventListener('click', () => {
@@ -117,7 +117,16 @@ export function mount(root, engine, form, actions) {
     const save = make('button', { type: 'button', className: 'save' }, say.common.saveMachine)
     if (values) save.addEventListener('click', () => saveMachine(values))
     const asHtml = make('button', { type: 'button', className: 'html' }, say.diagnosis.saveHtml)
-    asHtml.addEventListener('click', () => saveFile(withCharts(html, all.map(({ columns }) => columns)), 'text/html', 'diagnosis.html'))
+    asHtml.addEventListener('click', () =>
+      saveFile(
+        withCharts(
+          html,
+          all.map(({ columns }) => columns),
+        ),
+        'text/html',
+        'diagnosis.html',
+      ),
+    )
     const asJson = make('button', { type: 'button', className: 'json' }, say.diagnosis.saveJson)
     asJson.addEventListener('click', () => saveFile(json, 'application/json', 'diagnosis.json'))
     choices.replaceChildren(...(report.changes.length > 0 ? [use, save] : []), asHtml, asJson)
@@ -128,16 +137,20 @@ export function mount(root, engine, form, actions) {
     place.replaceChildren(
       ...causes.map((cause) => causeOf(cause, showLines)),
       numbersTable(report),
-      regionsTable(report, all.map(({ name }) => name), show),
-      ...(values && report.changes.length > 0 ? [whatIf(report, values, state)] : []),
+      regionsTable(
+        report,
+        all.map(({ name }) => name),
+        show,
+      ),
+      ...(values && report.changes.length > 0 ? [whatIf(report, values)] : []),
       ...measuredLaws(report.measured),
       ...report.messages.map((message) => make('p', { className: 'facts' }, worded(message))),
       ...notShown(report),
     )
   }
 
-  /** The changed fields, to be varied; says what a value would do to the cycle time. @param {DiagnosisReport} report @param {Values} values @param {State} state */
-  function whatIf(report, values, state) {
+  /** The changed fields, to be varied; says what a value would do to the cycle time. @param {DiagnosisReport} report @param {Values} values */
+  function whatIf(report, values) {
     const answer = make('p', { className: 'what-if', role: 'status' })
     const fault = make('p', { className: 'fault', role: 'alert' })
     /** @type {Values} */
@@ -213,7 +226,7 @@ export function mount(root, engine, form, actions) {
       shown = diagnosis
       wasUsed = diagnosis?.used ?? false
       view.hidden = !diagnosis
-      if (diagnosis) fill(diagnosis, state)
+      if (diagnosis) fill(diagnosis)
       else {
         sentence.textContent = ''
         choices.replaceChildren()
@@ -257,13 +270,7 @@ function withCharts(html, runs) {
 /** What the chart says about one distance. @param {Pointer} pointer @param {import("../types.js").Program | undefined} program */
 function words({ distance, line, programmed, rapid, curves, lost, lostAfter }, program) {
   const rows = curves.map(({ label, index, feedrate: feed, range, time }) =>
-    make(
-      'tr',
-      {},
-      make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label),
-      make('td', {}, feedrate(feed), rangeOf(range)),
-      make('td', {}, seconds(time)),
-    ),
+    make('tr', {}, make('th', { scope: 'row' }, make('span', { className: `swatch curve-${index}` }), label), make('td', {}, feedrate(feed), rangeOf(range)), make('td', {}, seconds(time))),
   )
   const both = [lost, lostAfter].flatMap((value) => (value === undefined ? [] : [lostLabel(value)]))
   const late = both.length === 0 ? [] : [make('p', {}, say.diagnosis.lostBothSoFar, make('strong', {}, both.join(' → ')))]
@@ -335,9 +342,7 @@ function accountOf({ account }) {
 /** @param {string} caption @param {string[]} titles @param {(string | Node)[][]} rows */
 function table(caption, titles, rows) {
   const head = make('tr', {}, ...titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {}))))
-  const body = rows.map(([name, ...cells]) =>
-    make('tr', {}, make('th', { scope: 'row' }, name), ...cells.map((cell) => make('td', {}, cell))),
-  )
+  const body = rows.map(([name, ...cells]) => make('tr', {}, make('th', { scope: 'row' }, name), ...cells.map((cell) => make('td', {}, cell))))
   const all = make('table', {}, make('caption', {}, caption), make('thead', {}, head), make('tbody', {}, ...body))
   return scroll(all)
 }
@@ -351,9 +356,7 @@ function numbersTable({ fit }) {
     [say.diagnosis.feedRmseHeldOut, fit.held_out.feed_rmse_mm_min, feedrate],
     [say.diagnosis.positionRmse, fit.position_rmse_mm, (value) => `${number(1000 * value)} µm`],
   ]
-  const rows = all.flatMap(([name, { before, after }, written]) =>
-    before === null || after === null ? [] : [[name, written(before), written(after)]],
-  )
+  const rows = all.flatMap(([name, { before, after }, written]) => (before === null || after === null ? [] : [[name, written(before), written(after)]]))
   return table(say.diagnosis.beforeAfter, ['', say.common.before, say.diagnosis.after], rows)
 }
 

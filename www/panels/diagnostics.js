@@ -19,19 +19,11 @@ export function mount(root, strip) {
 
   /** @param {Program} program @param {Diagnostic[]} diagnostics @param {number} most */
   function fill(program, diagnostics, most) {
-    const rows = diagnostics
-      .slice(0, most)
-      .map(({ line, severity, message }) => {
-        const code = make('code', {})
-        program.lines.at(line).then((text) => (code.textContent = text))
-        return make(
-          'tr',
-          { className: severity },
-          make('td', { className: 'line' }, String(line)),
-          make('td', { className: 'severity' }, NAMES[severity](1)),
-          make('td', {}, message, code),
-        )
-      })
+    const rows = diagnostics.slice(0, most).map(({ line, severity, message }) => {
+      const code = make('code', {})
+      program.lines.at(line).then((text) => (code.textContent = text))
+      return make('tr', { className: severity }, make('td', { className: 'line' }, String(line)), make('td', { className: 'severity' }, NAMES[severity](1)), make('td', {}, message, code))
+    })
     const titles = [say.common.line, say.diagnostics.kind, say.diagnostics.what].map((title) => make('th', { scope: 'col' }, title))
     list.replaceChildren(make('table', {}, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows)))
     if (most < diagnostics.length) {

@@ -2,7 +2,7 @@
 
 import { programTitle, sniffedBytes, termsForm, toolsOf } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, offer } from '../dom.js'
 import { field } from '../field.js'
 import { clock } from '../format.js'
 import { keepHead, nameOf } from '../job/names.js'
@@ -70,7 +70,7 @@ export function mount(root, form, actions) {
 
   /** Moves the operation in sight. @param {number} places */
   function step(places) {
-    const at = state?.programs.findIndex((program) => program === current) ?? -1
+    const at = state && current ? state.programs.indexOf(current) : -1
     if (current && at >= 0) actions.moveProgram(current.id, at + places)
   }
 
@@ -194,23 +194,15 @@ export function mount(root, form, actions) {
     const ofJob = columnLabel(quotedColumn(now, { ...program, tolerance: null }))
     const isProgrammed = program.outcome?.held.length || program.tolerance === PROGRAMMED
     const columns = [...(isProgrammed ? [null] : []), ...columnsOf(now, program).filter((column) => column !== null)]
-    const choices = columns.map((column) => [valueOf(column), columnLabel(column)])
-    offer(tolerance, [['', say.job.ofJob(ofJob)], ...choices], valueOf(program.tolerance, ''))
-  }
-
-  /** @param {HTMLSelectElement} select @param {string[][]} choices  value and title @param {string} chosen */
-  function offer(select, choices, chosen) {
-    const offered = JSON.stringify(choices)
-    if (select.dataset.offered !== offered) select.replaceChildren(...choices.map(([value, text]) => make('option', { value }, text)))
-    select.dataset.offered = offered
-    select.value = chosen
+    const choices = columns.map((column) => [choiceOf(column), columnLabel(column)])
+    offer(tolerance, [['', say.job.ofJob(ofJob)], ...choices], choiceOf(program.tolerance, ''))
   }
 }
 
 const PROGRAMMED = 'programmed'
 
 /** A tolerance as the value of its choice. @param {OwnTolerance} tolerance @param {string} [none]  that of no tolerance */
-const valueOf = (tolerance, none = PROGRAMMED) => (tolerance === null ? none : String(tolerance))
+const choiceOf = (tolerance, none = PROGRAMMED) => (tolerance === null ? none : String(tolerance))
 
 /** A tolerance by the value of its choice. @param {string} value @returns {OwnTolerance} */
 const toleranceOf = (value) => (value === '' ? null : value === PROGRAMMED ? value : Number(value))

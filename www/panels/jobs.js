@@ -2,7 +2,7 @@
 
 import { jobFromText } from '../pkg/truefeed_whole.js'
 import { columnLabel } from '../columns.js'
-import { find, make } from '../dom.js'
+import { make } from '../dom.js'
 import { count } from '../format.js'
 import { opened, written } from '../job/document.js'
 import * as kept from '../job/jobs.js'
@@ -160,7 +160,15 @@ export function mount(root, form, columnOf, actions) {
     const job = { ...stored, programs: await inMemory(stored.programs) }
     await kept.remove(job.id)
     if (current === job.id) current = null
-    told.replaceChildren(say.jobs.removed(job.name), button(say.common.undo, () => kept.keep(job).then(() => told.replaceChildren()).then(reload)))
+    told.replaceChildren(
+      say.jobs.removed(job.name),
+      button(say.common.undo, () =>
+        kept
+          .keep(job)
+          .then(() => told.replaceChildren())
+          .then(reload),
+      ),
+    )
     await reload()
   }
 
@@ -177,10 +185,26 @@ export function mount(root, form, columnOf, actions) {
         'li',
         {},
         make('span', { className: 'about' }, make('b', {}, job.name), ' ', [job.customer, job.about, new Date(job.saved).toLocaleDateString()].filter(Boolean).join(' · ')),
-        labelled(button(say.jobs.openThis, () => openKept(job, false)), job),
-        labelled(button(say.jobs.duplicate, () => openKept(job, true)), job),
-        ...(state?.programs.length ? [labelled(button(say.jobs.compare, () => compare(job)), job)] : []),
-        labelled(button(say.jobs.remove, () => remove(job)), job),
+        labelled(
+          button(say.jobs.openThis, () => openKept(job, false)),
+          job,
+        ),
+        labelled(
+          button(say.jobs.duplicate, () => openKept(job, true)),
+          job,
+        ),
+        ...(state?.programs.length
+          ? [
+              labelled(
+                button(say.jobs.compare, () => compare(job)),
+                job,
+              ),
+            ]
+          : []),
+        labelled(
+          button(say.jobs.remove, () => remove(job)),
+          job,
+        ),
       )
     rows.replaceChildren(...shown.map(row))
     if (shown.length === 0) rows.append(make('li', { className: 'small' }, jobs.length === 0 ? say.jobs.none : say.jobs.noneFound))

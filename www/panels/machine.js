@@ -11,16 +11,7 @@ import { mountUndo } from '../undo.js'
 /** @import { Form, Preset, State, Value, Values } from "../types.js" */
 
 /** The parameters an estimator meets first: those of a data sheet, then those of the control. All others are under “More parameters”. */
-const BASIC = [
-  'name',
-  'rapid.feed_mm_min',
-  'path.acceleration_mm_s2',
-  'times.tool_change_s',
-  'rates.hourly',
-  'interpolator.corner_mode',
-  'interpolator.filters',
-  'interpolator.time_constant_s',
-]
+const BASIC = ['name', 'rapid.feed_mm_min', 'path.acceleration_mm_s2', 'times.tool_change_s', 'rates.hourly', 'interpolator.corner_mode', 'interpolator.filters', 'interpolator.time_constant_s']
 
 /**
  * @typedef {object} Actions
@@ -147,9 +138,7 @@ export function mount(root, form, actions) {
       }
       const count = rest.filter(({ element }) => element.classList.contains('set')).length
       find(root, '.count').textContent = count > 0 ? say.machine.inUse(count) : ''
-      const elsewhere = machine.faults
-        .filter(({ key }) => key === null || !ofKey.has(key))
-        .map(({ message }) => message)
+      const elsewhere = machine.faults.filter(({ key }) => key === null || !ofKey.has(key)).map(({ message }) => message)
       find(root, '.faults').textContent = elsewhere.join(' ')
     },
   }

@@ -13,14 +13,7 @@ export function measuredLaws(measured) {
   if (!measured) return []
   const place = make('div', { className: 'laws' })
   const absent = measured.absent.map(({ title, reason }) => make('p', { className: 'facts' }, worded(say.measured.absent(title, reason))))
-  const all = make(
-    'details',
-    { className: 'measured' },
-    make('summary', {}, make('h3', {}, say.measured.title)),
-    make('p', { className: 'facts' }, say.measured.legend),
-    place,
-    ...absent,
-  )
+  const all = make('details', { className: 'measured' }, make('summary', {}, make('h3', {}, say.measured.title)), make('p', { className: 'facts' }, say.measured.legend), place, ...absent)
   // A chart costs a canvas: none before it is asked for.
   all.addEventListener('toggle', () => all.open && !place.hasChildNodes() && place.append(...measured.laws.map(figureOf)))
   return [all]

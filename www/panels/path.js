@@ -3,7 +3,7 @@
 import { PathView } from '../pkg/truefeed_whole.js'
 import { mountTolerance } from '../at_tolerance.js'
 import { columnsOf, machineOf, quotedColumn } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, offer } from '../dom.js'
 import { sheetOf } from '../drawing.js'
 import { feedrate, figures, millimetres } from '../format.js'
 import { mountListing } from '../listing.js'
@@ -39,9 +39,7 @@ export function mount(root, actions) {
   const space = find(root, '.space')
   const canvas = /** @type {HTMLCanvasElement} */ (find(root, 'canvas'))
   const by = /** @type {HTMLSelectElement} */ (find(root, '.by'))
-  const [marks, axes, scale, here, reading, legend, list] = ['.marks', '.axes', '.scale', '.here', '.reading', '.legend', '.places'].map(
-    (selector) => find(root, selector),
-  )
+  const [marks, axes, scale, here, reading, legend, list] = ['.marks', '.axes', '.scale', '.here', '.reading', '.legend', '.places'].map((selector) => find(root, selector))
   const looks = /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll('[data-look]'))
   const dark = window.matchMedia('(prefers-color-scheme: dark)')
   const view = new PathView()
@@ -116,14 +114,18 @@ export function mount(root, actions) {
 
   // Drawing
 
-  const sheet = sheetOf(canvas, () => {
-    fill()
-    if (!outcome) return
-    const { width, height } = sheet
-    // While it moves the page's own pixels do: it has no letters.
-    view.draw(canvas, width, height, Math.min(sheet.ratio(1), Math.sqrt(MOST_PIXELS / (width * height))))
-    overlay(height)
-  }, root)
+  const sheet = sheetOf(
+    canvas,
+    () => {
+      fill()
+      if (!outcome) return
+      const { width, height } = sheet
+      // While it moves the page's own pixels do: it has no letters.
+      view.draw(canvas, width, height, Math.min(sheet.ratio(1), Math.sqrt(MOST_PIXELS / (width * height))))
+      overlay(height)
+    },
+    root,
+  )
   const { redraw, moved } = sheet
 
   /** Places what lies over the picture. @param {number} height */
@@ -344,7 +346,8 @@ export function mount(root, actions) {
     }
     view.setDark(dark.matches)
     if (run) view.pace(run.columns.paceEnd, run.columns.paceFeedrate)
-    options(by, choices(operations(), Boolean(lost), Boolean(revised), fed.length > 0))
+    const ways = choices(operations(), Boolean(lost), Boolean(revised), fed.length > 0)
+    offer(by, ways, ways.some(([value]) => value === by.value) ? by.value : ways[0][0])
     if (by.value === 'revised' && revised) view.lost(revised.columns.distance, revised.columns.later)
     else if (lost) view.lost(lost.lostDistance, lost.lostSeconds)
     color(view, by.value, operations(), fed)
@@ -376,7 +379,7 @@ export function mount(root, actions) {
       fed = (state.cut?.program === program?.id && state.cut?.fed) || NONE_FED
       at.update(columnsOf(state, program), quotedColumn(state, program))
       if (!outcome) {
-        canvas.width = canvas.width // empties it
+        canvas.getContext('2d')?.clearRect(0, 0, canvas.width, canvas.height)
         legend.replaceChildren()
         places.empty()
         player.fill(undefined)
@@ -389,12 +392,3 @@ export function mount(root, actions) {
 
 /** A round length. @param {number} length  mm */
 const lengthLabel = (length) => `${figures(length)} mm`
-
-/** Gives a choice its options and keeps what is chosen. @param {HTMLSelectElement} select @param {[string, string, ...string[]][]} all  value and title */
-function options(select, all) {
-  const before = select.value
-  const isSame = all.length === select.options.length && all.every(([value], index) => select.options[index].value === value)
-  if (isSame) return
-  select.replaceChildren(...all.map(([value, title]) => make('option', { value }, title)))
-  if (all.some(([value]) => value === before)) select.value = before
-}

@@ -51,7 +51,10 @@ export function color(view, by, operations, fed) {
   const isPart = ['tool', 'operation', 'fed'].includes(by)
   if (isPart) {
     const parts = partsOf(by, operations, fed)
-    view.parts(Float64Array.from(parts, ({ end }) => end), Float64Array.from(parts, ({ number }) => number))
+    view.parts(
+      Float64Array.from(parts, ({ end }) => end),
+      Float64Array.from(parts, ({ number }) => number),
+    )
   }
   view.color(isPart ? 'part' : by === 'revised' ? 'lost' : by)
 }

@@ -21,7 +21,7 @@ export function mountPlaces(list, marks, chosen) {
   /** Marks one of them, or none. @param {LostAt | undefined} place */
   function choose(place) {
     current = place
-    const index = places.findIndex((other) => other === place)
+    const index = place ? places.indexOf(place) : -1
     for (const [row, element] of [...list.querySelectorAll('tbody tr')].entries()) {
       if (row === index) element.setAttribute('aria-current', 'true')
       else element.removeAttribute('aria-current')
@@ -43,10 +43,7 @@ export function mountPlaces(list, marks, chosen) {
       )
       if (!run) return list.replaceChildren(make('p', { className: 'empty' }, say.common.computing))
       const { seconds: all, elsewhere_s: elsewhere } = run.summary.lost
-      const cells = (/** @type {number} */ lostHere) => [
-        make('td', {}, `${number(lostHere)} s`),
-        make('td', {}, all > 0 ? percent(lostHere / all).replace('+', '') : '–'),
-      ]
+      const cells = (/** @type {number} */ lostHere) => [make('td', {}, `${number(lostHere)} s`), make('td', {}, all > 0 ? percent(lostHere / all).replace('+', '') : '–')]
       const rows = places.map((place, index) => {
         const [from, to] = place.lines
         const go = make('button', { type: 'button', title: say.path.showEverywhere }, from === to ? `${from}` : `${from}–${to}`)
@@ -60,7 +57,11 @@ export function mountPlaces(list, marks, chosen) {
       titles[0].append(make('span', { className: 'away' }, say.path.place))
       const which = column === null ? columnLabel(column) : say.path.atTolerance(columnLabel(column))
       const caption = make('caption', {}, places.length > 0 ? say.path.costliest(which) : say.path.nothingLost(which))
-      const scroll = make('div', { className: 'scroll', tabIndex: 0 }, make('table', {}, caption, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows), make('tfoot', {}, rest, total)))
+      const scroll = make(
+        'div',
+        { className: 'scroll', tabIndex: 0 },
+        make('table', {}, caption, make('thead', {}, make('tr', {}, ...titles)), make('tbody', {}, ...rows), make('tfoot', {}, rest, total)),
+      )
       scroll.setAttribute('role', 'group')
       scroll.setAttribute('aria-label', say.path.costliestLabel)
       list.replaceChildren(scroll)

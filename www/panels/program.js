@@ -93,12 +93,7 @@ export function mount(root, dialects, arcCenters, actions) {
   function entry({ id, name }) {
     const about = make('span', { className: 'about' })
     const label = make('span', { className: 'file' })
-    const choose = make(
-      'button',
-      { type: 'button', className: 'choose', role: 'tab', title: say.program.removeByDelete },
-      label,
-      about,
-    )
+    const choose = make('button', { type: 'button', className: 'choose', role: 'tab', title: say.program.removeByDelete }, label, about)
     choose.setAttribute('aria-controls', 'results')
     choose.addEventListener('click', () => actions.select(id))
     choose.addEventListener('keydown', (event) => {
@@ -226,10 +221,16 @@ async function add(dropped, actions, told = []) {
   }
   for (const { file } of dropped.filter(isMachine)) await actions.addMachine(file)
   const job = all.find(({ kind }) => kind === 'job')
-  if (job) return actions.addJob(job.file, all.flatMap(({ file }) => (file === job.file ? [] : [file])))
+  if (job)
+    return actions.addJob(
+      job.file,
+      all.flatMap(({ file }) => (file === job.file ? [] : [file])),
+    )
   const of = (/** @type {string} */ wanted) => all.filter(({ kind }) => kind === wanted)
   const texts = await withoutBlocks(of('program').filter(({ named }) => !named))
-  const programs = of('program').filter((one) => !texts.includes(one)).map(({ file, kept }) => ({ name: file.name, file: kept }))
+  const programs = of('program')
+    .filter((one) => !texts.includes(one))
+    .map(({ file, kept }) => ({ name: file.name, file: kept }))
   const recordings = await bytesOf(of('recording').map(({ file }) => file))
   const others = all.filter(({ kind, named }) => named && !['program', 'recording', 'settings'].includes(kind))
   const leftOut = texts.length > 0 ? [say.program.leftOut(texts.map(({ file }) => file.name).join(', '))] : []

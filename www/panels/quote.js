@@ -1,7 +1,7 @@
 // The price: what it is, what is not in it yet, its terms, all it is made of, and its documents. All arithmetic is Rust's.
 
 import { Chart, Offered, termsForm, toleranceLabel } from '../pkg/truefeed_whole.js'
-import { addCurve, columnLabel, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
+import { addCurve, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
 import { find, make } from '../dom.js'
 import { field, idOf, same } from '../field.js'
 import { amount, between, clock, count, duration, priced, seconds, worded, wordedHtml } from '../format.js'
@@ -39,7 +39,12 @@ export function mount(root, form, actions) {
   ]
   const isFirst = (/** @type {typeof fields[number]} */ { parameter }) => FIRST.includes(parameter.key)
   const place = ({ parameter: { key } = fields[0].parameter }) => FIRST.indexOf(key)
-  find(root, '.first').append(...fields.filter(isFirst).sort((a, b) => place(a) - place(b)).map(({ element }) => element))
+  find(root, '.first').append(
+    ...fields
+      .filter(isFirst)
+      .sort((a, b) => place(a) - place(b))
+      .map(({ element }) => element),
+  )
   find(root, '.rest').append(...fields.filter((entry) => !isFirst(entry)).map(({ element }) => element))
   find(root, 'form').addEventListener('submit', (event) => event.preventDefault())
 
@@ -165,7 +170,12 @@ export function mount(root, form, actions) {
     const names = report.operations.map(({ name }) => name)
     if (!isJob(now) && outcome) offered = alone(now, outcome)
     const offer = offered ? /** @type {Offer} */ (JSON.parse(offered.json())) : report
-    answer.replaceChildren(...headline(offer, report.missing.map((one) => lacks(one, names))))
+    answer.replaceChildren(
+      ...headline(
+        offer,
+        report.missing.map((one) => lacks(one, names)),
+      ),
+    )
     tables.replaceChildren(...(offered ? madeOf(offer, byPart(/** @type {Offer} */ (offer)), []) : madeOf(offer, byProgram(report), names)))
   }
 
@@ -258,11 +268,13 @@ function madeOf(offer, parts, names) {
     return row(of ? `${of}: ${item}` : item, [once ? money(value) : '', once ? '' : money(value), money(all)], worded(basis))
   })
   rows.push(sum(say.quote.total, [money(offer.once), money(offer.part), money(batch.total)]))
-  const breaks = offer.breaks.map((other) =>
-    row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range)]),
-  )
+  const breaks = offer.breaks.map((other) => row(count(other.quantity), [each(other.unit_price), money(other.total), range(other.total_range)]))
   return [
-    folded(say.quote.madeOf, table(say.quote.madeOf, ['', say.quote.once, say.quote.eachPart, `${quantity}${currency ? `, ${currency}` : ''}`], rows), ...offer.notes.map((note) => make('p', { className: 'help' }, worded(note)))),
+    folded(
+      say.quote.madeOf,
+      table(say.quote.madeOf, ['', say.quote.once, say.quote.eachPart, `${quantity}${currency ? `, ${currency}` : ''}`], rows),
+      ...offer.notes.map((note) => make('p', { className: 'help' }, worded(note))),
+    ),
     folded(say.quote.byQuantity, table(say.quote.byQuantity, [say.quote.quantity, say.quote.eachPart, say.quote.total, say.quote.ifOff], breaks)),
     parts,
   ]
@@ -275,14 +287,10 @@ const folded = (title, ...content) => make('details', {}, make('summary', {}, ti
 function byPart(offer) {
   const { money, each } = writers(offer)
   const parts = say.quote.parts(offer.batch.quantity, count(offer.batch.quantity))
-  const tolerances = offer.tolerances.map(({ tolerance, cycle_time_s: own, unit_price: one, total }) =>
-    row(worded(tolerance), [clock(own), each(one), money(total)]),
-  )
+  const tolerances = offer.tolerances.map(({ tolerance, cycle_time_s: own, unit_price: one, total }) => row(worded(tolerance), [clock(own), each(one), money(total)]))
   const cost = [seconds(offer.cycle_time_s), money(offer.cycle_cost)]
   const shares = (/** @type {OfferShare[]} */ all) => [
-    ...all.map(({ name, line, time_s: own, amount: value }) =>
-      row(name, [seconds(own), money(value)], line === null ? '' : say.quote.line(line)),
-    ),
+    ...all.map(({ name, line, time_s: own, amount: value }) => row(name, [seconds(own), money(value)], line === null ? '' : say.quote.line(line))),
     sum(say.common.together, cost),
   ]
   const heads = [say.common.contourTolerance, say.common.cycleTime, say.quote.eachPart, parts]
@@ -319,13 +327,7 @@ function sum(title, cells) {
 /** @param {string} caption @param {string[]} titles @param {HTMLElement[]} rows */
 function table(caption, titles, rows) {
   const head = titles.map((title) => (title ? make('th', { scope: 'col' }, title) : make('td', {})))
-  const body = make(
-    'table',
-    {},
-    make('caption', {}, caption),
-    make('thead', {}, make('tr', {}, ...head)),
-    make('tbody', {}, ...rows),
-  )
+  const body = make('table', {}, make('caption', {}, caption), make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows))
   const place = make('div', { className: 'scroll', tabIndex: 0 }, body)
   // Focus lets the keys scroll what is wider than the page.
   place.setAttribute('role', 'group')

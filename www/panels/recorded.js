@@ -68,7 +68,12 @@ export function mount(root, actions) {
   /** A recording with its program. @param {Recording} entry @param {State} state */
   function pair(entry, state) {
     const { id, name, used } = entry
-    const choose = make('button', { type: 'button', className: 'choose', id: `recording-${id}` }, make('span', { className: 'file', title: name }, name), make('span', { className: 'about' }, standing(entry, state)))
+    const choose = make(
+      'button',
+      { type: 'button', className: 'choose', id: `recording-${id}` },
+      make('span', { className: 'file', title: name }, name),
+      make('span', { className: 'about' }, standing(entry, state)),
+    )
     if (entry === recording) choose.setAttribute('aria-current', 'true')
     choose.addEventListener('click', () => actions.selectRecording(id))
     const isOpen = entry.program === null || isOfNone(entry)
@@ -94,10 +99,7 @@ export function mount(root, actions) {
     tables.replaceChildren()
     if (refusal) {
       const rest = say.recording.restStays
-      answer.replaceChildren(
-        make('p', { className: 'sentence refused' }, worded(refusal.reason)),
-        make('p', {}, worded(refusal.advice), ' ', make('span', { className: 'small' }, rest)),
-      )
+      answer.replaceChildren(make('p', { className: 'sentence refused' }, worded(refusal.reason)), make('p', {}, worded(refusal.advice), ' ', make('span', { className: 'small' }, rest)))
     }
     if (!report || !columns || !program?.outcome) return
     answer.replaceChildren(

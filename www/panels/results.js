@@ -39,7 +39,14 @@ export function mount(root, actions) {
     put(cam, ...(programmed === undefined ? [] : [duration(programmed), ' ', make('span', { className: 'short' }, short(programmed, cycle))]))
     const reasons = runs.flatMap(({ trust }, index) => trust.reasons.map((reason) => (isJob(state) ? `${nameOf(state.programs[index])}: ${reason}` : reason)))
     const bound = runs.reduce((sum, { trust }) => sum + trust.seconds_in_doubt, 0)
-    put(doubt, ...unsure(reasons, bound, runs.every(({ trust }) => trust.bounded)))
+    put(
+      doubt,
+      ...unsure(
+        reasons,
+        bound,
+        runs.every(({ trust }) => trust.bounded),
+      ),
+    )
     figures.classList.toggle('doubtful', runs.some(isDoubtful))
   }
 
@@ -50,7 +57,10 @@ export function mount(root, actions) {
     const words = isStill(program.outcome)
       ? [whyStill(program)]
       : run && program.outcome && cycle !== undefined
-        ? [make('b', { className: isDoubtful(run) ? 'doubtful' : '' }, duration(cycle)), ` · ${say.results.cam} ${duration(program.outcome.summary.programmed_time_s)} ${short(program.outcome.summary.programmed_time_s, run.cycle_time_s)}`]
+        ? [
+            make('b', { className: isDoubtful(run) ? 'doubtful' : '' }, duration(cycle)),
+            ` · ${say.results.cam} ${duration(program.outcome.summary.programmed_time_s)} ${short(program.outcome.summary.programmed_time_s, run.cycle_time_s)}`,
+          ]
         : [program.failure ? say.program.failed : say.common.computing]
     one.replaceChildren(make('span', {}, nameOf(program)), ' ', ...words)
   }

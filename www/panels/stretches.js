@@ -26,12 +26,7 @@ function apart(recorded, simulated) {
 export function partsTable(report) {
   const whole = { name: say.common.together, is_detail: false, recorded_s: report.recorded_s, simulated_s: report.simulated_s }
   const rows = [...report.parts, whole].map(({ name, is_detail: isDetail, recorded_s: recorded, simulated_s: simulated }) =>
-    make(
-      'tr',
-      { className: isDetail ? 'detail' : '' },
-      make('th', { scope: 'row' }, name),
-      ...[seconds(recorded), seconds(simulated), apart(recorded, simulated)].map((cell) => make('td', {}, cell)),
-    ),
+    make('tr', { className: isDetail ? 'detail' : '' }, make('th', { scope: 'row' }, name), ...[seconds(recorded), seconds(simulated), apart(recorded, simulated)].map((cell) => make('td', {}, cell))),
   )
   const all = table(say.recording.motionWaiting, ['', say.recording.recorded, say.recording.simulated, say.common.difference], rows)
   all.append(make('p', { className: 'help' }, say.recording.divided))
@@ -45,13 +40,7 @@ export function stretchesTable({ stretches, all_stretches: all }, show) {
     const go = make('button', { type: 'button', title: say.common.showInCharts }, from === to ? `${from}` : `${from}–${to}`)
     go.addEventListener('click', () => show(stretch))
     const cells = [lostLabel(stretch.seconds), seconds(stretch.recorded_s), seconds(stretch.simulated_s)]
-    return make(
-      'tr',
-      {},
-      make('td', {}, go),
-      ...cells.map((cell) => make('td', {}, cell)),
-      make('td', { className: 'kind' }, stretch.kind),
-    )
+    return make('tr', {}, make('td', {}, go), ...cells.map((cell) => make('td', {}, cell)), make('td', { className: 'kind' }, stretch.kind))
   })
   const which = stretches.length < all ? say.recording.largestOf(count(stretches.length), count(all)) : ''
   return table(say.recording.whereLost(which), [say.common.lines, say.common.lost, say.recording.recorded, say.recording.simulated, say.recording.while], rows)

@@ -117,9 +117,7 @@ function difference(a, b) {
   const entries = /** @type {("values" | "terms" | "letter" | "company")[]} */ (FORMS).flatMap((form) =>
     a[form] === b[form]
       ? []
-      : [...new Set([...Object.keys(a[form]), ...Object.keys(b[form])])]
-          .filter((key) => JSON.stringify(a[form][key]) !== JSON.stringify(b[form][key]))
-          .map((key) => `${form}.${key}`),
+      : [...new Set([...Object.keys(a[form]), ...Object.keys(b[form])])].filter((key) => JSON.stringify(a[form][key]) !== JSON.stringify(b[form][key])).map((key) => `${form}.${key}`),
   )
   const others = /** @type {(keyof Document)[]} */ (Object.keys(b)).filter((key) => !SEEN.includes(key) && !FORMS.includes(key) && !same(a[key], b[key]))
   if (others.length === 0 && entries.length === 1) return `typed ${entries[0]}`
