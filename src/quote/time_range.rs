@@ -10,7 +10,7 @@
 //! more than [`CORNER_REACH_S`] of them.
 //!
 //! A feed is faster if it moves an axis faster than the runs did in feed and rapid: an axis can cut as fast as it
-//! moved in rapid. A rapid is faster if an axis, whose rapid rate no run showed, travels a way w that is long enough to
+//! moved in rapid, if the runs recorded positions. A rapid is faster if an axis, whose rapid rate no run showed, travels a way w that is long enough to
 //! exceed V, its highest velocity in the runs or half of that of the fastest axis. Its rate may be as low as V, and at
 //! an acceleration A
 //!

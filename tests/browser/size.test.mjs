@@ -12,7 +12,7 @@ import { ROOT, computed, cycleTimes } from './steps.mjs'
 
 const MOST_BYTES = 400_000
 /** More than the 1.35 MB that we want. Compiled for size, the module would be a tenth smaller and half as fast. */
-const MOST_BYTES_EVER = 1_650_000
+const MOST_BYTES_EVER = 1_600_000
 const WHOLE = '/pkg/truefeed_whole_bg.wasm'
 /** What no visit of the page loads: what other pages embed, licences, the worker that keeps files, and of the picture of the answer all but the one for the screen. */
 const NOT_LOADED = /^embed|notices\.txt$|^sw\.js|\.br$|answer-(phone|dark)/

@@ -17,7 +17,6 @@ use crate::identification::comparison::compare;
 use crate::identification::fit::{FreeParameter, Run, Whitening, fit};
 use crate::machine::{CalibratedOn, Machine};
 use crate::quote::features_of;
-use crate::simulation::profile::{Profile, Resolution};
 
 /// Weight of the prior, in errors of the size [`USUAL_ERROR`].
 const PRIOR_WEIGHT: f64 = 4.0;
@@ -36,7 +35,7 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
     let errors = left_out(machine, runs, freed, &programs);
     CalibratedOn {
         range: Some(half_range(&errors, programs.len())),
-        velocities: Some(velocities(machine, runs)),
+        velocities: velocities(runs),
         assumed_accelerations: machine.calibrated_on.assumed_accelerations,
         assumed_rapids: machine.calibrated_on.assumed_rapids,
         ..features_of(runs.iter().map(|run| run.toolpath))
@@ -46,18 +45,12 @@ pub fn calibrated_on(machine: &Machine, runs: &[Run], freed: &[(FreeParameter, f
 /// Mean velocities over this time are compared, s: noise of a micrometre moves them by less than 0.1 mm/s.
 const VELOCITY_WINDOW_S: f64 = 0.02;
 
-/// Returns the highest velocity of each axis in the runs, mm/s: as recorded, or as simulated where a run has no positions.
-fn velocities(machine: &Machine, runs: &[Run]) -> [f64; 3] {
+/// Returns the highest velocity of each axis in the runs that recorded positions, mm/s; `None` without such a run. A run without
+/// positions does not show how an axis reaches its velocity, so it says nothing about faster moves.
+fn velocities(runs: &[Run]) -> Option<[f64; 3]> {
     let mut highest = [0.0f64; 3];
-    for run in runs {
-        let Some(track) = &run.alignment.track else {
-            let plan = run.plan(machine);
-            let samples = Profile::new(run.toolpath, &plan).samples(Resolution::CHART);
-            for (highest, velocities) in highest.iter_mut().zip(&samples.velocity) {
-                *highest = velocities.iter().map(|velocity| velocity.abs()).fold(*highest, f64::max);
-            }
-            continue;
-        };
+    let tracks: Vec<_> = runs.iter().filter_map(|run| run.alignment.track.as_ref()).collect();
+    for track in &tracks {
         let window = (VELOCITY_WINDOW_S / track.interval).ceil().max(1.0) as usize;
         for first in 0..track.time.len().saturating_sub(window) {
             let velocity = track.velocity_between(first, first + window);
@@ -66,7 +59,7 @@ fn velocities(machine: &Machine, runs: &[Run]) -> [f64; 3] {
             }
         }
     }
-    highest
+    (!tracks.is_empty()).then_some(highest)
 }
 
 /// Groups the runs by program, by index.
