@@ -14,8 +14,7 @@
 //! | [`set_spindle_speed`](Canonical::set_spindle_speed) | SET_SPINDLE_SPEED | changes the speed of a running spindle |
 //! | [`machine_function`](Canonical::machine_function) | FLOOD_ON, MIST_ON, PROGRAM_STOP, OPTIONAL_PROGRAM_STOP, PROGRAM_END and so on | any other M word |
 //! | [`set_path_mode`](Canonical::set_path_mode) | SET_MOTION_CONTROL_MODE | chooses what holds at corners |
-//! | [`exact_stop`](Canonical::exact_stop) | SET_MOTION_CONTROL_MODE | requests a full stop after each move of a
-//! block |
+//! | [`exact_stop`](Canonical::exact_stop) | SET_MOTION_CONTROL_MODE | requests a full stop after each move of a block |
 //! | [`plane`](Canonical::plane) | SELECT_PLANE | the plane of compensation and of corner treatments |
 //! | [`set_compensation`](Canonical::set_compensation) | SET_CUTTER_RADIUS_COMPENSATION and so on | runs the path of the tool centre beside the contour |
 //! | [`treat_next_corner`](Canonical::treat_next_corner) | | rounds or chamfers a corner |
