@@ -70,7 +70,7 @@ fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Too
 /// call or compute, for Siemens' and Heidenhain's, and for splines, which need the whole module.
 #[cfg(first_visit)]
 fn path_of(program: Vec<u8>, options: &Options, machine: &Machine) -> Option<Toolpath> {
-    interpreter::trace_plain(&program, options, machine, interpreter::LINES_OF_A_PART)
+    interpreter::trace_plain(&program, options, machine, interpreter::LINES_PER_PART)
 }
 
 /// Makes panics readable in the console.

@@ -345,7 +345,7 @@ fn wait(stop: &Stop, machine: &Machine) -> Wait {
 /// Returns `true` if the machine stops before the segment `next` without a programmed stop.
 fn stands_before(segments: &Segments, next: usize, machine: &Machine) -> bool {
     // Nearly all segments are feed moves after feed moves, and then only a turn can stop the machine.
-    (turns_may_stop(machine) || !segments.goes_on(next))
+    (turns_may_stop(machine) || !segments.is_plain_continuation(next))
         && stands_between(&segments.at(next - 1), &segments.at(next), machine)
 }
 

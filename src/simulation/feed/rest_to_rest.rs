@@ -146,7 +146,7 @@ impl SegmentLimits {
         let mut end = range.start;
         while end < range.end && (end == range.start || !stands_before(end)) {
             let index = end;
-            end = if are_alike { segments.goes_on_until(index).min(range.end) } else { index + 1 };
+            end = if are_alike { segments.plain_lines_end(index).min(range.end) } else { index + 1 };
             if may_stand_anywhere {
                 end = (index + 1..end).find(|&next| stands_before(next)).unwrap_or(end);
             }

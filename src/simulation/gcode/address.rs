@@ -1,18 +1,17 @@
 //! Addresses of more than one letter, as codes beyond those of the letters.
 //!
-//! A word carries its address in one byte: `A` to `Z` as they are, the others by the codes of this
-//! table.
+//! A word stores its address in one byte: the letter for `A` to `Z`, a code of this table for the others.
 //!
 //! Sources: SINUMERIK 840D sl programming manual; TNC 640 Klartext manual; LinuxCNC 2.9.
 
-/// The first code that is no letter.
+/// The first code that is not a letter.
 pub const FIRST: u8 = 128;
 
 macro_rules! addresses {
     ($($(#[$doc:meta])* $name:ident = $code:literal $written:literal,)*) => {
         $($(#[$doc])* pub const $name: u8 = $code;)*
 
-        /// All of them as they are written.
+        /// The codes with their spelling.
         pub const WRITTEN: &[(u8, &str)] = &[$(($code, $written)),*];
     };
 }
@@ -66,7 +65,7 @@ addresses! {
     APPROACH_LENGTH = 150 "LEN",
     /// Angle of a straight line to the first axis of the plane.
     LINE_ANGLE = 163 "ANG",
-    /// Feedrate of its own block alone.
+    /// Feedrate for this block alone.
     BLOCK_FEED = 164 "FB",
     /// Rotation in the plane in force.
     PLANE_ANGLE = 165 "RPL",
@@ -82,19 +81,19 @@ addresses! {
     FEED_PER_TOOTH = 156 "FZ",
     /// Time of the move.
     FEED_TIME = 157 "FT",
-    /// What the tool is longer than in its table.
+    /// Length of the tool beyond that of its table.
     LENGTH_DIFFERENCE = 158 "DL",
-    /// What the radius of the tool is greater than in its table.
+    /// Radius of the tool beyond that of its table.
     RADIUS_DIFFERENCE = 159 "DR",
     /// Retraction along the tool axis.
     RETRACTION = 160 "MB",
     /// Axis of the tool: 0 to 2 for X to Z.
     TOOL_AXIS = 161 "",
-    /// First factor or setting of a cycle that is written in lines of its own.
+    /// First factor or setting of a cycle that takes several lines.
     SETTING = 162 "",
 }
 
-/// As it is written.
+/// Returns the spelling of an address.
 pub fn written(address: u8) -> String {
     if address.is_ascii_uppercase() {
         return char::from(address).to_string();

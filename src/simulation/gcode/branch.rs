@@ -1,4 +1,4 @@
-//! Opening and closing words as every dialect means them: the jumps of branches and loops.
+//! Opening and closing words of all dialects: the jumps of branches and loops.
 //!
 //! ```text
 //! IF c           jump to the next branch unless c          WHILE c    jump past the end unless c
@@ -55,8 +55,8 @@ impl Reader<'_> {
         Some(())
     }
 
-    /// Closes a branch: what leaves one of its parts goes on with the block being read. Returns `None` if no branch
-    /// is open.
+    /// Closes a branch: the jumps out of its parts lead to the block being read. Returns `None` if no branch is
+    /// open.
     pub(super) fn close_branch(&mut self, key: u32) -> Option<()> {
         let open = self.close(&[Kind::If], key)?;
         let jumps: Vec<usize> = open.next.into_iter().chain(open.exits).collect();
@@ -64,7 +64,7 @@ impl Reader<'_> {
         Some(())
     }
 
-    /// Opens a loop whose condition was read and which is left where the condition is false.
+    /// Opens a loop whose condition was read, and which ends when the condition is false.
     ///
     /// # Errors
     ///
@@ -75,7 +75,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Ends a loop by a jump back to its opening word; what leaves the loop goes on with the block after.
+    /// Ends a loop by a jump back to its opening word; the jumps out of the loop lead to the block after.
     pub(super) fn jump_back(&mut self, open: &Open) {
         self.act(Action::Jump { to: Destination::Block(open.head), when: When::Always });
         self.end_block();

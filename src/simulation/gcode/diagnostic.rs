@@ -1,18 +1,18 @@
-//! What a stage has to say about a program, without stopping.
+//! Remarks of a stage on a program; a stage remarks on faults and continues.
 //!
-//! A stage keeps its remarks as data, one enum a stage, and puts them down through [`Remarks`],
-//! which bounds the list: a million bad lines make a few hundred messages and one count.
+//! A stage stores its remarks as data, one enum a stage, in [`Remarks`], which bounds the list: a million bad
+//! lines make a few hundred messages and one count.
 
 use crate::simulation::gcode::{Cause, Doubt, Effect, LineNumber};
 use std::fmt::Display;
 use std::mem::{Discriminant, discriminant};
 
-/// How much a diagnostic matters to the quote.
+/// The importance of a diagnostic for the quote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// Read as meant; the user may want to know.
+    /// The program was read as meant; the user may want to know.
     Info,
-    /// Something was left out or assumed; the time may be off.
+    /// Words were left out or assumed; the time may be off.
     Warning,
     /// The block could not be read or run as written.
     Error,
@@ -25,13 +25,13 @@ pub struct Diagnostic {
     pub line: LineNumber,
     /// Columns it concerns, 1-based, first and one past the last; equal where the whole line is meant.
     pub columns: (u32, u32),
-    /// How much it matters.
+    /// Its importance.
     pub severity: Severity,
-    /// What is wrong and what was done instead, one sentence.
+    /// The fault and its consequence, in one sentence.
     pub message: String,
 }
 
-/// Where in the program a remark belongs.
+/// The place in the program that a remark is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
     /// Line of the program.
@@ -41,50 +41,58 @@ pub struct Place {
 }
 
 impl Place {
-    /// The whole of `line`.
+    /// Returns the whole of `line` as a place.
     pub fn line(line: LineNumber) -> Place {
         Place { line, columns: (1, 1) }
     }
 }
 
-/// A remark as data; its `Display` is the sentence people read.
+/// A remark as data; `Display` gives its sentence.
 pub trait Remark: Display + PartialEq {
-    /// How much it matters.
+    /// Returns its importance.
     fn severity(&self) -> Severity;
 
-    /// It holds for the whole program, so that repeating it says nothing new.
-    fn is_said_once(&self) -> bool {
+    /// Returns `true` if the remark holds for the whole program, so that one entry is enough.
+    fn holds_for_program(&self) -> bool {
         false
     }
 
-    /// What it leaves in doubt of the time, if anything.
+    /// Returns the times that it leaves in doubt, with the cause; `None` if it leaves none.
     fn doubt(&self) -> Option<(Cause, Effect)> {
         None
     }
 }
 
-/// A count with its noun: 1 block, 2 blocks.
+/// Returns a count with its noun: 1 block, 2 blocks.
 pub fn counted(count: usize, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {noun}{plural}")
 }
 
-/// How many remarks of one kind are listed before the rest are only counted.
+/// Most remarks of one kind in the list; further ones are only counted.
 const MAX_LISTED: usize = 200;
 
 /// The remarks of one stage, bounded.
 #[derive(Debug)]
 pub struct Remarks<R> {
     diagnostics: Vec<Diagnostic>,
-    /// How often each kind came up, and where in the list its first unlisted one stands.
-    kinds: Vec<(Discriminant<R>, usize, usize)>,
-    said_once: Vec<R>,
-    /// Those of the list by ascending place, with how often each came up.
+    kinds: Vec<KindCount<R>>,
+    for_program: Vec<R>,
+    /// The remarks of the list by ascending place.
     listed: Vec<Listed<R>>,
-    /// How many blocks or segments come before what is looked at.
+    /// Number of blocks or segments before the current place.
     after: usize,
-    /// What the remarks leave in doubt, in order; unlike the list, all of it.
+    /// The doubts that the remarks leave, in order; unlike the list, all of them.
     pub(crate) doubts: Vec<Doubt>,
+}
+
+/// The number of remarks of one kind.
+#[derive(Debug)]
+struct KindCount<R> {
+    kind: Discriminant<R>,
+    count: usize,
+    /// Index in the list of the first remark beyond [`MAX_LISTED`].
+    first_unlisted: usize,
 }
 
 /// A remark of the list.
@@ -92,7 +100,9 @@ pub struct Remarks<R> {
 struct Listed<R> {
     place: Place,
     remark: R,
+    /// Its index in the list.
     index: usize,
+    /// Number of equal remarks at this place.
     times: usize,
 }
 
@@ -101,7 +111,7 @@ impl<R> Default for Remarks<R> {
         Remarks {
             diagnostics: Vec::new(),
             kinds: Vec::new(),
-            said_once: Vec::new(),
+            for_program: Vec::new(),
             listed: Vec::new(),
             after: 0,
             doubts: Vec::new(),
@@ -110,15 +120,15 @@ impl<R> Default for Remarks<R> {
 }
 
 impl<R: Remark> Remarks<R> {
-    /// Puts down `remark` at `place`.
+    /// Adds `remark` at `place`.
     pub fn add(&mut self, place: Place, remark: R) {
         if let Some((cause, effect)) = remark.doubt() {
             self.doubt(place.line, cause, effect);
         }
-        if remark.is_said_once() {
-            if !self.said_once.contains(&remark) {
+        if remark.holds_for_program() {
+            if !self.for_program.contains(&remark) {
                 self.list(place, &remark);
-                self.said_once.push(remark);
+                self.for_program.push(remark);
             }
             return;
         }
@@ -129,39 +139,39 @@ impl<R: Remark> Remarks<R> {
             return;
         }
         let kind = discriminant(&remark);
-        let index = self.kinds.iter().position(|(known, ..)| *known == kind).unwrap_or_else(|| {
-            self.kinds.push((kind, 0, 0));
+        let index = self.kinds.iter().position(|known| known.kind == kind).unwrap_or_else(|| {
+            self.kinds.push(KindCount { kind, count: 0, first_unlisted: 0 });
             self.kinds.len() - 1
         });
-        let (_, seen, first_unlisted) = &mut self.kinds[index];
-        *seen += 1;
-        if *seen == MAX_LISTED + 1 {
-            *first_unlisted = self.diagnostics.len();
+        let known = &mut self.kinds[index];
+        known.count += 1;
+        if known.count == MAX_LISTED + 1 {
+            known.first_unlisted = self.diagnostics.len();
         }
-        if *seen <= MAX_LISTED + 1 {
+        if known.count <= MAX_LISTED + 1 {
             let index = self.diagnostics.len();
             self.list(place, &remark);
             self.listed.insert(next, Listed { place, remark, index, times: 1 });
         }
     }
 
-    /// Puts down a doubt of the time without a remark.
+    /// Adds a doubt about the time without a remark.
     pub(crate) fn doubt(&mut self, line: LineNumber, cause: Cause, effect: Effect) {
         let (after, until) = (self.after, self.after);
         self.doubts.push(Doubt { line, cause, effect, after, until });
     }
 
-    /// Tells how many blocks or segments come before what is looked at from here on.
-    pub(crate) fn look_behind(&mut self, after: usize) {
+    /// Sets the number of blocks or segments before the current place.
+    pub(crate) fn set_place(&mut self, after: usize) {
         self.after = after;
     }
 
-    /// How many blocks or segments come before what is looked at.
-    pub(crate) fn behind(&self) -> usize {
+    /// Returns the number of blocks or segments before the current place.
+    pub(crate) fn place(&self) -> usize {
         self.after
     }
 
-    /// Nothing has been put down.
+    /// Returns `true` if there are no remarks.
     pub fn is_empty(&self) -> bool {
         self.diagnostics.is_empty()
     }
@@ -176,23 +186,23 @@ impl<R: Remark> Remarks<R> {
         });
     }
 
-    /// The list in line order, with one line for those of a kind that were too many.
+    /// Returns the list in line order, with one diagnostic for the remarks of a kind beyond [`MAX_LISTED`].
     pub fn finish(mut self) -> Vec<Diagnostic> {
         for Listed { index, times, .. } in self.listed.into_iter().filter(|listed| 1 < listed.times) {
             self.diagnostics[index].message += &format!(" ({times} times)");
         }
-        for (_, seen, first_unlisted) in self.kinds {
-            if MAX_LISTED + 1 < seen {
+        for KindCount { count, first_unlisted, .. } in self.kinds {
+            if MAX_LISTED + 1 < count {
                 let message = &mut self.diagnostics[first_unlisted].message;
                 *message =
-                    format!("{} more of this kind from here on, the first: {message}", seen - MAX_LISTED);
+                    format!("{} more of this kind from here on, the first: {message}", count - MAX_LISTED);
             }
         }
         in_line_order(self.diagnostics)
     }
 }
 
-/// The same diagnostics by ascending line; those of one line stay in their order.
+/// Sorts diagnostics by line, stably, and returns them.
 pub fn in_line_order(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     diagnostics.sort_by_key(|diagnostic| diagnostic.line);
     diagnostics

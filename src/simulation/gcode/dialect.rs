@@ -1,9 +1,8 @@
-//! Which control a program was written for, by what stands in it.
+//! Detection of the control that a program was written for.
 //!
-//! Each of the first lines is looked at for marks that only one family of controls reads. The dialect with the
-//! most lines so marked is taken; where there are none it is plain ISO, which Fanuc, Haas and
-//! most others read. The marks of a dialect and what they are worth are two tables below: marks of
-//! the code, and the few that comments may hold.
+//! Truefeed searches the first lines for marks that only one family of controls reads. The dialect with the
+//! highest score wins; without marks it is plain ISO, which Fanuc, Haas and most others read. Two tables below
+//! list the marks with their scores: marks of the code, and the few in comments.
 //!
 //! Sources: the programming manuals of SINUMERIK 840D sl (2013), TNC 640 (Klartext and DIN/ISO),
 //! Fanuc 30i, OSP-P300M, LinuxCNC 2.9, grbl 1.1 and Mach3.
@@ -34,7 +33,7 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// All dialects, with the word they are chosen by and the name people know.
+    /// All dialects, each with its word in options and its name for people.
     pub const WORDS: [(&'static str, Dialect, &'static str); 8] = [
         ("iso", Dialect::Iso, "ISO, Fanuc, Haas"),
         ("linuxcnc", Dialect::LinuxCnc, "LinuxCNC (RS274/NGC)"),
@@ -46,33 +45,33 @@ impl Dialect {
         ("okuma", Dialect::Okuma, "Okuma OSP"),
     ];
 
-    /// The word it is chosen by.
+    /// Returns its word in options.
     pub fn word(self) -> &'static str {
         Dialect::WORDS.iter().find(|(_, dialect, _)| *dialect == self).expect("every dialect has a word").0
     }
 
-    /// The name people know.
+    /// Returns its name for people.
     pub fn name(self) -> &'static str {
         Dialect::WORDS.iter().find(|(_, dialect, _)| *dialect == self).expect("every dialect has a name").2
     }
 
-    /// Whether I, J and K of arcs depend on a setting of the control where the program does not say.
+    /// Returns `true` if I, J and K of arcs depend on a setting of the control unless the program states it.
     pub fn has_unknown_arc_centers(self) -> bool {
         matches!(self, Dialect::Iso | Dialect::Mach)
     }
 
-    /// Whether each move says whether it is in rapid or in feed, so that no motion word holds on.
+    /// Returns `true` if each move states whether it is in rapid or in feed, so that no motion word is modal.
     pub fn names_each_motion(self) -> bool {
         self == Dialect::Klartext
     }
 
-    /// The dialect chosen by `word`.
+    /// Returns the dialect with this word in options.
     pub fn from_word(word: &str) -> Option<Dialect> {
         Dialect::WORDS.iter().find(|(own, ..)| own.eq_ignore_ascii_case(word)).map(|(_, dialect, _)| *dialect)
     }
 }
 
-/// What I, J and K of an arc count from.
+/// The reference point of I, J and K of arcs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcCenters {
     /// The start of the arc, G91.1.
@@ -82,29 +81,29 @@ pub enum ArcCenters {
 }
 
 impl ArcCenters {
-    /// Both, with the word they are chosen by and what they mean.
+    /// Both, each with its word in options and its meaning.
     pub const WORDS: [(&'static str, ArcCenters, &'static str); 2] = [
         ("incremental", ArcCenters::Incremental, "from the start of the arc"),
         ("absolute", ArcCenters::Absolute, "from the origin"),
     ];
 
-    /// The word it is chosen by.
+    /// Returns its word in options.
     pub fn word(self) -> &'static str {
         ArcCenters::WORDS.iter().find(|(_, own, _)| *own == self).expect("both have a word").0
     }
 
-    /// The reading chosen by `word`.
+    /// Returns the reference point with this word in options.
     pub fn from_word(word: &str) -> Option<ArcCenters> {
         ArcCenters::WORDS.iter().find(|(own, ..)| own.eq_ignore_ascii_case(word)).map(|(_, own, _)| *own)
     }
 }
 
-/// The dialect of `text`.
+/// Returns the dialect of `text`.
 pub(super) fn detect(text: &[u8]) -> Dialect {
     let mut scores = [0_usize; Dialect::WORDS.len()];
     let (mut whole, mut code) = (Vec::new(), Vec::new());
     let (mut has_unit, mut has_parenthesis) = (false, false);
-    for line in lines(text).take(LOOKED_AT) {
+    for line in lines(text).take(SEARCHED_LINES) {
         plain(line, &mut whole);
         if is_bare_move(&whole) {
             continue;
@@ -112,9 +111,9 @@ pub(super) fn detect(text: &[u8]) -> Dialect {
         without_comments(&whole, &mut code);
         has_unit |= has_unit_of_siemens(&code);
         has_parenthesis |= whole.starts_with(b"(");
-        for (marks, text) in [(MARKS.as_slice(), &code), (SAID.as_slice(), &whole)] {
-            for (dialect, worth, _) in marks.iter().filter(|(.., is_mark)| is_mark(text)) {
-                scores[*dialect as usize] += worth;
+        for (marks, text) in [(CODE_MARKS.as_slice(), &code), (COMMENT_MARKS.as_slice(), &whole)] {
+            for mark in marks.iter().filter(|mark| (mark.is_in)(text)) {
+                scores[mark.dialect as usize] += mark.score;
             }
         }
     }
@@ -128,13 +127,13 @@ pub(super) fn detect(text: &[u8]) -> Dialect {
     best.map_or(Dialect::Iso, |(_, dialect, _)| *dialect)
 }
 
-/// How many lines are looked at: enough to pass any header.
-const LOOKED_AT: usize = 3_000;
+/// Number of lines that are searched: enough to pass any header.
+const SEARCHED_LINES: usize = 3_000;
 
-/// The longest part of a line that is looked at, bytes.
+/// Longest part of a line that is searched, bytes.
 const MAX_WIDTH_BYTES: usize = 200;
 
-/// `line` in upper case, without a block number, runs of blanks as one.
+/// Writes `line` in upper case to `into`, without its block number and with single blanks.
 fn plain(line: &[u8], into: &mut Vec<u8>) {
     into.clear();
     for byte in line.iter().take(MAX_WIDTH_BYTES).map(u8::to_ascii_uppercase) {
@@ -149,13 +148,13 @@ fn plain(line: &[u8], into: &mut Vec<u8>) {
         _ => return,
     };
     let digits = into[start..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-    // A number alone at the head of a line is Klartext's own way of counting blocks.
+    // A number alone at the head of a line is the block number of Klartext.
     let end = start + digits;
     let end = end + into[end..].iter().take_while(|byte| **byte == b' ').count();
     into.drain(..end);
 }
 
-/// `whole` without what stands in parentheses, which are left, or behind a semicolon.
+/// Writes `whole` to `into` without the text in parentheses and behind a semicolon; the parentheses remain.
 pub(super) fn without_comments(whole: &[u8], into: &mut Vec<u8>) {
     into.clear();
     let mut depth = 0_usize;
@@ -169,36 +168,46 @@ pub(super) fn without_comments(whole: &[u8], into: &mut Vec<u8>) {
     into.truncate(into.trim_ascii_end().len());
 }
 
-type Mark = (Dialect, usize, fn(&[u8]) -> bool);
+/// A sign of a dialect in a line.
+struct DialectMark {
+    dialect: Dialect,
+    score: usize,
+    is_in: fn(&[u8]) -> bool,
+}
 
-/// What marks the code of a line, and how much it is worth.
-const MARKS: [Mark; 12] = [
-    (Dialect::Klartext, 100, |code| code.starts_with(b"BEGIN PGM ")),
-    (Dialect::Klartext, 2, |code| begins_with_any(code, KLARTEXT)),
-    (Dialect::Siemens, 50, |code| code.starts_with(b"%_N_")),
-    (Dialect::Siemens, 2, is_siemens),
-    (Dialect::LinuxCnc, 3, is_linuxcnc),
-    (Dialect::HeidenhainIso, 100, |code| {
+/// Returns a row of a table of marks.
+const fn mark(dialect: Dialect, score: usize, is_in: fn(&[u8]) -> bool) -> DialectMark {
+    DialectMark { dialect, score, is_in }
+}
+
+/// The marks of the code of a line.
+const CODE_MARKS: [DialectMark; 12] = [
+    mark(Dialect::Klartext, 100, |code| code.starts_with(b"BEGIN PGM ")),
+    mark(Dialect::Klartext, 2, |code| begins_with_any(code, KLARTEXT)),
+    mark(Dialect::Siemens, 50, |code| code.starts_with(b"%_N_")),
+    mark(Dialect::Siemens, 2, is_siemens),
+    mark(Dialect::LinuxCnc, 3, is_linuxcnc),
+    mark(Dialect::HeidenhainIso, 100, |code| {
         code.starts_with(b"%") && (contains(code, b" G71 *") || contains(code, b" G70 *"))
     }),
-    (Dialect::HeidenhainIso, 2, |code| {
+    mark(Dialect::HeidenhainIso, 2, |code| {
         code.ends_with(b"*") && (code.starts_with(b"G") || code.starts_with(b"X"))
     }),
-    (Dialect::Okuma, 50, |code| code.starts_with(b"$") && contains(code, b".MIN%")),
-    (Dialect::Okuma, 3, is_okuma),
-    (Dialect::Iso, 3, |code| {
+    mark(Dialect::Okuma, 50, |code| code.starts_with(b"$") && contains(code, b".MIN%")),
+    mark(Dialect::Okuma, 3, is_okuma),
+    mark(Dialect::Iso, 3, |code| {
         code.starts_with(b"IF[") || code.starts_with(b"IF [") || code.starts_with(b"WHILE[")
     }),
-    (Dialect::Grbl, 5, is_grbl),
-    (Dialect::Mach, 3, |code| code.ends_with(b"M47")),
+    mark(Dialect::Grbl, 5, is_grbl),
+    mark(Dialect::Mach, 3, |code| code.ends_with(b"M47")),
 ];
 
-/// What marks a line with its comments: names of controls, and comments that a control acts on.
-const SAID: [Mark; 4] = [
-    (Dialect::Siemens, 50, |line| line.starts_with(b";$PATH=")),
-    (Dialect::LinuxCnc, 3, |line| contains(line, b"(DEBUG,") || contains(line, b"(PRINT,")),
-    (Dialect::Grbl, 5, |line| contains(line, b"GRBL")),
-    (Dialect::Mach, 5, |line| contains(line, b"MACH3") || contains(line, b"MACH4")),
+/// The marks of a line with its comments: names of controls, and comments that a control acts on.
+const COMMENT_MARKS: [DialectMark; 4] = [
+    mark(Dialect::Siemens, 50, |line| line.starts_with(b";$PATH=")),
+    mark(Dialect::LinuxCnc, 3, |line| contains(line, b"(DEBUG,") || contains(line, b"(PRINT,")),
+    mark(Dialect::Grbl, 5, |line| contains(line, b"GRBL")),
+    mark(Dialect::Mach, 5, |line| contains(line, b"MACH3") || contains(line, b"MACH4")),
 ];
 
 const KLARTEXT: &[&[u8]] = &[
@@ -273,7 +282,7 @@ const SIEMENS: &[&[u8]] = &[
     b"UNTIL ",
 ];
 
-/// Whether a line holds but the end of a move and a feedrate, which mark no dialect. Nearly all do.
+/// Returns `true` if a line has only the end of a move and a feedrate, which mark no dialect. Nearly all lines do.
 fn is_bare_move(line: &[u8]) -> bool {
     let words = line.strip_prefix(b"G0").or(line.strip_prefix(b"G1")).unwrap_or(line);
     words.iter().all(|byte| matches!(byte, b'X'..=b'Z' | b'F' | b'0'..=b'9' | b'.' | b'-' | b'+' | b' '))
@@ -288,7 +297,8 @@ fn is_okuma(code: &[u8]) -> bool {
         || code == b"RTS"
 }
 
-/// A line for the control itself: `$H`, `$110=500`, `$J=G91 X10`, or a real-time character alone.
+/// Returns `true` for a line to the control itself: `$H`, `$110=500`, `$J=G91 X10`, or a real-time character
+/// alone.
 fn is_grbl(code: &[u8]) -> bool {
     let Some(command) = code.strip_prefix(b"$") else { return matches!(code, b"!" | b"~" | b"?") };
     let digits = |text: &[u8]| text.iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -331,8 +341,8 @@ fn is_siemens(code: &[u8]) -> bool {
         || diameter_word(code).is_some()
 }
 
-/// Returns whether G70, G71, G700 or G710 chooses the unit, as it does in a block of settings alone. With axis words or
-/// parameters it is a cycle of other controls.
+/// Returns `true` if G70, G71, G700 or G710 sets the unit, as in a block of settings alone. With axis words or
+/// parameters such a word is a cycle of other controls.
 fn has_unit_of_siemens(code: &[u8]) -> bool {
     let is_setting = |byte: &u8| b"GNMTSDF. ".contains(byte) || byte.is_ascii_digit();
     let words = || code.split(|byte| *byte == b'G').skip(1);
@@ -371,7 +381,7 @@ fn begins_with_any(code: &[u8], marks: &[&[u8]]) -> bool {
     marks.iter().any(|mark| *first == mark[0] && code.starts_with(mark))
 }
 
-/// Begins with `name`, digits and `then`.
+/// Returns `true` if `code` begins with `name`, digits and `then`.
 fn is_numbered(code: &[u8], name: &[u8], then: &[u8]) -> bool {
     let Some(rest) = code.strip_prefix(name) else { return false };
     let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -379,7 +389,7 @@ fn is_numbered(code: &[u8], name: &[u8], then: &[u8]) -> bool {
 }
 
 fn contains(code: &[u8], mark: &[u8]) -> bool {
-    // Most lines do not even hold its first byte, which is found much faster than the whole.
+    // Most lines do not have its first byte, whose search is much faster than that of the whole mark.
     let mut rest = code;
     while let Some(at) = rest.iter().position(|byte| *byte == mark[0]) {
         if rest[at..].starts_with(mark) {

@@ -195,7 +195,7 @@ fn a_bare_move_marks_no_dialect() {
         }
         let line = ["", "G0", "G1", "G01 "][(state >> 60) as usize % 4].to_string() + &line;
         assert!(is_bare_move(line.as_bytes()), "{line}");
-        let marks = MARKS.iter().chain(&SAID).filter(|(.., is_mark)| is_mark(line.as_bytes()));
+        let marks = CODE_MARKS.iter().chain(&COMMENT_MARKS).filter(|mark| (mark.is_in)(line.as_bytes()));
         assert_eq!(marks.count(), 0, "{line}");
     }
     for line in ["G500", "G331 X1", "X1*", "R1=5", "X1 M47", "(MACH3)", "$H"] {

@@ -1,20 +1,20 @@
-//! Words of lathes by which X words are diameters. SINUMERIK alone has them, so that a program with one of them is known as
-//! a lathe program in whatever dialect it is read.
+//! Words of lathes by which X words are diameters. Only SINUMERIK has them, so a program with one of them is a
+//! lathe program, whatever the dialect it is read in.
 //!
 //! Source: SINUMERIK 840D sl, Programming Manual Fundamentals, diameter programming.
 
-/// The words, of which some end in the axis that they hold for (`DIAMONA[X]`).
+/// The words; some of them continue with the axis that they hold for (`DIAMONA[X]`).
 const DIAMETER_WORDS: &[&str] =
     &["DIAMON", "DIAM90", "DIAMCYCA", "DIAMCYCOF", "DIAMONA", "DIAM90A", "DIACYCOFA"];
 
 /// Returns the first such word in `code`, a line in upper case without comments.
 pub(super) fn diameter_word(code: &[u8]) -> Option<&'static str> {
-    let is_of_name = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+    let is_in_name = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
     let mut at = 0;
     while let Some(found) = memchr::memchr(b'D', code.get(at..)?) {
         let start = at + found;
         let is_start = start == 0 || !(code[start - 1].is_ascii_alphabetic() || code[start - 1] == b'_');
-        let length = code[start..].iter().take_while(|byte| is_of_name(byte)).count();
+        let length = code[start..].iter().take_while(|byte| is_in_name(byte)).count();
         let name = &code[start..start + length];
         let word = DIAMETER_WORDS.iter().find(|word| word.as_bytes() == name);
         if is_start && let Some(word) = word {

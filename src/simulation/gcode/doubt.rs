@@ -1,8 +1,8 @@
-//! What a remark leaves in doubt: which times depend on it. A later stage, which knows the times, bounds it in seconds.
+//! Doubts about the time that a remark leaves. A later stage, which knows the times, bounds each in seconds.
 
 use crate::simulation::gcode::LineNumber;
 
-/// Why a time is in doubt.
+/// The cause of a doubt about the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Cause {
     /// Words without a readable number.
@@ -27,9 +27,9 @@ pub enum Cause {
     UnclearDwells,
     /// Moves to a reference position that the machine file does not give.
     UnknownHome,
-    /// Work offsets that nothing gives.
+    /// Work offsets without a known value.
     UnknownOffsets,
-    /// Holes that are not made as the program asks.
+    /// Holes that are not drilled as programmed.
     UnmadeHoles,
     /// Cycles and patterns without motion.
     UnmodelledCycles,
@@ -53,7 +53,7 @@ pub enum Cause {
     Compensation,
 }
 
-/// What a doubt touches.
+/// The part of a program whose time is in doubt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effect {
     /// Words of a block that are missing. In a toolpath these are axes and centres alone, up to where the program gives
@@ -65,11 +65,11 @@ pub enum Effect {
     CycleWord,
     /// The next move is an arc, or should be one.
     Arc,
-    /// The next move is an arc, which may have so many full turns more or fewer.
+    /// The next move is an arc, which may have up to this number of full turns more or fewer.
     Turns(f64),
-    /// The next move is a helix that may advance by so much in a full turn, mm.
+    /// The next move is a helix that may advance by this pitch in a full turn, mm.
     Pitch(f64),
-    /// The holes of the block have so many times the pecks that are made, at most.
+    /// The holes of the block have at most this multiple of the modelled pecks.
     Pecks(f64),
     /// Feed moves up to the next F.
     Feed,
@@ -79,11 +79,11 @@ pub enum Effect {
     Hole,
     /// All moves of the block that is run next.
     Block,
-    /// Nobody can tell.
+    /// No bound is known.
     Unbounded,
 }
 
-/// Letters of addresses as a set, with that of a word that calls a cycle.
+/// A set of address letters, with one bit for a word that calls a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Letters(u32);
 
@@ -95,7 +95,7 @@ impl Letters {
     /// A word that calls a cycle (G81).
     pub const CYCLE: Letters = Letters(1 << 31);
 
-    /// The set of these capital letters; other bytes are left out.
+    /// Returns the set of these capital letters; other bytes are ignored.
     pub const fn of(letters: &[u8]) -> Letters {
         let (mut bits, mut index) = (0, 0);
         while index < letters.len() {
@@ -107,29 +107,29 @@ impl Letters {
         Letters(bits)
     }
 
-    /// Whether any letter is in both sets.
+    /// Returns `true` if any letter is in both sets.
     pub fn meets(self, other: Letters) -> bool {
         self.0 & other.0 != 0
     }
 
-    /// The letters of either set.
+    /// Returns the letters of either set.
     pub const fn with(self, other: Letters) -> Letters {
         Letters(self.0 | other.0)
     }
 
-    /// The letters of this set that are not in the other.
+    /// Returns the letters of this set that are not in the other.
     pub fn without(self, other: Letters) -> Letters {
         Letters(self.0 & !other.0)
     }
 
-    /// Whether it has no letter.
+    /// Returns `true` if the set has no letter.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 }
 
-/// The letters of the axes, centres, feeds, motion words and cycles in a line, of which none or not all is readable. A line
-/// that shows none may have held any axis.
+/// Returns the letters of axes, centres, feeds, motion words and cycles in a line that is not or not fully
+/// readable. A line without any of them may have held any axis.
 pub(super) fn letters_of_line(text: &[u8]) -> Letters {
     let mut letters = Letters::default();
     let mut depth = 0_usize;
@@ -151,7 +151,8 @@ pub(super) fn letters_of_line(text: &[u8]) -> Letters {
     if letters.meets(relevant) { letters } else { letters.with(Letters::AXES) }
 }
 
-/// Whether a line ends behind the address of an axis or a centre, or its sign: words may be missing behind it, F most often.
+/// Returns `true` if a line ends behind the address of an axis or a centre, or its sign: further words may be
+/// missing, most often F.
 pub(super) fn breaks_off(text: &[u8]) -> bool {
     let text = text.trim_ascii_end();
     let text = text.strip_suffix(b"-").or(text.strip_suffix(b"+")).unwrap_or(text);
@@ -160,10 +161,10 @@ pub(super) fn breaks_off(text: &[u8]) -> bool {
     is_alone && b"XYZIJKxyzijk".contains(last)
 }
 
-/// The addresses that a sign in their place may have been.
+/// The addresses that an unknown sign may replace.
 const ANY_ADDRESS: Letters = Letters::of(b"XYZF");
 
-/// Whether a sign that no word begins with stands before a number, where an address should.
+/// Returns `true` for a sign that begins no word before a number, in the place of an address.
 fn is_lost_address(text: &[u8], at: usize) -> bool {
     let is_sign = text[at].is_ascii_punctuation() && !b"+-./%*[]=<>#_,:@^".contains(&text[at]);
     is_sign
@@ -171,10 +172,10 @@ fn is_lost_address(text: &[u8], at: usize) -> bool {
         && text.get(at + 1).is_some_and(|next| next.is_ascii_digit() || *next == b'-')
 }
 
-/// Whether the letter at `at` is an address: alone, or before a number.
+/// Returns `true` if the letter at `at` is an address: alone, or before a number.
 fn is_address(text: &[u8], at: usize) -> bool {
     let is_letter = |at: usize| text.get(at).is_some_and(u8::is_ascii_alphabetic);
-    // What follows is looked at behind letters alone: a line may be a million blanks.
+    // The text behind is only read after letters: a line may consist of a million blanks.
     if !is_letter(at) || is_letter(at + 1) {
         return false;
     }
@@ -184,7 +185,7 @@ fn is_address(text: &[u8], at: usize) -> bool {
     is_alone || is_number
 }
 
-/// What a G word may be by the text behind its letter: without a number a motion word.
+/// Returns the kind of a G word by the text behind its letter; without a number it is a motion word.
 fn kind_of_g(rest: &[u8]) -> Letters {
     let rest = rest.trim_ascii_start();
     let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -197,18 +198,18 @@ fn kind_of_g(rest: &[u8]) -> Letters {
     }
 }
 
-/// Something that makes the time of a program doubtful.
+/// A reason for which the time of a program is in doubt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
     /// Line of the program.
     pub line: LineNumber,
-    /// Why.
+    /// Its cause.
     pub cause: Cause,
-    /// What it touches.
+    /// The part of the program in doubt.
     pub effect: Effect,
-    /// How many blocks come before it in a [`Program`](crate::simulation::gcode::Program), how many segments in a
-    /// toolpath.
+    /// Number of blocks before it in a [`Program`](crate::simulation::gcode::Program), number of segments before
+    /// it in a toolpath.
     pub after: usize,
-    /// One past the last segment that it touches; in a program as `after`.
+    /// One past the last segment in doubt; in a program equal to `after`.
     pub until: usize,
 }

@@ -1,10 +1,10 @@
-//! How the bytes of a file stand for characters.
+//! Character encodings of program files.
 //!
-//! Programs are ASCII; a comment may hold UTF-8 or an 8-bit code page, whose bytes are passed over
-//! one by one, and shown as Latin-1. A UTF-8 mark at the beginning is dropped. UTF-16, which Windows editors write as
-//! "Unicode", is told by its mark or, without one, by zero bytes beside the first two characters,
-//! and turned into UTF-8. What is copied out of a PDF or a word processor may have dashes for minus signs and
-//! blanks that do not break: before a number, and outside of comments, a dash is taken for a minus.
+//! Programs are ASCII; a comment may be in UTF-8 or in an 8-bit code page, whose bytes are read one by one and
+//! shown as Latin-1. A UTF-8 mark at the beginning is dropped. UTF-16, which Windows editors write as "Unicode",
+//! is recognised by its mark or, without one, by zero bytes beside the first two characters, and converted to
+//! UTF-8. Text copied from a PDF or a word processor may contain dashes for minus signs, and non-breaking blanks:
+//! a dash before a number, outside of comments, counts as a minus sign.
 
 use crate::simulation::gcode::line::is_continuation;
 use crate::simulation::gcode::{LineNumber, Place};
@@ -16,7 +16,7 @@ const DASHES: [&str; 6] = ["\u{2010}", "\u{2011}", "\u{2012}", "\u{2013}", "\u{2
 /// Blanks other than the space.
 const BLANKS: [&str; 4] = ["\u{a0}", "\u{2007}", "\u{2009}", "\u{202f}"];
 
-/// The text with minus signs and spaces for what looks like them, and the first dash with its place.
+/// Returns the text with plain minus signs and spaces, and the first dash with its place.
 pub(super) fn in_plain_signs(text: Cow<'_, [u8]>) -> (Cow<'_, [u8]>, Option<(&'static str, Place)>) {
     let sign = |at: usize, signs: &[&'static str]| {
         signs.iter().copied().find(|sign| text[at..].starts_with(sign.as_bytes()))
@@ -55,7 +55,7 @@ pub(super) fn in_plain_signs(text: Cow<'_, [u8]>) -> (Cow<'_, [u8]>, Option<(&'s
     (Cow::Owned(plain), first)
 }
 
-/// The text of a file, and whether it was UTF-16.
+/// Returns the text of a file, and `true` if it was UTF-16.
 pub(super) fn text(bytes: &[u8]) -> (Cow<'_, [u8]>, bool) {
     let unit: fn([u8; 2]) -> u16 = match bytes {
         [0xef, 0xbb, 0xbf, rest @ ..] => return (Cow::Borrowed(rest), false),
@@ -69,7 +69,7 @@ pub(super) fn text(bytes: &[u8]) -> (Cow<'_, [u8]>, bool) {
     (Cow::Owned(text.into_bytes()), true)
 }
 
-/// A text in UTF-8, or else in Latin-1, as older controls, posts and recorders write it.
+/// Returns a text in UTF-8, or else in Latin-1, as older controls, postprocessors and recorders write it.
 pub fn characters(text: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(text) {
         Ok(text) => Cow::Borrowed(text),

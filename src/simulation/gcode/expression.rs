@@ -9,40 +9,38 @@
 //! function   = "ATAN" bracket "/" bracket  |  name bracket
 //! ```
 //!
-//! Operators bind in this order, the tightest first, and from left to right within a row, as on
-//! LinuxCNC: `**`; `*` `/` `MOD`; `+` `-`; `EQ` `NE` `GT` `GE` `LT` `LE`; `AND` `OR` `XOR`. A sign
-//! belongs to its value: `-2**2` is 4. `ATAN[y]` without `/[x]` is the arctangent of one value, as
-//! on Fanuc controls. White space means nothing, not even within the name of a parameter, and
-//! lower case is upper case.
+//! Operators bind in this order, the tightest first, and from left to right within a row, as on LinuxCNC: `**`;
+//! `*` `/` `MOD`; `+` `-`; `EQ` `NE` `GT` `GE` `LT` `LE`; `AND` `OR` `XOR`. A sign belongs to its value: `-2**2`
+//! is 4. `ATAN[y]` without `/[x]` is the arctangent of one value, as on Fanuc controls. White space is ignored,
+//! even within the name of a parameter, and so is the difference of upper and lower case.
 //!
-//! Siemens and Klartext write the same with other signs: round brackets, other operators, and
-//! parameters without `#` (`R1`, `R[R2]`, names; `Q1`). Klartext lets a function stand before its value
-//! without brackets (`SIN Q1`). `EXISTS[#<name>]` is 1 if the parameter has a value; `POW[a,b]` and
-//! Siemens' `ATAN2(y,x)`, `MINVAL(a,b)` and `MAXVAL(a,b)` take two values, `BOUND(least,greatest,a)` three. Fanuc
-//! controls let a function be written by its first two letters.
+//! Siemens and Klartext use other signs: round brackets, other operators, and parameters without `#` (`R1`,
+//! `R[R2]`, names; `Q1`). In Klartext a function needs no brackets around its value (`SIN Q1`). `EXISTS[#<name>]`
+//! is 1 if the parameter has a value. `POW[a,b]` and Siemens' `ATAN2(y,x)`, `MINVAL(a,b)` and `MAXVAL(a,b)` take
+//! two values, `BOUND(least,greatest,a)` three. Fanuc controls accept the first two letters of a function.
 //!
-//! In Siemens programs a text (`"ROUGH"`) is a value too, a number of its own beyond all others, which can only
-//! be kept and compared by `==` and `<>`.
+//! In Siemens programs a text (`"ROUGH"`) is a value too: a number beyond all others, which programs can only
+//! assign and compare by `==` and `<>`.
 //!
-//! A fault ends the reading of its block. Brackets and `#` nest to a bounded depth, so that no
-//! text exhausts the stack, and every byte is looked at a bounded number of times.
+//! A fault ends the reading of its block. Brackets and `#` nest to a bounded depth, so that no text exhausts the
+//! stack, and the parser reads every byte a bounded number of times.
 
 use crate::simulation::gcode::formula::{
-    FUNCTIONS, Function, KLARTEXT_OPERATORS, MAX_NESTING, OPERATORS, Operator, SIEMENS_OPERATORS, Step,
-    Written,
+    FUNCTIONS, Function, KLARTEXT_OPERATORS, MAX_NESTING, OPERATORS, Operator, OperatorRow,
+    SIEMENS_OPERATORS, Step,
 };
 use crate::simulation::gcode::line::{character_length, continuation, excerpt};
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
 use std::collections::HashMap;
 
-/// Where the numbers of texts begin: beyond those of parameters.
-const TEXTS: f64 = 5e9;
+/// First number of a text, beyond those of parameters.
+const FIRST_TEXT_NUMBER: f64 = 5e9;
 
-/// The longest name of a parameter, bytes.
+/// Longest name of a parameter, bytes.
 const MAX_NAME_LENGTH: usize = 100;
 
-/// How a family of dialects writes expressions.
+/// The notation of expressions in a family of dialects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Notation {
     /// `[#1+2]`.
@@ -60,7 +58,7 @@ impl Notation {
         if matches!(self, Notation::Iso | Notation::Okuma) { (b'[', b']') } else { (b'(', b')') }
     }
 
-    fn operators(self) -> &'static [Written] {
+    fn operators(self) -> &'static [OperatorRow] {
         match self {
             Notation::Iso | Notation::Okuma => OPERATORS,
             Notation::Siemens => SIEMENS_OPERATORS,
@@ -69,20 +67,21 @@ impl Notation {
     }
 }
 
-/// What is wrong, and the bytes it concerns.
+/// A fault, and the bytes with it.
 pub(super) type Fault = (Unread, std::ops::Range<usize>);
 
 /// The named parameters of a program, each once.
 #[derive(Debug, Default)]
 pub(super) struct Names {
     indices: HashMap<String, u32>,
-    /// Those that the program within the text defines for itself, by the name that it writes.
+    /// The names that the program being read defines, by their spelling.
     own: HashMap<String, u32>,
-    /// How many programs of the text came before.
+    /// Number of programs in the text before this one.
     programs: u32,
 }
 
 impl Names {
+    /// Returns the index of a name.
     pub(super) fn index(&mut self, name: String) -> u32 {
         if let Some(index) = self.own.get(&name) {
             return *index;
@@ -91,13 +90,15 @@ impl Names {
         *self.indices.entry(name).or_insert(next)
     }
 
-    /// The number that stands for a text.
+    /// Returns the step that puts the number of a text on the stack.
     pub(super) fn of_text(&mut self, text: &[u8]) -> Step {
         // No parameter has a name with a quotation mark.
-        Step::Number(TEXTS + f64::from(self.index(format!("\"{}", String::from_utf8_lossy(text)))))
+        Step::Number(
+            FIRST_TEXT_NUMBER + f64::from(self.index(format!("\"{}", String::from_utf8_lossy(text)))),
+        )
     }
 
-    /// A name of the program being read alone, from here on to its end.
+    /// Defines a name for the program being read, from here on to its end, and returns its index.
     pub(super) fn define(&mut self, name: String) -> u32 {
         if self.programs == 0 {
             let index = self.index(name.clone());
@@ -110,18 +111,18 @@ impl Names {
         index
     }
 
-    /// Whether the program being read defines this name.
+    /// Returns `true` if the program being read defines this name.
     pub(super) fn is_defined(&self, name: &str) -> bool {
         self.own.contains_key(name)
     }
 
-    /// Another program of the text begins.
+    /// Begins another program of the text.
     pub(super) fn next_program(&mut self) {
         self.own.clear();
         self.programs += 1;
     }
 
-    /// The names in order of their index.
+    /// Returns the names in order of their index.
     pub(super) fn finish(self) -> Vec<String> {
         let mut names: Vec<_> = self.indices.into_iter().collect();
         names.sort_unstable_by_key(|(_, index)| *index);
@@ -129,24 +130,24 @@ impl Names {
     }
 }
 
-/// A parameter as it is written.
+/// A parameter to which a value is assigned, or that is read.
 pub(super) enum Place {
-    /// Its number is left by the steps before.
+    /// The steps before leave its number.
     Numbered,
-    /// Index of its name.
+    /// The index of its name.
     Named(u32),
 }
 
-/// Reads one expression after the other from a line.
+/// A parser of the expressions in a line, one after the other.
 pub(super) struct Expressions<'a> {
     pub(super) text: &'a [u8],
-    /// The byte to be read next.
+    /// Index of the next byte.
     pub(super) at: usize,
     pub(super) steps: &'a mut Vec<Step>,
     pub(super) names: &'a mut Names,
     notation: Notation,
     depth: usize,
-    /// Bytes read so far that belong to a character already counted.
+    /// Bytes read so far that continue a character of several bytes.
     pub(super) continuation: usize,
 }
 
@@ -161,7 +162,7 @@ impl<'a> Expressions<'a> {
         Expressions { text, at, steps, names, notation, depth: 0, continuation: 0 }
     }
 
-    /// Whether a value of ISO that is more than a number begins at `at`.
+    /// Returns `true` if an ISO value that is more than a number begins at `at`.
     pub(super) fn begin_at(text: &[u8], at: usize) -> bool {
         let at = skip_blanks(text, at);
         let is_signed = matches!(text.get(at), Some(b'+' | b'-'));
@@ -179,7 +180,11 @@ impl<'a> Expressions<'a> {
         }
     }
 
-    /// `#…=…`: leaves the number of the parameter, if it has one, and its value.
+    /// Reads `#…=…`; the steps leave the number of the parameter, if it has one, and its value.
+    ///
+    /// # Errors
+    ///
+    /// This method and those below fail at a text that is not of their form.
     pub(super) fn assignment(&mut self) -> Result<Place, Fault> {
         self.at += 1;
         let place = self.place()?;
@@ -188,7 +193,7 @@ impl<'a> Expressions<'a> {
         Ok(place)
     }
 
-    /// Leaves one value.
+    /// Reads one value.
     pub(super) fn value(&mut self) -> Result<(), Fault> {
         self.at = skip_blanks(self.text, self.at);
         if let Some(found) = number(self.text, self.at) {
@@ -227,7 +232,7 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
-    /// Leaves the value of all that binds at least as tightly as `tightness`.
+    /// Reads values joined by operators that bind at least as tightly as `tightness`.
     pub(super) fn expression(&mut self, tightness: u8) -> Result<(), Fault> {
         self.value()?;
         while let Some((end, own, operator)) = self.operator()
@@ -248,10 +253,10 @@ impl<'a> Expressions<'a> {
     }
 
     fn ends_with_text(&self) -> bool {
-        matches!(self.steps.last(), Some(Step::Number(value)) if TEXTS <= *value)
+        matches!(self.steps.last(), Some(Step::Number(value)) if FIRST_TEXT_NUMBER <= *value)
     }
 
-    /// `"ROUGH"`: leaves its number.
+    /// Reads a text such as `"ROUGH"`; the steps leave its number.
     fn text_value(&mut self) -> Result<(), Fault> {
         let start = self.at + 1;
         let Some(length) = self.text[start..].iter().position(|byte| *byte == b'"') else {
@@ -266,7 +271,7 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
-    /// The operator that stands next: where it ends, and how tightly it binds.
+    /// Returns the next operator: its end, how tightly it binds, and itself; `None` if no operator follows.
     fn operator(&self) -> Option<(usize, u8, Operator)> {
         let at = skip_blanks(self.text, self.at);
         let found = |(name, tightness, operator): &(&str, u8, Operator)| {
@@ -287,7 +292,7 @@ impl<'a> Expressions<'a> {
         self.expect(close)
     }
 
-    /// A parameter without `#`, where one stands next.
+    /// Reads a parameter without `#`; returns `false` if none follows.
     fn variable(&mut self) -> Result<bool, Fault> {
         let letters = identifier(&self.text[self.at..]);
         let name = &self.text[self.at..self.at + letters];
@@ -337,7 +342,7 @@ impl<'a> Expressions<'a> {
         Ok(true)
     }
 
-    /// `Q1`, `QL1`, `QR1`; not a function. A text (`QS1`) has no value.
+    /// Reads `Q1`, `QL1` or `QR1`; returns `false` if none follows. A text (`QS1`) has no value.
     fn klartext_variable(&mut self, letters: usize) -> Result<bool, Fault> {
         let name = &self.text[self.at..self.at + letters];
         let Some((number, length)) = klartext_number(name) else { return Ok(false) };
@@ -346,7 +351,8 @@ impl<'a> Expressions<'a> {
         Ok(true)
     }
 
-    /// `VC1`, `V1`, a name of the program or one of the control (`VZOFZ[1]`); not a function.
+    /// Reads `VC1`, `V1`, a name of the program or one of the control (`VZOFZ[1]`); returns `false` for a
+    /// function.
     fn okuma_variable(&mut self, letters: usize) -> bool {
         let letters = letters + index_of_array(&self.text[self.at + letters..], true);
         let name = &self.text[self.at..self.at + letters];
@@ -363,6 +369,7 @@ impl<'a> Expressions<'a> {
         true
     }
 
+    /// Reads a function with its values.
     fn function(&mut self) -> Result<(), Fault> {
         let start = self.at;
         let letters = identifier(&self.text[start..]);
@@ -413,7 +420,8 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
-    /// Values between brackets, one more than there are operators that join them, the last two first.
+    /// Reads values between brackets, one more than there are operators. The operators join the last two values
+    /// first.
     fn joined_values(&mut self, operators: &[Operator]) -> Result<(), Fault> {
         let (open, close) = self.notation.brackets();
         self.expect(open)?;
@@ -427,7 +435,7 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
-    /// `EXISTS[#<name>]`.
+    /// Reads `EXISTS[#<name>]`.
     fn exists(&mut self) -> Result<(), Fault> {
         self.at += "EXISTS".len();
         self.expect(b'[')?;
@@ -441,7 +449,7 @@ impl<'a> Expressions<'a> {
         self.expect(b']')
     }
 
-    /// What follows a `#`.
+    /// Reads the parameter behind a `#`.
     pub(super) fn place(&mut self) -> Result<Place, Fault> {
         let start = skip_blanks(self.text, self.at);
         if self.text.get(start) != Some(&b'<') {
@@ -467,6 +475,7 @@ impl<'a> Expressions<'a> {
         }
     }
 
+    /// Reads a part one level deeper.
     fn nested(&mut self, read: impl FnOnce(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         if self.depth == MAX_NESTING {
             return Err((Unread::Nesting, self.at..self.at + 1));
@@ -477,6 +486,7 @@ impl<'a> Expressions<'a> {
         Ok(())
     }
 
+    /// Reads the byte `sign`.
     pub(super) fn expect(&mut self, sign: u8) -> Result<(), Fault> {
         self.at = skip_blanks(self.text, self.at);
         if self.text.get(self.at) == Some(&sign) {
@@ -494,7 +504,7 @@ impl<'a> Expressions<'a> {
         }))
     }
 
-    /// Something else stands where `expected` should.
+    /// Returns the fault that `expected` is missing at the current byte.
     fn missing(&self, expected: &'static str) -> Fault {
         let rest = &self.text[self.at..];
         let length = if rest.is_empty() { 0 } else { character_length(rest) };
@@ -506,7 +516,7 @@ impl<'a> Expressions<'a> {
     }
 }
 
-/// Where `name` ends, if it stands at `at`; blanks within it mean nothing.
+/// Returns the end of `name` if it begins at `at`, else `None`; blanks within it are ignored.
 fn after(text: &[u8], at: usize, name: &str) -> Option<usize> {
     let mut end = at;
     for letter in name.bytes() {
@@ -519,14 +529,14 @@ fn after(text: &[u8], at: usize, name: &str) -> Option<usize> {
     Some(end)
 }
 
-/// The number of a common or system variable of Okuma controls.
+/// Returns the number of a common or system variable of Okuma controls.
 pub(super) fn okuma_number(name: &[u8]) -> Option<u32> {
     let upper = name.to_ascii_uppercase();
     let digits = upper.strip_prefix(b"VC").or(upper.strip_prefix(b"V"))?;
     std::str::from_utf8(digits).ok()?.parse().ok()
 }
 
-/// The number of the Q parameter that `text` begins with, and its length. Local and non-volatile
+/// Returns the number of the Q parameter that `text` begins with, and its length. Local and non-volatile
 /// parameters (QL, QR) are numbered behind the others.
 pub(super) fn klartext_number(text: &[u8]) -> Option<(u32, usize)> {
     let is = |at: usize, letter: u8| text.get(at).is_some_and(|byte: &u8| byte.eq_ignore_ascii_case(&letter));
@@ -547,14 +557,14 @@ pub const LOCAL_PARAMETERS: u32 = 1_000_000;
 /// The number of QR0.
 pub const STORED_PARAMETERS: u32 = 2_000_000;
 
-/// Length of the name that `text` begins with: letters, digits, `_` and a leading `$`.
+/// Returns the length of the name that `text` begins with: letters, digits, `_` and a leading `$`.
 pub(super) fn identifier(text: &[u8]) -> usize {
     let belongs = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$');
     text.iter().take_while(|byte| belongs(byte)).count()
 }
 
-/// Length of an index such as `[2]` or `[1,3]` that `text` begins with; only plain numbers make a
-/// name, and names where the control's own variables are meant (`$AA_IM[X]`).
+/// Returns the length of an index such as `[2]` or `[1,3]` that `text` begins with. An index consists of plain
+/// numbers; for the control's own variables it may be a name (`$AA_IM[X]`).
 fn index_of_array(text: &[u8], is_system: bool) -> usize {
     if text.first() != Some(&b'[') {
         return 0;
@@ -565,7 +575,7 @@ fn index_of_array(text: &[u8], is_system: bool) -> usize {
     if 0 < inner && text.get(1 + inner) == Some(&b']') { inner + 2 } else { 0 }
 }
 
-/// The operators that make one of the values of a function.
+/// Returns the operators that join the values of a function of several values.
 fn of_several(name: &[u8]) -> Option<&'static [Operator]> {
     use Operator::{Angle, Greatest, Least, Power};
     const NAMES: [(&str, &[Operator]); 5] = [
@@ -579,7 +589,7 @@ fn of_several(name: &[u8]) -> Option<&'static [Operator]> {
     found.map(|(_, operators)| *operators)
 }
 
-/// The function that Fanuc controls take two letters for.
+/// Returns the function that Fanuc controls accept these two letters for.
 fn function_by_two_letters(name: &[u8]) -> Option<Function> {
     if name.len() != 2 {
         return None;

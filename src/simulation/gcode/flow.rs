@@ -1,8 +1,7 @@
-//! Program flow as it is stored: where a block sends the program, apart from its words.
+//! Flow of a program: the actions of blocks on the order of execution.
 //!
-//! Jumps, loops and subprograms of all dialects come down to a few actions on blocks. Structured
-//! words (`WHILE … END`, `o100 if … o100 endif`, `FOR … ENDFOR`) are matched when the text is
-//! read and become jumps to known blocks:
+//! Jumps, loops and subprograms of all dialects become a few actions on blocks. The reader matches structured
+//! words (`WHILE … END`, `o100 if … o100 endif`, `FOR … ENDFOR`) and turns them into jumps to known blocks:
 //!
 //! ```text
 //! while c    →  head:  jump to past if not c          if a      →  jump to next if not a
@@ -12,81 +11,81 @@
 //!                                                     endif     →  past:
 //! ```
 //!
-//! Labels are looked up when they are reached, since a number may be worked out by the program.
-//! A program without flow carries empty lists.
+//! The interpreter looks up a label when it reaches the jump, since the program may compute its number. A program
+//! without flow has empty lists.
 
-/// What one block does apart from its words.
+/// The effect of one block on the order of execution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flow {
     /// Index of its block.
     pub block: u32,
-    /// What it does.
+    /// Its action.
     pub action: Action,
 }
 
 /// An action on the order in which blocks are run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Goes on elsewhere.
+    /// Continues elsewhere.
     Jump {
-        /// Where.
+        /// The destination.
         to: Destination,
-        /// Under which condition.
+        /// The condition.
         when: When,
     },
-    /// Sets how often the [`Action::Again`] at `end` goes back, one less than the block's count;
-    /// with a count of 0 goes on past it.
+    /// Sets the number of jumps of the [`Action::Again`] at `end`, to one less than the block's count; with a
+    /// count of 0, continues past it.
     Repeat {
         /// Index of the block with the `Again`.
         end: u32,
     },
-    /// Goes back as often as was set or, where nothing was, as its own count says.
+    /// Jumps back as often as an [`Action::Repeat`] set or, without one, as its own count says.
     Again {
-        /// Where to.
+        /// The destination.
         to: Destination,
     },
-    /// Runs a subprogram with the block's arguments, as often as its count says, and comes back.
+    /// Runs a subprogram with the block's arguments, as often as its count says, and returns.
     Call {
-        /// Which.
+        /// The subprogram.
         to: Destination,
-        /// Arguments not given have no value in it, and its numbered parameters are its own.
+        /// `true` if the subprogram has its own numbered parameters, in which arguments that are not given have no
+        /// value.
         has_own_parameters: bool,
     },
     /// Runs a section of the program once more, as often as the block's count says.
     Section {
-        /// Where it begins.
+        /// The first block.
         from: Label,
-        /// Where it ends.
+        /// The end.
         until: SectionEnd,
     },
-    /// Leaves the subprogram; at the top, ends the program.
+    /// Leaves the subprogram; in the main program, ends the program.
     Return,
-    /// Leaves the subprogram; at the top, does nothing.
+    /// Leaves the subprogram; in the main program, does nothing.
     SubprogramEnd,
-    /// Ends the program where no subprogram is being run: the text of a subprogram begins here.
+    /// Ends the program unless a subprogram is being run: the text of a subprogram begins here.
     Border,
-    /// Words of the block (M98, M99, G65 and the like) call or return, as their values say.
+    /// Calls or returns by words of the block (M98, M99, G65 and the like), as their values say.
     Words,
-    /// What the words would do is not to be run: the message is its index in
-    /// [`Program::texts`](crate::simulation::gcode::Program::texts).
+    /// Reports a message in place of an action that Truefeed cannot run.
     Alarm {
-        /// Index of the message.
+        /// Index of the message in [`Program::texts`](crate::simulation::gcode::Program::texts).
         text: u32,
     },
 }
 
-/// Where a section that is run once more ends.
+/// The end of a section that is run once more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionEnd {
     /// After its first block.
     Block,
     /// After the block of this label.
     Label(Label),
-    /// The same or, where there is no such label, before the block that asks for the section.
+    /// After the block of this label; if there is no such label, before the block with this action.
     LabelOrHere(Label),
 }
 
-/// When a jump is made.
+/// The condition of a jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
     /// Each time.
@@ -97,18 +96,18 @@ pub enum When {
     False,
 }
 
-/// Where a jump or a call goes.
+/// The destination of a jump or a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Destination {
-    /// To this block; an index past the last one ends the program.
+    /// This block; an index past the last one ends the program.
     Block(u32),
-    /// To a label.
+    /// A label.
     Label(Label, Direction),
-    /// To the label of this kind whose number the block works out.
+    /// The label of this kind whose number the block computes.
     Computed(LabelKind),
 }
 
-/// Where a label is looked for.
+/// The direction in which a label is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// After the jump, then before it.
@@ -119,16 +118,16 @@ pub enum Direction {
     Backward,
 }
 
-/// A name or number that a block can be found by.
+/// A name or number by which a jump finds a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Label {
-    /// What it names.
+    /// The kind of block that it names.
     pub kind: LabelKind,
     /// Its number, or the index of its name in [`Program::names`](crate::simulation::gcode::Program::names).
     pub id: u32,
 }
 
-/// What a label names.
+/// The kind of block that a label names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LabelKind {
     /// The block with an N number.

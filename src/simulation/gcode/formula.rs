@@ -1,21 +1,20 @@
-//! Formulas as they are stored: what a word or a parameter is to get, in postfix order.
+//! Formulas: values of words and parameters that the interpreter computes, in postfix order.
 //!
-//! `X[#<scale>*10.]` is the word X with the steps `scale`, `10`, `×`: each step takes its
-//! operands from a stack and leaves its result there. All steps of a program lie in one table,
-//! so that a program without formulas carries two empty lists. What the parameters hold is not
-//! known here: that is for the stage that runs the blocks.
+//! `X[#<scale>*10.]` is the word X with the steps `scale`, `10`, `×`: each step takes its operands from a stack
+//! and leaves its result there. All steps of a program are in one table, so a program without formulas has two
+//! empty lists. The values of parameters are unknown here; the interpreter has them.
 
 use std::ops::Range;
 
-/// How deep brackets and `#` may stand within each other.
+/// Most levels of nested brackets and `#`.
 pub(super) const MAX_NESTING: usize = 64;
 
-/// A value of a block that has to be worked out when the block is run.
+/// A value of a block that the interpreter computes when it runs the block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     /// Index of its block.
     pub block: u32,
-    /// What gets the value.
+    /// The place for the value.
     pub target: Target,
     /// Its steps in [`Program::steps`](crate::simulation::gcode::Program::steps).
     pub steps: Range<u32>,
@@ -23,7 +22,7 @@ pub struct Formula {
     pub columns: (u32, u32),
 }
 
-/// What gets the value of a formula.
+/// The place for the value of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// The word with this index in [`Program::words`](crate::simulation::gcode::Program::words).
@@ -37,33 +36,33 @@ pub enum Target {
     Named(u32),
     /// The condition of the block's jump.
     Condition,
-    /// How often the block's loop or call is run.
+    /// The number of times that the block's loop or call is run.
     Count,
-    /// The number of the label that the block goes to.
+    /// The number of the label that the block jumps to.
     Destination,
-    /// The numbered parameter that a subprogram finds its argument in.
+    /// The numbered parameter in which a subprogram finds its argument.
     Argument(u32),
-    /// What a subprogram gives back.
+    /// The result of a subprogram.
     Result,
 }
 
 /// One step of a formula, on a stack of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// Puts down a finite number.
+    /// Pushes a finite number.
     Number(f64),
-    /// Puts down the parameter with this index in
+    /// Pushes the value of the parameter with this index in
     /// [`Program::names`](crate::simulation::gcode::Program::names).
     Named(u32),
-    /// Takes a number and puts down the parameter it numbers.
+    /// Pops a number and pushes the value of the parameter with that number.
     Numbered,
-    /// Puts down 1 if the parameter with this index has a value, else 0.
+    /// Pushes 1 if the parameter with this index has a value, else 0.
     Exists(u32),
-    /// Takes a value and puts down its negative.
+    /// Pops a value and pushes its negative.
     Negate,
-    /// Takes a value and puts down a function of it.
+    /// Pops a value and pushes a function of it.
     Function(Function),
-    /// Takes two values, the right one first, and puts down what they make.
+    /// Pops two values, the right one first, and pushes the result of the operator.
     Operator(Operator),
 }
 
@@ -91,7 +90,7 @@ pub enum Function {
     Not,
 }
 
-/// All functions as they are written.
+/// All functions with their spelling.
 pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     ("SIN", Function::Sin),
     ("COS", Function::Cos),
@@ -111,20 +110,20 @@ pub(super) const FUNCTIONS: &[(&str, Function)] = &[
     ("SQ", Function::Square),
     ("SGN", Function::Sign),
     ("NOT", Function::Not),
-    // Other spellings of the same.
+    // Other spellings.
     ("POT", Function::Square),
     ("INT", Function::Truncate),
     ("ROUNDUP", Function::Fup),
 ];
 
 impl Function {
-    /// As it is written.
+    /// Returns its spelling.
     pub fn name(self) -> &'static str {
         FUNCTIONS.iter().find(|(_, function)| *function == self).map_or("", |(name, _)| name)
     }
 }
 
-/// What makes one value of two.
+/// An operator on two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum Operator {
@@ -155,12 +154,11 @@ pub enum Operator {
     Greatest,
 }
 
-/// One operator as it is written, and how tightly it binds.
-pub(super) type Written = (&'static str, u8, Operator);
+/// An operator: its spelling, its tightness (higher binds first) and its meaning.
+pub(super) type OperatorRow = (&'static str, u8, Operator);
 
-/// The operators that stand between their operands in ISO programs. Of two that begin alike the
-/// longer one comes first.
-pub(super) const OPERATORS: &[Written] = &[
+/// The operators of ISO programs. Of two that begin alike the longer one comes first.
+pub(super) const OPERATORS: &[OperatorRow] = &[
     ("**", 5, Operator::Power),
     ("*", 4, Operator::Times),
     ("/", 4, Operator::Over),
@@ -178,8 +176,8 @@ pub(super) const OPERATORS: &[Written] = &[
     ("XOR", 1, Operator::Xor),
 ];
 
-/// The same in Siemens programs.
-pub(super) const SIEMENS_OPERATORS: &[Written] = &[
+/// The operators of Siemens programs.
+pub(super) const SIEMENS_OPERATORS: &[OperatorRow] = &[
     ("*", 4, Operator::Times),
     ("/", 4, Operator::Over),
     ("DIV", 4, Operator::Quotient),
@@ -197,8 +195,8 @@ pub(super) const SIEMENS_OPERATORS: &[Written] = &[
     ("OR", 1, Operator::Or),
 ];
 
-/// The same in Klartext, with the words of the FN functions.
-pub(super) const KLARTEXT_OPERATORS: &[Written] = &[
+/// The operators of Klartext, with the words of the FN functions.
+pub(super) const KLARTEXT_OPERATORS: &[OperatorRow] = &[
     ("^", 5, Operator::Power),
     ("*", 4, Operator::Times),
     ("/", 4, Operator::Over),

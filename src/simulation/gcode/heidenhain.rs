@@ -1,28 +1,28 @@
-//! What the reader keeps from line to line of Heidenhain programs, in Klartext and in DIN/ISO.
+//! State of the reader of Heidenhain programs, in Klartext and in DIN/ISO.
 
 use crate::simulation::gcode::Reference;
 
-/// What the reader keeps from line to line of Heidenhain programs.
+/// State of the reader of Heidenhain programs between lines.
 #[derive(Default)]
-pub(super) struct Heidenhain {
-    /// The line before continues in this one.
+pub(super) struct HeidenhainState {
+    /// `true` if the line before continues in this one.
     pub(super) continued: bool,
-    /// The continued lines are not read.
+    /// `true` if continued lines are ignored.
     pub(super) skips: bool,
-    /// Words of DIN/ISO that stay in force.
-    pub(super) din: Modal,
+    /// Modal words of DIN/ISO.
+    pub(super) din: DinModal,
 }
 
-/// Words of DIN/ISO that stay in force from line to line.
+/// Words of DIN/ISO that remain in force from line to line.
 #[derive(Default)]
-pub(super) struct Modal {
+pub(super) struct DinModal {
     /// The G word of the motion.
     pub(super) motion: u32,
     pub(super) is_incremental: bool,
 }
 
-impl Modal {
-    /// Returns what coordinates count from.
+impl DinModal {
+    /// Returns the reference point of coordinates.
     pub(super) fn reference(&self) -> Reference {
         if self.is_incremental { Reference::Incremental } else { Reference::Modal }
     }

@@ -1,15 +1,15 @@
 //! Decimal numbers of G-code words.
 //!
-//! The value is the f64 nearest to what is written. With digits d (an integer) and k decimals,
-//! d / 10^k is correctly rounded where d < 2^53 and k ≤ 22, since both are exact; that is every
-//! number of a sane program, and the standard library reads the others.
+//! The value is the f64 nearest to the written number. With digits d (an integer) and k decimals, d / 10^k is
+//! correctly rounded if d < 2^53 and k ≤ 22, since both are exact. Programs hardly have other numbers; the
+//! standard library reads those.
 
 /// A number found in a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Number {
-    /// Its value; infinite where it is beyond f64.
+    /// Its value; infinite if it is beyond f64.
     pub(super) value: f64,
-    /// Written with a decimal point.
+    /// `true` if it is written with a decimal point.
     pub(super) has_point: bool,
     /// One past its last digit or point.
     pub(super) end: usize,
@@ -21,35 +21,35 @@ const EXACT_POWERS: [f64; 23] = [
     1e19, 1e20, 1e21, 1e22,
 ];
 
-/// How far a value may be from the whole number that it is meant to be: it may be the result of a formula.
-const MAX_OFF_WHOLE: f64 = 1e-4;
+/// Largest deviation of a value from the whole number that it means; it may be the result of a formula.
+const MAX_WHOLE_DEVIATION: f64 = 1e-4;
 /// Largest whole number that names something: a code, a tool, a label or a program.
 const MAX_WHOLE: f64 = 1e9;
 
-/// The whole number that a value is meant to be; `None` if it is negative, too large or farther than 0.0001 from each.
-/// Source: RS274/NGC version 3, Sect. 3.3.2.1.
+/// Returns the whole number that a value means; `None` if the value is negative, too large, or 0.0001 or more from
+/// each. Source: RS274/NGC version 3, Sect. 3.3.2.1.
 pub fn whole_number(value: f64) -> Option<u32> {
     nearest_whole(value).filter(|whole| (0.0..=MAX_WHOLE).contains(whole)).map(|whole| whole as u32)
 }
 
-/// The whole number of any size that a value is meant to be; `None` if it is farther than 0.0001 from each.
+/// Returns the whole number of any size that a value means; `None` if the value is 0.0001 or more from each.
 pub fn nearest_whole(value: f64) -> Option<f64> {
     let whole = value.round();
-    ((value - whole).abs() < MAX_OFF_WHOLE).then_some(whole)
+    ((value - whole).abs() < MAX_WHOLE_DEVIATION).then_some(whole)
 }
 
-/// Space, tab and the control characters that paper tape and serial lines leave behind.
+/// Returns `true` for space, tab and the control characters of paper tape and serial lines.
 pub(super) fn is_blank(byte: u8) -> bool {
     byte <= b' '
 }
 
-/// Where the first byte that is not blank stands, from `at` on.
+/// Returns the index of the first byte from `at` on that is not blank.
 pub(super) fn skip_blanks(text: &[u8], at: usize) -> usize {
     let rest = text.get(at..).unwrap_or_default();
     rest.iter().position(|byte| !is_blank(*byte)).map_or(text.len(), |offset| at + offset)
 }
 
-/// The number that begins at `at`, if one with at least one digit does.
+/// Returns the number that begins at `at`; `None` if there is no digit.
 pub(super) fn number(text: &[u8], at: usize) -> Option<Number> {
     let start = skip_blanks(text, at);
     let negative = text.get(start) == Some(&b'-');
@@ -87,18 +87,18 @@ pub(super) fn number(text: &[u8], at: usize) -> Option<Number> {
     Some(Number { value, has_point, end })
 }
 
-/// So many bytes after its sign hold a plain number and the one that ends it.
-const PLAIN: usize = 15;
+/// Number of bytes after its sign that hold a plain number and the byte behind it.
+const PLAIN_NUMBER_BYTES: usize = 15;
 
-/// The number that begins at `at` where it is written without blanks, in less than 15 signs, and where the text goes on so
-/// far; it is what [`number`] says unless more of a number follows.
+/// Returns the number that begins at `at` if it has no blanks, fewer than 15 bytes after its sign, and text behind
+/// it; else `None`. The result equals that of [`number`] unless more of a number follows.
 #[inline]
 pub(super) fn plain_number(text: &[u8], at: usize) -> Option<Number> {
     let rest = text.get(at..)?;
     let sign = *rest.first()?;
     let is_negative = sign == b'-';
     let first = usize::from(is_negative || sign == b'+');
-    let signs = rest.get(first..)?.first_chunk::<PLAIN>()?;
+    let signs = rest.get(first..)?.first_chunk::<PLAIN_NUMBER_BYTES>()?;
     let (mut value, mut past_point) = (0_u64, None);
     for (index, &sign) in signs.iter().enumerate() {
         let digit = sign.wrapping_sub(b'0');
@@ -112,7 +112,7 @@ pub(super) fn plain_number(text: &[u8], at: usize) -> Option<Number> {
             if index == usize::from(has_point) {
                 return None;
             }
-            // So few digits fit a signed number too, which processors turn into f64 in one step.
+            // These few digits fit a signed integer, which processors convert to f64 in one step.
             let magnitude = value as i64 as f64 / EXACT_POWERS[decimals];
             let value = if is_negative { -magnitude } else { magnitude };
             return Some(Number { value, has_point, end: at + first + index });

@@ -1,49 +1,25 @@
 //! The reader: one pass over the bytes, line by line, each line by the rules of its dialect.
 //!
-//! A program is read whole, or part by part, where nobody needs the words of a part once the next one is read.
+//! A program is read as a whole, or part by part if the words of a part are not needed once the next one is read.
 
 use crate::simulation::gcode::dialect::{detect, without_comments};
 use crate::simulation::gcode::diameters::diameter_word;
 use crate::simulation::gcode::doubt::{breaks_off, letters_of_line};
 use crate::simulation::gcode::encoding;
 use crate::simulation::gcode::expression::{Expressions, Fault, Names, Notation};
-use crate::simulation::gcode::heidenhain::Heidenhain;
+use crate::simulation::gcode::heidenhain::HeidenhainState;
 use crate::simulation::gcode::line::{Line, MAX_WORDS, lines, split_line};
 use crate::simulation::gcode::number::{is_blank, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::{Open, Structures};
 use crate::simulation::gcode::{
-    Action, ArcCenters, Argument, Block, Cause, Comment, Dialect, Doubt, Effect, Formula, Keyword, Label,
-    LabelKind, Letters, LineNumber, Place, Program, Reference, Remark, Remarks, Statement, Target, Word,
+    Action, Argument, Block, Cause, Comment, Dialect, Doubt, Effect, Formula, Keyword, Label, LabelKind,
+    Letters, LineNumber, Options, Place, Program, Reference, Remark, Remarks, Statement, Target, Word,
 };
 use std::borrow::Cow;
 
-/// What is chosen apart from the program itself.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Options {
-    /// The block delete switch: of each block what follows a `/` is left out. Off by default.
-    pub block_delete: bool,
-    /// The dialect; by default what the text shows.
-    pub dialect: Option<Dialect>,
-    /// What I, J and K of arcs count from where the program does not say; by default what the control's rule is, or what
-    /// its arcs show.
-    pub arc_centers: Option<ArcCenters>,
-}
-
-impl Options {
-    /// The options that words choose, of dialects and of arc centres, with blanks between them; others choose nothing.
-    pub fn from_words(words: &str) -> Options {
-        let words = || words.split_ascii_whitespace();
-        Options {
-            dialect: words().find_map(Dialect::from_word),
-            arc_centers: words().find_map(ArcCenters::from_word),
-            ..Options::default()
-        }
-    }
-}
-
-/// Reads a program in the dialect that its text is written in. Reading never fails: what is not understood is in the
-/// diagnostics of the program, each with line and columns.
+/// Reads a program in the dialect detected from its text. Reading never fails: the diagnostics of the program list
+/// all that is not understood, with line and columns.
 ///
 /// # Examples
 ///
@@ -62,7 +38,7 @@ pub fn read(bytes: &[u8]) -> Program {
 /// Reads a program.
 pub fn read_with(bytes: &[u8], options: &Options) -> Program {
     let mut parts = Parts::new(bytes, options, Scope::ALL).expect("all are read");
-    if parts.read_on(FIRST_LINES) {
+    if parts.read_on(SAMPLED_LINES) {
         parts.make_room();
         parts.read_on(u32::MAX);
     }
@@ -75,13 +51,13 @@ pub struct Parts<'a> {
     is_utf16: bool,
     /// The first dash that was taken for a minus sign.
     dash: Option<(&'static str, Place)>,
-    /// How many bytes are read.
+    /// Number of bytes read so far.
     read: usize,
     reader: Reader<'a>,
 }
 
 impl<'a> Parts<'a> {
-    /// Nothing of the program is read yet, or `None` if the scope leaves its dialect out.
+    /// Returns a program of which nothing is read yet, or `None` if the scope leaves its dialect out.
     pub fn new(bytes: &'a [u8], options: &'a Options, scope: Scope) -> Option<Parts<'a>> {
         let (text, is_utf16) = encoding::text(bytes);
         let (text, dash) = encoding::in_plain_signs(text);
@@ -90,48 +66,50 @@ impl<'a> Parts<'a> {
         Some(Parts { text, is_utf16, dash, read: 0, reader })
     }
 
-    /// Reads the next part of `lines` lines, and forgets words and blocks of the one before. Returns `false` at the end of the
-    /// program.
+    /// Reads the next part of `lines` lines, and drops words and blocks of the part before. Returns `false` at the
+    /// end of the program.
     pub fn next_part(&mut self, lines: u32) -> bool {
         let is_first = self.read == 0;
         self.reader.forget_blocks();
         let has_more = self.read_on(lines);
-        // Of the first part nothing was handed out before.
-        self.reader.began_anew &= !is_first;
+        // No earlier part was returned before the first.
+        self.reader.has_restarted &= !is_first;
         has_more
     }
 
-    /// The program with the blocks of the part read last; of what is no block, with all that was read so far.
+    /// Returns the program with words and blocks of the last part, and everything else of all parts read so far.
     pub fn part(&self) -> &Program {
         &self.reader.program
     }
 
-    /// What reading leaves in doubt so far, by ascending number of blocks before it; these count from the first part.
+    /// Returns the doubts of reading so far, by ascending number of blocks before them, counted from the first
+    /// part.
     pub fn doubts(&self) -> &[Doubt] {
         &self.reader.remarks.doubts
     }
 
-    /// Whether blocks are run one after another as they are read: nothing so far leads elsewhere, is to be worked
-    /// out, is beyond the scope, or says that what was read before does not belong to the program.
-    pub fn goes_straight_on(&self) -> bool {
+    /// Returns `true` if blocks can be run one after another as they are read: so far there is no flow, no
+    /// formula, no item beyond the scope, and no sign that earlier parts do not belong to the program.
+    pub fn runs_straight(&self) -> bool {
         let Program { flow, formulas, .. } = self.part();
-        flow.is_empty() && formulas.is_empty() && !self.reader.is_beyond_scope && !self.reader.began_anew
+        flow.is_empty() && formulas.is_empty() && !self.reader.is_beyond_scope && !self.reader.has_restarted
     }
 
-    /// How many blocks the whole program has, if the rest of it is like what was read.
+    /// Returns an estimate of the number of blocks of the whole program, from the part read so far.
     pub fn expected_blocks(&self) -> usize {
         let blocks = self.reader.index() as usize;
         blocks + self.more(blocks)
     }
 
-    /// Estimates, slightly too high, how many more the rest of the text has of something of which the text read has `count`.
+    /// Returns an estimate, slightly too high, of how often an item occurs in the rest of the text, given its
+    /// `count` in the text read.
     fn more(&self, count: usize) -> usize {
         let rest = 1.02 * (self.text.len() as f64 / self.read.max(1) as f64 - 1.0);
         (rest * count as f64) as usize
     }
 
-    /// Makes room for the rest of the text: lists that grow by doubling would for a moment take three times their size. It
-    /// is a guess, and does no harm where there is no such room.
+    /// Reserves memory for the rest of the text; lists that grow by doubling would for a moment take three times
+    /// their size. If there is not enough memory, nothing happens.
     fn make_room(&mut self) {
         let Program { words, blocks, .. } = self.part();
         let (more_words, more_blocks) = (self.more(words.len()), self.more(blocks.len()));
@@ -140,7 +118,7 @@ impl<'a> Parts<'a> {
         blocks.try_reserve_exact(more_blocks).ok();
     }
 
-    /// The program; words and blocks are those of the part read last.
+    /// Returns the program; words and blocks are those of the last part.
     pub fn finish(mut self) -> Program {
         if self.is_utf16 {
             self.reader.remarks.add(Place::line(LineNumber(1)), Unread::Utf16);
@@ -180,26 +158,29 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// Why a block is not run, and the columns it concerns.
+/// The reason why a block is not run, with its columns.
 pub(super) type Refusal = (Unread, (u32, u32));
 
-/// The most comments that are kept, and the longest, in characters.
+/// Most comments that are kept.
 pub(super) const MAX_COMMENTS: usize = 20_000;
+/// Longest comment that is kept, in characters.
 const MAX_COMMENT_CHARACTERS: usize = 80;
 
-/// The most texts that are kept; a text more is taken as the last one.
+/// Most texts that are kept; any further text is replaced by the last one.
 const MAX_TEXTS: usize = 100_000;
 
-/// The lines from which the room that the others need is estimated.
-const FIRST_LINES: u32 = 2_000;
+/// Number of lines from which the memory for the others is estimated.
+const SAMPLED_LINES: u32 = 2_000;
 
-/// Reads one line by the rules of a dialect.
+/// A function that reads one line by the rules of a dialect.
 type LineReader = fn(&mut Reader, &[u8], &mut Line) -> Result<(), Refusal>;
 
-/// Reads from a byte on what of an ISO line is more than a letter with its number; returns where that ends.
+/// A function that reads from a byte on an item of an ISO line that is more than a letter with its number; it
+/// returns the end.
 type MoreReader = fn(&mut Reader, &[u8], usize, &mut Line) -> Result<usize, Refusal>;
 
-/// How much of the dialects is read. Handed over as functions, so that a module that reads little does not carry the rest.
+/// The part of the dialects that is read, as functions, so that a WebAssembly module for plain programs does not
+/// include the readers of the others.
 #[derive(Clone, Copy)]
 pub struct Scope {
     line: fn(Dialect) -> Option<LineReader>,
@@ -218,7 +199,8 @@ impl Scope {
         more: |reader, text, at, line| reader.more(text, at, line),
     };
 
-    /// The dialects whose programs may go straight on. Heidenhain's have parameters, cycles or labels nearly always.
+    /// The dialects whose programs may run straight. Those of Heidenhain nearly always have parameters, cycles or
+    /// labels.
     pub const STRAIGHT: Scope = Scope {
         line: |dialect| match dialect {
             Dialect::Klartext | Dialect::HeidenhainIso => None,
@@ -228,7 +210,7 @@ impl Scope {
         more: |reader, text, at, line| reader.more(text, at, line),
     };
 
-    /// Letters with their numbers and comments of ISO programs, which is nearly all of most.
+    /// Letters with their numbers, and comments, of ISO programs: nearly all of most programs.
     pub const PLAIN: Scope = Scope {
         line: |dialect| match dialect {
             Dialect::Klartext | Dialect::HeidenhainIso | Dialect::Siemens => None,
@@ -241,33 +223,35 @@ impl Scope {
     };
 }
 
+/// State of reading a program.
 pub(super) struct Reader<'a> {
     pub(super) options: &'a Options,
     read_line: LineReader,
     pub(super) read_more: MoreReader,
-    /// The program holds more than its scope has.
+    /// `true` if the program has an item beyond its scope.
     is_beyond_scope: bool,
     pub(super) line: LineNumber,
     pub(super) program: Program,
     pub(super) names: Names,
     pub(super) remarks: Remarks<Unread>,
     pub(super) structures: Structures,
-    pub(super) heidenhain: Heidenhain,
-    /// How many blocks began with `/`, and the first of them.
+    pub(super) heidenhain: HeidenhainState,
+    /// Number of blocks that began with `/`.
     pub(super) optional: usize,
+    /// Line of the first of these.
     pub(super) first_optional: LineNumber,
-    /// Something may go to a block by its N number.
+    /// `true` if a jump may go to a block by its N number.
     pub(super) names_sequence: bool,
-    /// A subprogram or a macro is called by its number.
+    /// `true` if the program calls a subprogram or a macro by its number.
     pub(super) calls: bool,
-    /// A `%` line was seen.
-    opened: bool,
-    /// Words and formulas before the block being read.
+    /// `true` once a `%` line was read.
+    has_percent: bool,
+    /// Numbers of words, formulas, steps, actions, statements and arguments before the block being read.
     before: [usize; 6],
-    /// Blocks that were read and forgotten.
+    /// Number of blocks that were read and dropped.
     forgotten: u32,
-    /// A `%` line came behind the first part: what was read before does not belong to the program.
-    began_anew: bool,
+    /// `true` if a `%` line came behind the first part: what was read before does not belong to the program.
+    has_restarted: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -287,39 +271,39 @@ impl<'a> Reader<'a> {
             names: Names::default(),
             remarks: Remarks::default(),
             structures: Structures::default(),
-            heidenhain: Heidenhain::default(),
+            heidenhain: HeidenhainState::default(),
             optional: 0,
             first_optional: LineNumber(0),
             names_sequence: false,
             calls: false,
-            opened: false,
+            has_percent: false,
             before: [0; 6],
             forgotten: 0,
-            began_anew: false,
+            has_restarted: false,
         }
     }
 
-    /// Its lines are those of ISO, plain ones and `%` lines among them.
+    /// Returns `true` for dialects with the lines of ISO, including plain ones and `%` lines.
     fn is_iso(&self) -> bool {
         !matches!(self.program.dialect, Dialect::Siemens | Dialect::Klartext | Dialect::HeidenhainIso)
     }
 
-    /// A `%` line: whether it ends the text that is read. What was read before an opening one is leader.
+    /// Reads a `%` line; returns `true` if it ends the text. The text before an opening one is leader.
     fn percent_closes(&mut self, rest: &[u8]) -> bool {
         let another_follows = || lines(rest).any(|line| line.get(skip_blanks(line, 0)) == Some(&b'%'));
         let is_first = self.index() == 0 && self.remarks.is_empty();
         self.program.is_tape = true;
         if self.is_followed_by_subprogram(rest) {
-            self.opened = true;
+            self.has_percent = true;
             return false;
         }
-        if self.opened || (!is_first && !another_follows()) {
+        if self.has_percent || (!is_first && !another_follows()) {
             return true;
         }
-        self.opened = true;
+        self.has_percent = true;
         let blocks = self.index() as usize;
         self.forgotten = 0;
-        self.began_anew = true;
+        self.has_restarted = true;
         let Program { dialect, arc_centers, .. } = self.program;
         self.program = Program { dialect, arc_centers, is_tape: true, ..Program::default() };
         self.names = Names::default();
@@ -334,8 +318,9 @@ impl<'a> Reader<'a> {
         false
     }
 
-    /// Controls punch out a program and its subprograms one after another, each between `%` lines of its own.
-    /// Where nothing is called, what follows is another job. Of several `%` lines in a row the last one tells.
+    /// Returns `true` if the text behind a `%` line is a subprogram. Controls punch out a program and its
+    /// subprograms one after another, each between its own `%` lines. If the program calls nothing, the text is
+    /// another job. Of several `%` lines in a row the last one decides.
     fn is_followed_by_subprogram(&self, rest: &[u8]) -> bool {
         let mut signs = lines(rest).filter_map(|line| line.get(skip_blanks(line, 0)));
         self.calls
@@ -343,7 +328,7 @@ impl<'a> Reader<'a> {
             && matches!(signs.next(), Some(b'%' | b'O' | b'o' | b':'))
     }
 
-    /// Whatever follows the closing `%` is not read, but said.
+    /// Remarks on text behind the closing `%`, which is not read.
     fn trailer(&mut self, rest: &[u8]) {
         let is_empty = |line: &[u8]| line.iter().all(|byte| is_blank(*byte) || *byte == b'%');
         if let Some(offset) = lines(rest).position(|line| !is_empty(line)) {
@@ -352,8 +337,9 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Returns the program, with its labels and remarks complete.
     fn finish(mut self, text: &[u8]) -> Program {
-        self.remarks.look_behind(self.index() as usize);
+        self.remarks.set_place(self.index() as usize);
         if 0 < self.optional {
             let blocks = self.optional;
             let remark = match self.options.block_delete {
@@ -376,12 +362,14 @@ impl<'a> Reader<'a> {
         self.program
     }
 
-    /// LinuxCNC and its relatives know % lines too, but count dwells as they always do.
+    /// Clears the mark of tape programs for LinuxCNC and its relatives, which accept % lines but keep their own
+    /// unit of dwells.
     fn settle_tape(&mut self) {
         self.program.is_tape &=
             !matches!(self.program.dialect, Dialect::LinuxCnc | Dialect::Grbl | Dialect::Mach);
     }
 
+    /// Drops the blocks read so far, with their words and statements.
     fn forget_blocks(&mut self) {
         self.forgotten = self.index();
         self.program.blocks.clear();
@@ -391,7 +379,7 @@ impl<'a> Reader<'a> {
         self.before = self.sizes();
     }
 
-    /// An opening word without its closing one; the jumps that wait for it go to the end.
+    /// Remarks on an opening word without its closing one; the jumps that wait for it lead to the end.
     pub(super) fn unclosed(&mut self, open: &Open) {
         let end = self.index();
         let indices: Vec<usize> = open.next.iter().chain(&open.exits).chain(&open.to_end).copied().collect();
@@ -399,25 +387,26 @@ impl<'a> Reader<'a> {
         self.remarks.add(Place::line(open.line), Unread::Unclosed { word: open.kind.word() });
     }
 
-    /// Index of the block being read.
+    /// Returns the index of the block being read.
     pub(super) fn index(&self) -> u32 {
         self.forgotten + self.program.blocks.len() as u32
     }
 
-    /// The words of the block being read.
+    /// Returns the words of the block being read.
     pub(super) fn block_words(&self) -> &[Word] {
         &self.program.words[self.before[0].min(self.program.words.len())..]
     }
 
+    /// Returns the numbers of words, formulas, steps, actions, statements and arguments so far.
     fn sizes(&self) -> [usize; 6] {
         let Program { words, formulas, steps, flow, statements, arguments, .. } = &self.program;
         [words.len(), formulas.len(), steps.len(), flow.len(), statements.len(), arguments.len()]
     }
 
-    /// Reads one line; a block with a fault leaves nothing behind.
+    /// Reads one line; a block with a fault leaves no words.
     fn block(&mut self, text: &[u8]) {
         let mut line = Line::default();
-        self.remarks.look_behind(self.index() as usize);
+        self.remarks.set_place(self.index() as usize);
         let known_doubts = self.remarks.doubts.len();
         let outcome = (self.read_line)(self, text, &mut line);
         if let Err((remark, columns)) = outcome.and_then(|()| self.check_length()) {
@@ -438,7 +427,11 @@ impl<'a> Reader<'a> {
         self.program.complete(skip.as_slice(), next);
     }
 
-    /// Refuses a block of more words and assignments than any control takes, so that looking through a block stays cheap.
+    /// Checks the number of words and assignments of a block, so that searches in a block remain cheap.
+    ///
+    /// # Errors
+    ///
+    /// If there are more than any control accepts.
     fn check_length(&self) -> Result<(), Refusal> {
         let [words, _, _, _, statements, arguments] = self.sizes();
         let words = words + statements + arguments - self.before[0] - self.before[4] - self.before[5];
@@ -452,7 +445,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes back what was read of the block.
+    /// Removes all that was read of the block.
     fn drop_block(&mut self) {
         let [words, formulas, steps, flow, statements, arguments] = self.before;
         self.program.words.truncate(words);
@@ -464,8 +457,8 @@ impl<'a> Reader<'a> {
         self.structures.drop_block(self.index(), flow);
     }
 
-    /// Keeps the word that makes X words diameters of a line that is not run: no dialect but Siemens' reads it, and in each it
-    /// says that the program is for a lathe.
+    /// Keeps the word that makes X words diameters in a line that is not run: only the Siemens dialect reads it,
+    /// and in every dialect it marks a lathe program.
     fn keep_diameter_word(&mut self, text: &[u8]) {
         let mut code = Vec::new();
         without_comments(&text.to_ascii_uppercase(), &mut code);
@@ -474,7 +467,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Ends the block being read; what follows on the line is a block of its own.
+    /// Ends the block being read; the rest of the line becomes another block.
     pub(super) fn end_block(&mut self) {
         let sizes = self.sizes();
         if sizes != self.before {
@@ -484,7 +477,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Ends the block being read, of which nothing but words was read.
+    /// Ends the block being read, which has words only.
     #[inline]
     pub(super) fn end_block_of_words(&mut self) {
         let (before, words) = (self.before[0], self.program.words.len());
@@ -515,7 +508,7 @@ impl<'a> Reader<'a> {
         self.program.statements.push(Statement { block, columns, keyword, arguments: first..first });
     }
 
-    /// Adds an argument to the last statement: the one behind `position` others.
+    /// Adds an argument to the last statement, with `position` others before it.
     pub(super) fn push_argument(&mut self, position: u8, value: f64) {
         self.program.arguments.push(Argument { position, value });
         if let Some(statement) = self.program.statements.last_mut() {
@@ -523,7 +516,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Lets jumps and calls find the block being read, or the next one if it is empty.
+    /// Labels the block being read, or the next one if it is empty.
     pub(super) fn label(&mut self, kind: LabelKind, id: u32) {
         let block = self.index();
         self.program.labels.push((Label { kind, id }, block));
@@ -537,13 +530,13 @@ impl<'a> Reader<'a> {
         self.program.texts.len() as u32 - 1
     }
 
-    /// Enters what the block being read does apart from its words; returns its index in the flow.
+    /// Adds an action of the block being read; returns its index in the flow.
     pub(super) fn act(&mut self, action: Action) -> usize {
         self.program.act(self.index(), action)
     }
 
-    /// Keeps what `read` reads from the second of `starts` on as a formula whose columns begin at
-    /// the first; returns where it ends, and its columns.
+    /// Adds the formula that `read` reads from the second of `starts` on, with columns from the first. Returns its
+    /// end and its columns.
     pub(super) fn formula(
         &mut self,
         notation: Notation,
@@ -568,7 +561,7 @@ impl<'a> Reader<'a> {
         Ok((end, (first, past)))
     }
 
-    /// Keeps the first comment of the line where it may name an operation or a tool.
+    /// Keeps the first comment of the line if it may name an operation or a tool.
     fn keep_comment(&mut self, text: &[u8], line: &Line) {
         let Some((start, end)) = line.comment else { return };
         let words = self.block_words();

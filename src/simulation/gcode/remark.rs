@@ -1,4 +1,4 @@
-//! What reading has to say about a program.
+//! Remarks of reading a program.
 
 use crate::simulation::gcode::formula::MAX_NESTING;
 use crate::simulation::gcode::line::MAX_WORDS;
@@ -6,15 +6,15 @@ use crate::simulation::gcode::structure::MAX_OPEN;
 use crate::simulation::gcode::{Cause, Effect, Letters, Remark, Severity, counted};
 use thiserror::Error;
 
-/// Something in the text that was not read as a block of words.
+/// A part of the text that is not read as a block of words.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum Unread {
-    /// An expression that breaks off or continues as none can.
+    /// An expression that breaks off or continues with a wrong sign.
     #[error("expected {expected}, found {found}: block not run")]
     Expected {
-        /// What could have stood there.
+        /// The signs that are possible.
         expected: &'static str,
-        /// What stands there.
+        /// The text found instead.
         found: String,
     },
     /// Letters in an expression that are no function.
@@ -35,30 +35,30 @@ pub(super) enum Unread {
         /// As written.
         text: String,
     },
-    /// More brackets within brackets than are followed.
+    /// Brackets nested too deeply.
     #[error("brackets and # are nested deeper than {MAX_NESTING}: block not run")]
     Nesting,
-    /// A word that ends or divides what was never begun.
+    /// A word that ends or divides a structure that was never opened.
     #[error("`{word}` without its beginning: left out")]
     Unopened {
         /// The word.
         word: String,
     },
-    /// A word that begins what never ends.
+    /// A word that opens a structure that never ends.
     #[error("`{word}` has no end: the rest is run once")]
     Unclosed {
         /// The word.
         word: &'static str,
     },
-    /// More loops and branches within each other than are followed.
+    /// Loops and branches nested too deeply.
     #[error("loops and branches are nested deeper than {MAX_OPEN}: block not run")]
     DeepFlow,
-    /// A line that no control takes, as of a file whose line ends were lost.
+    /// A line longer than controls accept, as in a file whose line ends were lost.
     #[error(
         "{words} words in one block, {MAX_WORDS} at most: block not run; are the line ends of the file missing?"
     )]
     LongBlock {
-        /// How many there are.
+        /// Number of its words.
         words: usize,
     },
     /// A line for the control itself, not for the machine.
@@ -67,7 +67,7 @@ pub(super) enum Unread {
         /// As written.
         text: String,
     },
-    /// Two bytes a character.
+    /// A file with two bytes a character.
     #[error("the file is in UTF-16 (\"Unicode\"), which controls do not read; Truefeed decoded it")]
     Utf16,
     /// A dash before a number.
@@ -82,12 +82,12 @@ pub(super) enum Unread {
         /// As written.
         word: String,
     },
-    /// A word of the control that is read and has no part in the simulation.
+    /// A word of the control that is known and has no effect in the simulation.
     #[error("{name}: {what}")]
     Own {
         /// The word.
         name: String,
-        /// What is not modelled.
+        /// The part without a model.
         what: &'static str,
     },
     /// Letters or signs that are no word.
@@ -102,13 +102,13 @@ pub(super) enum Unread {
         /// The letter, upper case.
         letter: char,
     },
-    /// Two points, a sign within, and the like.
+    /// A number with two points, an inner sign, and the like.
     #[error("`{text}` is not a number: left out, the rest of the block is run")]
     MalformedNumber {
         /// As written.
         text: String,
     },
-    /// Beyond what a number can hold.
+    /// A number beyond f64.
     #[error("`{text}` is too large: left out, the rest of the block is run")]
     HugeNumber {
         /// As written.
@@ -120,7 +120,7 @@ pub(super) enum Unread {
     /// Lines before the opening `%`.
     #[error("the text before this % is taken as leader ({}): not run", counted(*.blocks, "block"))]
     Leader {
-        /// How many of them could have been run.
+        /// Number of its blocks.
         blocks: usize,
     },
     /// Lines after the closing `%`.
@@ -129,13 +129,13 @@ pub(super) enum Unread {
     /// Lines that begin with `/`, run.
     #[error("{} with / from here on: run, as with the block delete switch off", counted(*.blocks, "block"))]
     OptionalRun {
-        /// How many.
+        /// Number of these lines.
         blocks: usize,
     },
     /// Lines that begin with `/`, not run.
     #[error("{} with / from here on: not run, as with the block delete switch on", counted(*.blocks, "block"))]
     OptionalSkipped {
-        /// How many.
+        /// Number of these lines.
         blocks: usize,
     },
 }
@@ -173,7 +173,7 @@ impl Remark for Unread {
             Some((Cause::UnreadWords, Effect::Words(Letters::of(&[letter.to_ascii_uppercase()]))))
         };
         match self {
-            // Where an O is no name it is a zero of the word before, which may be any.
+            // An O that is no name is probably a zero of the word before, which may be any.
             Unread::MissingNumber { letter: 'O' | 'o' } => {
                 Some((Cause::UnreadWords, Effect::Words(Letters::AXES.with(Letters::of(b"F")))))
             }
@@ -190,7 +190,7 @@ impl Remark for Unread {
             }
             Unread::ModalCall { .. } => Some((Cause::MissingSubprograms, Effect::Unbounded)),
             Unread::Own { .. } => Some((Cause::UnmodelledFunctions, Effect::Unbounded)),
-            // The words of a block that is not run are known where it is dropped.
+            // The words of a dropped block are known where the reader drops it.
             Unread::Expected { .. }
             | Unread::Function { .. }
             | Unread::Name { .. }

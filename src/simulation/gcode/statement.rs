@@ -1,7 +1,7 @@
-//! Statements: what a block asks for by a keyword rather than by letters.
+//! Statements: requests of a block by a keyword instead of letters.
 //!
-//! A statement keeps its keyword by type and its arguments beside the words of the block, so that a word stays small. Its
-//! arguments have values once the formulas of the block have theirs; the dialect then gives them their names
+//! A statement stores its keyword by type, and its arguments beside the words of the block, so that a word remains
+//! small. Its arguments have values once the formulas of the block are computed; the dialect then gives them names
 //! ([`SiemensStatement`], [`KlartextStatement`]).
 
 use crate::simulation::gcode::klartext::KlartextStatement;
@@ -17,9 +17,9 @@ use crate::simulation::gcode::SiemensStatement;
 pub struct Statement {
     /// Index of its block.
     pub block: u32,
-    /// Where its keyword is in the line.
+    /// The columns of its keyword in the line.
     pub columns: Columns,
-    /// What it asks for.
+    /// Its keyword.
     pub keyword: Keyword,
     /// Its arguments in [`Program::arguments`](crate::simulation::gcode::Program::arguments).
     pub arguments: Range<u32>,
@@ -32,16 +32,16 @@ pub enum Keyword {
     Siemens(&'static SiemensKeyword),
     /// Of a Heidenhain program, in Klartext or in DIN/ISO.
     Klartext(KlartextStatement),
-    /// A word by which X words are diameters, as it is written: alone in a block that is not run for it.
+    /// A word by which X words are diameters, in its spelling: the only item kept of a block that is not run.
     Diameters(&'static str),
 }
 
 /// An argument of a statement that is not left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Argument {
-    /// How many arguments come before it.
+    /// Number of arguments before it.
     pub position: u8,
-    /// Its value; NaN until the formula that gives it is worked out.
+    /// Its value; NaN until its formula is computed.
     pub value: f64,
 }
 

@@ -1,31 +1,30 @@
 //! Structured flow → jumps: loops, branches and subprograms by the words that open and close them.
 //!
-//! Each opening word is kept until its closing word is met; the jumps it stands for are entered
-//! where they are known, and completed when the closing word says where they go. A closing word
-//! whose opening is missing, and an opening that is never closed, are said and do nothing, so that
-//! the blocks between are run once.
+//! The reader keeps each opening word until its closing word follows. It adds the jumps of a structure where they
+//! begin, and completes them when the closing word gives their destination. A closing word without an opening one,
+//! and an opening word that is never closed, get a remark and have no effect, so the blocks between are run once.
 
 use crate::simulation::gcode::{Action, Destination, Flow, LineNumber, Program, Step, When};
 
-/// What is open.
+/// The kind of a structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Tested at its head.
+    /// A loop that is tested at its head.
     While,
-    /// Tested at its end, or never.
+    /// A loop that is tested at its end, or never.
     Do,
-    /// Counted.
+    /// A loop with a count.
     Repeat,
     /// A branch.
     If,
     /// A subprogram.
     Sub,
-    /// Counted by a variable.
+    /// A loop with a counting variable.
     For,
 }
 
 impl Kind {
-    /// How the opening word is written.
+    /// Returns the spelling of the opening word.
     pub(super) fn word(self) -> &'static str {
         match self {
             Kind::While => "WHILE",
@@ -48,7 +47,7 @@ pub(super) enum Counter {
 }
 
 impl Counter {
-    /// Leaves its value.
+    /// Pushes its value.
     pub(super) fn load(self, steps: &mut Vec<Step>) {
         match self {
             Counter::Number(number) => steps.extend([Step::Number(f64::from(number)), Step::Numbered]),
@@ -61,34 +60,34 @@ impl Counter {
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) kind: Kind,
-    /// What tells it from others of its kind: its number or the index of its name.
+    /// The key among structures of its kind: its number or the index of its name.
     pub(super) key: u32,
     pub(super) line: LineNumber,
     /// Index of its block.
     pub(super) head: u32,
     /// The jump of the branch being read to the next branch.
     pub(super) next: Option<usize>,
-    /// Jumps to past the end, as indices of the flow.
+    /// Jumps past the end, as indices of the flow.
     pub(super) exits: Vec<usize>,
     /// Jumps to the closing word, as indices of the flow.
     pub(super) to_end: Vec<usize>,
     pub(super) counter: Option<Counter>,
 }
 
-/// The most that may be open at once.
+/// Most structures that may be open at once.
 pub(super) const MAX_OPEN: usize = 100;
 
-/// Everything open, the innermost last.
+/// The open structures, the innermost last.
 #[derive(Debug, Default)]
 pub(super) struct Structures {
     open: Vec<Open>,
 }
 
-/// A jump that is completed later.
+/// The destination of a jump that is completed later.
 pub(super) const UNKNOWN: Destination = Destination::Block(u32::MAX);
 
 impl Structures {
-    /// Opens one, or `None` if too many are open.
+    /// Opens a structure; returns `None` if too many are open.
     pub(super) fn push(&mut self, kind: Kind, key: u32, line: LineNumber, head: u32) -> Option<&mut Open> {
         if self.open.len() == MAX_OPEN {
             return None;
@@ -106,21 +105,21 @@ impl Structures {
         self.open.last_mut()
     }
 
-    /// The innermost open one of these kinds with this key.
+    /// Returns the innermost open structure of these kinds with this key.
     pub(super) fn find(&mut self, kinds: &[Kind], key: u32) -> Option<&mut Open> {
         self.open.iter_mut().rev().find(|open| open.key == key && kinds.contains(&open.kind))
     }
 
-    /// Takes out the innermost one of these kinds with this key; what was opened within it and not
-    /// closed is given back to be said.
+    /// Removes the innermost structure of these kinds with this key. Returns it with the structures within it that
+    /// were not closed; `None` if there is none.
     pub(super) fn close(&mut self, kinds: &[Kind], key: u32) -> Option<(Open, Vec<Open>)> {
         let index = self.open.iter().rposition(|open| open.key == key && kinds.contains(&open.kind))?;
         let within = self.open.split_off(index + 1);
         Some((self.open.pop().expect("it was found there"), within))
     }
 
-    /// Forgets what a block with a fault opened and the jumps it entered; `block` is its index, and
-    /// `flow` the length of the flow before it.
+    /// Removes the structures and jumps of a block with a fault; `block` is its index, and `flow` the length of
+    /// the flow before it.
     pub(super) fn drop_block(&mut self, block: u32, flow: usize) {
         self.open.retain(|open| open.head < block);
         for open in &mut self.open {
@@ -131,20 +130,20 @@ impl Structures {
         }
     }
 
-    /// Everything that was never closed.
+    /// Returns the structures that were never closed.
     pub(super) fn finish(&mut self) -> Vec<Open> {
         std::mem::take(&mut self.open)
     }
 }
 
 impl Program {
-    /// Enters an action of the block with this index; returns its index in the flow.
+    /// Adds an action of the block with this index; returns its index in the flow.
     pub(super) fn act(&mut self, block: u32, action: Action) -> usize {
         self.flow.push(Flow { block, action });
         self.flow.len() - 1
     }
 
-    /// Completes the jumps at `indices`.
+    /// Completes the jumps at `indices` with the destination `block`.
     pub(super) fn complete(&mut self, indices: &[usize], block: u32) {
         for index in indices {
             match &mut self.flow[*index].action {
@@ -155,7 +154,7 @@ impl Program {
         }
     }
 
-    /// A jump to a block still unknown; returns its index in the flow.
+    /// Adds a jump to a block still unknown; returns its index in the flow.
     pub(super) fn jump_later(&mut self, block: u32, when: When) -> usize {
         self.act(block, Action::Jump { to: UNKNOWN, when })
     }

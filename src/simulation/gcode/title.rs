@@ -1,23 +1,26 @@
-//! What a program calls itself, by its head: the comment beside its O number, `BEGIN PGM name`, `%_N_name_MPF`.
+//! Title of a program, from its head: the comment beside its O number, `BEGIN PGM name`, `%_N_name_MPF`.
 //!
-//! Other comments at the head may say anything (who wrote it, which machine, which tools), and are no title.
+//! Other comments at the head may be about anything (the author, the machine, the tools), and are not a title.
 
 use crate::simulation::gcode::encoding;
 
-/// The bytes and lines within which a title is looked for.
-const LOOKED_AT: (usize, usize) = (8192, 40);
+/// Length of the head in which a title is searched, bytes.
+const MAX_HEAD_BYTES: usize = 8192;
 
-/// The longest title, in characters.
+/// Length of the head in which a title is searched, lines.
+const MAX_HEAD_LINES: usize = 40;
+
+/// Longest title, in characters.
 const MAX_TITLE_CHARACTERS: usize = 80;
 
-/// Words before a title that only say that it is one.
+/// Words before a title that only announce it.
 const PREFIXES: [&str; 4] = ["program name", "part name", "program", "name"];
 
-/// What the program calls itself, or `None` if it does not say.
+/// Returns the title of a program, or `None` if it has none.
 pub fn title(bytes: &[u8]) -> Option<String> {
-    let (text, _) = encoding::text(&bytes[..bytes.len().min(LOOKED_AT.0)]);
+    let (text, _) = encoding::text(&bytes[..bytes.len().min(MAX_HEAD_BYTES)]);
     let text = encoding::characters(&text);
-    let found = text.lines().take(LOOKED_AT.1).find_map(of_line)?;
+    let found = text.lines().take(MAX_HEAD_LINES).find_map(of_line)?;
     let mut title = found.trim();
     for prefix in PREFIXES {
         let head = title.get(..prefix.len()).filter(|head| head.eq_ignore_ascii_case(prefix));
@@ -27,12 +30,12 @@ pub fn title(bytes: &[u8]) -> Option<String> {
             break;
         }
     }
-    // A number alone is what the file is called already.
-    let says = title.chars().any(char::is_alphabetic);
-    says.then(|| title.chars().filter(|letter| !letter.is_control()).take(MAX_TITLE_CHARACTERS).collect())
+    // A number alone is usually the name of the file.
+    let is_title = title.chars().any(char::is_alphabetic);
+    is_title.then(|| title.chars().filter(|letter| !letter.is_control()).take(MAX_TITLE_CHARACTERS).collect())
 }
 
-/// The title of a line that holds one.
+/// Returns the title in a line, or `None` if it has none.
 fn of_line(line: &str) -> Option<&str> {
     let line = line.trim().trim_start_matches('\0');
     if let Some(name) = line.strip_prefix("%_N_") {

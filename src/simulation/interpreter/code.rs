@@ -1,4 +1,4 @@
-//! A word as it is written, such as G1 or M30.
+//! Spelling of a word, such as G1 or M30.
 
 /// A letter with its number, as people write it: G91.1, M30.
 #[derive(Clone, Copy, Debug, PartialEq)]

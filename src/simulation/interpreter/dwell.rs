@@ -1,4 +1,4 @@
-//! G4: how long a block waits, in the words and units of each control.
+//! G4: dwells, in the words and units of each control.
 
 use crate::simulation::gcode::{Dialect, Word};
 use crate::simulation::interpreter::block::{AXIS_WORDS, Block, bits};
@@ -7,25 +7,27 @@ use crate::simulation::interpreter::code::Code;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 
-/// A time without a point that is at least this is no number of seconds in a program of an unknown control.
+/// Least time without a decimal point that is not in seconds in a program of an unknown control.
 const MIN_TIME_IN_MS: f64 = 100.0;
 
-/// What a time counts.
+/// The unit of a time.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum TimeUnit {
     Seconds,
     Milliseconds,
-    /// Milliseconds, which only the size of the number says.
+    /// Milliseconds, judged by the size of the number alone.
     Guessed,
 }
 
 impl TimeUnit {
+    /// Returns a value in s.
     pub(super) fn seconds(self, value: f64) -> f64 {
         if self == TimeUnit::Seconds { value } else { value / 1000.0 }
     }
 }
 
 impl Interpreter<'_> {
+    /// Runs G4.
     pub(crate) fn dwell(&mut self, block: Block, code: Code) {
         if has_dwell_by_feed(self.dialect) && !self.given.has(bits(b"P")) {
             return self.dwell_by_feed(block);
@@ -54,7 +56,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// G4 F (s) and G4 S (turns of the spindle).
+    /// Runs G4 F (s) and G4 S (revolutions of the spindle).
     pub(crate) fn dwell_by_feed(&mut self, block: Block) {
         let given_as =
             |letter: u8| block.words.iter().rfind(|word| word.letter == letter).map(|word| word.value);
@@ -80,9 +82,9 @@ impl Interpreter<'_> {
         }
     }
 
-    /// What the time of a dwell or a cycle counts. Fanuc controls count one without a point in milliseconds, their
-    /// least increment, and RS274/NGC has seconds. A program that shows neither is for a control of the first
-    /// kind more often, and hardly waits for minutes.
+    /// Returns the unit of the time of a dwell or a cycle. On Fanuc controls a time without a decimal point is in
+    /// milliseconds, their least increment; RS274/NGC has seconds. A program that shows neither is more often for
+    /// a Fanuc control, and hardly waits for minutes.
     pub(crate) fn unit_of_time(&self, word: &Word) -> TimeUnit {
         let is_guess = self.dialect == Dialect::Iso && MIN_TIME_IN_MS <= word.value;
         match () {
@@ -94,7 +96,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// Controls on which F of G4 is a time.
+/// Returns `true` for controls on which F of G4 is a time.
 pub(super) fn has_dwell_by_feed(dialect: Dialect) -> bool {
     matches!(dialect, Dialect::Siemens | Dialect::HeidenhainIso | Dialect::Okuma)
 }

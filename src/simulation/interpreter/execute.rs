@@ -1,4 +1,4 @@
-//! What a block does with its axis words: the word that decides alone, or the motion in force.
+//! Effect of the axis words of a block: by a word that uses them, or by the motion in force.
 
 use crate::simulation::interpreter::block::{AXIS_WORDS, Block, CENTER_WORDS, POLAR_WORDS, bits};
 use crate::simulation::interpreter::code::Code;
@@ -7,6 +7,7 @@ use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::interpreter::words::{Mode, Special};
 
 impl Interpreter<'_> {
+    /// Runs a word that uses the axis words of its block.
     pub(crate) fn special(&mut self, block: Block, special: Special, code: Code) {
         match special {
             Special::Dwell => self.dwell(block, code),
@@ -22,7 +23,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The move of a block, where it has one.
+    /// Runs the move of a block, if it has one.
     pub(crate) fn motion(&mut self, block: Block, has_motion_word: bool) {
         let has_axis_words = self.given.has(AXIS_WORDS | POLAR_WORDS);
         if self.cycle.is_active() {

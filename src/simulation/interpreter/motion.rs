@@ -1,4 +1,4 @@
-//! What a block does with its axis words: dwells, shifts of coordinates and moves.
+//! Moves: arcs and straight lines in rapid and in feed.
 
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::remark::TraceRemark;
@@ -7,6 +7,7 @@ use crate::simulation::toolpath::plane::{Turn, tolerated_difference};
 use crate::simulation::toolpath::{Arc, Curve, MIN_MOVE_MM, Motion, Point, Rotation};
 
 impl Interpreter<'_> {
+    /// Runs an arc in feed to `end`; without a circle, a straight line.
     pub(super) fn arc_to(&mut self, block: Block, end: Point, turn: Turn) {
         for letter in *b"IJKR" {
             let value = self.given.get(letter).unwrap_or_default() * self.modal.unit;
@@ -15,7 +16,7 @@ impl Interpreter<'_> {
             }
         }
         let (ends, turns) = ((self.canonical.position, end), self.turns(block));
-        self.hear_center(block, ends);
+        self.count_center_evidence(block, ends);
         let arc = match self.frame.turned().copied() {
             Some(chain) => self.turned_arc(block, chain, ends, turn, turns),
             None => {
@@ -38,7 +39,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Along an arc in feed.
+    /// Moves along an arc in feed.
     pub(super) fn feed_along(&mut self, block: Block, end: Point, arc: Arc) {
         let length = arc.length();
         let feedrate = self.feedrate_along(block, length);
@@ -46,11 +47,13 @@ impl Interpreter<'_> {
         self.push(block, end, Curve::Arc(arc.into()), length, Motion::Feed { feedrate });
     }
 
+    /// Moves straight to `end` in rapid.
     pub(super) fn rapid_to(&mut self, block: Block, end: Point) {
         let length = (end - self.canonical.position).norm();
         self.push(block, end, Curve::Line, length, Motion::Rapid);
     }
 
+    /// Moves straight to `end` in feed.
     pub(super) fn feed_to(&mut self, block: Block, end: Point) {
         let length = (end - self.canonical.position).norm();
         if MIN_MOVE_MM <= length || self.canonical.is_beside() {
@@ -60,6 +63,7 @@ impl Interpreter<'_> {
         }
     }
 
+    /// Adds a move, with the rotary axes that turn during it.
     pub(super) fn push(&mut self, block: Block, end: Point, curve: Curve, length: f64, motion: Motion) {
         if length < MIN_MOVE_MM && !self.canonical.is_beside() {
             self.turn_alone(block, motion == Motion::Rapid);
@@ -79,6 +83,6 @@ impl Interpreter<'_> {
                 self.canonical.arc_feed(line, (end, arc, length), feedrate, rotation);
             }
         }
-        self.tell_troubles();
+        self.add_compensation_remarks();
     }
 }

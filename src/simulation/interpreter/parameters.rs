@@ -1,22 +1,20 @@
 //! Parameters (`#5`, `#<depth>`) and the values of formulas.
 //!
-//! One rule for all controls: every value of a block is worked out with the parameters as they
-//! are before the block, from left to right; then its assignments are made, from left to right;
-//! then it is run. So `#3=6 G1 X#3` moves to the former `#3`, as RS274/NGC says, and Fanuc
-//! controls, which have one assignment a block and nothing beside it, agree. Siemens controls make
-//! each assignment where it stands.
+//! One rule for all controls: all values of a block are computed with the parameters before the block, from left
+//! to right; then its assignments are made, from left to right; then it is run. So `#3=6 G1 X#3` moves to the
+//! former `#3`, as in RS274/NGC, and Fanuc controls, which have one assignment a block and no other words beside
+//! it, agree. Siemens controls make each assignment in its position.
 //!
-//! Rules where controls differ:
-//! - A parameter holds what the program assigned to it. Before, it is vacant on Fanuc controls and
-//!   their relatives: 0 in arithmetic, equal only to another vacant one, and a word of it is as if
-//!   it were not written (`#0` is always vacant). Elsewhere a numbered parameter is 0 before, and
-//!   a named one a fault. A remark names the first such parameter.
-//! - Its number is whole (within 0.0001). Of the control's own parameters, position, tool, feed
-//!   and the like are known; the others hold nothing.
-//! - A call with arguments has parameters 1 to 33 of its own (1 to 30 on LinuxCNC, and all names
-//!   without `_`).
-//! - Comparisons are exact and give 1 or 0; AND, OR and XOR take any value but 0 as true. On Fanuc
-//!   controls, their relatives and Okuma's they work bit by bit, which is the same between conditions.
+//! Rules for differences between controls:
+//! - A parameter has the value that the program assigned to it. Before, it is vacant on Fanuc controls and their
+//!   relatives: 0 in arithmetic, equal only to another vacant one, and a word of it counts as missing (`#0` is
+//!   always vacant). On other controls a numbered parameter is 0 before, and a named one a fault. A remark names the
+//!   first such parameter.
+//! - Its number is whole (within 0.0001). Of the control's own parameters, position, tool, feed and the like are
+//!   known; the others have no value.
+//! - A call with arguments has its own parameters 1 to 33 (1 to 30 on LinuxCNC, and all names without `_`).
+//! - Comparisons are exact and give 1 or 0; AND, OR and XOR take any value but 0 as true. On Fanuc controls, their
+//!   relatives and Okuma's they work bit by bit, which gives the same result for conditions.
 //! - MOD is at least 0, FIX rounds down, FUP up, ROUND to the nearest, halves away from 0. On Fanuc
 //!   controls FIX rounds toward 0 and FUP away from it, as ROUNDUP of Siemens does.
 //! - Angles are in degrees, arctangents in −180 to 180.
@@ -34,7 +32,7 @@ use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use thiserror::Error;
 
-/// Why a formula has no value.
+/// The reason why a formula has no value.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum NoValue {
     #[error("{parameter} has no value: nothing was assigned to it")]
@@ -51,28 +49,28 @@ pub(super) enum NoValue {
     TooLarge,
 }
 
-/// What the control itself knows, by the number or the name that programs ask for it with.
+/// Values of the control itself, by the number or the name that programs read them with.
 pub(super) trait Control {
-    /// The parameter with this number.
+    /// Returns the value of the parameter with this number.
     fn numbered(&self, number: u32) -> Option<f64>;
-    /// The parameter with this name, lower case.
+    /// Returns the value of the parameter with this name, lower case.
     fn named(&self, name: &str) -> Option<f64>;
 }
 
-/// A parameter without a value that is a value all the same (vacant, on Fanuc controls).
+/// The value of a vacant parameter of Fanuc controls.
 const VACANT: f64 = f64::NAN;
 
-/// What the parameters hold, and room to work.
+/// The values of the parameters, with space for computing.
 pub(super) struct Parameters {
     dialect: Dialect,
     globals: HashMap<Name, f64>,
-    /// Of the main program and of each call within calls.
+    /// The values of the main program and of each nested call.
     locals: Vec<HashMap<Name, f64>>,
     stack: Vec<f64>,
     assignments: Vec<(Name, f64)>,
-    /// The first parameter that was read before anything was assigned to it.
+    /// The first parameter that was read before an assignment to it.
     pub(super) unassigned: Option<(LineNumber, String)>,
-    /// The last parameter of the call in force that was read without a value, until it is taken.
+    /// The last parameter of the call in force that was read without a value in a formula.
     missing: Option<Name>,
     state: State,
     line: LineNumber,
@@ -80,8 +78,8 @@ pub(super) struct Parameters {
     first_argument: u32,
 }
 
-/// A digest of what all parameters hold, and how often a value of the control was read: where neither changed in
-/// between, formulas have the values they had.
+/// A digest of all values, and the number of values of the control that were read: if neither changed, formulas
+/// have the same values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct State {
     held: u64,
@@ -91,22 +89,22 @@ pub(super) struct State {
 /// The values of one block.
 #[derive(Default)]
 pub(super) struct Values {
-    /// Its words with all their values; those that are vacant are left out.
+    /// Its words with all their values, without vacant ones.
     pub(super) words: Vec<Word>,
     pub(super) condition: Option<f64>,
     pub(super) count: Option<f64>,
     pub(super) destination: Option<f64>,
-    /// A parameter of the call in force that the condition goes by and that nothing was assigned to.
+    /// A parameter of the call in force without a value that the condition depends on.
     pub(super) missing: Option<String>,
     /// The arguments of its statements with all their values.
     pub(super) statement_arguments: Vec<Argument>,
-    /// What it assigns to numbered parameters.
+    /// The values that it assigns to numbered parameters.
     pub(super) assigned: Vec<(u32, f64)>,
-    /// Arguments of a call, by the number of their parameter.
+    /// The arguments of a call, by the number of their parameter.
     pub(super) arguments: Vec<(u32, f64)>,
-    /// The program raises an alarm (`#3000=1`).
+    /// `true` if the program raises an alarm (`#3000=1`).
     pub(super) alarm: bool,
-    /// The program stops for the operator (`#3006=1`), as by M0.
+    /// `true` if the program stops for the operator (`#3006=1`), as by M0.
     pub(super) stop: bool,
 }
 
@@ -121,11 +119,11 @@ impl Values {
     }
 }
 
-/// The parameter that raises an alarm when something is assigned to it.
-const ALARM: u32 = 3000;
+/// The parameter that raises an alarm at an assignment.
+const ALARM_PARAMETER: u32 = 3000;
 
-/// The parameter that stops the program when something is assigned to it.
-const STOP: u32 = 3006;
+/// The parameter that stops the program at an assignment.
+const STOP_PARAMETER: u32 = 3006;
 
 /// A parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -150,7 +148,7 @@ impl Parameters {
         }
     }
 
-    /// Begins a call: numbered parameters and, on LinuxCNC, names without `_` are its own.
+    /// Begins a call, which has its own numbered parameters and, on LinuxCNC, names without `_`.
     pub(super) fn enter(&mut self, arguments: &[(u32, f64)]) {
         let given = arguments.iter().map(|(number, value)| (Name::Number(*number), *value));
         let given: HashMap<Name, f64> = given.filter(|(_, value)| !value.is_nan()).collect();
@@ -159,7 +157,7 @@ impl Parameters {
         self.locals.push(given);
     }
 
-    /// What all parameters hold, as a digest.
+    /// Returns the digest of all values.
     pub(super) fn state(&self) -> State {
         self.state
     }
@@ -172,8 +170,11 @@ impl Parameters {
         }
     }
 
-    /// Works out the formulas of a block into `values` and makes its assignments; returns the first
-    /// formula that has no value, after which nothing is assigned.
+    /// Computes the formulas of a block into `values` and makes its assignments.
+    ///
+    /// # Errors
+    ///
+    /// The first formula without a value; no assignment is made then.
     pub(super) fn values_of<'a>(
         &mut self,
         program: &Program,
@@ -204,8 +205,8 @@ impl Parameters {
         let is_macro = matches!(self.dialect, Dialect::Iso | Dialect::Mach);
         for index in 0..self.assignments.len() {
             let (name, value) = self.assignments[index];
-            values.alarm |= is_macro && name == Name::Number(ALARM);
-            values.stop |= is_macro && name == Name::Number(STOP);
+            values.alarm |= is_macro && name == Name::Number(ALARM_PARAMETER);
+            values.stop |= is_macro && name == Name::Number(STOP_PARAMETER);
             if let Name::Number(number) = name {
                 values.assigned.push((number, value));
             }
@@ -214,6 +215,7 @@ impl Parameters {
         Ok(())
     }
 
+    /// Returns `true` if a parameter belongs to the call in force.
     fn is_local(&self, program: &Program, name: Name) -> bool {
         match name {
             Name::Number(number) => match self.dialect {
@@ -228,6 +230,7 @@ impl Parameters {
         }
     }
 
+    /// Assigns a value to a parameter; a vacant one removes it.
     fn assign(&mut self, program: &Program, name: Name, value: f64) {
         let depth = if self.is_local(program, name) { self.locals.len() } else { 0 };
         let holder = match depth {
@@ -240,6 +243,7 @@ impl Parameters {
         }
     }
 
+    /// Returns the value of a parameter, of the program or of the control; `None` if it has none.
     fn held(&mut self, program: &Program, name: Name, control: &dyn Control) -> Option<f64> {
         let holder = match self.is_local(program, name) {
             true => self.locals.last().expect("the main program has its own"),
@@ -256,7 +260,7 @@ impl Parameters {
         value
     }
 
-    /// What a parameter holds, or what its dialect takes for nothing.
+    /// Returns the value of a parameter, or the value of a missing one in the dialect.
     fn value(&mut self, program: &Program, name: Name, control: &dyn Control) -> Result<f64, NoValue> {
         if let Some(value) = self.held(program, name, control) {
             return Ok(value);
@@ -284,7 +288,7 @@ impl Parameters {
             Dialect::Klartext | Dialect::HeidenhainIso => 'Q',
             _ => '#',
         };
-        // Elements of arrays and arguments of calls are 0 before anything is assigned to them.
+        // Elements of arrays and arguments of calls are 0 before an assignment to them.
         if !matches!(name, Name::Number(0 | 3_000_000_000..)) {
             self.unassigned.get_or_insert((self.line, format!("{sign}{parameter}")));
         }
@@ -292,7 +296,7 @@ impl Parameters {
         Ok(if is_vacant { VACANT } else { 0.0 })
     }
 
-    /// Works out one formula and keeps its value for its word or for after the block's last one.
+    /// Computes one formula and stores its value for its word, or as an assignment after the block's last formula.
     fn take(
         &mut self,
         program: &Program,
@@ -307,7 +311,7 @@ impl Parameters {
             Target::Word(index) => {
                 let word = &mut values.words[(index - block.words.start) as usize];
                 word.value = value;
-                // Fanuc controls take a formula as written with a point, but P has none there.
+                // Fanuc controls read a formula as written with a point, but P has none there.
                 word.has_point = value.fract() != 0.0 || matches!(word.letter, b'X' | b'U');
             }
             Target::StatementArgument(index) => {
@@ -338,8 +342,8 @@ impl Parameters {
         Ok(())
     }
 
-    /// The value of `formula`; where it has a numbered target, its number is left on the stack. It
-    /// is vacant only where the formula is one vacant parameter and nothing else.
+    /// Returns the value of `formula`; of a numbered target, the number remains on the stack. The value is vacant
+    /// only if the formula is one vacant parameter and nothing else.
     fn evaluate(
         &mut self,
         program: &Program,
@@ -377,6 +381,7 @@ impl Parameters {
         Ok(pop(&mut self.stack))
     }
 
+    /// Applies a function to the value on the stack.
     fn apply(&mut self, function: Function) -> Result<f64, NoValue> {
         let value = zero_if_vacant(pop(&mut self.stack));
         let is_below_zero = matches!(self.dialect, Dialect::Iso | Dialect::Siemens) && value < 0.0;
@@ -387,8 +392,8 @@ impl Parameters {
         }
     }
 
-    /// AND, OR and XOR where the control works them out bit by bit. Fanuc controls do so on binary
-    /// numbers, and a value that is no integer is rounded to the nearest one for that.
+    /// Returns the result of AND, OR and XOR on controls that compute them bit by bit. Fanuc controls do so on
+    /// binary numbers, and round other values to the nearest integer.
     fn by_bits(&self, operator: Operator, left: f64, right: f64) -> Option<f64> {
         if !matches!(self.dialect, Dialect::Iso | Dialect::Okuma) {
             return None;
@@ -404,7 +409,8 @@ impl Parameters {
     }
 }
 
-/// One parameter with what it holds, in the call of this depth; 0 for those of all calls.
+/// Returns the digest of one parameter with its value in the call of this depth; 0 for the parameters of all
+/// calls.
 fn digest(name: Name, value: f64, depth: usize) -> u64 {
     let mut hasher = DefaultHasher::new();
     (name, value.to_bits(), depth).hash(&mut hasher);
@@ -419,7 +425,7 @@ fn zero_if_vacant(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value }
 }
 
-/// Nothing is 0 in arithmetic, but equal only to nothing.
+/// Returns the result of an operator; a vacant value is 0 in arithmetic, but equal only to a vacant one.
 fn combine_vacant(operator: Operator, left: f64, right: f64) -> Result<f64, NoValue> {
     if (left.is_nan() || right.is_nan()) && matches!(operator, Operator::Equal | Operator::NotEqual) {
         let is_same = left.is_nan() && right.is_nan();

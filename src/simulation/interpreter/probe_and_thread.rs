@@ -1,16 +1,16 @@
-//! Straight moves that something other than the program ends or drives: a probe, or the spindle.
+//! Straight moves that a probe ends or the spindle drives.
 //!
 //! ```text
-//! G31, G38.2 … G38.5 X Y Z   until the probe touches, at F     run to the end, as if it never did
+//! G31, G38.2 … G38.5 X Y Z   until the probe touches, at F     run to the end, as without contact
 //! G33 X Y Z K                thread: K per revolution          feedrate K S
-//! G33.1 X Y Z K              rigid tapping: the same, then the spindle turns round and the tool
-//!                            comes back to where it began
+//! G33.1 X Y Z K              rigid tapping: as G33, then the spindle reverses and the tool
+//!                            returns to the start
 //! ```
 //!
-//! K is in the unit of length in force, S in rev/min. They act in their own block alone. Where a
-//! probe touches nobody can tell, so the time of probing is an upper bound, but the moves after it
-//! begin where the control has its tool if nothing is touched. That a thread waits for the
-//! spindle's index, and that the tap overruns while the spindle turns round, is not modelled.
+//! K is in the unit of length in force, S in rev/min. These words act in their own block alone. The point of
+//! contact of a probe is unknown, so the time of probing is an upper bound, and the moves after it begin where the
+//! tool is without contact. Not modelled: the wait of a thread for the spindle's index, and the overrun of the tap
+//! while the spindle reverses.
 //!
 //! Source: LinuxCNC 2.9, G-code reference, G33, G33.1 and G38; Fanuc B-63944EN, G31.
 
@@ -23,7 +23,7 @@ use crate::simulation::toolpath::{Curve, Motion, Point};
 use crate::units::mm_per_s;
 
 impl Interpreter<'_> {
-    /// G31 and G38: to the end, at the feedrate in force, where the tool then stands still.
+    /// Runs G31 and G38: a move to the end at the feedrate in force, with a full stop.
     pub(super) fn probe(&mut self, block: Block, code: Code) {
         self.remarks.add(block.place(), TraceRemark::Probing { code });
         let Some(target) = self.target(block) else { return };
@@ -32,7 +32,7 @@ impl Interpreter<'_> {
         self.probed = Some(self.canonical.position);
     }
 
-    /// G33 and, with the way back, G33.1.
+    /// Runs G33 and, with the way back, G33.1.
     pub(super) fn thread(&mut self, block: Block, code: Code, is_tapping: bool) {
         if !self.given.has(AXIS_WORDS) {
             return;
@@ -58,6 +58,7 @@ impl Interpreter<'_> {
         }
     }
 
+    /// Moves straight to `end` at a feedrate (mm/s).
     fn stroke(&mut self, block: Block, end: Point, feedrate: f64) {
         let length = (end - self.canonical.position).norm();
         self.push(block, end, Curve::Line, length, Motion::Feed { feedrate });

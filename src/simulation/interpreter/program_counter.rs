@@ -1,18 +1,18 @@
 //! The order in which blocks are run: jumps, loops and calls, within bounds.
 //!
-//! Blocks are run one after the other but where their flow says otherwise. A call keeps where it
-//! came from; a subprogram ends at its return, at the border of the next program in the text, or
-//! with the last block. M98, M99, M97 and G65 are read here, since they say where to go:
+//! Blocks run one after the other unless their flow says otherwise. A call keeps the block to return to; a
+//! subprogram ends at its return, at the border of the next program in the text, or with the last block. This
+//! module also reads M98, M99, M97 and G65, since they contain destinations:
 //!
-//! - `M98 P1000 L3` runs O1000 three times; without L, `P31000` says the same
-//!   where there is no O31000. `M97 P10` runs from
-//!   N10 on, and so does `M98 Q10`; `M98 P1000 Q10` runs O1000 from N10 on. `G65 P1000 A1. B2.` runs O1000 with #1 = 1, #2 = 2. `M99` returns, `M99 P20` to N20.
-//! - In the main program M99 ends it: the control would begin again.
+//! - `M98 P1000 L3` runs O1000 three times; without L, `P31000` has this meaning if there is no O31000. `M97 P10`
+//!   runs from N10 on, and so does `M98 Q10`; `M98 P1000 Q10` runs O1000 from N10 on. `G65 P1000 A1. B2.` runs O1000
+//!   with #1 = 1, #2 = 2. `M99` returns, `M99 P20` returns to N20.
+//! - In the main program M99 ends it: the control would restart it.
 //!
-//! A program may loop for ever, and a short text may ask for endless work. It ends where a jump back finds all that
-//! decides the way on as it was a turn of the loop before, and where a loop goes on for [`MAX_TURNS_BY_MISSING`] turns
-//! by an argument that nobody gave: a macro run on its own. In any case no more than [`MAX_REPEATED`]
-//! blocks are run beyond those of the text, and calls nest to [`MAX_CALL_DEPTH`].
+//! A program may loop for ever, and a short text may cause endless work. A program ends at a jump back if
+//! everything that decides its further way equals that of the iteration before. It also ends if a loop runs
+//! [`MAX_ITERATIONS_BY_MISSING`] iterations by an argument that was not given: a macro that runs on its own. In any
+//! case at most [`MAX_REPEATED`] blocks run beyond those of the text, and calls nest to [`MAX_CALL_DEPTH`].
 //!
 //! Sources: Fanuc B-63944EN, ch. 13 and 16; LinuxCNC 2.9, O codes.
 
@@ -20,7 +20,7 @@ use crate::simulation::gcode::{
     Action, Destination, Dialect, Direction, Label, LabelKind, LineNumber, Program, SectionEnd, When, Word,
     whole_number,
 };
-use crate::simulation::interpreter::bounds::{MAX_CALL_DEPTH, MAX_COUNT, MAX_TURNS_BY_MISSING};
+use crate::simulation::interpreter::bounds::{MAX_CALL_DEPTH, MAX_COUNT, MAX_ITERATIONS_BY_MISSING};
 use crate::simulation::interpreter::parameters::{Parameters, State, Values};
 use crate::simulation::interpreter::remark::TraceRemark;
 use std::collections::HashMap;
@@ -28,22 +28,22 @@ use std::ops::Range;
 
 /// A subprogram being run; the first one is the main program.
 struct Call {
-    /// The block to go on with after it.
+    /// The block to return to.
     back: u32,
     /// Its first block, for the next repetition.
     first: u32,
-    /// One past its last block, where the text does not say.
+    /// One past its last block, if the text does not end it.
     until: u32,
-    /// How often it is still to be run.
+    /// Number of repetitions left.
     again: u32,
     has_own_parameters: bool,
-    /// How often each [`Action::Again`] still goes back, by its block.
+    /// Number of jumps back left of each [`Action::Again`], by its block.
     counters: HashMap<u32, u32>,
-    /// Counts calls from the first, which is 0.
+    /// Number of the call, counted from the main program, which is 0.
     serial: u64,
 }
 
-/// What decides the way on from a jump back.
+/// Everything that decides the further way at a jump back.
 #[derive(PartialEq, Eq)]
 struct Situation {
     /// The call in force, by its serial number and the repetitions left.
@@ -52,38 +52,38 @@ struct Situation {
     parameters: State,
 }
 
-/// The last turn of a loop, by its jump back.
-struct Turn {
+/// The last iteration of a loop, by its jump back.
+struct Iteration {
     situation: Situation,
-    /// Turns in a row by a condition with a missing argument.
+    /// Number of iterations in a row by a condition with a missing argument.
     by_missing: u32,
 }
 
-/// Where a program is.
+/// The position in a program.
 pub(super) struct ProgramCounter<'a> {
     program: &'a Program,
-    /// The block to be run; past the last one at the end.
+    /// Index of the block that runs next; past the last one at the end.
     at: u32,
-    /// The first of the program's flow that is not before `at`.
+    /// Index of the first action that is not before `at`.
     flow: usize,
     calls: Vec<Call>,
     /// The borders between programs in the text.
     borders: Vec<u32>,
-    /// Blocks that may be run beyond once each.
+    /// Number of blocks that may run beyond once each.
     most_repeated: usize,
-    /// Blocks that may still be run.
+    /// Number of blocks that may still run.
     left: usize,
-    /// Whether each block was run.
+    /// For each block, `true` if it was run.
     was_run: Vec<bool>,
-    turns: HashMap<u32, Turn>,
-    /// The conditions that went by a missing argument as they were last worked out, by their blocks.
+    iterations: HashMap<u32, Iteration>,
+    /// The missing arguments of conditions, at their last computation, by their blocks.
     missing: HashMap<u32, String>,
     calls_made: u64,
-    /// A count of the block being run that is no whole number.
+    /// A count of the block being run that is not a whole number.
     uneven_count: Option<f64>,
 }
 
-/// What happened after a block.
+/// The result of the flow of a block: a remark if it cannot be followed.
 pub(super) type Outcome = Result<(), TraceRemark>;
 
 impl<'a> ProgramCounter<'a> {
@@ -107,29 +107,29 @@ impl<'a> ProgramCounter<'a> {
             most_repeated,
             left: program.blocks.len() + most_repeated,
             was_run: vec![false; program.blocks.len()],
-            turns: HashMap::new(),
+            iterations: HashMap::new(),
             missing: HashMap::new(),
             calls_made: 0,
             uneven_count: None,
         }
     }
 
-    /// The block to be run now; none at the end of the program.
+    /// Returns the block that runs now; `None` at the end of the program.
     pub(super) fn block(&mut self) -> Option<u32> {
         while 1 < self.calls.len() && self.calls.last().is_some_and(|call| self.at == call.until) {
-            // A section has no parameters of its own, so that none are left here.
+            // A section has no parameters to remove.
             self.leave(None);
         }
         *self.was_run.get_mut(self.at as usize)? = true;
         Some(self.at)
     }
 
-    /// Whether the block that is run now has flow, so that its values are needed.
+    /// Returns `true` if the current block has flow, so that its values are needed.
     pub(super) fn has_flow(&self) -> bool {
         self.program.flow.get(self.flow).is_some_and(|flow| flow.block == self.at)
     }
 
-    /// Goes on to the next block in the text.
+    /// Continues with the next block in the text.
     pub(super) fn step(&mut self) -> Outcome {
         self.left -= 1;
         self.at += 1;
@@ -137,13 +137,13 @@ impl<'a> ProgramCounter<'a> {
         if self.left == 0 { Err(self.stop(TraceRemark::EndlessRun { most })) } else { Ok(()) }
     }
 
-    /// Goes on to the next block without what the flow of this one says.
+    /// Continues with the next block and ignores the flow of this one.
     pub(super) fn pass(&mut self) {
         self.flow += self.program.flow[self.flow..].partition_point(|flow| flow.block <= self.at);
         self.at += 1;
     }
 
-    /// The words of a block that has flow, without those that say where to go.
+    /// Returns the words of a block with flow, without those of calls.
     pub(super) fn without_call(&self, words: &[Word]) -> Vec<Word> {
         let calls = words.iter().any(is_call);
         let is_macro = words.iter().any(|word| word.letter == b'G' && is_macro_call(word.value));
@@ -153,8 +153,8 @@ impl<'a> ProgramCounter<'a> {
         words.iter().filter(|word| !is_of_call(word)).copied().collect()
     }
 
-    /// What follows block `index` in the text of the same program and was not run: its first line
-    /// and how many blocks. Local subprograms (M97) stand behind the end, and may have been run.
+    /// Returns the first line and the number of blocks behind block `index` in the text of its program that were
+    /// not run; `None` if all were. Local subprograms (M97) are behind the end, and may have been run.
     pub(super) fn rest(&self, index: u32) -> Option<(LineNumber, usize)> {
         let next = self.borders.partition_point(|border| *border < index);
         let end = self.borders.get(next).map_or(self.program.blocks.len(), |border| *border as usize);
@@ -164,21 +164,22 @@ impl<'a> ProgramCounter<'a> {
         Some((self.program.blocks[first].line, 1 + left.count()))
     }
 
-    /// Ends the program.
+    /// Ends the program; returns the remark.
     fn stop(&mut self, why: TraceRemark) -> TraceRemark {
         self.at = u32::MAX;
-        // No subprogram is left to go back from.
+        // There is no subprogram to return from.
         self.calls.truncate(1);
         why
     }
 
-    /// Does what the flow of the block says, after its words were run.
+    /// Follows the flow of the block, after its words were run.
     pub(super) fn follow(&mut self, values: &Values, words: &[Word], parameters: &mut Parameters) -> Outcome {
         self.uneven_count = None;
         self.actions(values, words, parameters)?;
         self.uneven_count.map_or(Ok(()), |value| Err(TraceRemark::UnevenRepeats { value }))
     }
 
+    /// Runs the actions of the block until one of them jumps.
     fn actions(&mut self, values: &Values, words: &[Word], parameters: &mut Parameters) -> Outcome {
         let program = self.program;
         let own = self.at;
@@ -198,6 +199,7 @@ impl<'a> ProgramCounter<'a> {
         Ok(())
     }
 
+    /// Runs one action of the block `own`.
     fn action(
         &mut self,
         own: u32,
@@ -221,7 +223,7 @@ impl<'a> ProgramCounter<'a> {
                 if is_made {
                     self.at = self.find(own, *to, values)?;
                     if self.at <= own {
-                        self.turn_of_loop(own, parameters.state())?;
+                        self.check_iteration(own, parameters.state())?;
                     }
                 }
             }
@@ -273,31 +275,31 @@ impl<'a> ProgramCounter<'a> {
         Ok(())
     }
 
-    /// Looks at a jump back from the block `own`: whether the loop can end.
-    fn turn_of_loop(&mut self, own: u32, parameters: State) -> Outcome {
+    /// Checks at a jump back from the block `own` that the loop can end.
+    fn check_iteration(&mut self, own: u32, parameters: State) -> Outcome {
         let call = self.calls.last().expect("the main program is a call");
         let mut counters: Vec<(u32, u32)> =
             call.counters.iter().map(|(block, left)| (*block, *left)).collect();
         counters.sort_unstable();
         let situation = Situation { call: (call.serial, call.again), counters, parameters };
         let parameter = self.missing.get(&own).or_else(|| self.missing.get(&self.at));
-        let before = self.turns.remove(&own);
-        if before.as_ref().is_some_and(|turn| turn.situation == situation) {
+        let before = self.iterations.remove(&own);
+        if before.as_ref().is_some_and(|iteration| iteration.situation == situation) {
             return Err(self.stop(TraceRemark::EndlessLoop));
         }
         let by_missing = match parameter {
-            Some(_) => before.map_or(1, |turn| turn.by_missing + 1),
+            Some(_) => before.map_or(1, |iteration| iteration.by_missing + 1),
             None => 0,
         };
-        if let (Some(parameter), MAX_TURNS_BY_MISSING..) = (parameter, by_missing) {
+        if let (Some(parameter), MAX_ITERATIONS_BY_MISSING..) = (parameter, by_missing) {
             let parameter = parameter.clone();
             return Err(self.stop(TraceRemark::MissingArgument { parameter }));
         }
-        self.turns.insert(own, Turn { situation, by_missing });
+        self.iterations.insert(own, Iteration { situation, by_missing });
         Ok(())
     }
 
-    /// A count of repetitions; one that is no whole number is rounded and kept to be told.
+    /// Returns a count of repetitions; one that is not whole is rounded, and kept for a remark.
     fn count(&mut self, value: Option<f64>) -> Result<u32, TraceRemark> {
         let value = value.unwrap_or(0.0).max(0.0);
         if MAX_COUNT < value {
@@ -309,10 +311,12 @@ impl<'a> ProgramCounter<'a> {
         Ok(value.round() as u32)
     }
 
+    /// Returns the counters of the call in force.
     fn counters(&mut self) -> &mut HashMap<u32, u32> {
         &mut self.calls.last_mut().expect("the main program is a call").counters
     }
 
+    /// Enters a subprogram or a section.
     fn enter(&mut self, first: u32, until: u32, times: u32, has_own_parameters: bool) -> Outcome {
         if times == 0 {
             return Ok(());
@@ -328,7 +332,7 @@ impl<'a> ProgramCounter<'a> {
         Ok(())
     }
 
-    /// Leaves the subprogram, or begins it again; at the top, ends the program.
+    /// Leaves the subprogram, or repeats it; in the main program, ends the program.
     fn leave(&mut self, parameters: Option<&mut Parameters>) {
         let call = self.calls.last_mut().expect("the main program is a call");
         if 0 < call.again {
@@ -347,7 +351,7 @@ impl<'a> ProgramCounter<'a> {
         self.flow = self.program.flow.partition_point(|flow| flow.block < self.at);
     }
 
-    /// What M98, M99, M97, M198, G65 to G67 ask for.
+    /// Runs M98, M99, M97, M198 and G65 to G67.
     fn words(&mut self, own: u32, words: &[Word], parameters: &mut Parameters) -> Outcome {
         let value = |letter: u8| words.iter().rfind(|word| word.letter == letter).map(|word| word.value);
         let code =
@@ -404,13 +408,14 @@ impl<'a> ProgramCounter<'a> {
         self.enter(first, u32::MAX, times, is_macro)
     }
 
+    /// Returns `true` if the program has this label.
     fn has_label(&self, kind: LabelKind, id: u32) -> bool {
         let label = Label { kind, id };
         self.program.labels.binary_search_by(|(known, _)| known.cmp(&label)).is_ok()
     }
 
-    /// The blocks of a section that the block `own` asks for: labels are looked for before it, the nearest
-    /// first, and then after it, all in the same program.
+    /// Returns the blocks of a section that the block `own` repeats. Labels are searched before it, the nearest
+    /// first, and then after it, all in one program.
     fn section(&self, own: u32, from: Label, until: SectionEnd) -> Result<Range<u32>, TraceRemark> {
         let unit = |block: u32| self.borders.partition_point(|border| *border < block);
         let places = |label: Label| {
@@ -434,6 +439,7 @@ impl<'a> ProgramCounter<'a> {
         Ok(start..end)
     }
 
+    /// Returns the remark on a missing label.
     fn no_label(&self, label: Label) -> TraceRemark {
         let name = match label.kind {
             LabelKind::Named => self.program.names.get(label.id as usize).cloned().unwrap_or_default(),
@@ -442,7 +448,7 @@ impl<'a> ProgramCounter<'a> {
         TraceRemark::NoLabel { kind: label.kind, name }
     }
 
-    /// The block that a jump or call from the block `own` leads to.
+    /// Returns the block that a jump or call from the block `own` leads to.
     fn find(&mut self, own: u32, to: Destination, values: &Values) -> Result<u32, TraceRemark> {
         let (label, direction) = match to {
             Destination::Block(block) => return Ok(block),
@@ -477,8 +483,8 @@ impl<'a> ProgramCounter<'a> {
     }
 }
 
-/// The arguments of G65 by the parameters that get them: A in #1 and so on; where I, J or K is
-/// repeated, the further ones in #7, #8 and on.
+/// Returns the arguments of G65 by the numbers of their parameters: A in #1 and so on; of repeated I, J or K, the
+/// further ones in #7, #8 and on.
 fn arguments(words: &[Word]) -> Vec<(u32, f64)> {
     const BY_LETTER: [(u8, u32); 21] = [
         (b'A', 1),
@@ -521,12 +527,12 @@ fn arguments(words: &[Word]) -> Vec<(u32, f64)> {
     arguments
 }
 
-/// M97, M98, M99, M198.
+/// Returns `true` for M97, M98, M99 and M198.
 fn is_call(word: &Word) -> bool {
     word.letter == b'M' && [97.0, 98.0, 99.0, 198.0].contains(&word.value)
 }
 
-/// G65, G66, G66.1: the other words of their block are arguments.
+/// Returns `true` for G65, G66 and G66.1, in whose blocks the other words are arguments.
 fn is_macro_call(code: f64) -> bool {
     [65.0, 66.0, 66.1].contains(&code)
 }

@@ -6,7 +6,7 @@ use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 
 impl Interpreter<'_> {
-    /// Returns whether a coordinate (mm) is within reach, and remarks on one that is not.
+    /// Returns `true` if a coordinate (mm) is within reach, else remarks on it.
     pub(crate) fn is_within_reach(&mut self, block: Block, letter: char, coordinate: f64) -> bool {
         let is_within = coordinate.abs() <= MAX_COORDINATE_MM;
         if !is_within {

@@ -10,14 +10,13 @@ use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::interpreter::words::Mode;
 
 impl Interpreter<'_> {
-    /// G28 and G30: over the programmed point to the reference point, in the axes that are
-    /// given, or in all where none is. One reference point serves both but where G28.1 or G30.1 kept
-    /// another.
+    /// Runs G28 and G30: through the programmed point to the reference point, in the axes with words, or in all if
+    /// there are none. Both have one reference point, unless G28.1 or G30.1 stored others.
     pub(crate) fn reference(&mut self, block: Block, code: Code) {
         // The axis words of G74 and G75 name axes, not a point.
         if self.dialect != Dialect::Siemens {
             let Some(over) = self.target(block) else { return };
-            self.take_rotary(block);
+            self.read_rotary_words(block);
             self.rapid_to(block, over);
             self.turn_alone(block, true);
         }
@@ -34,7 +33,7 @@ impl Interpreter<'_> {
         self.turn_alone(block, true);
     }
 
-    /// G53: absolute machine coordinates, at the feedrate under G1 and in rapid otherwise.
+    /// Runs G53: absolute machine coordinates, at the feedrate under G1 and in rapid otherwise.
     pub(crate) fn machine_coordinates(&mut self, block: Block) {
         let mut target = self.canonical.position;
         for (axis, letter) in AXES.into_iter().enumerate() {
@@ -45,15 +44,15 @@ impl Interpreter<'_> {
                 return;
             }
         }
-        self.take_machine_rotary(block);
+        self.read_machine_rotary_words(block);
         match self.modal.mode {
             Some(Mode::Straight) => self.feed_to(block, target),
             _ => self.rapid_to(block, target),
         }
-        self.turn_the_rest(block);
+        self.turn_remaining(block);
     }
 
-    /// Reference point of an axis, mm, or a remark that it is not known.
+    /// Returns the reference point of an axis, mm, or remarks that it is unknown.
     pub(crate) fn home(&mut self, block: Block, axis: usize) -> Option<f64> {
         let home = self.machine.axes[axis].home;
         if home.is_none() {
@@ -63,7 +62,7 @@ impl Interpreter<'_> {
         home
     }
 
-    /// The reference point of G28 or G30 on an axis, mm: what the program kept, or else the machine's.
+    /// Returns the reference point of G28 or G30 on an axis, mm: the stored one, or else the machine's.
     pub(crate) fn reference_point(&mut self, block: Block, axis: usize, code: Code) -> Option<f64> {
         let kept = self.vendor.kept[usize::from(code.value > 29.0)];
         kept.map(|point| point[axis]).or_else(|| self.home(block, axis))

@@ -1,4 +1,4 @@
-//! The state of a run: what stays in force from block to block, and what came out so far.
+//! The state of a run: modal state, and the toolpath so far.
 
 use crate::machine::Machine;
 use crate::simulation::gcode::{ArcCenters, Dialect, Place, Program, Remarks, Statement};
@@ -8,12 +8,12 @@ use crate::simulation::interpreter::code::Code;
 use crate::simulation::interpreter::compensation::CompensationWords;
 use crate::simulation::interpreter::cycle::Cycles;
 use crate::simulation::interpreter::doubt::OpenDoubts;
-use crate::simulation::interpreter::fast::plain::Plain;
+use crate::simulation::interpreter::fast::plain::PlainBlockState;
 use crate::simulation::interpreter::feed_mode::Feed;
 use crate::simulation::interpreter::frame::Frame;
 use crate::simulation::interpreter::input_increment::Points;
 use crate::simulation::interpreter::klartext::Klartext;
-use crate::simulation::interpreter::path_mode::{InForce, PathWord};
+use crate::simulation::interpreter::path_mode::{PathModeState, PathWord};
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::rotary::Rotary;
 use crate::simulation::interpreter::siemens::{Siemens, SiemensAction, SiemensWord};
@@ -26,30 +26,30 @@ use crate::simulation::toolpath::canonical::Canonical;
 use crate::simulation::toolpath::compensation::LeadIn;
 use crate::simulation::toolpath::{Curve, Point, Toolpath};
 
-/// What stays in force from block to block.
-pub(super) struct Modal {
+/// The state of modal words.
+pub(super) struct ModalState {
     pub(super) mode: Option<Mode>,
     /// Millimetres in the unit of length in force.
     pub(super) unit: f64,
     pub(super) is_incremental: bool,
     pub(super) has_incremental_center: bool,
     pub(super) feed: Feed,
-    /// By F under G94, mm/s.
+    /// Feedrate by F under G94, mm/s.
     pub(super) feedrate: Option<f64>,
     pub(super) tool: Option<u32>,
     pub(super) has_work_offset: bool,
     pub(super) has_several_offsets: bool,
 }
 
-/// What the G words of a block ask for beyond the modal state.
+/// The requests of the G words of a block beyond the modal state.
 pub(super) struct Request {
     pub(super) special: Option<(Special, Code)>,
     pub(super) exact_stop: bool,
-    /// What the statements and G words of a SINUMERIK program ask for.
+    /// The action of the statements and G words of a SINUMERIK program.
     pub(super) siemens: Option<Box<SiemensAction>>,
     pub(super) path_words: Vec<(PathWord, Code, Place)>,
     pub(super) has_motion_word: bool,
-    /// The axis words belong to a G word that is not run.
+    /// `true` if the axis words belong to a G word that is not run.
     pub(super) has_foreign_axis_words: bool,
     pub(super) has_m_word: bool,
     pub(super) work_offset: Option<(Code, Place)>,
@@ -58,19 +58,20 @@ pub(super) struct Request {
     pub(super) groups: [Option<Code>; 15],
 }
 
-/// Whose rules hold where controls read the same word in two ways.
+/// The family of controls whose rules hold for words with two meanings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Family {
-    /// RS274/NGC and LinuxCNC: G10 L20 names the position, G10 L2 R turns X Y, G52 is a G92 by
-    /// its values, F holds along X Y Z.
+    /// RS274/NGC and LinuxCNC: G10 L20 names the position, G10 L2 R turns X Y, G52 is a G92 by its values, F holds
+    /// along X Y Z.
     #[default]
     Rs274,
-    /// Fanuc and Haas: G10 L20 gives the values of G54.1 Pn, G10 under G91 adds, F counts a degree
-    /// of a rotary axis as a unit of length.
+    /// Fanuc and Haas: G10 L20 gives the values of G54.1 Pn, G10 under G91 adds, F counts a degree of a rotary
+    /// axis as a unit of length.
     Fanuc,
 }
 
 impl Family {
+    /// Returns the family of a dialect.
     fn of(dialect: Dialect) -> Family {
         match dialect {
             // TNC controls too count a degree of a rotary axis as a millimetre.
@@ -80,7 +81,7 @@ impl Family {
     }
 }
 
-/// What few programs need: the statements and G words of Siemens programs, and splines.
+/// Functions that few programs need: for the statements and G words of Siemens programs, and splines.
 #[derive(Clone, Copy)]
 pub(super) struct Rare {
     pub(super) siemens_statement: fn(&mut Interpreter, Block, &Statement, &mut Option<Box<SiemensAction>>),
@@ -91,31 +92,32 @@ pub(super) struct Rare {
     pub(super) end_nurbs: fn(&mut Interpreter, Block, Code),
 }
 
-/// What is done otherwise in Heidenhain programs. Handed over as functions, so that a module that runs none of them does
-/// not carry what they need.
-pub(super) struct Heidenhain {
+/// Functions for Heidenhain programs, as pointers, so that a WebAssembly module without them does not include
+/// their code.
+pub(super) struct HeidenhainFunctions {
     /// Runs one block.
     pub(super) block: fn(&mut Interpreter, Block),
-    /// Takes notice of a move before it is made.
+    /// Runs before each move.
     pub(super) before_move: fn(&mut Interpreter, Point, &Curve, f64),
-    /// Does what is left at the end of the program.
+    /// Completes the program at its end.
     pub(super) end: fn(&mut Interpreter),
 }
 
-/// The modal state, and what came out so far.
+/// The modal state, and the toolpath so far.
 pub(super) struct Interpreter<'a> {
     pub(super) machine: &'a Machine,
     pub(super) rare: Rare,
-    /// Some of it was asked for that is not here.
-    pub(super) needs_rare: bool,
-    /// Times without a point are in milliseconds.
+    /// `true` if the program needs a rare function that is missing.
+    pub(super) needs_rare_functions: bool,
+    /// `true` if times without a decimal point are in milliseconds.
     pub(super) is_tape: bool,
-    pub(super) modal: Modal,
+    pub(super) modal: ModalState,
+    /// The words of the block being run other than G and M.
     pub(super) given: BlockWords,
     pub(super) cycle: Cycles,
-    /// From program coordinates to the machine's.
+    /// The chain from program coordinates to the machine's.
     pub(super) frame: Frame,
-    /// Where the last probing move ended, mm.
+    /// End of the last probing move, mm.
     pub(super) probed: Option<Point>,
     pub(super) rotary: Rotary,
     pub(super) family: Family,
@@ -124,13 +126,14 @@ pub(super) struct Interpreter<'a> {
     pub(super) vendor: VendorState,
     pub(super) spline: SplineState,
     pub(super) klartext: Klartext,
-    pub(super) heidenhain: Option<Heidenhain>,
-    /// As long as nothing else is run than plain blocks, or `None` if it is to be looked for.
-    pub(super) plain: Option<Plain>,
-    /// Plain blocks are run by the fast path.
+    pub(super) heidenhain: Option<HeidenhainFunctions>,
+    /// The state for plain blocks while only those are run; `None` if it is to be determined.
+    pub(super) plain: Option<PlainBlockState>,
+    /// `true` if plain blocks are run by the fast path.
     pub(super) takes_fast_path: bool,
     pub(super) functions: Functions,
-    pub(super) path_mode: InForce,
+    pub(super) path_mode: PathModeState,
+    /// The M word that ended the program.
     pub(super) ended: Option<Code>,
     pub(super) compensation: CompensationWords,
     pub(super) points: Points,
@@ -143,7 +146,7 @@ pub(super) struct Interpreter<'a> {
 }
 
 impl<'a> Interpreter<'a> {
-    /// Before the first block of `program`.
+    /// Returns the state before the first block of `program`.
     pub(super) fn new(
         machine: &'a Machine,
         program: &Program,
@@ -154,9 +157,9 @@ impl<'a> Interpreter<'a> {
         Interpreter {
             machine,
             rare,
-            needs_rare: false,
+            needs_rare_functions: false,
             is_tape: is_tape || dialect == Dialect::Okuma,
-            modal: Modal {
+            modal: ModalState {
                 mode: None,
                 unit: 1.0,
                 is_incremental: false,
@@ -182,7 +185,7 @@ impl<'a> Interpreter<'a> {
             plain: None,
             takes_fast_path: true,
             functions: Functions::default(),
-            path_mode: InForce::default(),
+            path_mode: PathModeState::default(),
             ended: None,
             compensation: CompensationWords::default(),
             points: Points::default(),
@@ -195,7 +198,7 @@ impl<'a> Interpreter<'a> {
     }
 }
 
-/// How cutter compensation begins.
+/// Returns the way in which cutter compensation begins.
 fn lead_in(dialect: Dialect) -> LeadIn {
     match dialect {
         Dialect::Iso | Dialect::Okuma | Dialect::Siemens => LeadIn::SquareToNext,

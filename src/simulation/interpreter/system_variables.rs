@@ -1,15 +1,15 @@
-//! What a program may ask the control for: where the tool is, which tool, which modes.
+//! System variables that programs read: position, tool, modes.
 //!
 //! | Fanuc | LinuxCNC | value |
 //! |---|---|---|
 //! | #5001–#5003, #5041–#5043 | #5420–#5422, `_x` `_y` `_z` | position in the program's coordinates and unit |
-//! | #5061–#5063 | #5061–#5063 | where the last probing move ended, in the same |
+//! | #5061–#5063 | #5061–#5063 | end of the last probing move, in the program's coordinates and unit |
 //! | #4001, #4002 | | 0 to 3 by G0 to G3; 17 to 19 by the plane |
 //! | #4119 | | spindle speed |
 //! | #4109 | `_feed` | feedrate, unit of the program per minute |
 //! | #4120 | #5400, `_current_tool` | tool |
-//! | #4003 | `_incremental` | 90 or 91; 1 under G91 |
-//! | #4006 | `_metric`, `_imperial` | 20 or 21; 1 under it |
+//! | #4003 | `_incremental` | 90 or 91; `_incremental` is 1 under G91 |
+//! | #4006 | `_metric`, `_imperial` | 20 or 21; the names are 1 in their unit |
 //!
 //! Sources: Fanuc B-63944EN, Sect. 16.2; LinuxCNC 2.9, Parameters.
 
@@ -66,12 +66,12 @@ impl Control for Interpreter<'_> {
 }
 
 impl Interpreter<'_> {
-    /// Where the tool is on an axis, in the program's coordinates and unit.
+    /// Returns the position of the tool on an axis, in the program's coordinates and unit.
     pub(crate) fn program_position(&self, axis: usize) -> f64 {
         self.frame.to_program(&self.canonical.position)[axis] / self.modal.unit
     }
 
-    /// The word of group 1 in force.
+    /// Returns the number of the motion word in force.
     fn mode_of_program(&self) -> f64 {
         match self.modal.mode {
             None | Some(Mode::Rapid) => 0.0,
@@ -82,12 +82,12 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The feedrate in force, in the program's unit per minute.
+    /// Returns the feedrate in force, in the program's unit per minute.
     fn feed_of_program(&self) -> f64 {
         mm_per_min(self.modal.feedrate.unwrap_or(0.0)) / self.modal.unit
     }
 
-    /// What a program may ask the control for by a Q parameter that it did not set.
+    /// Returns the value of the control behind a Q parameter that the program did not assign.
     pub(crate) fn klartext_parameter(&self, number: u32) -> Option<f64> {
         if let Some(axis) = POSITION_PARAMETERS.iter().position(|known| *known == number) {
             return Some(self.program_position(axis));

@@ -4,7 +4,7 @@ use crate::machine::Machine;
 use crate::simulation::gcode::{
     Columns, Dialect, LineNumber, Place, Program, Word, address, in_line_order, whole_number,
 };
-use crate::simulation::interpreter::block::{Asked, Block, UNMODELLED_WORDS, bits};
+use crate::simulation::interpreter::block::{Block, BlockStatements, UNMODELLED_WORDS, bits};
 use crate::simulation::interpreter::bounds::MAX_REPEATED;
 use crate::simulation::interpreter::center::Centers;
 use crate::simulation::interpreter::code::Code;
@@ -16,14 +16,14 @@ use crate::simulation::interpreter::program_counter::ProgramCounter;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::siemens;
 use crate::simulation::interpreter::spline::Spline;
-use crate::simulation::interpreter::state::{Heidenhain, Interpreter, Request};
+use crate::simulation::interpreter::state::{HeidenhainFunctions, Interpreter, Request};
 use crate::simulation::interpreter::vendor_codes;
 use crate::simulation::interpreter::words::{Meaning, Mode, NO_GROUP, Special, meaning, tenths};
 use crate::simulation::toolpath::Toolpath;
 use crate::units::MM_PER_INCH;
 
-/// Runs `program` on the geometry of `machine`. Running never fails: what is not run is in the diagnostics of the
-/// toolpath.
+/// Runs `program` on the geometry of `machine`. Running never fails: the diagnostics of the toolpath list all that
+/// is not run.
 ///
 /// # Examples
 ///
@@ -40,23 +40,24 @@ pub fn trace(program: &Program, machine: &Machine) -> Toolpath {
     trace_within(program, machine, MAX_REPEATED)
 }
 
-/// Runs `program` as [`trace`] does, and at most `most_repeated` blocks beyond the first run of each: what loops and
-/// calls repeat.
+/// Runs `program` as [`trace`] does, with at most `most_repeated` blocks beyond the first run of each, which loops
+/// and calls repeat.
 pub fn trace_within(program: &Program, machine: &Machine, most_repeated: usize) -> Toolpath {
     trace_in(program, machine, most_repeated, true)
 }
 
-/// Runs `program` as [`trace`] does, every block by the rules for all blocks, none by the fast path for plain ones: what
-/// the fast path is compared with.
+/// Runs `program` as [`trace`] does, but every block by the reference path, that is by the rules for all blocks,
+/// as a comparison for the fast path.
 pub fn trace_by_reference(program: &Program, machine: &Machine) -> Toolpath {
     trace_in(program, machine, MAX_REPEATED, false)
 }
 
+/// Runs a program, and once more if its arcs show absolute centres.
 fn trace_in(program: &Program, machine: &Machine, most_repeated: usize, is_fast: bool) -> Toolpath {
     let centers = Centers::new(program.dialect, program.arc_centers);
     let mut interpreter = run(program, machine, most_repeated, centers, is_fast);
     if interpreter.centers.show_absolute() {
-        interpreter = run(program, machine, most_repeated, Centers::shown(), is_fast);
+        interpreter = run(program, machine, most_repeated, Centers::absolute_by_arcs(), is_fast);
     }
     interpreter.finish(program)
 }
@@ -71,9 +72,9 @@ fn run<'a>(
 ) -> Interpreter<'a> {
     let mut interpreter = Interpreter::new(machine, program, centers, rare::ALL);
     interpreter.takes_fast_path = is_fast;
-    interpreter.heidenhain = Heidenhain::of(program.dialect);
+    interpreter.heidenhain = HeidenhainFunctions::of(program.dialect);
     let mut parameters = Parameters::new(program.dialect);
-    interpreter.compensation.known.hear(&program.comments);
+    interpreter.compensation.known.add_comments(&program.comments);
     interpreter.look_for_points(program);
     // Most blocks of a long program are one move each.
     interpreter.canonical.reserve(program.blocks.len());
@@ -84,7 +85,7 @@ fn run<'a>(
         let block = &program.blocks[index as usize];
         let formulas = program.formulas(index);
         let statements = program.statements(index, &mut next_statement);
-        interpreter.doubt_as_read(program.doubts_before(index));
+        interpreter.add_doubts_of_reading(program.doubts_before(index));
         if let Err((formula, no_value)) =
             parameters.values_of(program, block, statements, formulas, &interpreter, &mut values)
         {
@@ -106,22 +107,22 @@ fn run<'a>(
             true => (program.words(block), program.arguments(statements)),
             false => (values.words.as_slice(), values.statement_arguments.as_slice()),
         };
-        let (asked, line) = (Asked { statements, arguments }, block.line);
+        let (statements, line) = (BlockStatements { list: statements, arguments }, block.line);
         let scaled = interpreter.by_increments(words, program.words(block));
         let words = scaled.as_deref().unwrap_or(words);
         let outcome = if counter.has_flow() {
             let own = counter.without_call(words);
-            interpreter.block(Block { words: &own, asked: &asked, line });
+            interpreter.block(Block { words: &own, statements: &statements, line });
             counter.follow(&values, words, &mut parameters)
         } else {
-            interpreter.block(Block { words, asked: &asked, line });
+            interpreter.block(Block { words, statements: &statements, line });
             counter.step()
         };
         if let Err(remark) = outcome {
             interpreter.remarks.add(Place::line(block.line), remark);
         }
         if interpreter.ended.is_some() {
-            interpreter.tell_rest(counter.rest(index + 1));
+            interpreter.remark_on_rest(counter.rest(index + 1));
             break;
         }
     }
@@ -129,53 +130,54 @@ fn run<'a>(
         interpreter.remarks.add(Place::line(line), TraceRemark::Unassigned { parameter });
     }
     if interpreter.ended.is_none() {
-        interpreter.doubt_as_read(program.doubts_before(program.blocks.len() as u32));
+        interpreter.add_doubts_of_reading(program.doubts_before(program.blocks.len() as u32));
     }
     interpreter
 }
 
-/// When an M-word acts in its block.
+/// The time at which an M word acts in its block.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum When {
+enum MWordTiming {
     BeforeMotion,
     AfterMotion,
 }
 
 impl<'a> Interpreter<'a> {
-    /// Tells of what stands behind the end, by its first line and how many blocks.
-    pub(super) fn tell_rest(&mut self, rest: Option<(LineNumber, usize)>) {
-        // Subprograms stand behind the end of Heidenhain programs.
+    /// Remarks on the blocks behind the end, given the first line and their number.
+    pub(super) fn remark_on_rest(&mut self, rest: Option<(LineNumber, usize)>) {
+        // In Heidenhain programs, subprograms follow the end.
         let rest = rest.filter(|_| !self.is_heidenhain());
         if let Some(((line, blocks), code)) = rest.zip(self.ended) {
             self.remarks.add(Place::line(line), TraceRemark::AfterEnd { blocks, code });
         }
     }
 
-    /// The toolpath, once all blocks of the program are counter.
+    /// Returns the toolpath, after all blocks of the program.
     pub(super) fn finish(mut self, program: &Program) -> Toolpath {
-        self.forget_nurbs();
+        self.drop_nurbs();
         if let Some(end) = self.heidenhain.as_ref().map(|own| own.end) {
             end(&mut self);
         }
         self.end_path(&program.comments);
-        self.remarks.look_behind(self.canonical.segment_count());
+        self.remarks.set_place(self.canonical.segment_count());
         if let Some(declined) = self.declined() {
             return declined;
         }
         self.follow_doubts(Block::of_words(&[], LineNumber(0)));
-        self.tell_missing_points();
+        self.remark_on_missing_points();
         let doubts = std::mem::take(&mut self.remarks.doubts);
         let diagnostics = [program.diagnostics.clone(), self.remarks.finish()].concat();
         Toolpath { diagnostics: in_line_order(diagnostics), doubts, ..self.canonical.into_toolpath() }
     }
 
-    /// Runs one block in the order of execution of the module's head.
+    /// Runs one block in the order of execution at the head of the `interpreter` module.
     pub(super) fn block(&mut self, block: Block) {
-        self.remarks.look_behind(self.canonical.segment_count());
+        self.remarks.set_place(self.canonical.segment_count());
         self.run_block(block);
         self.follow_doubts(block);
     }
 
+    /// Runs one block, by the fast path if it is plain.
     fn run_block(&mut self, block: Block) {
         if self.note_diameters(block) {
             return;
@@ -187,7 +189,7 @@ impl<'a> Interpreter<'a> {
             return;
         }
         self.plain = None;
-        let mut request = self.take_words(block);
+        let mut request = self.read_words(block);
         for (word, code, place) in std::mem::take(&mut request.path_words) {
             if let Some(spline) = self.spline_of(word) {
                 self.cycle.end();
@@ -207,18 +209,18 @@ impl<'a> Interpreter<'a> {
         if matches!(request.special, Some((Special::Dwell, _))) && has_dwell_by_feed(self.dialect) {
             self.given.take(b'F');
         }
-        self.take_feed(block, self.given.get(b'F'));
+        self.set_feed(block, self.given.get(b'F'));
         if let Some(tool) = self.given.get(b'T') {
             self.modal.tool = whole_number(tool);
         } else if self.given.get(address::TOOL_NAME).is_some() {
-            // A tool by its name is another one than the last by its number.
+            // A tool by its name differs from the last one by its number.
             self.modal.tool = None;
         }
-        self.take_speed(block);
+        self.set_speed(block);
         self.orient_spindle(block);
         self.one_touch_change(block, request.special);
         if request.has_m_word {
-            self.m_words(block, When::BeforeMotion);
+            self.m_words(block, MWordTiming::BeforeMotion);
         }
         if let Some((code, place)) = request.work_offset {
             self.choose_work_offset(code, place);
@@ -229,13 +231,13 @@ impl<'a> Interpreter<'a> {
         self.compensation_word(block);
         self.act(block, &request);
         if request.has_m_word {
-            self.m_words(block, When::AfterMotion);
+            self.m_words(block, MWordTiming::AfterMotion);
         }
         self.end_vendor_words();
     }
 
-    /// Takes in all words: G words change the modal state, the others are kept by letter.
-    fn take_words(&mut self, block: Block) -> Request {
+    /// Reads all words: G words change the modal state, the others are kept by letter.
+    fn read_words(&mut self, block: Block) -> Request {
         let mut request = Request {
             special: None,
             exact_stop: false,
@@ -249,17 +251,17 @@ impl<'a> Interpreter<'a> {
             groups: [None; 15],
         };
         self.given.clear();
-        let mut statements = block.asked.statements.iter().peekable();
+        let mut statements = block.statements.list.iter().peekable();
         let begin = |columns: Columns| <(u32, u32)>::from(columns).0;
         for word in block.words {
-            // What is written first acts first.
+            // Items act in the order of the text.
             while let Some(before) = statements.next_if(|next| begin(next.columns) < begin(word.columns)) {
                 (self.rare.siemens_statement)(self, block, before, &mut request.siemens);
             }
             match word.letter {
                 b'G' => self.g_word(block, word, &mut request),
                 b'M' => request.has_m_word = true,
-                // Mazak's `T1 T2 M6`: the first comes in, the second is got ready.
+                // Mazak's `T1 T2 M6`: the first tool comes in, the second is prepared.
                 b'T' if self.dialect == Dialect::Iso && self.given.has(bits(b"T")) && changes_tool(block) => {
                 }
                 letter => {
@@ -282,6 +284,7 @@ impl<'a> Interpreter<'a> {
         request
     }
 
+    /// Reads a G word: changes the modal state or the request of the block.
     fn g_word(&mut self, block: Block, word: &Word, request: &mut Request) {
         let code = Code { letter: 'G', value: word.value };
         let place = block.place_of(word);
@@ -322,7 +325,7 @@ impl<'a> Interpreter<'a> {
             Meaning::Special(special) => request.special = Some((special, code)),
             Meaning::Cycle => self.begin_cycle(code, tenths.unwrap_or_default()),
             Meaning::CycleEnd => self.cycle.end(),
-            Meaning::ReturnToReference(is_so) => self.cycle.returns_to_reference = Some(is_so),
+            Meaning::ReturnToReference(to_reference) => self.cycle.returns_to_reference = Some(to_reference),
             Meaning::WorkOffset => request.work_offset = Some((code, place)),
             Meaning::ToolLength => request.tool_length = Some(code),
             Meaning::EndOf(kind) => self.frame.unset(kind),
@@ -346,13 +349,14 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    fn m_words(&mut self, block: Block, when: When) {
+    /// Runs the M words before or after the motion.
+    fn m_words(&mut self, block: Block, when: MWordTiming) {
         for word in block.words.iter().filter(|word| word.letter == b'M') {
             let code = Code { letter: 'M', value: word.value };
             let number = whole_number(word.value);
             let acts = match number {
-                Some(0 | 1 | 2 | 5 | 9 | 30 | 60) => When::AfterMotion,
-                _ => When::BeforeMotion,
+                Some(0 | 1 | 2 | 5 | 9 | 30 | 60) => MWordTiming::AfterMotion,
+                _ => MWordTiming::BeforeMotion,
             };
             if acts != when {
                 continue;
@@ -376,12 +380,12 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// What the block does with its axis words.
+    /// Runs the axis words of the block.
     fn act(&mut self, block: Block, request: &Request) {
         let special = request.special;
         let is_nurbs = self.modal.mode == Some(Mode::Spline(Spline::Nurbs));
         if !is_nurbs && !matches!(special, Some((Special::NurbsEnd, _))) {
-            self.forget_nurbs();
+            self.drop_nurbs();
         }
         let is_dwell = matches!(special, Some((Special::Dwell, _)));
         if self.given.has(UNMODELLED_WORDS) && !is_dwell {
@@ -397,9 +401,9 @@ impl<'a> Interpreter<'a> {
             Some((special, code)) => self.special(block, special, code),
             None if request.has_foreign_axis_words => {}
             None => {
-                self.take_rotary(block);
+                self.read_rotary_words(block);
                 self.motion(block, request.has_motion_word);
-                self.turn_the_rest(block);
+                self.turn_remaining(block);
                 self.corner_words(block);
                 (self.rare.siemens_after_move)(self, block);
             }
@@ -407,7 +411,7 @@ impl<'a> Interpreter<'a> {
     }
 }
 
-/// Whether M6 stands in the block.
+/// Returns `true` if the block has M6.
 fn changes_tool(block: Block) -> bool {
     block.words.iter().any(|word| word.letter == b'M' && word.value == 6.0)
 }

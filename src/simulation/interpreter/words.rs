@@ -1,7 +1,7 @@
-//! What G words mean: one row a word, with the modal group it belongs to.
+//! Meaning of G words: one row a word, with its modal group.
 //!
-//! Source: NIST RS274/NGC, Table 4; group 9 (cycles) apart from group 1 (motion) as on Fanuc
-//! controls, so that a safe-start line may hold both G0 and G80.
+//! Source: NIST RS274/NGC, Table 4; group 9 (cycles) separate from group 1 (motion) as on Fanuc controls, so that
+//! a safe-start line may have both G0 and G80.
 
 use crate::simulation::gcode::Word;
 use crate::simulation::interpreter::compensation::{CompensationWord, Side};
@@ -13,7 +13,7 @@ use crate::simulation::interpreter::spline::Spline;
 use crate::simulation::interpreter::vendor_codes::{VendorCode, VendorModal};
 use crate::simulation::toolpath::plane::{Plane, Turn};
 
-/// How axis words are run.
+/// The motion of axis words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     /// G0.
@@ -26,7 +26,7 @@ pub(super) enum Mode {
     Spline(Spline),
 }
 
-/// A word that decides alone what its block does with the axis words.
+/// A word that uses the axis words of its block for something else than a move by the motion in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Special {
     /// G4.
@@ -41,9 +41,9 @@ pub(super) enum Special {
     MachineCoordinates,
     /// G92.
     SetPosition,
-    /// G92.1, which forgets the shift.
+    /// G92.1, which removes the shift.
     ForgetShift,
-    /// G92.2, which keeps the shift for G92.3.
+    /// G92.2, which suspends the shift until G92.3.
     SuspendShift,
     /// G92.3.
     RestoreShift,
@@ -67,16 +67,16 @@ pub(super) enum Special {
     Vendor(VendorCode),
 }
 
-/// What a G word asks for.
+/// The meaning of a G word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meaning {
     Motion(Mode),
     Plane(Plane),
-    /// Lengths are given in inch.
+    /// `true` for lengths in inches, `false` in millimetres.
     Inch(bool),
-    /// Axis words are increments.
+    /// `true` if axis words are increments.
     Incremental(bool),
-    /// I, J and K are increments from the start of the arc.
+    /// `true` if I, J and K are increments from the start of the arc.
     IncrementalCenter(bool),
     FeedMode(FeedMode),
     Path(PathWord),
@@ -87,14 +87,14 @@ pub(super) enum Meaning {
     Cycle,
     /// G80.
     CycleEnd,
-    /// Cycles end at R, as only G99 says.
+    /// `true` for cycles that end at R (G99), `false` at the initial height (G98).
     ReturnToReference(bool),
     WorkOffset,
     /// G43 and its like, and G49.
     ToolLength,
     /// G69 or G50: the end of an operation on coordinates.
     EndOf(Kind),
-    /// G16 and G15.
+    /// `true` for G16, `false` for G15.
     Polar(bool),
     /// Tool centre point control by its name.
     TipControl(&'static str),
@@ -102,22 +102,22 @@ pub(super) enum Meaning {
     SurfaceSpeed,
     /// A change of coordinates by its name.
     Transformation(&'static str),
-    /// A change of coordinates by its name, which the axis words of its block belong to.
+    /// A change of coordinates by its name, whose block has axis words for it.
     TransformationAbout(&'static str),
     /// A word of SINUMERIK controls.
     Siemens(SiemensWord),
     /// A word of one family of controls.
     Vendor(VendorModal),
-    /// It changes neither path nor time.
+    /// A word that changes neither path nor time.
     Neutral,
-    /// It changes neither, and the axis words of its block are its own.
+    /// A word that changes neither path nor time, whose block has axis words for it.
     NeutralAbout,
 }
 
-/// Modal groups are numbered as in RS274/NGC and on Fanuc; words of no group may be combined.
+/// The number of no group: such words may be combined. Modal groups have the numbers of RS274/NGC and Fanuc.
 pub(super) const NO_GROUP: usize = 31;
 
-/// Ten times the number of a G word, where it is one that can exist.
+/// Returns ten times the number of a G word, or `None` if no G word has such a number.
 pub(super) fn tenths(word: &Word) -> Option<u16> {
     let whole = word.value as u16;
     if whole < 1000 && f64::from(whole) == word.value {
@@ -128,7 +128,7 @@ pub(super) fn tenths(word: &Word) -> Option<u16> {
     exists.then_some(tenths as u16)
 }
 
-/// Modal group and meaning of a G word, given ten times its number.
+/// Returns the modal group and meaning of a G word, given ten times its number.
 pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
     use Meaning::*;
     Some(match tenths {
@@ -201,7 +201,7 @@ pub(super) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
         531 => (NO_GROUP, Transformation("turning the tool's axis into the tilted plane")),
         542 => (NO_GROUP, Transformation("dynamic fixture offset")),
         682 => (NO_GROUP, TransformationAbout("tilted working plane")),
-        // What cancels a mode that is not in force, or that does not touch the path.
+        // Words that cancel a mode that is not in force, or that does not affect the path.
         110 | 131 | 1130 | 230 | 260 | 670 | 691 => (NO_GROUP, Neutral),
         // The limits of a protected zone.
         220 => (NO_GROUP, NeutralAbout),

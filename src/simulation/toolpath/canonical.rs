@@ -1,4 +1,5 @@
-//! The canonical machining functions: what an interpreter asks of a machine, whatever the dialect of the program.
+//! The canonical machining functions: the commands of an interpreter to a machine, whatever the dialect of the
+//! program.
 //!
 //! | function | RS274/NGC | what it does |
 //! |---|---|---|
@@ -13,14 +14,14 @@
 //! | [`set_spindle_speed`](Canonical::set_spindle_speed) | SET_SPINDLE_SPEED | changes the speed of a running spindle |
 //! | [`machine_function`](Canonical::machine_function) | FLOOD_ON, MIST_ON, PROGRAM_STOP, OPTIONAL_PROGRAM_STOP, PROGRAM_END and so on | any other M word |
 //! | [`set_path_mode`](Canonical::set_path_mode) | SET_MOTION_CONTROL_MODE | chooses what holds at corners |
-//! | [`exact_stop`](Canonical::exact_stop) | the same | asks for a full stop after each move of a block |
+//! | [`exact_stop`](Canonical::exact_stop) | SET_MOTION_CONTROL_MODE | requests a full stop after each move of a block |
 //! | [`plane`](Canonical::plane) | SELECT_PLANE | the plane of compensation and of corner treatments |
 //! | [`set_compensation`](Canonical::set_compensation) | SET_CUTTER_RADIUS_COMPENSATION and so on | runs the path of the tool centre beside the contour |
 //! | [`treat_next_corner`](Canonical::treat_next_corner) | | rounds or chamfers a corner |
 //! | [`position`](Canonical::position) | GET_EXTERNAL_POSITION | where the program has the tool |
 //!
-//! This is the border between meaning and geometry: coordinates are those of the machine, in mm, feedrates in mm/s, and no
-//! word of a program passes it. Each function takes the line that asks for it.
+//! These functions separate meaning from geometry: coordinates are those of the machine, in mm, feedrates in mm/s,
+//! and no word of a program passes through them. Each function takes the program line that calls it.
 //!
 //! Source: NIST RS274/NGC (Kramer, Proctor, Messina 2000), Sect. 4 and Appendix D; LinuxCNC 2.9, `canon.hh`.
 
@@ -29,7 +30,7 @@ use crate::simulation::gcode::{Comment, LineNumber};
 use crate::simulation::toolpath::compensation::{
     CompensationRemark, Contour, CornerTreatment, LeadIn, OuterCorner, Setting,
 };
-use crate::simulation::toolpath::nurbs::Piece;
+use crate::simulation::toolpath::nurbs::PathPiece;
 use crate::simulation::toolpath::operations::operations;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{
@@ -37,31 +38,31 @@ use crate::simulation::toolpath::{
     Vector,
 };
 
-/// The most segments that moves kept back can become.
-const MAX_KEPT_BACK: usize = 100;
+/// Most segments that the moves kept back for compensation can become.
+const MAX_SEGMENTS_KEPT_BACK: usize = 100;
 
-/// The machine that an interpreter commands, and the toolpath that comes of it.
+/// The machine that an interpreter commands, with the toolpath that results.
 pub(crate) struct Canonical {
-    /// Where the program has the tool, mm; a compensated tool is beside it.
+    /// Programmed position, mm; a compensated tool is beside it.
     pub(crate) position: Point,
     /// The plane of compensation and of corner treatments.
     pub(crate) plane: Plane,
-    /// Each move from here on ends with a full stop.
+    /// `true` if each move from here on ends with a full stop.
     pub(crate) exact_stop: bool,
-    /// Whether that stop is one of a cycle and not of the program's words.
+    /// `true` if that stop belongs to a cycle, not to the words of the program.
     pub(crate) stops_for_cycle: bool,
     /// The tool in the spindle, once a change has named it.
     tool: Option<u32>,
     spin: SpindleState,
     blending: Blending,
     contour: Contour,
-    /// Path modes that were set while moves were kept back, by index.
+    /// Indices of the path modes that were set while moves were kept back.
     early_modes: Vec<usize>,
     toolpath: Toolpath,
 }
 
 impl Canonical {
-    /// Returns a machine at its zero point, whose compensation begins as `lead_in` says.
+    /// Returns a machine at its zero point. The first move under cutter compensation ends as `lead_in` says.
     pub(crate) fn new(lead_in: LeadIn, toolpath: Toolpath) -> Canonical {
         Canonical {
             position: Point::origin(),
@@ -77,12 +78,12 @@ impl Canonical {
         }
     }
 
-    /// Makes room for a number of segments, if there is as much memory.
+    /// Reserves memory for a number of segments, if there is enough.
     pub(crate) fn reserve(&mut self, segments: usize) {
         self.toolpath.segments.try_reserve_exact(segments).ok();
     }
 
-    /// Returns what came out so far; compensation may keep the last moves back.
+    /// Returns the toolpath so far; compensation may keep the last moves back.
     pub(crate) fn toolpath(&self) -> &Toolpath {
         &self.toolpath
     }
@@ -102,17 +103,17 @@ impl Canonical {
         self.spin
     }
 
-    /// Goes straight to `end`, over `length` (mm), in rapid, and turns the rotary axes along.
+    /// Moves straight to `end`, over `length` (mm), in rapid, and turns the rotary axes with it.
     pub(crate) fn straight_traverse(
         &mut self,
         line: LineNumber,
         (end, length): (Point, f64),
         rotation: Rotation,
     ) {
-        self.go(line, (end, Curve::Line, length), Motion::Rapid, rotation);
+        self.go(line, PathPiece { end, curve: Curve::Line, length }, Motion::Rapid, rotation);
     }
 
-    /// Goes straight to `end`, over `length` (mm), at a feedrate (mm/s), and turns the rotary axes along.
+    /// Moves straight to `end`, over `length` (mm), at a feedrate (mm/s), and turns the rotary axes with it.
     pub(crate) fn straight_feed(
         &mut self,
         line: LineNumber,
@@ -120,10 +121,10 @@ impl Canonical {
         feedrate: f64,
         rotation: Rotation,
     ) {
-        self.go(line, (end, Curve::Line, length), Motion::Feed { feedrate }, rotation);
+        self.go(line, PathPiece { end, curve: Curve::Line, length }, Motion::Feed { feedrate }, rotation);
     }
 
-    /// Goes along an arc to `end`, over `length` (mm), at a feedrate (mm/s), and turns the rotary axes along.
+    /// Moves along an arc to `end`, over `length` (mm), at a feedrate (mm/s), and turns the rotary axes with it.
     pub(crate) fn arc_feed(
         &mut self,
         line: LineNumber,
@@ -131,20 +132,20 @@ impl Canonical {
         feedrate: f64,
         rotation: Rotation,
     ) {
-        self.go(line, (end, Curve::Arc(arc), length), Motion::Feed { feedrate }, rotation);
+        self.go(line, PathPiece { end, curve: Curve::Arc(arc), length }, Motion::Feed { feedrate }, rotation);
     }
 
-    /// Goes along the biarcs of a curve at a feedrate (mm/s), and turns the rotary axes along the first.
+    /// Moves along the biarcs of a curve at a feedrate (mm/s), and turns the rotary axes with the first.
     pub(crate) fn nurbs_feed(
         &mut self,
         line: LineNumber,
-        pieces: Vec<Piece>,
+        pieces: Vec<PathPiece>,
         feedrate: f64,
         rotation: Rotation,
     ) {
         let mut rotation = rotation;
         for piece in pieces {
-            if piece.2 < MIN_MOVE_MM && !self.is_beside() {
+            if piece.length < MIN_MOVE_MM && !self.is_beside() {
                 continue;
             }
             let rotation = std::mem::replace(&mut rotation, Rotation::NONE);
@@ -152,7 +153,8 @@ impl Canonical {
         }
     }
 
-    /// Goes straight to `end`, where nothing is in force that touches a line: the fast path of plain moves.
+    /// Moves straight to `end` while no compensation, corner treatment or exact stop is in force: the fast path of
+    /// plain moves.
     #[inline]
     pub(crate) fn straight_plain(&mut self, line: LineNumber, (end, length): (Point, f64), motion: Motion) {
         let (start, curve, rotation) = (self.position, Curve::Line, Rotation::NONE);
@@ -168,12 +170,18 @@ impl Canonical {
     }
 
     #[inline]
-    fn go(&mut self, line: LineNumber, (end, curve, length): Piece, motion: Motion, rotation: Rotation) {
+    fn go(
+        &mut self,
+        line: LineNumber,
+        PathPiece { end, curve, length }: PathPiece,
+        motion: Motion,
+        rotation: Rotation,
+    ) {
         let (start, exact_stop) = (self.position, self.exact_stop);
         // RS274/NGC runs cycles in exact path mode, whatever mode the program is in.
         let exact_path = exact_stop && (self.blending == Blending::ExactPath || self.stops_for_cycle);
         let segment = Segment { start, end, curve, length, motion, rotation, exact_stop, exact_path, line };
-        self.contour.take(segment, self.plane, &mut self.toolpath);
+        self.contour.add(segment, self.plane, &mut self.toolpath);
         self.position = end;
     }
 
@@ -192,8 +200,8 @@ impl Canonical {
         self.stop(line, StopCause::Dwell { seconds });
     }
 
-    /// Brings a tool into the spindle, which stops; `None` where the program does not number it. Returns `false` if the
-    /// tool is in the spindle already, which takes no change.
+    /// Changes to a tool; `None` if the program does not number it. The spindle stops. Returns `false` if the tool
+    /// is in the spindle already, which needs no change.
     pub(crate) fn change_tool(&mut self, line: LineNumber, tool: Option<u32>) -> bool {
         if let Some(present) = tool.filter(|_| tool == self.tool) {
             self.stop(line, StopCause::SameTool { tool: present });
@@ -205,14 +213,14 @@ impl Canonical {
         true
     }
 
-    /// Has the spindle turn as `to` says, and waits for it; `code` is the M word.
+    /// Turns the spindle as `to` says, and waits for it; `code` is the M word.
     pub(crate) fn turn_spindle(&mut self, line: LineNumber, to: SpindleState, code: u32) {
         let from = self.spin;
         self.set_spin(to);
         self.stop(line, StopCause::Spindle { from, to, code: Some(code) });
     }
 
-    /// Changes the speed (rpm) of a running spindle, and waits for it if asked to.
+    /// Changes the speed (rpm) of a running spindle, and waits for it if `waits`.
     pub(crate) fn set_spindle_speed(&mut self, line: LineNumber, speed: f64, waits: bool) {
         let from = self.spin;
         let to = SpindleState { speed, ..from };
@@ -230,13 +238,13 @@ impl Canonical {
         spins.push((after, spin));
     }
 
-    /// Any M word that is none of the others: coolant, stops and the end of the program among them.
+    /// Runs any other M word, such as coolant, stops and the end of the program.
     pub(crate) fn machine_function(&mut self, line: LineNumber, code: u32) {
         self.stop(line, StopCause::MCode { code });
     }
 
-    /// Notes the path mode that is in force from the next segment on, unless it is in force already. `source` are the words
-    /// that set it, `merging` the distance within which lines are merged, mm.
+    /// Sets the path mode from the next segment on, unless it is in force already. `source` are the words that set
+    /// it, `merging` the distance within which lines are merged, mm.
     pub(crate) fn set_path_mode(
         &mut self,
         line: LineNumber,
@@ -260,15 +268,15 @@ impl Canonical {
         }
     }
 
-    /// Moves on the modes that were set while compensation kept moves back: such a move comes out after the mode was noted,
-    /// and its line tells that it was programmed before.
+    /// Corrects the first segment of modes that were set while compensation kept moves back: a move of an earlier
+    /// line than the mode comes out after it.
     fn settle_path_modes(&mut self) {
         let Toolpath { segments, path_modes, .. } = &mut self.toolpath;
         let mut first = 0;
         for index in std::mem::take(&mut self.early_modes) {
             let Some(mode) = path_modes.get_mut(index) else { continue };
             let from = mode.from.max(first);
-            let kept_back = segments.range(from..segments.len()).take(MAX_KEPT_BACK);
+            let kept_back = segments.range(from..segments.len()).take(MAX_SEGMENTS_KEPT_BACK);
             mode.from = from + kept_back.take_while(|segment| segment.line < mode.line).count();
             first = mode.from;
         }
@@ -279,37 +287,37 @@ impl Canonical {
         self.contour.setting()
     }
 
-    /// Puts compensation in force from the next move on, or ends it.
+    /// Sets the compensation from the next move on, or ends it.
     pub(crate) fn set_compensation(&mut self, setting: Option<Setting>) {
         self.contour.set(setting, &mut self.toolpath);
     }
 
-    /// Puts compensation in force with the tool at its distance from the contour already, at `at`.
+    /// Sets the compensation from the next move on; the tool is at its distance from the contour already, at `at`.
     pub(crate) fn begin_beside(&mut self, setting: Setting, at: Point) {
         self.contour.begin_beside(setting, at, &mut self.toolpath);
     }
 
-    /// Ends compensation where the tool is: that becomes the position.
-    pub(crate) fn stay_beside(&mut self) {
+    /// Ends the compensation without a move: the position of the tool becomes the programmed one.
+    pub(crate) fn end_compensation_in_place(&mut self) {
         self.contour.set(None, &mut self.toolpath);
-        if let Some(at) = self.contour.take_place() {
+        if let Some(at) = self.contour.take_offset_position() {
             self.position = at;
         }
     }
 
-    /// Returns whether the tool is beside the programmed position, so that even a move of no length moves it.
+    /// Returns `true` if the tool is beside the programmed position, so that even a move of no length moves it.
     pub(crate) fn is_beside(&self) -> bool {
         self.contour.is_beside()
     }
 
-    /// Returns whether moves come out as they are given.
+    /// Returns `true` if moves come out unchanged and at once.
     pub(crate) fn is_idle(&self) -> bool {
         self.contour.is_idle()
     }
 
-    /// Chooses how the compensated tool goes around outer corners from here on.
-    pub(crate) fn go_around_corners(&mut self, outer_corner: OuterCorner) {
-        self.contour.go_around_corners(outer_corner);
+    /// Sets how the compensated tool passes outer corners from here on.
+    pub(crate) fn set_outer_corner_rule(&mut self, outer_corner: OuterCorner) {
+        self.contour.set_outer_corner_rule(outer_corner);
     }
 
     /// Treats the corner between the last move and the next one.
@@ -317,19 +325,20 @@ impl Canonical {
         self.contour.treat_next_corner(treatment, self.plane, &mut self.toolpath);
     }
 
-    /// Treats every corner between two feed moves from here on, or no longer.
+    /// Treats every corner between two feed moves from here on; `None` ends that.
     pub(crate) fn treat_every_corner(&mut self, treatment: Option<CornerTreatment>) {
         self.contour.treat_every_corner(treatment);
     }
 
-    /// Returns what compensation and corner treatments could not do as a control would, since this was last asked.
+    /// Takes the remarks on compensation and corner treatments since the last call: where they deviate from a
+    /// control.
     #[inline]
     pub(crate) fn take_remarks(&mut self) -> Vec<(LineNumber, CompensationRemark)> {
-        self.contour.troubles()
+        self.contour.take_remarks()
     }
 
-    /// Puts out what is kept back, and cuts the toolpath into operations by the comments of the program. Returns how many
-    /// operations there were beyond the most.
+    /// Writes out the moves kept back, and cuts the toolpath into operations by the comments of the program.
+    /// Returns the number of operations beyond the most that are kept.
     pub(crate) fn finish(&mut self, comments: &[Comment]) -> usize {
         self.contour.finish(&mut self.toolpath);
         self.settle_path_modes();

@@ -5,11 +5,10 @@
 //! helix   P(s) = C + (r0 + (r1 − r0) σ)(e1 cos φσ + e2 sin φσ) + σ w,   σ = s / L
 //! ```
 //!
-//! C centre of the start circle (mm), r0 and r1 radius at both ends (mm; equal but for the
-//! rounding of programmed numbers), φ > 0 the sweep (rad), e1 and e2 orthonormal in the plane
-//! of the circle with e1 towards the start and e2 along the motion, w the rise (mm) along the
-//! axis. An arc is a helix with w = 0. Where r0 ≠ r1 the speed is uniform in σ, not exactly in
-//! arc length; the difference is of the order |r1 − r0| / r0.
+//! C is the centre of the start circle (mm), r0 and r1 are the radii at both ends (mm; equal but for the rounding
+//! of programmed numbers), φ > 0 is the sweep (rad), e1 and e2 are orthonormal in the plane of the circle with e1
+//! towards the start and e2 along the motion, and w is the rise (mm) along the axis. An arc is a helix with w = 0.
+//! If r0 ≠ r1 the speed is uniform in σ, not exactly in arc length; the difference is of the order |r1 − r0| / r0.
 
 use crate::simulation::toolpath::{Point, Segment, Vector};
 use std::f64::consts::TAU;
@@ -36,14 +35,14 @@ pub struct Arc {
     pub start_radius: f64,
     /// Radius at the end, mm.
     pub end_radius: f64,
-    /// Angle run through, rad; positive, more than 2π for several turns.
+    /// Angle of the arc, rad; positive, more than 2π for several turns.
     pub sweep: f64,
     /// Displacement along the axis over the whole arc, mm.
     pub rise: Vector,
 }
 
 impl Arc {
-    /// The arc from `start` over `middle` to `end`, mm, or `None` if they lie on one line.
+    /// Returns the arc from `start` through `middle` to `end`, or `None` if the points are on one line.
     pub(crate) fn through(start: Point, middle: Point, end: Point) -> Option<Arc> {
         let (to_middle, to_end) = (middle - start, end - start);
         let normal = to_middle.cross(&to_end);
@@ -63,8 +62,8 @@ impl Arc {
         Some(Arc { center, e1, e2, start_radius: radius, end_radius: radius, sweep, rise: Vector::zeros() })
     }
 
-    /// The arc that leaves `start` along `direction` and ends at `end`, in the plane with this
-    /// `normal` axis, rising along it, or `None` if it would be a line.
+    /// Returns the arc that leaves `start` along `direction` and ends at `end`, in the plane with this `normal`
+    /// axis, rising along it; `None` if it would be a line.
     pub(crate) fn along(start: Point, direction: Vector, end: Point, normal: usize) -> Option<Arc> {
         let mut rise = Vector::zeros();
         rise[normal] = end[normal] - start[normal];
@@ -88,32 +87,32 @@ impl Arc {
         })
     }
 
-    /// Length along the helix at the mean radius, mm.
+    /// Returns the length along the helix at the mean radius, mm.
     pub fn length(&self) -> f64 {
         (self.sweep * self.mean_radius()).hypot(self.rise.norm())
     }
 
-    /// Mean of the radii at both ends, mm.
+    /// Returns the mean of the radii at both ends, mm.
     pub fn mean_radius(&self) -> f64 {
         0.5 * (self.start_radius + self.end_radius)
     }
 
-    /// Position at the fraction σ of the arc, mm.
+    /// Returns the position at the fraction σ of the arc, mm.
     fn point(&self, sigma: f64) -> Point {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
         let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
         self.center + radius * (cos * self.e1 + sin * self.e2) + sigma * self.rise
     }
 
-    /// The parts along e1 and e2 of the derivative of the position by σ where the arc has turned by the angle of
-    /// this sine and cosine, mm; the part along the rise is 1.
+    /// Returns the components along e1 and e2 of the derivative of the position by σ, mm, given sine and cosine of
+    /// the angle turned so far. The component along the rise is 1.
     pub fn derivative_in_plane(&self, sigma: f64, sin: f64, cos: f64) -> [f64; 2] {
         let widening = self.end_radius - self.start_radius;
         let turning = (self.start_radius + widening * sigma) * self.sweep;
         [widening * cos - turning * sin, turning * cos + widening * sin]
     }
 
-    /// Derivative of the position by σ, mm.
+    /// Returns the derivative of the position by σ, mm.
     fn derivative(&self, sigma: f64) -> Vector {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
         let widening = self.end_radius - self.start_radius;
@@ -125,7 +124,7 @@ impl Arc {
 }
 
 impl Arc {
-    /// The part of it between two fractions σ.
+    /// Returns the part of the arc between two fractions σ.
     fn part(&self, from: f64, to: f64) -> Arc {
         let (sin, cos) = (self.sweep * from).sin_cos();
         let radius = |sigma: f64| self.start_radius + (self.end_radius - self.start_radius) * sigma;
@@ -140,8 +139,8 @@ impl Arc {
         }
     }
 
-    /// Second and third derivative of the position by σ, mm; the widening of a rounded arc is
-    /// left out, as it is in the curvature.
+    /// Returns the second and third derivative of the position by σ, mm. Both neglect the change of the radius, as
+    /// the curvature does.
     fn higher_derivatives(&self, sigma: f64) -> [Vector; 2] {
         let (sin, cos) = (self.sweep * sigma).sin_cos();
         let radius = self.start_radius + (self.end_radius - self.start_radius) * sigma;
@@ -153,7 +152,7 @@ impl Arc {
 }
 
 impl Curve {
-    /// Position at the fraction σ of the way from `start` to `end`, mm.
+    /// Returns the position at the fraction σ of the way from `start` to `end`, mm.
     #[inline]
     pub(crate) fn point(&self, start: Point, end: Point, sigma: f64) -> Point {
         match self {
@@ -164,8 +163,8 @@ impl Curve {
 }
 
 impl Segment {
-    /// First, second and third derivative of the position by the distance at `s`: without unit,
-    /// 1/mm and 1/mm².
+    /// Returns the first, second and third derivative of the position by the distance at `s`: without unit, 1/mm
+    /// and 1/mm².
     pub fn derivatives(&self, s: f64) -> [Vector; 3] {
         match &self.curve {
             Curve::Line => [self.tangent(s), Vector::zeros(), Vector::zeros()],
@@ -176,13 +175,13 @@ impl Segment {
         }
     }
 
-    /// Position at distance `s` from the start, mm.
+    /// Returns the position at distance `s` from the start, mm.
     #[inline]
     pub fn point(&self, s: f64) -> Point {
         self.curve.point(self.start, self.end, s / self.length)
     }
 
-    /// Derivative of the position by the distance at `s`: the unit tangent.
+    /// Returns the derivative of the position by the distance at `s`: the unit tangent.
     #[inline]
     pub fn tangent(&self, s: f64) -> Vector {
         match &self.curve {
@@ -191,7 +190,7 @@ impl Segment {
         }
     }
 
-    /// The part of it between two distances from its start, mm. An exact stop belongs to its end.
+    /// Returns the part of the segment between two distances from its start, mm. An exact stop belongs to its end.
     pub fn part(&self, from: f64, to: f64) -> Segment {
         let (is_first, is_last) = (from <= 0.0, self.length <= to);
         let share = (to - from) / self.length;
@@ -209,7 +208,7 @@ impl Segment {
         }
     }
 
-    /// The unit tangents at its beginning and at its end.
+    /// Returns the unit tangents at both ends.
     pub fn tangents(&self) -> [Vector; 2] {
         let first = self.tangent(0.0);
         match self.curve {

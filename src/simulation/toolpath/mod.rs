@@ -1,8 +1,8 @@
-//! Canonical moves → segments: the geometry of a program.
+//! Canonical functions → segments: the geometry of a program.
 //!
-//! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in one coordinate system (the
-//! machine's; work offsets, shifts, rotation, scaling and mirrors are already applied). Between segments lie the stops:
-//! dwells, tool changes and other machine functions, and turns of rotary axes alone.
+//! A toolpath is a chain of segments, each beginning where the one before ends, in mm and in the coordinate system
+//! of the machine; work offsets, shifts, rotation, scaling and mirrors are already applied. Between segments lie
+//! the stops: dwells, tool changes and other machine functions, and turns of rotary axes alone.
 
 pub(crate) mod canonical;
 pub(crate) mod compensation;
@@ -16,7 +16,7 @@ pub(crate) mod random;
 mod segments;
 
 pub use curve::{Arc, Curve};
-pub use operations::{MOST_OPERATIONS, Operation};
+pub use operations::{MAX_OPERATIONS, Operation};
 pub use path_mode::{Blending, PathMode};
 pub use segments::Segments;
 
@@ -24,7 +24,7 @@ use crate::machine::{SpindleDirection, SpindleState};
 use crate::simulation::gcode::{Diagnostic, Dialect, Doubt, LineNumber};
 use crate::simulation::running_sum::running_sum;
 
-/// Moves shorter than this are rounding, mm.
+/// Shorter moves are rounding errors, mm.
 pub(crate) const MIN_MOVE_MM: f64 = 1e-9;
 
 /// A position, mm.
@@ -32,7 +32,7 @@ pub type Point = nalgebra::Point3<f64>;
 /// A displacement, mm; a velocity, mm/s; or a direction, without unit.
 pub type Vector = nalgebra::Vector3<f64>;
 
-/// How a segment is to be run.
+/// The feedrate of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// At the machine's rapid feedrate.
@@ -47,9 +47,9 @@ pub enum Motion {
 /// One programmed move along one curve; its length is positive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// Where it begins, mm.
+    /// Start, mm.
     pub start: Point,
-    /// Where it ends, mm.
+    /// End, mm.
     pub end: Point,
     /// Its shape between the two.
     pub curve: Curve,
@@ -57,18 +57,19 @@ pub struct Segment {
     pub length: f64,
     /// Feed or rapid.
     pub motion: Motion,
-    /// How far A, B and C turn along with it, rad.
+    /// Angles by which A, B and C turn during the move, rad.
     pub rotation: Rotation,
-    /// The program asks for a full stop at its end (G9, G61).
+    /// `true` if the program requests a full stop at its end (G9, G61).
     pub exact_stop: bool,
-    /// The stop is that of G61, which LinuxCNC makes only where its acceleration does not allow the corner (exact path).
+    /// `true` if that is the stop of G61, which LinuxCNC makes only where its acceleration does not allow the
+    /// corner (exact path).
     pub exact_path: bool,
     /// Line of the program it comes from.
     pub line: LineNumber,
 }
 
-/// How far rotary axes turn along a segment, rad. On nearly all segments they do not, and a long program has
-/// millions of those: it takes room only where they do, and copies share it.
+/// The angles by which A, B and C turn along a segment, rad. They are zero on nearly all of the millions of
+/// segments of a long program, so only others take memory, which copies share.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rotation(Option<std::sync::Arc<Vector>>);
 
@@ -76,7 +77,7 @@ impl Rotation {
     /// No turn.
     pub const NONE: Rotation = Rotation(None);
 
-    /// Whether nothing turns.
+    /// Returns `true` if no axis turns.
     pub fn is_none(&self) -> bool {
         self.0.is_none()
     }
@@ -97,7 +98,7 @@ impl std::ops::Deref for Rotation {
     }
 }
 
-/// Why the motion stops between two segments.
+/// The cause of a stop between two segments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StopCause {
     /// G4.
@@ -107,14 +108,14 @@ pub enum StopCause {
     },
     /// A turn of rotary axes alone.
     Rotary {
-        /// How far A, B and C turn, rad.
+        /// Angles by which A, B and C turn, rad.
         rotation: Vector,
-        /// At the programmed rate along all three, rad/s; none: in rapid.
+        /// Programmed rate along all three, rad/s; `None` in rapid.
         rate: Option<f64>,
     },
     /// M6.
     ToolChange {
-        /// The tool that comes in, where a T-word says so.
+        /// The new tool, if a T word names it.
         tool: Option<u32>,
     },
     /// M6 for the tool that is in the spindle already.
@@ -124,11 +125,11 @@ pub enum StopCause {
     },
     /// The spindle starts, stops or changes its speed.
     Spindle {
-        /// What it did.
+        /// Its state before.
         from: SpindleState,
-        /// What it is to do.
+        /// Its state after.
         to: SpindleState,
-        /// The M-word that says so, or `None` if it is an S word alone.
+        /// The M word that says so, or `None` for an S word alone.
         code: Option<u32>,
     },
     /// Any other M-word.
@@ -139,7 +140,7 @@ pub enum StopCause {
 }
 
 impl StopCause {
-    /// The programmed waiting time of a dwell, s; none of any other stop.
+    /// Returns the programmed waiting time of a dwell, s; `None` for any other stop.
     pub fn dwell(self) -> Option<f64> {
         match self {
             StopCause::Dwell { seconds } => Some(seconds),
@@ -151,9 +152,9 @@ impl StopCause {
 /// A full stop between two segments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// How many segments come before it.
+    /// Number of segments before it.
     pub after: usize,
-    /// Why.
+    /// Its cause.
     pub cause: StopCause,
     /// Line of the program it comes from.
     pub line: LineNumber,
@@ -162,7 +163,7 @@ pub struct Stop {
 /// All moves and stops of a program, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Toolpath {
-    /// The moves; each begins where the one before ends, and is put together when it is read.
+    /// The moves; each begins where the one before ends.
     pub segments: Segments,
     /// The control the program was read for.
     pub dialect: Dialect,
@@ -170,32 +171,33 @@ pub struct Toolpath {
     pub stops: Vec<Stop>,
     /// The parts of the program, in order; the first begins with the first move and stop.
     pub operations: Vec<Operation>,
-    /// The path modes that the program sets, by ascending `from`, each once; before the first, and
-    /// where there is none, [`Blending::Machine`].
+    /// The path modes that the program sets, by ascending `from`, each once. Before the first,
+    /// [`Blending::Machine`] is in force.
     pub path_modes: Vec<PathMode>,
-    /// What the spindle does, and how many segments come before it, by ascending number, each once;
-    /// before the first it stands. Beside a compensated contour up to a few moves early.
+    /// The states of the spindle with the number of segments before each, by ascending number, each once. Before
+    /// the first the spindle is at rest. Beside a compensated contour a state may be a few moves early.
     pub spins: Vec<(usize, SpindleState)>,
-    /// What was left out or assumed, of reading and tracing together, in line order.
+    /// The remarks of reading and tracing, in line order: words left out, and assumptions.
     pub diagnostics: Vec<Diagnostic>,
-    /// Why nothing of the program is run: a lathe program.
+    /// The reason why nothing of the program is run: it is a lathe program.
     pub declined: Option<Diagnostic>,
-    /// What that leaves in doubt of the time, in the order it comes up.
+    /// The doubts about the time that the remarks leave, in the order of the program.
     pub doubts: Vec<Doubt>,
 }
 
 impl Toolpath {
-    /// The distance along the path before each segment, and at the end, mm.
+    /// Returns the distance along the path before each segment, and at the end, mm.
     pub fn distances(&self) -> Vec<f64> {
         [0.0].into_iter().chain(self.ends()).collect()
     }
 
-    /// The distance along the path at the end of each segment, mm.
+    /// Returns the distance along the path at the end of each segment, mm.
     pub fn ends(&self) -> impl Iterator<Item = f64> {
         running_sum((0..self.segments.len()).map(|segment| self.segments.length(segment)))
     }
 
-    /// The segments before which a running spindle changes its speed by an S word, without a stop of the program.
+    /// Returns the segments before which an S word changes the speed of a running spindle without a stop of the
+    /// program.
     pub fn speed_changes(&self) -> impl Iterator<Item = usize> {
         let changes = self.spins.windows(2).filter(|pair| {
             let [before, after] = [pair[0].1, pair[1].1];
@@ -206,7 +208,7 @@ impl Toolpath {
         changes.map(|pair| pair[1].0).filter(is_among_moves)
     }
 
-    /// The first feed move after each start of the spindle and each change of its speed.
+    /// Returns the first feed move after each start of the spindle and each change of its speed.
     pub fn feeds_at_new_speed(&self) -> impl Iterator<Item = usize> {
         let standing = (0, SpindleState::default());
         let before = [standing].into_iter().chain(self.spins.iter().copied());

@@ -1,16 +1,23 @@
 //! NURBS and Bézier curves as biarcs.
 //!
-//! Curves have clamped uniform knots and are evaluated by de Boor's recurrence. As LinuxCNC does, the curve is cut at four
-//! equal steps of its parameter for each control point, and each piece is run as a biarc: two arcs that share the tangents
-//! of the curve at the ends of the piece and each other's where they meet. So there are no corners inside a curve. Four
-//! control points within 10 mm are met to about a micrometre.
+//! Curves have clamped uniform knots and are evaluated by de Boor's recurrence. As on LinuxCNC, the curve is cut
+//! at four equal steps of its parameter for each control point. Each piece becomes a biarc: two arcs that have the
+//! tangents of the curve at the ends of the piece, and a common tangent where they meet. So there are no corners
+//! inside a curve. With four control points within 10 mm the biarcs deviate by about a micrometre.
 //!
 //! Source: LinuxCNC 2.9, `emccanon.cc`; Piegl, Tiller, The NURBS Book, 1997, Sect. 4.3.
 
 use crate::simulation::toolpath::{Arc, Curve, MIN_MOVE_MM, Point, Vector};
 
-/// Where a part of a path ends, its shape and its length (mm).
-pub(crate) type Piece = (Point, Curve, f64);
+/// A part of a path.
+pub(crate) struct PathPiece {
+    /// End, mm.
+    pub(crate) end: Point,
+    /// Shape from the end of the piece before.
+    pub(crate) curve: Curve,
+    /// Length, mm.
+    pub(crate) length: f64,
+}
 
 /// Biarcs for each control point of a curve.
 const PIECES_PER_POINT: usize = 4;
@@ -18,15 +25,15 @@ const PIECES_PER_POINT: usize = 4;
 /// A NURBS with clamped uniform knots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Nurbs {
-    /// One more than the degree.
+    /// Degree plus one.
     pub(crate) order: usize,
-    /// Control points in machine coordinates, mm, and their weights.
+    /// Control points in machine coordinates, mm, each with its weight.
     pub(crate) points: Vec<(Point, f64)>,
 }
 
 impl Nurbs {
-    /// The biarcs of the curve about the axis `normal`: their ends, shapes and lengths (mm).
-    pub(crate) fn pieces(&self, normal: usize) -> Vec<Piece> {
+    /// Returns the biarcs of the curve about the axis `normal`.
+    pub(crate) fn pieces(&self, normal: usize) -> Vec<PathPiece> {
         let count = PIECES_PER_POINT * self.points.len();
         let past = (self.points.len() + 1 - self.order) as f64;
         let mut pieces = Vec::with_capacity(2 * count);
@@ -42,8 +49,8 @@ impl Nurbs {
         pieces
     }
 
-    /// Position on the curve at the parameter `u`, mm, and the direction of its derivative, without unit; zero where
-    /// control points coincide.
+    /// Returns the position on the curve at the parameter `u`, mm, and the direction of its derivative, without
+    /// unit; the direction is zero where control points coincide.
     fn at(&self, u: f64) -> (Point, Vector) {
         let (last, degree) = (self.points.len() - 1, self.order - 1);
         let knot = |index: usize| (index.saturating_sub(degree).min(last + 1 - degree)) as f64;
@@ -75,13 +82,13 @@ impl Nurbs {
     }
 }
 
-/// Appends two arcs from `start` to `end`, which leave and arrive in the directions given, or a line where a
-/// direction is unknown.
+/// Appends two arcs from `start` to `end` that leave and arrive in the given directions, or a line if a direction
+/// is unknown.
 fn biarc(
     (start, leave): (Point, Vector),
     (end, arrive): (Point, Vector),
     normal: usize,
-    pieces: &mut Vec<Piece>,
+    pieces: &mut Vec<PathPiece>,
 ) {
     let chord = end - start;
     let mut arc = |from: Point, direction: Vector, to: Point| {
@@ -89,9 +96,9 @@ fn biarc(
         let piece = match arc {
             Some(arc) => {
                 let length = arc.length();
-                (to, Curve::Arc(arc.into()), length)
+                PathPiece { end: to, curve: Curve::Arc(arc.into()), length }
             }
-            None => (to, Curve::Line, (to - from).norm()),
+            None => PathPiece { end: to, curve: Curve::Line, length: (to - from).norm() },
         };
         pieces.push(piece);
     };
@@ -101,7 +108,7 @@ fn biarc(
     let square = chord.norm_squared();
     let reach = square / (along + (along * along + apart * square).sqrt());
     if leave == Vector::zeros() || arrive == Vector::zeros() || !(reach.is_finite() && 0.0 < reach) {
-        return pieces.push((end, Curve::Line, chord.norm()));
+        return pieces.push(PathPiece { end, curve: Curve::Line, length: chord.norm() });
     }
     let meeting = nalgebra::center(&(start + reach * leave), &(end - reach * arrive));
     let onward = (end - reach * arrive - meeting).try_normalize(1e-12).unwrap_or(arrive);

@@ -1,51 +1,52 @@
-//! Toolpath → operations: the parts that a person sees a program in.
+//! Toolpath → operations: the parts in which a machinist sees a program.
 //!
 //! A new operation begins
 //!
-//! - at a tool change, also at one to the tool that is in the spindle already;
-//! - at a heading: comments alone on their lines, where the tool is free: the next move is a
-//!   rapid, and the one before is a rapid as well or followed by a machine function. A heading just
-//!   before or just after a tool change names the operation of the change.
+//! - at a tool change, even to the tool that is in the spindle already;
+//! - at a heading: comments alone on their lines, at which the tool is free. It is free if the next move is a
+//!   rapid, and the move before is a rapid as well or a machine function follows it. A heading directly
+//!   before or after a tool change names the operation of the change.
 //!
-//! What follows a heading without a cut, such as the way home, belongs to the operation before; what
-//! comes before the first change and the first cut belongs to the first operation.
+//! Moves after a heading without a cut, such as the way home, belong to the operation before. Moves before the
+//! first change and the first cut belong to the first operation.
 //!
-//! Of several comments in line the last uninterrupted run of lines is the heading, by its first line
-//! that holds a letter or a digit. A comment that begins with a tool (`T5 D=10. FLAT END MILL`,
-//! `TOOL 5 - END MILL`) names the tool, and so does one in the line of a change.
+//! If several comments precede a move, the last uninterrupted run of lines is the heading, and its first line with
+//! a letter or a digit is the name. A comment that begins with a tool (`T5 D=10. FLAT END MILL`, `TOOL 5 - END
+//! MILL`) names the tool, and so does a comment in the line of a change.
 //!
-//! Comments are found by line number. Where a program jumps back, the lines in between are not run,
-//! and their comments begin nothing; where it jumps ahead, the last heading passed over counts.
+//! Comments are found by line number. Where a program jumps back, it does not run the lines in between, and their
+//! comments begin no operation; where it jumps ahead, the last heading before the destination counts.
 
 use std::collections::BTreeMap;
 
 use crate::simulation::gcode::{Comment, LineNumber};
 use crate::simulation::toolpath::{Motion, Segment, Segments, Stop, StopCause};
 
-/// The most operations of a program; the last one takes all the rest.
-pub const MOST_OPERATIONS: usize = 500;
+/// Most operations of a program; the last one takes all the rest.
+pub const MAX_OPERATIONS: usize = 500;
 
-/// The longest name of an operation or a tool, in characters.
+/// Most characters of the name of an operation or a tool.
 const MAX_NAME_LENGTH: usize = 80;
 
 /// A part of a program; it ends where the next one begins.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Operation {
-    /// Its first segment, or the number of all where it has none.
+    /// Index of its first segment; without segments, of the first segment after it.
     pub first_segment: usize,
-    /// Its first stop, or the number of all where it has none.
+    /// Index of its first stop; without stops, of the first stop after it.
     pub first_stop: usize,
     /// Line of the program that begins it.
     pub line: LineNumber,
-    /// The tool in the spindle, where a T word says so.
+    /// The tool in the spindle, if a T word names it.
     pub tool: Option<u32>,
-    /// What a comment calls the tool.
+    /// Name of the tool, from a comment.
     pub tool_name: Option<String>,
-    /// What its heading calls it.
+    /// Name of the operation, from its heading.
     pub name: Option<String>,
 }
 
-/// The operations of a toolpath with the comments of its program by ascending line, and how many more there would be beyond the most.
+/// Returns the operations of a toolpath, and the number of further ones beyond [`MAX_OPERATIONS`]. `comments` are
+/// by ascending line.
 pub(crate) fn operations(
     segments: &Segments,
     stops: &[Stop],
@@ -77,9 +78,9 @@ pub(crate) fn operations(
         cutter.segment(&segments.at(index), index, stop);
         index += 1;
         if cutter.headings.is_empty() {
-            // Lines that go on alike begin nothing, up to the next stop.
+            // Lines with one motion begin no operation, up to the next stop.
             let next_stop = stops.get(stop).map_or(segments.len(), |next| next.after);
-            index = segments.goes_on_until(index - 1).min(next_stop).max(index);
+            index = segments.plain_lines_end(index - 1).min(next_stop).max(index);
             cutter.previous = segments.at(index - 1).line;
         }
     }
@@ -97,7 +98,7 @@ pub(crate) fn operations(
     (if is_empty { Vec::new() } else { cutter.operations }, cutter.beyond)
 }
 
-/// A heading that waits for the move after it: where it stands and what it says.
+/// A heading that waits for the move after it: its place and its text.
 struct Heading<'a> {
     first_segment: usize,
     first_stop: usize,
@@ -105,33 +106,34 @@ struct Heading<'a> {
     name: &'a str,
 }
 
-/// Goes through moves and stops in order and cuts them into operations; the last one is open.
+/// Cuts moves and stops into operations, in their order; the last operation is open.
 struct Cutter<'a> {
-    /// Last line of each heading, the line of its name and its name, by ascending line.
-    headings: Vec<(LineNumber, LineNumber, &'a str)>,
+    /// The headings of the program, by ascending line.
+    headings: Vec<HeadingLines<'a>>,
     tool_names: BTreeMap<u32, &'a str>,
-    /// What stands beside words, by ascending line.
+    /// Comments beside words, by ascending line.
     beside: Vec<(LineNumber, &'a str)>,
     operations: Vec<Operation>,
     beyond: usize,
     heading: Option<Heading<'a>>,
-    /// The tool does not cut: nothing or a rapid came last, or a machine function.
+    /// `true` while the tool does not cut: at the beginning, after a rapid and after a machine function.
     is_free: bool,
-    /// The open operation holds a tool change.
+    /// `true` if the open operation has a tool change.
     has_change: bool,
-    /// The open operation holds a feed move.
+    /// `true` if the open operation has a feed move.
     has_feed: bool,
     /// Line of the last move or stop.
     previous: LineNumber,
 }
 
 impl<'a> Cutter<'a> {
-    /// Takes up a heading that stands before this line.
+    /// Keeps the last heading before this line as the one that waits.
     fn pass_to(&mut self, line: LineNumber, first_segment: usize, first_stop: usize) {
         if !self.headings.is_empty() && self.previous < line {
-            let before = self.headings.partition_point(|&(last, ..)| last < line);
+            let before = self.headings.partition_point(|heading| heading.last_line < line);
             let found = before.checked_sub(1).map(|index| self.headings[index]);
-            if let Some((_, line, name)) = found.filter(|(last, ..)| self.previous < *last) {
+            if let Some(found) = found.filter(|found| self.previous < found.last_line) {
+                let (line, name) = (found.name_line, found.name);
                 self.heading = Some(Heading { first_segment, first_stop, line, name });
             }
         }
@@ -199,7 +201,8 @@ impl<'a> Cutter<'a> {
         self.has_feed |= !is_rapid;
     }
 
-    /// The open operation holds moves; before the first cut and change they are only the way there.
+    /// Returns `true` if the open operation has moves. Moves before the first cut and change are only the way
+    /// there.
     fn has_begun(&mut self, segment: usize) -> bool {
         let is_way_there = self.operations.len() == 1 && !self.has_change && !self.has_feed;
         self.open().first_segment < segment && !is_way_there
@@ -209,17 +212,17 @@ impl<'a> Cutter<'a> {
         self.operations.last_mut().expect("there is always an open operation")
     }
 
-    /// Gives what a heading began to the operation before, where nothing was cut in it: a way home.
+    /// Gives the open operation to the one before if it has no cut, which is a way home.
     fn settle(&mut self) {
         if 1 < self.operations.len() && !self.has_change && !self.has_feed {
             self.operations.pop();
         }
     }
 
-    /// Opens a new operation with the tool of the one before; beyond the most, none.
+    /// Opens a new operation with the tool of the one before, unless there are [`MAX_OPERATIONS`] already.
     fn begin(&mut self, heading: &Heading) {
         self.settle();
-        if self.operations.len() == MOST_OPERATIONS {
+        if self.operations.len() == MAX_OPERATIONS {
             self.beyond += 1;
             let open = self.open();
             (open.tool, open.tool_name, open.name) = (None, None, None);
@@ -239,21 +242,29 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// Uninterrupted runs of comments that name no tool: last line, line of the name, name.
-fn headings(comments: &[Comment]) -> Vec<(LineNumber, LineNumber, &str)> {
-    let mut headings: Vec<(LineNumber, LineNumber, &str)> = Vec::new();
+/// An uninterrupted run of comments that name no tool.
+#[derive(Clone, Copy)]
+struct HeadingLines<'a> {
+    last_line: LineNumber,
+    name_line: LineNumber,
+    name: &'a str,
+}
+
+/// Returns the headings among comments by ascending line.
+fn headings(comments: &[Comment]) -> Vec<HeadingLines<'_>> {
+    let mut headings: Vec<HeadingLines<'_>> = Vec::new();
     for note in comments.iter().filter(|note| note.is_alone && tool_and_name(&note.text).is_none()) {
         let text = bare(&note.text);
         match headings.last_mut() {
             _ if text.is_empty() => {}
-            Some((last, ..)) if last.0 + 1 == note.line.0 => *last = note.line,
-            _ => headings.push((note.line, note.line, text)),
+            Some(open) if open.last_line.0 + 1 == note.line.0 => open.last_line = note.line,
+            _ => headings.push(HeadingLines { last_line: note.line, name_line: note.line, name: text }),
         }
     }
     headings
 }
 
-/// What comments that begin with a tool call it; the first one counts.
+/// Returns the names of tools from the comments that begin with a tool; the first comment on a tool counts.
 fn tool_names(comments: &[Comment]) -> BTreeMap<u32, &str> {
     let mut names = BTreeMap::new();
     for note in comments {
@@ -272,7 +283,8 @@ fn tool_names(comments: &[Comment]) -> BTreeMap<u32, &str> {
     names
 }
 
-/// The tool that a comment begins with, and the rest of the comment.
+/// Returns the number of the tool that a comment begins with, and the rest of the comment; `None` if it begins
+/// with no tool.
 pub(crate) fn tool_and_name(text: &str) -> Option<(u32, &str)> {
     let text = bare(text);
     let rest = ["TOOL", "T"].iter().find_map(|word| {
@@ -285,11 +297,12 @@ pub(crate) fn tool_and_name(text: &str) -> Option<(u32, &str)> {
     is_word.then(|| (tool, bare(&rest[digits..])))
 }
 
-/// A text without the ornaments around it.
+/// Returns a text without the ornaments around it.
 fn bare(text: &str) -> &str {
     text.trim_matches(|c: char| c.is_whitespace() || "-=*#_~|/:;,.<>+".contains(c))
 }
 
+/// Returns the first [`MAX_NAME_LENGTH`] characters of a name.
 fn shortened(name: &str) -> String {
     name.chars().take(MAX_NAME_LENGTH).collect()
 }

@@ -1,19 +1,18 @@
 //! The plane of arcs and its circles: from programmed words to [`Arc`].
 //!
-//! In the plane (a, b) with normal n, a right-handed frame, an arc goes from start S to end E
-//! around C, counter-clockwise seen against n (G3) or clockwise (G2). Its sweep is the angle
-//! from S − C to E − C in the sense of motion, in (0, 2π]; ends closer than a control resolves
-//! make a full circle. With a radius R in place of C, the centre lies on the perpendicular
-//! bisector of the chord d, at the distance √(R² − d²/4) from it: on the left of the motion for
-//! G3 with R > 0 (sweep ≤ π), on the other side for R < 0 (sweep ≥ π), mirrored for G2.
+//! In the plane (a, b) with normal n, a right-handed frame, an arc runs from start S to end E around C,
+//! counter-clockwise seen against n (G3) or clockwise (G2). Its sweep is the angle from S − C to E − C in the
+//! sense of motion, in (0, 2π]; ends closer than the resolution of a control make a full circle. With a radius R
+//! instead of C, the centre is on the perpendicular bisector of the chord d, at the distance √(R² − d²/4) from it:
+//! for G3 on the left of the motion with R > 0 (sweep ≤ π), on the right with R < 0 (sweep ≥ π); for G2 mirrored.
 
 use crate::simulation::toolpath::{Arc, Point, Vector};
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-/// Ends of an arc closer than this make it a full circle, mm: below the resolution of any
-/// control, above the rounding of sums of increments.
-const SAME_POINT_MM: f64 = 1e-6;
+/// Largest distance of the ends of a full circle, mm: below the resolution of any control, above the rounding of
+/// sums of increments.
+const MAX_CLOSURE_MM: f64 = 1e-6;
 
 /// The plane that arcs lie in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +25,7 @@ pub(crate) enum Plane {
     Yz,
 }
 
-/// How an arc turns, seen against the normal of its plane.
+/// The sense of rotation of an arc, seen against the normal of its plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Turn {
     /// G2.
@@ -36,7 +35,7 @@ pub(crate) enum Turn {
 }
 
 impl Turn {
-    /// The other sense.
+    /// Returns the opposite sense.
     pub(crate) fn reversed(self) -> Turn {
         match self {
             Turn::Clockwise => Turn::Counterclockwise,
@@ -45,7 +44,7 @@ impl Turn {
     }
 }
 
-/// Why no circle goes through the programmed points.
+/// The reason why no circle passes through the programmed points.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub(crate) enum NoCircle {
     /// The centre is the start.
@@ -65,7 +64,7 @@ pub(crate) enum NoCircle {
 }
 
 impl Plane {
-    /// Indices of first axis, second axis and normal.
+    /// Returns the indices of first axis, second axis and normal.
     pub(crate) fn axes(self) -> [usize; 3] {
         match self {
             Plane::Xy => [0, 1, 2],
@@ -74,7 +73,7 @@ impl Plane {
         }
     }
 
-    /// The vector with these components along first axis, second axis and normal.
+    /// Returns the vector with these components along first axis, second axis and normal.
     pub(crate) fn vector(self, components: [f64; 3]) -> Vector {
         let mut vector = Vector::zeros();
         for (index, component) in self.axes().into_iter().zip(components) {
@@ -83,7 +82,11 @@ impl Plane {
         vector
     }
 
-    /// Centre of the arc with the programmed radius `radius`, mm; negative: the longer arc.
+    /// Returns the centre of the arc with the programmed radius `radius`, mm; a negative radius means the longer arc.
+    ///
+    /// # Errors
+    ///
+    /// If the ends coincide, or are further apart than twice the radius.
     pub(crate) fn center_of_radius(
         self,
         (start, end): (Point, Point),
@@ -93,7 +96,7 @@ impl Plane {
         let [a, b, _] = self.axes();
         let (along, across) = (end[a] - start[a], end[b] - start[b]);
         let chord = along.hypot(across);
-        if chord < SAME_POINT_MM {
+        if chord < MAX_CLOSURE_MM {
             return Err(NoCircle::NoChord);
         }
         if tolerated_difference(radius.abs()) < 0.5 * chord - radius.abs() {
@@ -106,7 +109,11 @@ impl Plane {
         Ok(start + self.vector([0.5 * along + side * left_a, 0.5 * across + side * left_b, 0.0]))
     }
 
-    /// The arc around `center`, with `turns` − 1 full turns more than it takes to reach the end.
+    /// Returns the arc around `center`, with `turns` − 1 full turns more than the way to the end needs.
+    ///
+    /// # Errors
+    ///
+    /// If the centre is the start.
     pub(crate) fn arc(
         self,
         (start, end): (Point, Point),
@@ -118,13 +125,13 @@ impl Plane {
         let (from_a, from_b) = (start[a] - center[a], start[b] - center[b]);
         let (to_a, to_b) = (end[a] - center[a], end[b] - center[b]);
         let (start_radius, end_radius) = (from_a.hypot(from_b), to_a.hypot(to_b));
-        if start_radius < SAME_POINT_MM {
+        if start_radius < MAX_CLOSURE_MM {
             return Err(NoCircle::NoRadius);
         }
         let (cos, sin) = (from_a / start_radius, from_b / start_radius);
         let sense = if turn == Turn::Counterclockwise { 1.0 } else { -1.0 };
         let angle = (sense * (from_a * to_b - from_b * to_a)).atan2(from_a * to_a + from_b * to_b);
-        let is_full = (end[a] - start[a]).hypot(end[b] - start[b]) < SAME_POINT_MM;
+        let is_full = (end[a] - start[a]).hypot(end[b] - start[b]) < MAX_CLOSURE_MM;
         let once = if is_full || angle <= 0.0 { angle + TAU } else { angle };
         let mut center = center;
         center[normal] = start[normal];
@@ -140,7 +147,7 @@ impl Plane {
     }
 }
 
-/// How far radii may differ by rounding of the programmed numbers, mm.
+/// Returns the difference of two radii that rounding of the programmed numbers explains, mm.
 pub(crate) fn tolerated_difference(radius: f64) -> f64 {
     (1e-3 * radius).max(0.01)
 }

@@ -1,10 +1,11 @@
-//! The segments of a toolpath as they are kept: 28 bytes each.
+//! The segments of a toolpath in packed form: 28 bytes each.
 //!
-//! A long program has millions of segments, and the memory they take is what tracing and planning wait for. A segment
-//! begins where the one before ends, so only the first start is kept; a line is as long as its ends are apart. Most go on as
-//! the one before does, and stand on the line of the program that follows it: how they go, and what few have, a curve,
-//! a turn or an exact stop, is kept where it changes. A segment is put together whenever it is read, which costs less
-//! than to fetch one that is kept whole; arcs and turns are shared, not copied.
+//! A long program has millions of segments, and the time of tracing and planning goes into moving their memory. A
+//! segment begins where the one before ends, so only the first start is stored; the length of a line is the
+//! distance of its ends. Most segments have the motion of the segment before and the next line of the program, so
+//! a group of such segments shares its motion. The few arcs, turns of axes and exact stops begin a new group.
+//! [`Segments`] assembles a segment whenever it is read, which costs less than to fetch a whole one from memory;
+//! arcs and turns are shared, not copied.
 //!
 //! Limits: no more than 2³² − 1 segments; a feedrate is finite, as an infinite one is rapid.
 
@@ -16,46 +17,46 @@ use std::collections::TryReserveError;
 /// The segments of a toolpath in order, each beginning where the one before ends.
 pub type Segments = PackedVec<Moves>;
 
-/// How segments are kept.
+/// Storage of segments.
 #[derive(Clone, Default)]
 pub struct Moves {
-    /// Where the first begins, if there is one, and where each ends, mm.
+    /// Start of the first segment, if there is one, and the end of each, mm.
     points: Vec<Point>,
-    /// The index of the way of each.
-    way_indices: Vec<u32>,
-    /// The ways they go, a new one wherever that changes.
-    ways: Vec<Way>,
-    /// Of the segments that have one, in their order.
-    shapes: Vec<Shape>,
+    /// Index of the group of each segment.
+    group_indices: Vec<u32>,
+    /// The groups, in order.
+    groups: Vec<SegmentGroup>,
+    /// The shapes of the segments that have one, in order.
+    shapes: Vec<SegmentShape>,
 }
 
-/// How segments go that follow one another on lines that do.
+/// Segments with one motion that follow one another, on lines that follow one another.
 #[derive(Clone, Copy)]
-struct Way {
-    /// mm/s; infinite in rapid.
+struct SegmentGroup {
+    /// Feedrate, mm/s; infinite in rapid.
     feedrate: f64,
     /// Index of its first segment.
     first: u32,
     /// Line of that segment.
     line: u32,
-    /// How many shapes there are up to here.
+    /// Number of shapes up to and with this group.
     shapes: u32,
-    /// Its only segment has the last of them.
+    /// `true` if its only segment has the last of those shapes.
     has_shape: bool,
     exact_stop: bool,
     exact_path: bool,
 }
 
-/// What few segments have: they are arcs, turn axes or are not as long as their ends are apart.
+/// The part of a segment that few have: arcs, turns of axes, and lengths other than the distance of the ends.
 #[derive(Clone)]
-struct Shape {
+struct SegmentShape {
     curve: Curve,
     rotation: Rotation,
-    /// mm.
+    /// Length, mm.
     length: f64,
 }
 
-impl Way {
+impl SegmentGroup {
     #[inline]
     fn motion(&self) -> Motion {
         match self.feedrate {
@@ -64,13 +65,13 @@ impl Way {
         }
     }
 
-    /// The line of one of its segments, by the index of that.
+    /// Returns the line of one of its segments, by the index of that segment.
     #[inline]
     fn line(&self, index: usize) -> LineNumber {
         LineNumber(self.line.wrapping_add(index as u32 - self.first))
     }
 
-    /// It is one of lines in feed, without a turn and without an exact stop.
+    /// Returns `true` if its segments are lines in feed, without turns of axes and without exact stops.
     #[inline]
     fn is_plain(&self) -> bool {
         !self.has_shape && !self.exact_stop && self.feedrate.is_finite()
@@ -78,26 +79,26 @@ impl Way {
 }
 
 impl Moves {
-    /// The way of the segment with this index.
+    /// Returns the group of the segment with this index.
     #[inline]
-    fn way(&self, index: usize) -> &Way {
-        &self.ways[self.way_indices[index] as usize]
+    fn group(&self, index: usize) -> &SegmentGroup {
+        &self.groups[self.group_indices[index] as usize]
     }
 
-    /// The shape of a segment that has one, by its way.
+    /// Returns the shape of a segment of this group, if it has one.
     #[inline]
-    fn shape_of(&self, way: &Way) -> Option<&Shape> {
-        way.has_shape.then(|| &self.shapes[way.shapes as usize - 1])
+    fn shape_of(&self, group: &SegmentGroup) -> Option<&SegmentShape> {
+        group.has_shape.then(|| &self.shapes[group.shapes as usize - 1])
     }
 
-    /// The shape of the segment with this index.
+    /// Returns the shape of the segment with this index, if it has one.
     #[inline]
-    fn shape(&self, index: usize) -> Option<&Shape> {
-        // Most programs have none, and need not look for the way.
-        if self.shapes.is_empty() { None } else { self.shape_of(self.way(index)) }
+    fn shape(&self, index: usize) -> Option<&SegmentShape> {
+        // Most programs have no shapes, and need not look up the group.
+        if self.shapes.is_empty() { None } else { self.shape_of(self.group(index)) }
     }
 
-    /// Where the segment with this index begins and where it ends, mm.
+    /// Returns start and end of the segment with this index, mm.
     #[inline]
     fn ends(&self, index: usize) -> [Point; 2] {
         [self.points[index], self.points[index + 1]]
@@ -110,7 +111,8 @@ impl Moves {
         end - start
     }
 
-    /// Returns the shape of the segment with this index. This function and those below spare hot loops the whole segment.
+    /// Returns the curve of the segment with this index. This method and those below spare hot loops the whole
+    /// segment.
     ///
     /// # Panics
     ///
@@ -120,21 +122,31 @@ impl Moves {
         self.shape(index).map_or(&Curve::Line, |shape| &shape.curve)
     }
 
-    /// The length of the segment with this index, mm. Panics beyond the end.
+    /// Returns the length of the segment with this index, mm.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
     #[inline]
     pub fn length(&self, index: usize) -> f64 {
         self.shape(index).map_or_else(|| self.chord(index).norm(), |shape| shape.length)
     }
 
-    /// From the start to the end of the segment with this index, over its length: the tangent of a line. Panics beyond
-    /// the end.
+    /// Returns the vector from start to end of the segment with this index over its length: the tangent of a line.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
     #[inline]
     pub fn direction(&self, index: usize) -> Vector {
         self.chord(index) / self.length(index)
     }
 
-    /// The length (mm) of the segment with this index, and the unit tangents at its beginning and at its end. Panics
-    /// beyond the end.
+    /// Returns the length (mm) of the segment with this index, and the unit tangents at both ends.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
     #[inline]
     pub fn length_and_tangents(&self, index: usize) -> (f64, [Vector; 2]) {
         let chord = self.chord(index);
@@ -147,64 +159,80 @@ impl Moves {
         }
     }
 
-    /// The position at a distance (mm) from the start of the segment with this index, mm. Panics beyond the end.
+    /// Returns the position at a distance (mm) from the start of the segment with this index, mm.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
     #[inline]
     pub fn point(&self, index: usize, distance: f64) -> Point {
         let [start, end] = self.ends(index);
         self.curve(index).point(start, end, distance / self.length(index))
     }
 
-    /// How the segment with this index is run. Panics beyond the end.
+    /// Returns the motion of the segment with this index.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
     #[inline]
     pub fn motion(&self, index: usize) -> Motion {
-        self.way(index).motion()
+        self.group(index).motion()
     }
 
-    /// Whether it is known at once that this segment and the one before it are lines in feed, programmed alike, without a
-    /// turn and without an exact stop, and on lines that follow one another. Panics at the first, and beyond the end.
+    /// Returns `true` if this segment and the one before it are in one group of plain lines: in feed, programmed alike,
+    /// without turns and exact stops, and on lines that follow one another.
+    ///
+    /// # Panics
+    ///
+    /// If it is the first segment, or there is no such segment.
     #[inline]
-    pub fn goes_on(&self, index: usize) -> bool {
-        self.way_indices[index - 1] == self.way_indices[index] && self.way(index).is_plain()
+    pub fn is_plain_continuation(&self, index: usize) -> bool {
+        self.group_indices[index - 1] == self.group_indices[index] && self.group(index).is_plain()
     }
 
-    /// Where the lines end that go on as this segment does; the next index where none does. Panics beyond the end.
-    pub fn goes_on_until(&self, index: usize) -> usize {
-        let way = self.way_indices[index] as usize;
-        match self.ways.get(way + 1) {
-            _ if !self.ways[way].is_plain() => index + 1,
+    /// Returns the end of the plain lines that continue this segment; the next index if none does.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such segment.
+    pub fn plain_lines_end(&self, index: usize) -> usize {
+        let group = self.group_indices[index] as usize;
+        match self.groups.get(group + 1) {
+            _ if !self.groups[group].is_plain() => index + 1,
             Some(next) => next.first as usize,
             None => self.count(),
         }
     }
 
-    /// Each segment with the one that follows it.
+    /// Returns each segment with the one that follows it.
     #[inline]
     pub fn pairs(&self) -> impl Iterator<Item = (Segment, Segment)> {
         (1..self.count()).map(|after| (self.at(after - 1), self.at(after)))
     }
 
-    /// Makes room for a number of further segments and for no more.
+    /// Reserves memory for a number of further segments and for no more.
     ///
     /// # Errors
     ///
-    /// If there is not as much memory.
+    /// If there is not enough memory.
     pub fn try_reserve_exact(&mut self, additional: usize) -> Result<(), TryReserveError> {
         self.points.try_reserve_exact(additional + usize::from(self.points.is_empty()))?;
-        self.way_indices.try_reserve_exact(additional)
+        self.group_indices.try_reserve_exact(additional)
     }
 
-    /// Takes the last segment away.
+    /// Removes the last segment and returns it; `None` if there is none.
     pub fn pop(&mut self) -> Option<Segment> {
         let index = self.count().checked_sub(1)?;
         let last = self.at(index);
-        let way = *self.way(index);
-        if way.has_shape {
+        let group = *self.group(index);
+        if group.has_shape {
             self.shapes.pop();
         }
-        if way.first as usize == index {
-            self.ways.pop();
+        if group.first as usize == index {
+            self.groups.pop();
         }
-        self.way_indices.pop();
+        self.group_indices.pop();
         self.points.truncate(if index == 0 { 0 } else { index + 1 });
         Some(last)
     }
@@ -215,21 +243,23 @@ impl Packing for Moves {
 
     #[inline]
     fn count(&self) -> usize {
-        self.way_indices.len()
+        self.group_indices.len()
     }
 
     #[inline]
     fn at(&self, index: usize) -> Segment {
-        let way = self.way(index);
+        let group = self.group(index);
         let [start, end] = self.ends(index);
-        let line = || Shape { curve: Curve::Line, rotation: Rotation::NONE, length: (end - start).norm() };
-        let Shape { curve, rotation, length } = self.shape_of(way).map_or_else(line, Shape::clone);
-        let &Way { exact_stop, exact_path, .. } = way;
-        let (motion, line) = (way.motion(), way.line(index));
+        let line =
+            || SegmentShape { curve: Curve::Line, rotation: Rotation::NONE, length: (end - start).norm() };
+        let SegmentShape { curve, rotation, length } =
+            self.shape_of(group).map_or_else(line, SegmentShape::clone);
+        let &SegmentGroup { exact_stop, exact_path, .. } = group;
+        let (motion, line) = (group.motion(), group.line(index));
         Segment { start, end, curve, length, motion, rotation, exact_stop, exact_path, line }
     }
 
-    /// It begins where the last one ends; if it is the first, anywhere.
+    /// Appends a segment, which begins where the last one ends; the first begins anywhere.
     #[inline]
     fn push(&mut self, segment: Segment) {
         let Segment { start, end, curve, length, motion, rotation, exact_stop, exact_path, line } = segment;
@@ -244,26 +274,34 @@ impl Packing for Moves {
             Motion::Feed { feedrate } => feedrate,
         };
         let index = self.count();
-        let is_like = |way: &Way| {
-            way.feedrate == feedrate
-                && (way.exact_stop, way.exact_path) == (exact_stop, exact_path)
-                && !way.has_shape
-                && way.line(index) == line
+        let is_like = |group: &SegmentGroup| {
+            group.feedrate == feedrate
+                && (group.exact_stop, group.exact_path) == (exact_stop, exact_path)
+                && !group.has_shape
+                && group.line(index) == line
         };
-        if has_shape || !self.ways.last().is_some_and(is_like) {
+        if has_shape || !self.groups.last().is_some_and(is_like) {
             if has_shape {
-                self.shapes.push(Shape { curve, rotation, length });
+                self.shapes.push(SegmentShape { curve, rotation, length });
             }
             let (first, LineNumber(line), shapes) = (index as u32, line, self.shapes.len() as u32);
-            self.ways.push(Way { feedrate, first, line, shapes, has_shape, exact_stop, exact_path });
+            self.groups.push(SegmentGroup {
+                feedrate,
+                first,
+                line,
+                shapes,
+                has_shape,
+                exact_stop,
+                exact_path,
+            });
         }
-        self.way_indices.push(self.ways.len() as u32 - 1);
+        self.group_indices.push(self.groups.len() as u32 - 1);
         self.points.push(end);
     }
 
     fn reserve(&mut self, additional: usize) {
         self.points.reserve(additional + usize::from(self.points.is_empty()));
-        self.way_indices.reserve(additional);
+        self.group_indices.reserve(additional);
     }
 }
 
@@ -317,12 +355,18 @@ mod tests {
                     let is_line =
                         |one: &Segment| one.curve == Curve::Line && one.rotation.is_none() && !one.exact_stop;
                     let is_feed = matches!(segment.motion, Motion::Feed { .. });
-                    let goes_on =
+                    let is_plain_continuation =
                         is_feed && before.motion == segment.motion && is_line(before) && is_line(segment);
-                    assert!(goes_on || !kept.goes_on(index), "{index} does not go on");
-                    let until = kept.goes_on_until(index - 1);
-                    assert!((index..until).all(|next| kept.goes_on(next)), "{index} to {until}");
-                    assert!(until == count || !kept.goes_on(until), "{index} to {until}");
+                    assert!(
+                        is_plain_continuation || !kept.is_plain_continuation(index),
+                        "{index} does not go on"
+                    );
+                    let until = kept.plain_lines_end(index - 1);
+                    assert!(
+                        (index..until).all(|next| kept.is_plain_continuation(next)),
+                        "{index} to {until}"
+                    );
+                    assert!(until == count || !kept.is_plain_continuation(until), "{index} to {until}");
                 }
                 assert_eq!(kept.point(index, 0.3), segment.point(0.3));
                 let line = Segment { curve: Curve::Line, ..segment.clone() };
@@ -367,12 +411,16 @@ mod tests {
             assert!(kept.iter().eq(all.iter().cloned()));
             let is_line = |index: usize| all[index].curve == Curve::Line;
             for index in 1..count {
-                let goes_on = is_line(index - 1) && is_line(index) && index != gap;
-                assert_eq!(kept.goes_on(index), goes_on, "{index} of {count}, arc {arc}, gap {gap}");
+                let is_plain_continuation = is_line(index - 1) && is_line(index) && index != gap;
+                assert_eq!(
+                    kept.is_plain_continuation(index),
+                    is_plain_continuation,
+                    "{index} of {count}, arc {arc}, gap {gap}"
+                );
             }
             for index in 0..count {
-                let end = (index + 1..count).find(|next| !kept.goes_on(*next)).unwrap_or(count);
-                assert_eq!(kept.goes_on_until(index), end, "{index} of {count}, arc {arc}, gap {gap}");
+                let end = (index + 1..count).find(|next| !kept.is_plain_continuation(*next)).unwrap_or(count);
+                assert_eq!(kept.plain_lines_end(index), end, "{index} of {count}, arc {arc}, gap {gap}");
             }
         }
     }

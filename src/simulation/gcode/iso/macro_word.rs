@@ -1,7 +1,7 @@
 //! Fanuc custom macro B: `IF […] GOTO n`, `IF […] THEN #1=…`, `GOTO n`, `WHILE […] DO m … END m`.
 //!
-//! A word may be cut to its first two letters. `DO m` without `WHILE` goes on until a GOTO leaves
-//! it. Okuma's `IF […] N100` and `GOTO N100` are read too.
+//! A word may be cut to its first two letters. `DO m` without `WHILE` repeats until a GOTO leaves it. Okuma's `IF
+//! […] N100` and `GOTO N100` are read too.
 //!
 //! Source: Fanuc Series 30i operator's manual B-63944EN, ch. 16.
 
@@ -25,7 +25,7 @@ pub(super) enum Keyword {
 }
 
 impl Keyword {
-    /// The keyword that these letters are.
+    /// Returns the keyword with these letters.
     pub(super) fn of(letters: &[u8]) -> Option<Keyword> {
         const KEYWORDS: [(&str, Keyword); 11] = [
             ("IF", Keyword::If),
@@ -46,7 +46,7 @@ impl Keyword {
 }
 
 impl Reader<'_> {
-    /// Reads what the keyword between `ends` begins; returns where it ends.
+    /// Reads the rest of a statement whose keyword is between `ends`; returns its end.
     pub(super) fn macro_word(
         &mut self,
         text: &[u8],
@@ -102,7 +102,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a condition in brackets.
+    /// Reads a condition in brackets; returns its end.
     fn condition(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let notation = match self.program.dialect {
             Dialect::Okuma => Notation::Okuma,
@@ -115,14 +115,14 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// The keyword that stands next, and where it ends.
+    /// Returns the next keyword and its end; `None` if no keyword follows.
     fn keyword_at(&self, text: &[u8], at: usize) -> Option<(Keyword, usize)> {
         let start = skip_blanks(text, at);
         let letters = text[start..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
         Some((Keyword::of(&text[start..start + letters])?, start + letters))
     }
 
-    /// Reads where to go; the N of Okuma controls may stand before the number.
+    /// Reads the destination of a jump, which may have the N of Okuma controls before its number; returns its end.
     fn goto(&mut self, text: &[u8], at: usize, line: &mut Line, when: When) -> Result<usize, Refusal> {
         self.names_sequence = true;
         let mut start = skip_blanks(text, at);
@@ -151,12 +151,13 @@ impl Reader<'_> {
         Ok(end)
     }
 
+    /// Reads the number of a loop; returns it with its end.
     fn loop_number(&self, text: &[u8], at: usize, line: &Line) -> Result<(u32, usize), Refusal> {
         let found = number(text, at).and_then(|found| Some((whole_number(found.value)?, found.end)));
         found.ok_or_else(|| expected("the number of a loop", line, at))
     }
 
-    /// A program number: what stands before it is another program.
+    /// Begins a program with a number; the text before belongs to another program.
     pub(super) fn program_number(&mut self, number: f64) {
         self.program_border();
         if let Some(id) = whole_number(number) {
@@ -164,7 +165,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A program ends, and another begins.
+    /// Ends a program; another begins.
     pub(super) fn program_border(&mut self) {
         if 0 < self.index() {
             self.act(Action::Border);
@@ -172,7 +173,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Labels the blocks that N numbers stand before.
+    /// Labels the blocks with N numbers.
     pub(in crate::simulation::gcode) fn label_sequence(&mut self, text: &[u8]) {
         for (index, line) in crate::simulation::gcode::line::lines(text).enumerate() {
             let mut at = skip_blanks(line, 0);

@@ -15,17 +15,17 @@ use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{Action, Dialect, Place, Reference, Target, Word, address};
 
-/// M words that call or return, by their values.
+/// Values of the M words that call or return.
 const CALLING_M: &[f64] = &[97.0, 98.0, 99.0, 198.0];
 
-/// G words that call or return, by their values.
+/// Values of the G words that call or return.
 const CALLING_G: &[f64] = &[65.0, 66.0, 66.1, 67.0];
 
-/// Words of custom macros that print or name variables: nothing on their lines moves the machine.
+/// Words of custom macros that print or name variables; no word on their lines moves the machine.
 const OUTPUT: &[&[u8]] = &[b"POPEN", b"PCLOS", b"DPRNT", b"BPRNT", b"SETVN"];
 
 impl Reader<'_> {
-    /// Reads one line of an ISO program that holds more than plain words.
+    /// Reads one line of an ISO program with more than plain words.
     pub(super) fn iso_line(&mut self, text: &[u8], line: &mut Line) -> Result<(), Refusal> {
         if self.is_command_of_sender(text) {
             return Ok(());
@@ -78,8 +78,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `$H`, `$110=500` and `!` alone: what is said to a grbl control or by the file of an Okuma
-    /// control, not run.
+    /// Returns `true` for `$H`, `$110=500` and `!` alone: lines to a grbl control or in the file of an Okuma
+    /// control, which are not run.
     fn is_command_of_sender(&mut self, text: &[u8]) -> bool {
         let start = skip_blanks(text, 0);
         if !matches!(text.get(start), Some(b'$' | b'~' | b'!' | b'?')) {
@@ -96,7 +96,7 @@ impl Reader<'_> {
         is_command && matches!(self.program.dialect, Dialect::Grbl | Dialect::Okuma)
     }
 
-    /// Reads the word whose letter stands at `at`; returns where it ends.
+    /// Reads the word with its letter at `at`; returns its end.
     fn word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
         let Some(found) = number(text, at + 1) else {
@@ -128,7 +128,7 @@ impl Reader<'_> {
         Ok(found.end)
     }
 
-    /// Reads what is more than a letter with its number; returns where it ends.
+    /// Reads an item that is more than a letter with its number; returns its end.
     pub(super) fn more(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         match text[at] {
             b'#' => self.assignment(text, at, line),
@@ -140,7 +140,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A letter that no number follows: an expression, a name, or a slip of the pen.
+    /// Reads a letter that no number follows: an expression, a name, or a typing error; returns the end.
     fn word_without_number(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
         let length = text[at..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
@@ -180,7 +180,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// Reads `,R5` and `,C2`, which round and chamfer the corner that follows.
+    /// Reads `,R5` and `,C2`, which round and chamfer the next corner; returns the end.
     fn comma_word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let next = skip_blanks(text, at + 1);
         match text.get(next).map(u8::to_ascii_uppercase) {
@@ -190,7 +190,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads the value that follows the sign at `at` as a word of the longer `address`.
+    /// Reads the value behind the sign at `at` as a word of the longer `address`; returns its end.
     fn long_word(&mut self, text: &[u8], at: usize, address: u8, line: &mut Line) -> Result<usize, Refusal> {
         let target = Target::Word(self.program.words.len() as u32);
         let (end, columns) = self.formula(Notation::Iso, text, (at, at + 1), line, |expressions| {
@@ -201,7 +201,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// Reads the word whose letter stands at `at` and whose value is to be worked out.
+    /// Reads the word with its letter at `at` and a formula as its value; returns its end.
     fn word_with_formula(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let target = Target::Word(self.program.words.len() as u32);
         let (end, columns) = self.formula(Notation::Iso, text, (at, at + 1), line, |expressions| {
@@ -219,7 +219,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// Reads the assignment whose `#` stands at `at`; returns where it ends.
+    /// Reads the assignment with its `#` at `at`; returns its end.
     fn assignment(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let (end, _) = self.formula(Notation::Iso, text, (at, at), line, |expressions| {
             Ok(match expressions.assignment()? {
@@ -230,7 +230,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// Leaves out the letter at `at` with all that looks like its number; returns where it ends.
+    /// Leaves out the letter at `at` with its malformed number; returns the end.
     fn leave_out(&mut self, text: &[u8], at: usize, line: &Line, remark: fn(String) -> Unread) -> usize {
         let belongs = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_blank(*byte);
         let length = text[at + 1..].iter().take_while(|byte| belongs(byte)).count();
@@ -240,7 +240,7 @@ impl Reader<'_> {
         end
     }
 
-    /// Skips the comment that opens at `at`; returns where it ends.
+    /// Skips the comment that opens at `at`; returns its end.
     fn comment(&mut self, text: &[u8], at: usize, line: &mut Line) -> usize {
         let end = match comment_end(&text[at..], line.is_unbalanced) {
             CommentEnd::Matching(length) => at + length,

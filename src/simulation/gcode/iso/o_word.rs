@@ -36,12 +36,12 @@ const KEYWORDS: [&str; 14] = [
     "BREAK",
 ];
 
-/// Keys of named O words, apart from those of numbered ones.
-const NAMED: u32 = 1 << 31;
+/// Bit of the keys of named O words, which separates them from those of numbered ones.
+const NAMED_KEY_BIT: u32 = 1 << 31;
 
 const LOOPS: &[Kind] = &[Kind::While, Kind::Do, Kind::Repeat];
 
-/// What a word opens or closes, and the columns of that word.
+/// The structure that a word opens or closes, with the columns of that word.
 #[derive(Clone, Copy)]
 struct Opening {
     key: u32,
@@ -49,7 +49,7 @@ struct Opening {
 }
 
 impl Reader<'_> {
-    /// The keyword after an O number, in upper case, and where it ends.
+    /// Returns the keyword after an O number, in upper case, and its end.
     pub(super) fn o_word_keyword(&self, text: &[u8], at: usize) -> Option<(&'static str, usize)> {
         let start = skip_blanks(text, at);
         let letters = text[start..].iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
@@ -59,7 +59,7 @@ impl Reader<'_> {
         known.map(|known| (*known, start + letters))
     }
 
-    /// Reads the O word at `at` and all that follows it; returns where it ends.
+    /// Reads the O word at `at` with its arguments; returns the end.
     pub(super) fn o_word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         // The name may hold characters of several bytes, which are counted when it is read.
         let first = line.columns(at, at).0;
@@ -140,8 +140,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads what the word of a loop goes on with from `next`; returns where it ends, and `None` if it closes or
-    /// leaves a loop that is not open.
+    /// Reads the rest of the word of a loop from `next`; returns its end, or `None` if it closes or leaves a loop
+    /// that is not open.
     fn o_loop(
         &mut self,
         keyword: &str,
@@ -195,13 +195,13 @@ impl Reader<'_> {
         }
     }
 
-    /// Completes what leaves a loop, and what goes on with its closing word in the block `end`.
+    /// Completes the jumps out of a loop, and the jumps to its closing word in the block `end`.
     fn end_loop(&mut self, exits: &[usize], to_end: &[usize], end: u32) {
         self.program.complete(exits, end + 1);
         self.program.complete(to_end, end);
     }
 
-    /// The name of an O word: where it leads, its key, and where it ends.
+    /// Reads the name of an O word; returns its destination, its key and its end.
     fn o_name(
         &mut self,
         text: &[u8],
@@ -234,13 +234,13 @@ impl Reader<'_> {
                 Err((remark, bytes)) => return Err((remark, line.columns(bytes.start, bytes.end))),
             }
             let id = name.unwrap_or(0);
-            return Ok((label(LabelKind::Named, id), NAMED | id, end));
+            return Ok((label(LabelKind::Named, id), NAMED_KEY_BIT | id, end));
         }
         let next = self.o_value(text, start, line, Target::Destination, true)?;
         Ok((Destination::Computed(LabelKind::Numbered), u32::MAX, next))
     }
 
-    /// Reads a value for `target`; returns where it ends.
+    /// Reads a value for `target`; returns its end.
     fn o_value(
         &mut self,
         text: &[u8],

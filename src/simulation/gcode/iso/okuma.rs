@@ -1,14 +1,13 @@
-//! What Okuma OSP controls write otherwise than ISO.
+//! Words of Okuma OSP controls that differ from ISO.
 //!
 //! ```text
 //! variables    VC1=5     V1=2     DIA=10 (a name of the program)     X=VC1+2     X=[VC1*2]
 //! flow         IF [VC1 EQ 2] N100     GOTO NEND     NEND     CALL O1000 Q3     RTS
 //! ```
 //!
-//! `CALL O1000` may give the subprogram names of its own (`CALL O1000 DIA=10`). NOEX, which hides
-//! a block, is passed over. NCYL (no hole in this block) is a word for the tracer. MODIN and MODOUT,
-//! calls after every move, system variables (`VZOFZ[1]=0`) and FA=, the feedrate out of a bore, are
-//! named in a diagnostic.
+//! `CALL O1000` may pass values by names of the subprogram (`CALL O1000 DIA=10`). NOEX, which hides a block on the
+//! screen, has no effect. NCYL (no hole in this block) is a word for the interpreter. Diagnostics name MODIN and
+//! MODOUT, calls after every move, system variables (`VZOFZ[1]=0`) and FA=, the feedrate out of a bore.
 //!
 //! Source: Okuma OSP-P300M programming manual, ch. 12 and 13.
 
@@ -21,12 +20,11 @@ use crate::simulation::gcode::{
     Action, Destination, Direction, Label, LabelKind, Place, Reference, Step, Target, Word, address,
 };
 
-/// Longer names than this there are none, so that a line without blanks is not searched again from
-/// each of its words.
+/// Longest name, bytes; with a bound, a line without blanks is not searched again from each of its words.
 const MAX_NAME_LENGTH: usize = 64;
 
 impl Reader<'_> {
-    /// Reads what stands at `at` where it is Okuma's own; returns where it ends.
+    /// Reads an item at `at` that only Okuma controls have; returns its end, or `None` if there is none.
     pub(super) fn okuma_item(
         &mut self,
         text: &[u8],
@@ -75,7 +73,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The name of a block (`NLOOP`) that stands at `at`, and where it ends.
+    /// Returns the name of a block (`NLOOP`) at `at` as a label, and its end; `None` if there is none.
     pub(super) fn okuma_name(&mut self, text: &[u8], at: usize) -> Option<(Label, usize)> {
         let length = identifier(&text[at..text.len().min(at + MAX_NAME_LENGTH)]);
         let name = &text[at..at + length];
@@ -85,7 +83,7 @@ impl Reader<'_> {
         Some((Label { kind: LabelKind::Named, id }, at + length))
     }
 
-    /// Leaves out what stands between `ends` and says why; returns where it ends.
+    /// Leaves out the text between `ends` and remarks on it; returns its end.
     fn okuma_left_out(
         &mut self,
         text: &[u8],
@@ -100,7 +98,7 @@ impl Reader<'_> {
         end
     }
 
-    /// `X=VC1+2` is a word, `VC1=2` and `DIA=2` are variables.
+    /// Reads `X=VC1+2`, which is a word, or `VC1=2` and `DIA=2`, which are variables; returns the end.
     fn okuma_assignment(
         &mut self,
         text: &[u8],
@@ -137,7 +135,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// `CALL O1000 Q3 DIA=10`.
+    /// Reads `CALL O1000 Q3 DIA=10`; returns the end of the count.
     fn okuma_call(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let start = skip_blanks(text, at);
         let length = identifier(&text[start..]);

@@ -1,12 +1,12 @@
-//! Lines that hold plain words and nothing else, which is nearly every line of a long program.
+//! Lines of plain words alone, which are nearly all lines of a long program.
 //!
 //! ```text
-//! line   = { blank } { letter number { blank } }      no O word, nothing that calls or returns
+//! line   = { blank } { letter number { blank } }      no O word, no word that calls or returns
 //! number = [ "+" | "-" ] digits [ "." [ digits ] ]  |  [ "+" | "-" ] "." digits     without blanks, and not long
 //! ```
 //!
-//! They are read as the rules for all lines read them, in one pass, their end included, and without a look at what
-//! they cannot be.
+//! The result equals that of the rules for all lines, but takes one pass with the end of the line, and no tests
+//! for items that such a line cannot have.
 
 use crate::simulation::gcode::iso::{CALLING_G, CALLING_M};
 use crate::simulation::gcode::number::{is_blank, plain_number};
@@ -14,8 +14,8 @@ use crate::simulation::gcode::reader::Reader;
 use crate::simulation::gcode::{Columns, Reference, Word};
 
 impl Reader<'_> {
-    /// Reads the line that `text` begins with, and gives what follows it, or `None` if the line holds anything but plain
-    /// words, and then nothing of it is kept.
+    /// Reads the line that `text` begins with, and returns the text behind it. Returns `None`, and keeps no word,
+    /// if the line has other items than plain words.
     pub(in crate::simulation::gcode) fn plain_line<'a>(&mut self, text: &'a [u8]) -> Option<&'a [u8]> {
         let words = &mut self.program.words;
         let before = words.len();

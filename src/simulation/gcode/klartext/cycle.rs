@@ -13,7 +13,7 @@ use crate::simulation::gcode::{Reference, address};
 const WITH_AXES: &[u32] = &[7, 8, 19, 26];
 
 impl Reader<'_> {
-    /// The number of a cycle at `start` and what follows.
+    /// Reads the number of a cycle at `start` and its parameters.
     pub(super) fn klartext_cycle(
         &mut self,
         code: &[u8],
@@ -54,7 +54,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `Q200=2 Q201=-20`, after the name of the cycle on the same line.
+    /// Reads `Q200=2 Q201=-20` after the name of the cycle on the same line.
     pub(super) fn klartext_cycle_parameters(
         &mut self,
         code: &[u8],
@@ -76,7 +76,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `X+10 IY-5`, `X Y`, `A+0 B+45`, `X1.2 CCX+15`, `#5`.
+    /// Reads `X+10 IY-5`, `X Y`, `A+0 B+45`, `X1.2 CCX+15`, `#5`.
     fn klartext_cycle_axes(
         &mut self,
         code: &[u8],
@@ -123,7 +123,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The value of a line such as `DEPTH-20`, `ZUSTLG -5`, `V.ZEIT5`, `IROT+30`, `HSC-MODE:1 TA5`: the
+    /// Reads the value of a line such as `DEPTH-20`, `ZUSTLG -5`, `V.ZEIT5`, `IROT+30`, `HSC-MODE:1 TA5`: the
     /// first number that is not part of a word.
     pub(super) fn klartext_setting(
         &mut self,

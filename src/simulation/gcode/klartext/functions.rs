@@ -11,12 +11,12 @@ use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{Action, Destination, Direction, Label, LabelKind, Step, Target, When};
 
-/// What a cycle's feed means by its word.
+/// Values of a cycle's feed by its word.
 const FEED_WORDS: &[(&str, f64)] =
     &[("FMAX", 99_999.0), ("FAUTO", -1.0), ("AUTO", -1.0), ("PREDEF", -2.0), ("MAX", 99_999.0)];
 
 impl Reader<'_> {
-    /// `Q1 = Q2 + 3`, or a text.
+    /// Reads `Q1 = Q2 + 3`, or the assignment of a text.
     pub(super) fn klartext_parameter(
         &mut self,
         code: &[u8],
@@ -35,7 +35,11 @@ impl Reader<'_> {
         self.klartext_ends(code, next, line)
     }
 
-    /// Nothing follows.
+    /// Checks that nothing follows from `at` on.
+    ///
+    /// # Errors
+    ///
+    /// If anything but blanks follows.
     pub(super) fn klartext_ends(&mut self, code: &[u8], at: usize, line: &Line) -> Result<(), Refusal> {
         let next = skip_blanks(code, at);
         match code.get(next..) {
@@ -46,7 +50,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `Q1 = value` at `at`; returns where it ends.
+    /// Reads `Q1 = value` at `at`; returns its end.
     pub(super) fn klartext_assignment(
         &mut self,
         code: &[u8],
@@ -77,7 +81,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// `FN 0: Q1 = 5` and on.
+    /// Reads a function such as `FN 0: Q1 = 5`.
     pub(super) fn klartext_function(
         &mut self,
         code: &[u8],
@@ -114,7 +118,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `FN 18: SYSREAD Q1 = ID270 NR1 IDX1`.
+    /// Reads `FN 18: SYSREAD Q1 = ID270 NR1 IDX1`.
     fn klartext_system_read(
         &mut self,
         code: &[u8],
@@ -126,23 +130,23 @@ impl Reader<'_> {
         let Some((number, length)) = code.get(at..).and_then(klartext_number) else {
             return Err((Unread::Expected { expected: "a Q parameter", found: found_at(code, at) }, columns));
         };
-        let asked: Vec<u8> =
+        let query: Vec<u8> =
             code[at + length..].iter().filter(|byte| !byte.is_ascii_whitespace()).copied().collect();
-        self.klartext_read(number, &asked, columns, line)
+        self.klartext_read(number, &query, columns, line)
     }
 
-    /// Gives a parameter what a program asks the control for, of which only the position is known.
+    /// Assigns a value of the control to a parameter. Only the position is known; other values are taken as 0.
     pub(super) fn klartext_read(
         &mut self,
         number: u32,
-        asked: &[u8],
+        query: &[u8],
         columns: (u32, u32),
         line: &mut Line,
     ) -> Result<(), Refusal> {
         let position = [b"=ID270NR1IDX1", b"=ID270NR1IDX2", b"=ID270NR1IDX3"]
             .iter()
-            .position(|known| asked.eq_ignore_ascii_case(&known[..]));
-        self.formula(Notation::Klartext, asked, (0, asked.len()), line, |expressions| {
+            .position(|known| query.eq_ignore_ascii_case(&known[..]));
+        self.formula(Notation::Klartext, query, (0, query.len()), line, |expressions| {
             expressions.steps.push(Step::Number(f64::from(number)));
             match position {
                 Some(axis) => expressions
@@ -157,7 +161,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `IF +Q1 EQU +Q2 GOTO LBL 5`.
+    /// Reads `IF +Q1 EQU +Q2 GOTO LBL 5`.
     pub(super) fn klartext_if(
         &mut self,
         code: &[u8],
@@ -165,9 +169,9 @@ impl Reader<'_> {
         line: &mut Line,
     ) -> Result<(), Refusal> {
         let goto = code[end..].windows(4).position(|four| four.eq_ignore_ascii_case(b"GOTO"));
-        let has_is =
+        let has_word =
             |word: &[u8]| code[end..].windows(word.len()).any(|found| found.eq_ignore_ascii_case(word));
-        if has_is(b"DEFINED") || has_is(b"QS") {
+        if has_word(b"DEFINED") || has_word(b"QS") {
             self.push_klartext(Unmodelled("IS UNDEFINED"), line.columns(at, code.len()));
             return Ok(());
         }
@@ -190,7 +194,7 @@ impl Reader<'_> {
         self.klartext_ends(code, end, line)
     }
 
-    /// The label that a jump or call names at `at`, and where it ends.
+    /// Reads the label of a jump or call at `at`; returns it as a destination, with its end.
     pub(super) fn klartext_destination(
         &mut self,
         code: &[u8],
@@ -208,7 +212,7 @@ impl Reader<'_> {
         Ok((Destination::Label(label, Direction::Either), end))
     }
 
-    /// A label: `5`, `"NAME"`.
+    /// Reads a label such as `5` or `"NAME"`; returns it with its end.
     fn klartext_name(&mut self, code: &[u8], at: usize, line: &mut Line) -> Result<(Label, usize), Refusal> {
         if code.get(at) == Some(&b'"') {
             let close = code[at + 1..].iter().position(|byte| *byte == b'"');
@@ -228,7 +232,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `LBL 5`, `LBL "NAME"`, `LBL 0`.
+    /// Reads `LBL 5`, `LBL "NAME"` or `LBL 0`.
     pub(super) fn klartext_label(&mut self, code: &[u8], end: usize, line: &mut Line) -> Result<(), Refusal> {
         let (label, end) = self.klartext_name(code, skip_blanks(code, end), line)?;
         if label == (Label { kind: LabelKind::Numbered, id: 0 }) {
@@ -239,7 +243,7 @@ impl Reader<'_> {
         self.klartext_ends(code, end, line)
     }
 
-    /// `CALL LBL 5`, `CALL LBL 5 REP 3/3`.
+    /// Reads `CALL LBL 5` or `CALL LBL 5 REP 3/3`.
     pub(super) fn klartext_call(&mut self, code: &[u8], end: usize, line: &mut Line) -> Result<(), Refusal> {
         let (to, end) = self.klartext_destination(code, skip_blanks(code, end), line)?;
         let next = skip_blanks(code, end);
@@ -252,13 +256,13 @@ impl Reader<'_> {
         }
         let past = self.klartext_count(code, next + 3, line)?;
         self.act(Action::Again { to });
-        // `5/3`: how many are left, on the screen of the control.
+        // `5/3`: on its screen, the control shows the remaining repetitions after the slash.
         let slash = skip_blanks(code, past);
         let left = (code.get(slash) == Some(&b'/')).then(|| plain(code, slash + 1)).flatten();
         self.klartext_ends(code, left.map_or(past, |left| left.end), line)
     }
 
-    /// Reads how often a call is repeated; returns where that ends.
+    /// Reads the number of repetitions of a call; returns its end.
     pub(super) fn klartext_count(
         &mut self,
         code: &[u8],
@@ -279,7 +283,7 @@ impl Reader<'_> {
         Ok(past)
     }
 
-    /// `CALL PGM NAME.H`.
+    /// Calls a program by `CALL PGM NAME.H`.
     pub(super) fn klartext_call_program(&mut self, code: &[u8], end: usize) {
         let id = self.names.index(program_name(&code[end..]));
         let to = Destination::Label(Label { kind: LabelKind::Named, id }, Direction::Either);
@@ -287,11 +291,11 @@ impl Reader<'_> {
     }
 }
 
-/// Returns the statement of an FN function that the interpreter has no model for, or that changes neither path nor time.
+/// Returns the statement of an FN function that has no model or changes neither path nor time; `None` for others.
 pub(super) fn without_model(function: u32) -> Option<KlartextStatement> {
     Some(match function {
         14 => Unmodelled("FN 14"),
-        // What is printed and sent changes neither path nor time.
+        // Printing and sending change neither path nor time.
         15..=17 | 38 => Neutral,
         19 => Unmodelled("FN 19"),
         20 => Unmodelled("FN 20"),

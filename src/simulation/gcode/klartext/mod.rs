@@ -8,16 +8,15 @@
 //! value     = number  |  [ "+" | "-" ] Q
 //! ```
 //!
-//! A statement of a path becomes a [`KlartextStatement`], and its words follow. `R0`, `RL` and `RR` are words with an
-//! address of their own, `FMAX` too. A comma between digits is a decimal point.
+//! A statement of a path becomes a [`KlartextStatement`], followed by its words. `R0`, `RL`, `RR` and `FMAX` are
+//! words with longer addresses. A comma between digits is a decimal point.
 //!
-//! The lines of a cycle are blocks one by one: `CYCL DEF 200`, and then `Q200=2` sets the
-//! parameter, which the interpreter keeps for the cycle too. Cycles of the older kind (`CYCL DEF 7.1 X+10`)
-//! are read by their numbers, since their texts are in the language of the control.
+//! The lines of a cycle are separate blocks: `CYCL DEF 200`, and then `Q200=2` sets the parameter, which the
+//! interpreter also keeps for the cycle. Cycles of the older kind (`CYCL DEF 7.1 X+10`) are read by their numbers,
+//! since their texts are in the language of the control.
 //!
-//! `LBL 0` ends a subprogram; `CALL LBL 1 REP 5` goes back to the label five times; `CALL PGM` calls
-//! a program that stands in the same file. FN 18 knows the position; everything else it could read
-//! is taken as 0 and said.
+//! `LBL 0` ends a subprogram; `CALL LBL 1 REP 5` jumps back to the label five times; `CALL PGM` calls a program in
+//! the same file. FN 18 reads the position; every other value is taken as 0, with a remark.
 //!
 //! Source: TNC 640, Klartext Programming, 2018; cycles by TNC 640, Cycle Programming, 2018.
 
@@ -49,11 +48,11 @@ impl Reader<'_> {
         }
         let end = code_end(text);
         let comment = (end + 1, text.len());
-        let goes_on = |part: &[u8]| part.trim_ascii_end().ends_with(b"~");
-        let code_goes_on = goes_on(&text[..end]);
-        let continues = code_goes_on || (end < text.len() && goes_on(&text[end..]));
+        let continues_with = |part: &[u8]| part.trim_ascii_end().ends_with(b"~");
+        let code_continues = continues_with(&text[..end]);
+        let continues = code_continues || (end < text.len() && continues_with(&text[end..]));
         let code = text[..end].trim_ascii_end();
-        let code = if code_goes_on { code[..code.len() - 1].trim_ascii_end() } else { code };
+        let code = if code_continues { code[..code.len() - 1].trim_ascii_end() } else { code };
         let is_continued = std::mem::replace(&mut self.heidenhain.continued, continues);
         let mut at = self.klartext_number(code, line);
         if at == code.len() {
@@ -88,7 +87,7 @@ impl Reader<'_> {
         self.klartext_statement(code, at, line)
     }
 
-    /// Where the code of a line begins, after the number of its block.
+    /// Returns the start of the code of a line, after the number of its block.
     fn klartext_number(&self, code: &[u8], line: &mut Line) -> usize {
         let start = skip_blanks(code, 0).min(code.len());
         let digits = code[start..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -99,6 +98,7 @@ impl Reader<'_> {
         skip_blanks(code, start + digits).min(code.len())
     }
 
+    /// Reads the statement at `at`.
     fn klartext_statement(&mut self, code: &[u8], at: usize, line: &mut Line) -> Result<(), Refusal> {
         if code.len() <= at {
             return Ok(());
@@ -143,7 +143,7 @@ impl Reader<'_> {
         Err((Unread::Text { text: excerpt(&code[at..at + length]) }, line.columns(at, at + length)))
     }
 
-    /// Statements with rules of their own, or `None` if the line begins with no such words.
+    /// Reads a statement that is not a path; returns `None` if the line begins with no such words.
     fn klartext_other(&mut self, code: &[u8], at: usize, line: &mut Line) -> Option<Result<(), Refusal>> {
         let ends = |words: &[&str]| begins(code, at, words);
         if let Some(end) = ends(&["BEGIN", "PGM"]) {
@@ -176,6 +176,7 @@ impl Reader<'_> {
         })
     }
 
+    /// Reads the rest of `BEGIN PGM`.
     fn klartext_begin(&mut self, code: &[u8], (at, end): (usize, usize), line: &Line) {
         let rest = code[end..].trim_ascii();
         let (name, unit) = match rest.iter().rposition(|byte| *byte == b' ') {
@@ -185,7 +186,7 @@ impl Reader<'_> {
         self.begin_program(name, unit.eq_ignore_ascii_case(b"INCH"), line.columns(at, end));
     }
 
-    /// Begins a program, which calls find by its name.
+    /// Begins a program; calls find it by its name.
     fn begin_program(&mut self, name: &[u8], is_inch: bool, columns: (u32, u32)) {
         if 0 < self.index() {
             self.act(Action::Border);
@@ -202,7 +203,7 @@ impl Reader<'_> {
     }
 }
 
-/// The name of a program as calls look it up: without folders and `.H`.
+/// Returns the name of a program as calls look it up: without folders and `.H`.
 fn program_name(written: &[u8]) -> String {
     let written = String::from_utf8_lossy(written.trim_ascii()).to_ascii_lowercase();
     let name = written.trim_matches('"').rsplit(['\\', '/', ':']).next().unwrap_or_default();
@@ -210,7 +211,7 @@ fn program_name(written: &[u8]) -> String {
     format!("program {name}")
 }
 
-/// Where `words` end, if they stand at `at` with blanks between them and are whole.
+/// Returns the end of `words` if they are at `at` with blanks between them, as whole words; else `None`.
 fn begins(code: &[u8], at: usize, words: &[&str]) -> Option<usize> {
     let mut end = at;
     for (index, word) in words.iter().enumerate() {
@@ -225,7 +226,7 @@ fn begins(code: &[u8], at: usize, words: &[&str]) -> Option<usize> {
     is_whole.then_some(end)
 }
 
-/// Where a comment begins, or the line ends.
+/// Returns the start of a comment, or the end of the line.
 fn code_end(text: &[u8]) -> usize {
     let mut is_quoted = false;
     for (index, byte) in text.iter().enumerate() {
@@ -235,11 +236,11 @@ fn code_end(text: &[u8]) -> usize {
             _ => {}
         }
     }
-    // A quote that never ends is none.
+    // A quotation mark without its partner does not begin a text.
     if is_quoted { semicolon(text, 0) } else { text.len() }
 }
 
-/// The line with a point for each comma between digits.
+/// Returns the line with a point for each comma between digits.
 fn decimal_points(text: &[u8]) -> Vec<u8> {
     let mut changed = text.to_vec();
     for index in 1..text.len() {

@@ -1,10 +1,10 @@
-//! How Klartext is written: statements and their words.
+//! Spelling of Klartext: statements and their words.
 
 use crate::simulation::gcode::address;
 use crate::simulation::gcode::klartext::statement::KlartextStatement::{self, *};
 use crate::simulation::gcode::klartext::statement::{ContourWay, Transformation};
 
-/// How statements that take path words are written, the longer one first where two begin alike.
+/// The spelling of statements with path words; of two that begin alike, the longer one comes first.
 pub(super) const PATHS: &[(&[&str], KlartextStatement)] = &[
     (&["L"], Line),
     (&["LN"], LineWithNormal),
@@ -40,7 +40,7 @@ pub(super) const PATHS: &[(&[&str], KlartextStatement)] = &[
     (&["TRANS", "SCALE"], Transform(Transformation::Scale)),
 ];
 
-/// Statements whose line says nothing more that is read; `None` for those that change neither path nor time.
+/// Statements whose further words are not read; `None` for those that change neither path nor time.
 pub(super) const WHOLE_LINES: &[(&[&str], Option<KlartextStatement>)] = &[
     (&["BLK", "FORM"], None),
     (&["PLANE", "RESET"], None),
@@ -86,22 +86,22 @@ pub(super) const WHOLE_LINES: &[(&[&str], Option<KlartextStatement>)] = &[
     (&["CALL", "LBL", "QS"], Some(Unmodelled("LBL QS"))),
 ];
 
-/// What a word of a path asks for.
+/// The kind of a word of a path.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Word {
-    /// It has a value.
+    /// A word with a value.
     Value(u8),
-    /// It has a value that counts from where the tool is.
+    /// A word with a value that counts from the position of the tool.
     Increment(u8),
-    /// It stands alone.
+    /// A word without a number; its value is this one.
     Flag(u8, i8),
-    /// It has a sign alone.
+    /// A word with a sign only.
     Sense,
-    /// It has a value and is not needed: the normal of a surface and the like.
+    /// A word with a value that has no effect: the normal of a surface and the like.
     Unneeded,
 }
 
-/// The words of paths, the longer one first where two begin alike.
+/// The words of paths; of two that begin alike, the longer one comes first.
 pub(super) const WORDS: &[(&str, Word)] = &[
     ("FMAX", Word::Flag(address::RAPID, 1)),
     ("F MAX", Word::Flag(address::RAPID, 1)),
@@ -157,5 +157,5 @@ pub(super) const WORDS: &[(&str, Word)] = &[
     ("W", Word::Value(b'W')),
 ];
 
-/// Numbers of parameters, of no program, that hold the position in X, Y and Z.
+/// Numbers of the parameters with the position in X, Y and Z; no program has such numbers.
 pub const POSITION_PARAMETERS: [u32; 3] = [3_000_001, 3_000_002, 3_000_003];

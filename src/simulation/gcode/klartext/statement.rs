@@ -1,6 +1,6 @@
-//! The statements of Heidenhain programs; their further arguments are the words of the block.
+//! Statements of Heidenhain programs; their further arguments are words of the block.
 
-/// A statement of Klartext, or one of DIN/ISO that says the same.
+/// A statement of Klartext, or its equivalent in DIN/ISO.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KlartextStatement {
     /// L.
@@ -46,14 +46,14 @@ pub enum KlartextStatement {
     CycleCall,
     /// CYCL CALL POS.
     CycleCallAt,
-    /// BEGIN PGM gives the unit of lengths.
+    /// BEGIN PGM with the unit of lengths.
     Unit {
-        /// INCH, and not MM.
+        /// `true` for INCH, `false` for MM.
         is_inch: bool,
     },
     /// M functions alone.
     Functions,
-    /// FUNCTION TCPM, or its end.
+    /// FUNCTION TCPM with `true`, its end with `false`.
     TipControl(bool),
     /// TRANS.
     Transform(Transformation),
@@ -61,18 +61,18 @@ pub enum KlartextStatement {
     ResetTransform(Transformation),
     /// FUNCTION MODE TURN.
     TurningMode,
-    /// Something without a model, by its name.
+    /// A statement without a model, by its name.
     Unmodelled(&'static str),
-    /// It changes neither path nor time.
+    /// A statement that changes neither path nor time.
     Neutral,
 }
 
-/// The shape of a way to or from a contour.
+/// The shape of an approach to a contour or a departure from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContourWay {
     /// LT: straight, along the element.
     Along,
-    /// LN: straight, square to the element.
+    /// LN: straight, at a right angle to the element.
     Across,
     /// CT: an arc that touches the element.
     Arc,
@@ -94,7 +94,7 @@ pub enum Transformation {
 }
 
 impl KlartextStatement {
-    /// Returns the statement as it is written.
+    /// Returns the spelling of the statement.
     pub fn name(self) -> &'static str {
         use KlartextStatement::*;
         match self {

@@ -10,14 +10,14 @@ use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{Reference, Target, Word, address};
 
-/// M functions whose further words are no words of the path.
+/// M functions behind which further words do not belong to the path.
 pub(super) const WITH_SETTINGS: &[f64] = &[112.0, 114.0, 118.0, 124.0, 150.0];
 
-/// M functions whose F is not the feedrate of the path.
+/// M functions behind which F is not the feedrate of the path.
 const WITH_FEED: &[f64] = &[103.0, 128.0, 140.0];
 
 impl Reader<'_> {
-    /// A statement with the words of a path.
+    /// Reads a statement with the words of a path.
     pub(super) fn klartext_path(
         &mut self,
         code: &[u8],
@@ -28,7 +28,7 @@ impl Reader<'_> {
         self.push_klartext(statement, line.columns(at, end.max(at + 1)));
         let takes_radius = takes_radius(statement);
         let mut next = self.klartext_bare_value(code, skip_blanks(code, end), statement, line)?;
-        let (mut has_radius, mut owns_feed) = (!takes_radius, true);
+        let (mut has_radius, mut is_path_feed) = (!takes_radius, true);
         loop {
             next = skip_blanks(code, next);
             let Some(rest) = code.get(next..).filter(|rest| !rest.is_empty()) else { return Ok(()) };
@@ -66,36 +66,35 @@ impl Reader<'_> {
                 Kind::Value(address::CIRCLE_RADIUS) if statement == KlartextStatement::Chamfer => {
                     self.klartext_value(code, (next, past), address::CHAMFER_LEG, Reference::Modal, line)?
                 }
-                Kind::Value(b'F') if !owns_feed => {
-                    owns_feed = true;
+                Kind::Value(b'F') if !is_path_feed => {
+                    is_path_feed = true;
                     self.klartext_unneeded(code, past, line)?
                 }
-                Kind::Value(own) => {
-                    has_radius |= own == address::CIRCLE_RADIUS;
+                Kind::Value(letter) => {
+                    has_radius |= letter == address::CIRCLE_RADIUS;
                     if let (true, None) =
                         (statement == KlartextStatement::Transform(Transformation::Mirror), plain(code, past))
                     {
-                        self.push_word(own, 1.0, columns);
+                        self.push_word(letter, 1.0, columns);
                         past
                     } else {
-                        self.klartext_value(code, (next, past), own, Reference::Modal, line)?
+                        self.klartext_value(code, (next, past), letter, Reference::Modal, line)?
                     }
                 }
-                Kind::Increment(own) => {
-                    self.klartext_value(code, (next, past), own, Reference::Incremental, line)?
+                Kind::Increment(letter) => {
+                    self.klartext_value(code, (next, past), letter, Reference::Incremental, line)?
                 }
             };
             if let Some(word) = self.program.words.last().filter(|word| word.letter == b'M') {
                 if WITH_SETTINGS.contains(&word.value) {
                     return Ok(());
                 }
-                owns_feed = !WITH_FEED.contains(&word.value);
+                is_path_feed = !WITH_FEED.contains(&word.value);
             }
         }
     }
 
-    /// Reads the leg of a chamfer or the radius of a rounding, which may stand at `at` without a letter; returns
-    /// where it ends.
+    /// Reads the leg of a chamfer or the radius of a rounding at `at`, if it has no letter; returns its end.
     fn klartext_bare_value(
         &mut self,
         code: &[u8],
@@ -113,7 +112,7 @@ impl Reader<'_> {
         self.klartext_value(code, (at, at), letter, Reference::Modal, line)
     }
 
-    /// Reads the value at `start` as a word that begins at `at`; returns where it ends.
+    /// Reads the value at `start` as a word that begins at `at`; returns its end.
     pub(super) fn klartext_value(
         &mut self,
         code: &[u8],
@@ -145,7 +144,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// Passes over the value at `start`.
+    /// Skips the value at `start`; returns its end.
     fn klartext_unneeded(&mut self, code: &[u8], start: usize, line: &mut Line) -> Result<usize, Refusal> {
         if begins(code, skip_blanks(code, start), &["MAX"]).is_some() {
             return Ok(skip_blanks(code, start) + 3);
@@ -160,7 +159,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// `TOOL CALL 5 Z S3000 F500 DL+0.1 DR-0.1`, `TOOL CALL "MILL" Z`.
+    /// Reads `TOOL CALL 5 Z S3000 F500 DL+0.1 DR-0.1` or `TOOL CALL "MILL" Z`.
     pub(super) fn klartext_tool_call(
         &mut self,
         code: &[u8],
@@ -184,11 +183,11 @@ impl Reader<'_> {
             let starts = |word: &str| {
                 rest.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word.as_bytes()))
             };
-            if let Some((word, own)) = WORDS.iter().find(|(word, _)| starts(word)) {
+            if let Some((word, letter)) = WORDS.iter().find(|(word, _)| starts(word)) {
                 let past = next + word.len();
-                next = match *own {
+                next = match *letter {
                     0 => self.klartext_unneeded(code, past, line)?,
-                    own => self.klartext_value(code, (next, past), own, Reference::Modal, line)?,
+                    letter => self.klartext_value(code, (next, past), letter, Reference::Modal, line)?,
                 };
                 continue;
             }
@@ -209,7 +208,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads the number or the name of a tool at `at`, if there is one; returns where it ends.
+    /// Reads the number or the name of a tool at `at`, if there is one; returns its end.
     pub(super) fn klartext_tool(
         &mut self,
         code: &[u8],
@@ -239,7 +238,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `TOOL DEF 5 L+10 R+5`.
+    /// Reads `TOOL DEF 5 L+10 R+5`.
     pub(super) fn klartext_tool_definition(
         &mut self,
         code: &[u8],
@@ -256,7 +255,7 @@ impl Reader<'_> {
         }
         loop {
             next = skip_blanks(code, next);
-            let own = match code.get(next).map(u8::to_ascii_uppercase) {
+            let letter = match code.get(next).map(u8::to_ascii_uppercase) {
                 None => return Ok(()),
                 Some(b'L') => address::TOOL_LENGTH,
                 Some(b'R') => address::TOOL_RADIUS,
@@ -265,12 +264,12 @@ impl Reader<'_> {
                     return Err((Unread::Text { text: shown }, line.columns(next, next + 1)));
                 }
             };
-            next = self.klartext_value(code, (next, next + 1), own, Reference::Modal, line)?;
+            next = self.klartext_value(code, (next, next + 1), letter, Reference::Modal, line)?;
         }
     }
 }
 
-/// Whether `R` of a statement is a radius, and not the end of compensation, even if it is 0.
+/// Returns `true` if `R` of a statement is a radius, even if it is 0, and not the end of compensation.
 fn takes_radius(statement: KlartextStatement) -> bool {
     use KlartextStatement::*;
     matches!(
@@ -282,7 +281,8 @@ fn takes_radius(statement: KlartextStatement) -> bool {
     )
 }
 
-/// The plain number at `start`: a sign, blanks, digits without blanks between them.
+/// Returns the plain number at `start`: a sign, blanks, digits without blanks between them; `None` if there is
+/// none.
 pub(super) fn plain(code: &[u8], start: usize) -> Option<Number> {
     let at = skip_blanks(code, start);
     let is_signed = matches!(code.get(at), Some(b'+' | b'-'));
@@ -293,19 +293,19 @@ pub(super) fn plain(code: &[u8], start: usize) -> Option<Number> {
     (found.end == digits + length).then_some(found)
 }
 
-/// `R0`, and no more digits.
+/// Returns `true` behind the R of `R0` without more digits.
 fn is_no_compensation(code: &[u8], at: usize) -> bool {
     code.get(at) == Some(&b'0')
         && !code.get(at + 1).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.')
 }
 
-/// The word of a path that `code` begins with, and what it is.
+/// Returns the word of a path that `code` begins with, and its kind.
 fn word_at(code: &[u8]) -> Option<&'static (&'static str, Kind)> {
     let begins = |word: &[u8]| code.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
     WORDS.iter().find(|(word, _)| begins(word.as_bytes()))
 }
 
-/// What is at `at`, as a message names it.
+/// Returns the text at `at` as messages name it.
 pub(super) fn found_at(code: &[u8], at: usize) -> String {
     match code.get(at..) {
         Some(rest) if !rest.is_empty() => format!("`{}`", excerpt(&rest[..character_length(rest)])),

@@ -4,14 +4,14 @@
 //! L100 P3     NAME     NAME(1, 2)     CALL "NAME"     EXTCALL "NAME.SPF"     PROC NAME(REAL A, INT B=1)
 //! ```
 //!
-//! Arguments go through parameters beyond all R numbers, together with a number whose binary digits say
-//! which were given; from there `PROC` gives them, or what stands in for them, to names of its own:
+//! Arguments are passed in parameters beyond all R numbers, together with a bit set of the given ones; `PROC`
+//! assigns them, or their defaults, to its own names:
 //!
 //! ```text
 //! a = g argument + (1 - g) default,  g = (given DIV 2^k) MOD 2
 //! ```
 //!
-//! A program called by its file name is looked for in this file. `MCALL` of a subprogram is not followed.
+//! A program called by its file name is searched in this file. `MCALL` of a subprogram is not run.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt, semicolon};
@@ -23,17 +23,17 @@ use crate::simulation::gcode::{
     Target,
 };
 
-/// Which arguments of the last call were given.
-const GIVEN: u32 = 3_000_000_001;
+/// Number of the parameter with the bit set of the arguments given in the last call.
+const GIVEN_ARGUMENTS: u32 = 3_000_000_001;
 
-/// Where arguments of calls are put: beyond all R numbers.
-const ARGUMENTS: u32 = 3_000_000_002;
+/// Number of the parameter with the first argument of a call: beyond all R numbers.
+const FIRST_ARGUMENT: u32 = 3_000_000_002;
 
-/// The most arguments that a PROC can take.
+/// Most arguments of a PROC.
 const MAX_ARGUMENTS: usize = 50;
 
 impl Reader<'_> {
-    /// `L100 P3`.
+    /// Reads `L100 P3`; returns its end.
     pub(super) fn siemens_call_by_number(
         &mut self,
         text: &[u8],
@@ -49,7 +49,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// `P3` or `P=3` after a call.
+    /// Reads `P3` or `P=3` after a call; returns its end.
     fn siemens_times(&mut self, text: &[u8], end: usize, line: &mut Line) -> Result<usize, Refusal> {
         let start = skip_blanks(text, end);
         if !text.get(start).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P')) {
@@ -63,12 +63,13 @@ impl Reader<'_> {
         }
     }
 
+    /// Calls a subprogram by its name.
     fn siemens_call_by_name(&mut self, name: &[u8]) {
         let to = Destination::Label(self.siemens_named_label(name), Direction::Either);
         self.act(Action::Call { to, has_own_parameters: false });
     }
 
-    /// `NAME`, `NAME(1, R2)`.
+    /// Reads `NAME` or `NAME(1, R2)`; returns its end.
     pub(super) fn siemens_call(
         &mut self,
         text: &[u8],
@@ -76,7 +77,7 @@ impl Reader<'_> {
         line: &mut Line,
     ) -> Result<usize, Refusal> {
         let open = skip_blanks(text, end);
-        // The columns of what stands before texts are told before these are counted.
+        // Columns before a text are computed before its bytes are counted.
         let (called, opened) = (line.columns(at, end), line.columns(open, open + 1));
         self.refuse_modal_call(&text[at..end], called)?;
         let (mut next, mut given) = (end, 0_u64);
@@ -97,7 +98,7 @@ impl Reader<'_> {
                     }
                     Some(_) => {
                         given |= 1_u64.checked_shl(argument).unwrap_or(0);
-                        let number = ARGUMENTS + argument;
+                        let number = FIRST_ARGUMENT + argument;
                         (next, _) =
                             self.formula(Notation::Siemens, text, (next, next), line, |expressions| {
                                 expressions.steps.push(Step::Number(f64::from(number)));
@@ -109,13 +110,13 @@ impl Reader<'_> {
             }
             next += 1;
         }
-        self.assign_number(GIVEN, given as f64, called);
+        self.assign_number(GIVEN_ARGUMENTS, given as f64, called);
         let next = self.siemens_times(text, next, line)?;
         self.siemens_call_by_name(&text[at..end]);
         Ok(next)
     }
 
-    /// `CALL "NAME"`, `EXTCALL "DIR/NAME.SPF"`, `EXTCALL("NAME")`, `CALL BLOCK A TO B`.
+    /// Reads `CALL "NAME"`, `EXTCALL "DIR/NAME.SPF"`, `EXTCALL("NAME")` or `CALL BLOCK A TO B`; returns its end.
     pub(super) fn siemens_call_by_text(
         &mut self,
         text: &[u8],
@@ -148,7 +149,7 @@ impl Reader<'_> {
         Ok(semicolon(text, 0))
     }
 
-    /// `PROC NAME(REAL A, INT B=1)`: a label, and the arguments by names of its own.
+    /// Reads `PROC NAME(REAL A, INT B=1)`: a label, and the assignment of the arguments to its own names.
     pub(super) fn siemens_proc(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let start = skip_blanks(text, at);
         let length = identifier(&text[start..]);
@@ -162,7 +163,7 @@ impl Reader<'_> {
             let kind = skip_blanks(text, next);
             let kind = kind + identifier(&text[kind..]);
             if text.get(kind) == Some(&b'[') {
-                // The greatest length of a text.
+                // The greatest length of a text is in brackets.
                 next =
                     text[kind..].iter().position(|byte| *byte == b']').map_or(text.len(), |to| kind + to + 1);
             }
@@ -176,14 +177,14 @@ impl Reader<'_> {
             (next, _) = self.formula(Notation::Siemens, text, (next, from), line, |expressions| {
                 let weight = Step::Number(2_f64.powi(argument as i32));
                 let is_given = [
-                    Step::Number(f64::from(GIVEN)),
+                    Step::Number(f64::from(GIVEN_ARGUMENTS)),
                     Step::Numbered,
                     weight,
                     Step::Operator(Operator::Quotient),
                     Step::Number(2.0),
                     Step::Operator(Operator::Modulo),
                 ];
-                let number = Step::Number(f64::from(ARGUMENTS) + argument as f64);
+                let number = Step::Number(f64::from(FIRST_ARGUMENT) + argument as f64);
                 expressions.steps.extend(is_given);
                 expressions.steps.extend([
                     number,
@@ -209,7 +210,11 @@ impl Reader<'_> {
         Ok(text.len())
     }
 
-    /// `MCALL` before a subprogram would run it after each move.
+    /// Refuses `MCALL` before a subprogram, which would run after each move.
+    ///
+    /// # Errors
+    ///
+    /// If the block has `MCALL` directly before.
     fn refuse_modal_call(&self, name: &[u8], columns: (u32, u32)) -> Result<(), Refusal> {
         let block = self.index();
         let last = self.program.statements.last().filter(|statement| statement.block == block);
@@ -225,7 +230,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Gives a parameter a number.
+    /// Assigns a number to a parameter.
     pub(super) fn assign_number(&mut self, parameter: u32, value: f64, columns: (u32, u32)) {
         let first = self.program.steps.len() as u32;
         self.program.steps.extend([Step::Number(f64::from(parameter)), Step::Number(value)]);

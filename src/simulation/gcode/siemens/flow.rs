@@ -7,8 +7,9 @@
 //! CASE a OF 1 GOTOF label 2 GOTOB label DEFAULT GOTOF label       CALL BLOCK from TO to
 //! ```
 //!
-//! REPEAT and CALL BLOCK run the blocks of both labels and what stands between them; REPEAT with one label
-//! up to `ENDLABEL:`, or to itself. CASE becomes one jump after the other, with its value in a parameter beyond all R numbers.
+//! REPEAT and CALL BLOCK run the blocks of both labels and those between them; REPEAT with one label runs the
+//! blocks up to `ENDLABEL:`, or up to itself. CASE becomes one jump after the other, with its value in a parameter
+//! beyond all R numbers.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt, semicolon};
@@ -21,14 +22,14 @@ use crate::simulation::gcode::{
     Action, Destination, Direction, Formula, Label, LabelKind, Operator, SectionEnd, Step, Target, When,
 };
 
-/// The key of structures without a number.
+/// The key of all structures, which have no numbers.
 const PLAIN: u32 = 0;
 
-/// Where the value of a CASE is put: beyond all R numbers.
-const CASE: u32 = 3_000_000_000;
+/// Number of the parameter with the value of a CASE: beyond all R numbers.
+const CASE_VALUE: u32 = 3_000_000_000;
 
 impl Reader<'_> {
-    /// Reads what a word of flow begins; returns where it ends, or none if it is no such word.
+    /// Reads the rest of a statement of flow; returns its end, or `None` if its word is none of flow.
     pub(super) fn siemens_flow(
         &mut self,
         text: &[u8],
@@ -108,10 +109,12 @@ impl Reader<'_> {
         Ok(Some(next))
     }
 
+    /// Reads a condition; returns its end.
     fn siemens_condition(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         self.siemens_value(text, at, line, Target::Condition)
     }
 
+    /// Reads an expression for `target`; returns its end.
     pub(super) fn siemens_value(
         &mut self,
         text: &[u8],
@@ -126,6 +129,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
+    /// Reads the label of a jump; returns its end.
     fn siemens_goto(
         &mut self,
         text: &[u8],
@@ -153,7 +157,7 @@ impl Reader<'_> {
         Ok(start + length)
     }
 
-    /// `FOR i = a TO b`: a block that sets the counter, and one that tests it.
+    /// Reads `FOR i = a TO b` as a block that sets the counter and one that tests it; returns the end.
     fn siemens_for(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let start = skip_blanks(text, at);
         let length = identifier(&text[start..]);
@@ -210,7 +214,8 @@ impl Reader<'_> {
         self.program.formulas.push(Formula { block, target, steps, columns });
     }
 
-    /// `REPEAT` alone opens a loop; with labels it runs what stands between them once more.
+    /// Reads `REPEAT`: alone it opens a loop; with labels it runs the blocks between them once more. Returns its
+    /// end.
     fn siemens_repeat(
         &mut self,
         text: &[u8],
@@ -249,7 +254,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// `CALL BLOCK A TO B`.
+    /// Reads `CALL BLOCK A TO B`; returns its end.
     pub(super) fn siemens_call_section(
         &mut self,
         text: &[u8],
@@ -271,10 +276,10 @@ impl Reader<'_> {
         Ok(last + length)
     }
 
-    /// `CASE a OF 1 GOTOF label … DEFAULT GOTOF label`.
+    /// Reads `CASE a OF 1 GOTOF label … DEFAULT GOTOF label`; returns its end.
     fn siemens_case(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let (end, _) = self.formula(Notation::Siemens, text, (at, at), line, |expressions| {
-            expressions.steps.push(Step::Number(f64::from(CASE)));
+            expressions.steps.push(Step::Number(f64::from(CASE_VALUE)));
             expressions.expression(0)?;
             Ok(Target::Numbered)
         })?;
@@ -292,7 +297,7 @@ impl Reader<'_> {
                 next + word.len()
             } else {
                 let (end, _) = self.formula(Notation::Siemens, text, (next, next), line, |expressions| {
-                    expressions.steps.extend([Step::Number(f64::from(CASE)), Step::Numbered]);
+                    expressions.steps.extend([Step::Number(f64::from(CASE_VALUE)), Step::Numbered]);
                     expressions.value()?;
                     expressions.steps.push(Step::Operator(Operator::Equal));
                     Ok(Target::Condition)
@@ -309,14 +314,14 @@ impl Reader<'_> {
         Ok(next)
     }
 
-    /// The label of this name, wherever it stands.
+    /// Returns the label of this name.
     pub(super) fn siemens_named_label(&mut self, name: &[u8]) -> Label {
         let id = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase());
         Label { kind: LabelKind::Named, id }
     }
 }
 
-/// The direction of a jump word at `at`, and where the word ends.
+/// Returns the direction of a jump word at `at` and the end of the word; `None` if there is none.
 fn goto(text: &[u8], at: usize) -> Option<(Direction, usize)> {
     let start = skip_blanks(text, at);
     let length = identifier(&text[start..]);

@@ -1,4 +1,4 @@
-//! Frames that are given as values.
+//! Frames as values.
 //!
 //! ```text
 //! $P_PFRAME=CTRANS(X,10,Y,20):CROT(Z,90)      TRANS X10 Y20, then AROT Z90
@@ -6,8 +6,8 @@
 //! $P_PFRAME=CMIRROR(X)                        MIRROR X0
 //! ```
 //!
-//! Each part becomes the statement that says the same, in a block of its own. Other parts, and other
-//! frames (`$P_UIFR[1]`), are not followed, and said.
+//! Each part becomes the equivalent statement in its own block. Other parts, and other frames (`$P_UIFR[1]`), have
+//! no model; a remark names them.
 
 use crate::simulation::gcode::Target;
 use crate::simulation::gcode::expression::{Notation, identifier};
@@ -17,7 +17,7 @@ use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::siemens::keywords::known;
 
-/// Parts of a frame, and the statements that put one in place of all and within all that are in force.
+/// Parts of a frame, each with the statement that replaces the frame in force and the statement that adds to it.
 const PARTS: [(&[u8], &str, &str); 4] = [
     (b"CTRANS", "TRANS", "ATRANS"),
     (b"CROT", "ROT", "AROT"),
@@ -26,7 +26,7 @@ const PARTS: [(&[u8], &str, &str); 4] = [
 ];
 
 impl Reader<'_> {
-    /// What `$P_PFRAME` is to be; returns where it ends.
+    /// Reads the value of `$P_PFRAME`; returns its end.
     pub(super) fn siemens_frame_value(
         &mut self,
         text: &[u8],
@@ -34,23 +34,23 @@ impl Reader<'_> {
         line: &mut Line,
     ) -> Result<usize, Refusal> {
         let mut start = skip_blanks(text, at);
-        let mut is_within = false;
+        let mut is_added = false;
         loop {
             let end = start + identifier(&text[start..]);
             let name = text[start..end].to_ascii_uppercase();
             let part = PARTS.iter().find(|(known, ..)| *known == name);
             let next = match part {
-                Some((_, instead, within)) => {
+                Some((_, replacing, adding)) => {
                     self.end_block();
                     let is_mirror = name == b"CMIRROR";
-                    let name = if is_within { within } else { instead };
+                    let name = if is_added { adding } else { replacing };
                     self.push_statement(known(name), line.columns(start, end));
                     self.siemens_frame_axes(text, end, is_mirror, line)?
                 }
-                None if name == b"$P_PFRAME" && !is_within => end,
+                None if name == b"$P_PFRAME" && !is_added => end,
                 None => return Ok(self.siemens_other_frame(text, start, line)),
             };
-            is_within = true;
+            is_added = true;
             let colon = skip_blanks(text, next);
             if text.get(colon) != Some(&b':') {
                 return Ok(next);
@@ -59,14 +59,14 @@ impl Reader<'_> {
         }
     }
 
-    /// A frame that is not followed, to the end of its line.
+    /// Reads a frame without a model, to the end of its line.
     pub(super) fn siemens_other_frame(&mut self, text: &[u8], at: usize, line: &Line) -> usize {
         let end = semicolon(text, at);
         self.push_statement(known("$P_UIFR"), line.columns(at, end));
         end
     }
 
-    /// `(X,10,Y,20)`, or `(X,Y)` where the axes have no value.
+    /// Reads `(X,10,Y,20)`, or `(X,Y)` for axes without values; returns the end.
     fn siemens_frame_axes(
         &mut self,
         text: &[u8],

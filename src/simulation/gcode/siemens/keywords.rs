@@ -1,42 +1,37 @@
-//! The keywords of SINUMERIK programs, and what their arguments are called.
+//! The keywords of SINUMERIK programs, and the names of their arguments.
 
 use crate::simulation::gcode::siemens::statement::{
     DrillingCycle, DrillingKind, FrameChange, HolePattern, PatternShape, SiemensStatement, ThreadPitch,
     Unmodelled,
 };
 use crate::simulation::gcode::{Argument, Keyword};
-use Kind::*;
+use SiemensStatement::*;
 
-/// A keyword and what it asks for.
+/// A keyword with the kind of its statement.
 #[derive(Debug, PartialEq)]
 pub struct SiemensKeyword {
-    /// As it is written.
+    /// Its spelling.
     pub name: &'static str,
     kind: Kind,
 }
 
-/// What a keyword asks for, its arguments aside.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The statement of a keyword.
+#[derive(Debug, PartialEq)]
 enum Kind {
-    ModalCall,
-    Drilling(Cycle),
+    /// This statement, whatever its arguments.
+    Plain(&'static SiemensStatement),
+    /// CYCLE81 to CYCLE89, and CYCLE840.
+    Drilling(CycleKind),
+    /// HOLES1, HOLES2, CYCLE801 and CYCLE802.
     Pattern(Holes),
-    Frame(FrameChange, bool),
-    MachineCoordinates,
-    CircleThroughPoint,
-    TangentialCircle,
+    /// CYCLE832.
     ContourTolerance,
+    /// CYCLE800.
     SwivelPlane,
-    MillingCycle,
-    TurningCycle,
-    Diameters,
-    Curve,
-    Unmodelled(Unmodelled),
-    Neutral,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Cycle {
+enum CycleKind {
     Drill,
     DrillAndDwell,
     DeepHole,
@@ -55,7 +50,7 @@ enum Holes {
     Positions,
 }
 
-/// The names of the arguments of a statement in their order, as the manuals call them.
+/// Returns the names of the arguments of a statement in their order, as in the manuals.
 fn signature(name: &str) -> &'static str {
     match name {
         "CYCLE81" | "CYCLE82" => "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
@@ -107,23 +102,25 @@ impl Arguments<'_> {
         self.option(name).filter(|value| *value != 0.0)
     }
 
-    /// Returns whether one of these arguments is not 0.
+    /// Returns `true` if one of these arguments is not 0.
     fn any(&self, names: &[&str]) -> bool {
         names.iter().any(|name| self.given(name).is_some())
     }
 
+    /// Returns the pitch of a tapping cycle.
     fn pitch(&self) -> ThreadPitch {
         ThreadPitch { metric: self.value("MPIT"), pitch: self.value("PIT"), unit: self.value("PITA") }
     }
 
-    fn drilling(&self, name: &'static str, cycle: Cycle) -> DrillingCycle {
+    /// Returns the drilling cycle with these arguments.
+    fn drilling(&self, name: &'static str, cycle: CycleKind) -> DrillingCycle {
         let is_left_hand = self.value("SDIR") == 4.0;
         let kind = match cycle {
-            Cycle::Drill => {
+            CycleKind::Drill => {
                 DrillingKind::Drill { is_centring: (self.value("GMODE") / 10.0) as i64 % 10 == 1 }
             }
-            Cycle::DrillAndDwell => DrillingKind::Drill { is_centring: false },
-            Cycle::DeepHole => DrillingKind::DeepHole {
+            CycleKind::DrillAndDwell => DrillingKind::Drill { is_centring: false },
+            CycleKind::DeepHole => DrillingKind::DeepHole {
                 first_depth: self.given("FDEP"),
                 first_relative_depth: self.given("FDPR"),
                 degression: self.value("DAM"),
@@ -135,7 +132,7 @@ impl Arguments<'_> {
                 retract: self.given("VRT"),
                 limit: self.given("DIS1"),
             },
-            Cycle::RigidTap => {
+            CycleKind::RigidTap => {
                 let variant = self.value("VARI");
                 DrillingKind::RigidTap {
                     pitch: self.pitch(),
@@ -146,12 +143,12 @@ impl Arguments<'_> {
                     retract: self.given("VRT").filter(|_| variant == 1.0),
                 }
             }
-            Cycle::FloatingTap => DrillingKind::FloatingTap { pitch: self.pitch() },
-            Cycle::Bore => DrillingKind::Bore { feed_in: self.given("FFR"), feed_out: self.given("RFF") },
-            Cycle::FineBore => {
+            CycleKind::FloatingTap => DrillingKind::FloatingTap { pitch: self.pitch() },
+            CycleKind::Bore => DrillingKind::Bore { feed_in: self.given("FFR"), feed_out: self.given("RFF") },
+            CycleKind::FineBore => {
                 DrillingKind::FineBore { is_left_hand, shift: [self.value("RPA"), self.value("RPO")] }
             }
-            Cycle::BoreAndStop => DrillingKind::BoreAndStop { is_left_hand },
+            CycleKind::BoreAndStop => DrillingKind::BoreAndStop { is_left_hand },
         };
         DrillingCycle {
             name,
@@ -166,6 +163,7 @@ impl Arguments<'_> {
         }
     }
 
+    /// Returns the pattern of holes with these arguments.
     fn pattern(&self, name: &'static str, holes: Holes) -> HolePattern {
         let pair = |first: &str, second: &str| [self.value(first), self.value(second)];
         let shape = match holes {
@@ -211,168 +209,164 @@ pub(super) fn known(name: &str) -> Keyword {
 }
 
 impl SiemensKeyword {
-    /// Whether this is MCALL.
+    /// Returns `true` for MCALL.
     pub(super) fn is_modal_call(&self) -> bool {
-        self.kind == ModalCall
+        matches!(self.kind, Kind::Plain(SiemensStatement::ModalCall))
     }
 
     /// Returns the statement with these arguments.
     pub fn with(&self, arguments: &[Argument]) -> SiemensStatement {
         let arguments = Arguments { signature: signature(self.name), values: arguments };
-        match self.kind {
-            ModalCall => SiemensStatement::ModalCall,
-            Drilling(cycle) => SiemensStatement::Drilling(arguments.drilling(self.name, cycle)),
-            Pattern(holes) => SiemensStatement::Holes(arguments.pattern(self.name, holes)),
-            Frame(change, is_added) => SiemensStatement::Frame { change, is_added },
-            MachineCoordinates => SiemensStatement::MachineCoordinates,
-            CircleThroughPoint => SiemensStatement::CircleThroughPoint,
-            TangentialCircle => SiemensStatement::TangentialCircle,
-            ContourTolerance => {
+        match &self.kind {
+            Kind::Plain(statement) => (*statement).clone(),
+            Kind::Drilling(cycle) => SiemensStatement::Drilling(arguments.drilling(self.name, *cycle)),
+            Kind::Pattern(holes) => SiemensStatement::Holes(arguments.pattern(self.name, *holes)),
+            Kind::ContourTolerance => {
                 let tolerance = arguments.value("TOL");
                 // Units of the type: 0 off, 1 to 4 finish to rough.
                 let is_off = arguments.option("TYPE").is_some_and(|kind| kind % 10.0 == 0.0);
                 SiemensStatement::ContourTolerance { tolerance, is_off: is_off || tolerance == 0.0 }
             }
-            SwivelPlane => SiemensStatement::SwivelPlane {
+            Kind::SwivelPlane => SiemensStatement::SwivelPlane {
                 turns: arguments.any(&["A", "B", "C"]),
                 shifts: arguments.any(&["X0", "Y0", "Z0", "X1", "Y1", "Z1"]),
             },
-            MillingCycle => SiemensStatement::MillingCycle,
-            TurningCycle => SiemensStatement::TurningCycle,
-            Diameters => SiemensStatement::Diameters,
-            Curve => SiemensStatement::Curve,
-            Unmodelled(what) => SiemensStatement::Unmodelled(what),
-            Neutral => SiemensStatement::Neutral,
         }
     }
 }
 
-/// The keywords that the interpreter acts on, or names in a remark, and those that make a block of their line.
+/// The keywords that the interpreter runs or names in a remark, and those that make a block of their line.
 static KEYWORDS: &[SiemensKeyword] = &[
-    row("MCALL", ModalCall),
-    row("CYCLE81", Drilling(Cycle::Drill)),
-    row("CYCLE82", Drilling(Cycle::DrillAndDwell)),
-    row("CYCLE83", Drilling(Cycle::DeepHole)),
-    row("CYCLE84", Drilling(Cycle::RigidTap)),
-    row("CYCLE840", Drilling(Cycle::FloatingTap)),
-    row("CYCLE85", Drilling(Cycle::Bore)),
-    row("CYCLE86", Drilling(Cycle::FineBore)),
-    row("CYCLE87", Drilling(Cycle::BoreAndStop)),
-    row("CYCLE88", Drilling(Cycle::BoreAndStop)),
-    row("CYCLE89", Drilling(Cycle::Bore)),
-    row("CYCLE832", ContourTolerance),
-    row("CYCLE800", SwivelPlane),
-    row("HOLES1", Pattern(Holes::Row)),
-    row("HOLES2", Pattern(Holes::Circle)),
-    row("POCKET1", MillingCycle),
-    row("POCKET2", MillingCycle),
-    row("POCKET3", MillingCycle),
-    row("POCKET4", MillingCycle),
-    row("SLOT1", MillingCycle),
-    row("SLOT2", MillingCycle),
-    row("LONGHOLE", MillingCycle),
-    row("CYCLE60", MillingCycle),
-    row("CYCLE61", MillingCycle),
-    row("CYCLE62", Neutral),
-    row("CYCLE63", MillingCycle),
-    row("CYCLE64", MillingCycle),
-    row("CYCLE70", MillingCycle),
-    row("CYCLE71", MillingCycle),
-    row("CYCLE72", MillingCycle),
-    row("CYCLE73", MillingCycle),
-    row("CYCLE74", MillingCycle),
-    row("CYCLE75", MillingCycle),
-    row("CYCLE76", MillingCycle),
-    row("CYCLE77", MillingCycle),
-    row("CYCLE78", MillingCycle),
-    row("CYCLE79", MillingCycle),
-    row("CYCLE90", MillingCycle),
-    row("CYCLE801", Pattern(Holes::Grid)),
-    row("CYCLE802", Pattern(Holes::Positions)),
-    row("CYCLE899", MillingCycle),
-    row("CYCLE977", Unmodelled(Unmodelled::Measuring)),
-    row("CYCLE978", Unmodelled(Unmodelled::Measuring)),
-    row("CYCLE979", Unmodelled(Unmodelled::Measuring)),
-    row("CYCLE998", Unmodelled(Unmodelled::Measuring)),
-    row("MEAS", Unmodelled(Unmodelled::Measuring)),
-    row("MEAW", Unmodelled(Unmodelled::Measuring)),
-    row("TRANS", Frame(FrameChange::Shift, false)),
-    row("ATRANS", Frame(FrameChange::Shift, true)),
-    row("ROT", Frame(FrameChange::Rotation, false)),
-    row("AROT", Frame(FrameChange::Rotation, true)),
-    row("SCALE", Frame(FrameChange::Scaling, false)),
-    row("ASCALE", Frame(FrameChange::Scaling, true)),
-    row("MIRROR", Frame(FrameChange::Mirror, false)),
-    row("AMIRROR", Frame(FrameChange::Mirror, true)),
-    row("SUPA", MachineCoordinates),
-    row("TRAORI", Unmodelled(Unmodelled::Orientation)),
-    row("TRAFOOF", Neutral),
-    row("TRACYL", Unmodelled(Unmodelled::Transformation)),
-    row("TRANSMIT", Unmodelled(Unmodelled::Transformation)),
-    row("CIP", CircleThroughPoint),
-    row("CT", TangentialCircle),
-    row("ASPLINE", Curve),
-    row("BSPLINE", Curve),
-    row("CSPLINE", Curve),
-    row("POLY", Curve),
-    row("INVCW", Curve),
-    row("INVCCW", Curve),
-    row("MSG", Neutral),
-    row("COMPON", Unmodelled(Unmodelled::Compressor)),
-    row("COMPCURV", Unmodelled(Unmodelled::Compressor)),
-    row("COMPCAD", Unmodelled(Unmodelled::Compressor)),
-    row("COMPOF", Neutral),
-    row("SOFT", Neutral),
-    row("BRISK", Neutral),
-    row("DRIVE", Neutral),
-    row("GOTOS", Neutral),
-    row("SETAL", Neutral),
-    row("NORM", Neutral),
-    row("KONT", Neutral),
-    row("KONTC", Neutral),
-    row("KONTT", Neutral),
-    row("SBLON", Neutral),
-    row("SBLOF", Neutral),
-    row("CFC", Neutral),
-    row("CFTCP", Neutral),
-    row("CFIN", Neutral),
-    row("SETMS", Neutral),
-    row("WORKPIECE", Neutral),
-    row("REPOSA", Neutral),
-    row("ROTS", Unmodelled(Unmodelled::ToolFrame)),
-    row("AROTS", Unmodelled(Unmodelled::ToolFrame)),
-    row("TOFFON", Neutral),
-    row("TOROT", Unmodelled(Unmodelled::ToolFrame)),
-    row("PAROT", Unmodelled(Unmodelled::ToolFrame)),
-    row("OEMIPO1", Curve),
-    row("SPCON", Neutral),
-    row("SPCOF", Neutral),
-    row("A3", Unmodelled(Unmodelled::ToolDirection)),
-    row("OFFN", Unmodelled(Unmodelled::ContourAllowance)),
-    row("FZ", Unmodelled(Unmodelled::FeedPerTooth)),
-    row("POS", Unmodelled(Unmodelled::PositioningAxis)),
-    row("X2", Unmodelled(Unmodelled::FurtherAxis)),
-    row("WHEN", Unmodelled(Unmodelled::SynchronizedAction)),
-    row("DIAMON", Diameters),
-    row("DIAM90", Diameters),
-    row("DIAMCYCA", Diameters),
-    row("DIAMCYCOF", Diameters),
-    row("CYCLE92", TurningCycle),
-    row("CYCLE93", TurningCycle),
-    row("CYCLE94", TurningCycle),
-    row("CYCLE95", TurningCycle),
-    row("CYCLE96", TurningCycle),
-    row("CYCLE97", TurningCycle),
-    row("CYCLE98", TurningCycle),
-    row("CYCLE99", TurningCycle),
-    row("CYCLE930", TurningCycle),
-    row("CYCLE940", TurningCycle),
-    row("CYCLE950", TurningCycle),
-    row("CYCLE951", TurningCycle),
-    row("CYCLE952", TurningCycle),
-    row("$P_UIFR", Unmodelled(Unmodelled::SystemFrame)),
+    plain("MCALL", &ModalCall),
+    row("CYCLE81", Kind::Drilling(CycleKind::Drill)),
+    row("CYCLE82", Kind::Drilling(CycleKind::DrillAndDwell)),
+    row("CYCLE83", Kind::Drilling(CycleKind::DeepHole)),
+    row("CYCLE84", Kind::Drilling(CycleKind::RigidTap)),
+    row("CYCLE840", Kind::Drilling(CycleKind::FloatingTap)),
+    row("CYCLE85", Kind::Drilling(CycleKind::Bore)),
+    row("CYCLE86", Kind::Drilling(CycleKind::FineBore)),
+    row("CYCLE87", Kind::Drilling(CycleKind::BoreAndStop)),
+    row("CYCLE88", Kind::Drilling(CycleKind::BoreAndStop)),
+    row("CYCLE89", Kind::Drilling(CycleKind::Bore)),
+    row("CYCLE832", Kind::ContourTolerance),
+    row("CYCLE800", Kind::SwivelPlane),
+    row("HOLES1", Kind::Pattern(Holes::Row)),
+    row("HOLES2", Kind::Pattern(Holes::Circle)),
+    plain("POCKET1", &MillingCycle),
+    plain("POCKET2", &MillingCycle),
+    plain("POCKET3", &MillingCycle),
+    plain("POCKET4", &MillingCycle),
+    plain("SLOT1", &MillingCycle),
+    plain("SLOT2", &MillingCycle),
+    plain("LONGHOLE", &MillingCycle),
+    plain("CYCLE60", &MillingCycle),
+    plain("CYCLE61", &MillingCycle),
+    plain("CYCLE62", &Neutral),
+    plain("CYCLE63", &MillingCycle),
+    plain("CYCLE64", &MillingCycle),
+    plain("CYCLE70", &MillingCycle),
+    plain("CYCLE71", &MillingCycle),
+    plain("CYCLE72", &MillingCycle),
+    plain("CYCLE73", &MillingCycle),
+    plain("CYCLE74", &MillingCycle),
+    plain("CYCLE75", &MillingCycle),
+    plain("CYCLE76", &MillingCycle),
+    plain("CYCLE77", &MillingCycle),
+    plain("CYCLE78", &MillingCycle),
+    plain("CYCLE79", &MillingCycle),
+    plain("CYCLE90", &MillingCycle),
+    row("CYCLE801", Kind::Pattern(Holes::Grid)),
+    row("CYCLE802", Kind::Pattern(Holes::Positions)),
+    plain("CYCLE899", &MillingCycle),
+    plain("CYCLE977", &Unmodelled(Unmodelled::Measuring)),
+    plain("CYCLE978", &Unmodelled(Unmodelled::Measuring)),
+    plain("CYCLE979", &Unmodelled(Unmodelled::Measuring)),
+    plain("CYCLE998", &Unmodelled(Unmodelled::Measuring)),
+    plain("MEAS", &Unmodelled(Unmodelled::Measuring)),
+    plain("MEAW", &Unmodelled(Unmodelled::Measuring)),
+    plain("TRANS", &Frame { change: FrameChange::Shift, is_added: false }),
+    plain("ATRANS", &Frame { change: FrameChange::Shift, is_added: true }),
+    plain("ROT", &Frame { change: FrameChange::Rotation, is_added: false }),
+    plain("AROT", &Frame { change: FrameChange::Rotation, is_added: true }),
+    plain("SCALE", &Frame { change: FrameChange::Scaling, is_added: false }),
+    plain("ASCALE", &Frame { change: FrameChange::Scaling, is_added: true }),
+    plain("MIRROR", &Frame { change: FrameChange::Mirror, is_added: false }),
+    plain("AMIRROR", &Frame { change: FrameChange::Mirror, is_added: true }),
+    plain("SUPA", &MachineCoordinates),
+    plain("TRAORI", &Unmodelled(Unmodelled::Orientation)),
+    plain("TRAFOOF", &Neutral),
+    plain("TRACYL", &Unmodelled(Unmodelled::Transformation)),
+    plain("TRANSMIT", &Unmodelled(Unmodelled::Transformation)),
+    plain("CIP", &CircleThroughPoint),
+    plain("CT", &TangentialCircle),
+    plain("ASPLINE", &Curve),
+    plain("BSPLINE", &Curve),
+    plain("CSPLINE", &Curve),
+    plain("POLY", &Curve),
+    plain("INVCW", &Curve),
+    plain("INVCCW", &Curve),
+    plain("MSG", &Neutral),
+    plain("COMPON", &Unmodelled(Unmodelled::Compressor)),
+    plain("COMPCURV", &Unmodelled(Unmodelled::Compressor)),
+    plain("COMPCAD", &Unmodelled(Unmodelled::Compressor)),
+    plain("COMPOF", &Neutral),
+    plain("SOFT", &Neutral),
+    plain("BRISK", &Neutral),
+    plain("DRIVE", &Neutral),
+    plain("GOTOS", &Neutral),
+    plain("SETAL", &Neutral),
+    plain("NORM", &Neutral),
+    plain("KONT", &Neutral),
+    plain("KONTC", &Neutral),
+    plain("KONTT", &Neutral),
+    plain("SBLON", &Neutral),
+    plain("SBLOF", &Neutral),
+    plain("CFC", &Neutral),
+    plain("CFTCP", &Neutral),
+    plain("CFIN", &Neutral),
+    plain("SETMS", &Neutral),
+    plain("WORKPIECE", &Neutral),
+    plain("REPOSA", &Neutral),
+    plain("ROTS", &Unmodelled(Unmodelled::ToolFrame)),
+    plain("AROTS", &Unmodelled(Unmodelled::ToolFrame)),
+    plain("TOFFON", &Neutral),
+    plain("TOROT", &Unmodelled(Unmodelled::ToolFrame)),
+    plain("PAROT", &Unmodelled(Unmodelled::ToolFrame)),
+    plain("OEMIPO1", &Curve),
+    plain("SPCON", &Neutral),
+    plain("SPCOF", &Neutral),
+    plain("A3", &Unmodelled(Unmodelled::ToolDirection)),
+    plain("OFFN", &Unmodelled(Unmodelled::ContourAllowance)),
+    plain("FZ", &Unmodelled(Unmodelled::FeedPerTooth)),
+    plain("POS", &Unmodelled(Unmodelled::PositioningAxis)),
+    plain("X2", &Unmodelled(Unmodelled::FurtherAxis)),
+    plain("WHEN", &Unmodelled(Unmodelled::SynchronizedAction)),
+    plain("DIAMON", &Diameters),
+    plain("DIAM90", &Diameters),
+    plain("DIAMCYCA", &Diameters),
+    plain("DIAMCYCOF", &Diameters),
+    plain("CYCLE92", &TurningCycle),
+    plain("CYCLE93", &TurningCycle),
+    plain("CYCLE94", &TurningCycle),
+    plain("CYCLE95", &TurningCycle),
+    plain("CYCLE96", &TurningCycle),
+    plain("CYCLE97", &TurningCycle),
+    plain("CYCLE98", &TurningCycle),
+    plain("CYCLE99", &TurningCycle),
+    plain("CYCLE930", &TurningCycle),
+    plain("CYCLE940", &TurningCycle),
+    plain("CYCLE950", &TurningCycle),
+    plain("CYCLE951", &TurningCycle),
+    plain("CYCLE952", &TurningCycle),
+    plain("$P_UIFR", &Unmodelled(Unmodelled::SystemFrame)),
 ];
 
+/// Returns a row of the table with a statement that depends on its arguments.
 const fn row(name: &'static str, kind: Kind) -> SiemensKeyword {
     SiemensKeyword { name, kind }
+}
+
+/// Returns a row of the table with a statement that does not depend on its arguments.
+const fn plain(name: &'static str, statement: &'static SiemensStatement) -> SiemensKeyword {
+    row(name, Kind::Plain(statement))
 }

@@ -10,9 +10,8 @@
 //! ```
 //!
 //! A statement (`SUPA`, `CYCLE81(10, 0, 2)`, `TRANS`) becomes a [`Statement`](crate::simulation::gcode::Statement) with
-//! its arguments. `MCALL` before it is a statement of its own. A name that is none
-//! of these calls a subprogram. `DEF` gives a variable its value; a variable of type AXIS or FRAME is
-//! not followed.
+//! its arguments. `MCALL` before it is a separate statement. Any other name calls a subprogram. `DEF` assigns a
+//! value to a variable; variables of the types AXIS and FRAME are ignored.
 //!
 //! Source: SINUMERIK 840D sl, Programming Manual Fundamentals and Job Planning, 2013.
 
@@ -78,7 +77,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `%_N_BORE_SPF` begins a program of its own.
+    /// Begins another program at `%_N_BORE_SPF`.
     fn siemens_program(&mut self, text: &[u8]) {
         let name = text.strip_prefix(b"%_N_").unwrap_or(text.strip_prefix(b"%").unwrap_or(text));
         let length = identifier(name);
@@ -92,7 +91,7 @@ impl Reader<'_> {
         self.siemens_label(name.as_bytes());
     }
 
-    /// Lets jumps and calls find the next block by a name; `L100` is found by its number too.
+    /// Labels the next block by a name; `L100` is also a number.
     fn siemens_label(&mut self, name: &[u8]) {
         let lower = String::from_utf8_lossy(name).to_ascii_lowercase();
         if let Some(number) = lower.strip_prefix('l').and_then(|digits| digits.parse().ok()) {
@@ -102,7 +101,7 @@ impl Reader<'_> {
         self.label(LabelKind::Named, id);
     }
 
-    /// Reads what begins with a letter at `at`; returns where it ends.
+    /// Reads the item that begins with a letter at `at`; returns its end.
     fn siemens_item(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         if is_run(&text[at..]) {
             return self.siemens_word(text, at, line);
@@ -115,12 +114,12 @@ impl Reader<'_> {
         if !line.begun && text.get(end) == Some(&b':') && text.get(end + 1) != Some(&b'=') {
             self.siemens_label(name);
             if matches!(text.get(skip_blanks(text, end + 1)), None | Some(b';')) {
-                // A label alone is a block of its own, which REPEAT can end with.
+                // A label alone is a separate block, which REPEAT can end with.
                 self.push_statement(known("SBLOF"), line.columns(at, end + 1));
             }
             return Ok(end + 1);
         }
-        // `S1=5` and `R1` are no words of a letter and a number.
+        // `S1=5` and `R1` are not words of a letter and a number.
         let digits = name[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
         let is_alone = 1 + digits == length;
         let is_word = name[0].is_ascii_alphabetic() && (0 < digits || is_alone);
@@ -141,7 +140,7 @@ impl Reader<'_> {
         self.siemens_statement(text, (at, end), line)
     }
 
-    /// A letter and its number: `G1`, `X-10.5`, `L100`.
+    /// Reads a letter and its number, such as `G1`, `X-10.5` or `L100`; returns the end.
     fn siemens_word(&mut self, text: &[u8], at: usize, line: &mut Line) -> Result<usize, Refusal> {
         let letter = text[at].to_ascii_uppercase();
         let Some(found) = number(text, at + 1) else {
@@ -159,9 +158,9 @@ impl Reader<'_> {
         let (value, end) = exponent(text, found.value, found.end);
         let columns = line.columns(at, end);
         // Exponents are written EX: `X1E3` would be X1 and an axis E.
-        let is_sloppy = text.get(end).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'E'))
+        let has_plain_exponent = text.get(end).is_some_and(|byte| byte.eq_ignore_ascii_case(&b'E'))
             && text.get(end + 1).is_some_and(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-'));
-        if is_sloppy {
+        if has_plain_exponent {
             return Err((Unread::Text { text: excerpt(&text[at..]) }, columns));
         }
         if !value.is_finite() {
@@ -182,7 +181,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// A keyword with its arguments, or the call of a subprogram.
+    /// Reads a keyword with its arguments, or the call of a subprogram; returns the end.
     fn siemens_statement(
         &mut self,
         text: &[u8],
@@ -261,7 +260,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Adds an argument to the statement being read; those beyond the most are left out with their formulas.
+    /// Adds an argument to the statement being read; arguments beyond the most are dropped with their formulas.
     fn siemens_argument(&mut self, position: usize, value: f64) {
         match u8::try_from(position) {
             Ok(position @ ..MAX_ARGUMENTS) => self.push_argument(position, value),
@@ -273,15 +272,15 @@ impl Reader<'_> {
     }
 }
 
-/// The most arguments of a statement.
+/// Most arguments of a statement.
 const MAX_ARGUMENTS: u8 = 63;
 
-/// Where the text that opens at `at` ends: past its closing quotation mark.
+/// Returns the end of the text that opens at `at`, past its closing quotation mark.
 fn quoted(text: &[u8], at: usize) -> usize {
     text[at + 1..].iter().position(|byte| *byte == b'"').map_or(text.len(), |length| at + length + 2)
 }
 
-/// Where the parentheses that open at `at` end: past the closing one.
+/// Returns the end of the parentheses that open at `at`, past the closing one.
 fn closing(text: &[u8], at: usize) -> usize {
     let mut depth = 0;
     for (index, byte) in text.iter().enumerate().skip(at) {
@@ -296,7 +295,7 @@ fn closing(text: &[u8], at: usize) -> usize {
     text.len()
 }
 
-/// The exponent of `1.5EX-3`, where there is one.
+/// Returns a value with its exponent as in `1.5EX-3`, if there is one, and its end.
 fn exponent(text: &[u8], value: f64, end: usize) -> (f64, usize) {
     let is_exponent = text.get(end..end + 2).is_some_and(|ex| ex.eq_ignore_ascii_case(b"EX"));
     match number(text, end + 2).filter(|_| is_exponent) {
@@ -305,7 +304,8 @@ fn exponent(text: &[u8], value: f64, end: usize) -> (f64, usize) {
     }
 }
 
-/// Words without blanks between them (`G1X10`): names begin with two letters, so this is none.
+/// Returns `true` for words without blanks between them (`G1X10`): names begin with two letters, so this is not a
+/// name.
 fn is_run(text: &[u8]) -> bool {
     let digits = text[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     let rest = &text[1 + digits..];

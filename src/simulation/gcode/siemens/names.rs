@@ -1,4 +1,4 @@
-//! The names of SINUMERIK programs: addresses, and what changes neither path nor time.
+//! Names in SINUMERIK programs: addresses, and keywords that change neither path nor time.
 
 use crate::simulation::gcode::siemens::keywords::keyword;
 use crate::simulation::gcode::{Keyword, address};
@@ -27,7 +27,7 @@ pub(super) const ADDRESSES: &[(&str, u8)] = &[
     ("FB", address::BLOCK_FEED),
 ];
 
-/// What changes neither path nor time, so that nothing needs to be said.
+/// Keywords that change neither path nor time and get no remark.
 pub(super) const IGNORED: &[&str] = &[
     "STOPRE",
     "FFWON",
@@ -162,7 +162,7 @@ pub(super) const IGNORED: &[&str] = &[
     "POLYPATH",
 ];
 
-/// Returns the keyword that says what an address with a value is, if the address is not modelled.
+/// Returns the keyword for an address with a value, if the address has no model.
 pub(super) fn named_word(name: &[u8]) -> Option<Keyword> {
     let group: &[u8] = match name {
         b"A2" | b"B2" | b"C2" | b"A3" | b"B3" | b"C3" | b"A4" | b"B4" | b"C4" | b"A5" | b"B5" | b"C5"

@@ -11,11 +11,11 @@ pub enum SiemensStatement {
     Drilling(DrillingCycle),
     /// HOLES1, HOLES2, CYCLE801 and CYCLE802.
     Holes(HolePattern),
-    /// TRANS, ROT, SCALE and MIRROR, and with an A before them within the frame in force.
+    /// TRANS, ROT, SCALE and MIRROR; with an A before them they add to the frame in force.
     Frame {
-        /// What it does to coordinates.
+        /// The change of coordinates.
         change: FrameChange,
-        /// It is added to the frame in force, and does not replace it.
+        /// `true` if it adds to the frame in force, `false` if it replaces it.
         is_added: bool,
     },
     /// SUPA.
@@ -28,14 +28,14 @@ pub enum SiemensStatement {
     ContourTolerance {
         /// TOL.
         tolerance: f64,
-        /// TYPE says so, or there is no tolerance.
+        /// `true` if TYPE says so, or there is no tolerance.
         is_off: bool,
     },
     /// CYCLE800.
     SwivelPlane {
-        /// One of A, B and C is not 0.
+        /// `true` if A, B or C is not 0.
         turns: bool,
-        /// One of X0, Y0, Z0, X1, Y1 and Z1 is not 0.
+        /// `true` if X0, Y0, Z0, X1, Y1 or Z1 is not 0.
         shifts: bool,
     },
     /// A milling cycle.
@@ -46,9 +46,9 @@ pub enum SiemensStatement {
     Diameters,
     /// A spline or another curve.
     Curve,
-    /// Something else that has no model.
+    /// A function without a model.
     Unmodelled(Unmodelled),
-    /// It changes neither path nor time.
+    /// A statement that changes neither path nor time.
     Neutral,
 }
 
@@ -65,7 +65,7 @@ pub enum FrameChange {
     Mirror,
 }
 
-/// What has no model.
+/// A function without a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unmodelled {
     /// TRAORI.
@@ -109,20 +109,21 @@ pub struct DrillingCycle {
     pub depth: Option<f64>,
     /// DPR: the depth below the part.
     pub relative_depth: Option<f64>,
-    /// DTB: the dwell at the bottom, or at each depth; s or, if negative, turns of the spindle.
+    /// DTB: the dwell at the bottom, or at each depth; s or, if negative, revolutions of the spindle.
     pub dwell: f64,
-    /// AMODE: a decimal digit for each argument that has several meanings, the units first; 0 leaves it to their signs.
+    /// AMODE: a decimal digit for each argument that has several meanings, the units first; 0 for the meaning by
+    /// its sign.
     pub modes: f64,
-    /// What is done at the hole.
+    /// The operation at the hole.
     pub kind: DrillingKind,
 }
 
-/// What is done at a hole.
+/// The operation at a hole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DrillingKind {
     /// CYCLE81 and CYCLE82.
     Drill {
-        /// The tens of GMODE: the depth is the diameter of a centring.
+        /// `true` if the tens of GMODE say that the depth is the diameter of a centring.
         is_centring: bool,
     },
     /// CYCLE83.
@@ -141,11 +142,11 @@ pub enum DrillingKind {
         last_dwell: Option<f64>,
         /// FRF: the factor of the feedrate of the first stroke.
         first_feed_factor: f64,
-        /// VARI: chips are removed, and not broken.
+        /// `true` if VARI says that chips are removed, not broken.
         removes_chips: bool,
         /// VRT: the retract that breaks chips.
         retract: Option<f64>,
-        /// DIS1: the height above the last depth at which feed begins again.
+        /// DIS1: the height above the last depth at which feed starts again.
         limit: Option<f64>,
     },
     /// CYCLE84.
@@ -158,7 +159,7 @@ pub enum DrillingKind {
         speed_out: Option<f64>,
         /// VARI 1 and 2 with DAM: the depth of a stroke.
         stroke: Option<f64>,
-        /// VARI 2: the tap leaves the hole after each stroke.
+        /// `true` for VARI 2: the tap leaves the hole after each stroke.
         removes_chips: bool,
         /// VRT of VARI 1: the retract that breaks chips.
         retract: Option<f64>,
@@ -177,14 +178,14 @@ pub enum DrillingKind {
     },
     /// CYCLE86.
     FineBore {
-        /// SDIR 4: the spindle turns counter-clockwise.
+        /// `true` for SDIR 4: the spindle turns counter-clockwise.
         is_left_hand: bool,
-        /// RPA and RPO: the way off the wall in the plane.
+        /// RPA and RPO: the displacement off the wall, in the plane.
         shift: [f64; 2],
     },
     /// CYCLE87 and CYCLE88.
     BoreAndStop {
-        /// SDIR 4: the spindle turns counter-clockwise.
+        /// `true` for SDIR 4: the spindle turns counter-clockwise.
         is_left_hand: bool,
     },
 }
@@ -194,7 +195,7 @@ pub enum DrillingKind {
 pub struct ThreadPitch {
     /// MPIT: the diameter of a metric thread.
     pub metric: f64,
-    /// PIT; 0 for that of the metric thread.
+    /// PIT; 0 for the pitch of the metric thread.
     pub pitch: f64,
     /// PITA: 1 for millimetres, 2 for threads per inch, 3 for inches, else the unit of the program.
     pub unit: f64,
@@ -205,11 +206,11 @@ pub struct ThreadPitch {
 pub struct HolePattern {
     /// Its keyword.
     pub name: &'static str,
-    /// Where its holes are.
+    /// The positions of its holes.
     pub shape: PatternShape,
 }
 
-/// Where the holes of a pattern are.
+/// The positions of the holes of a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PatternShape {
     /// HOLES1.
@@ -248,7 +249,7 @@ pub enum PatternShape {
         spacings: [f64; 2],
         /// NUM1 and NUM2: holes of a row, and rows.
         counts: [f64; 2],
-        /// VARI 1: the frame alone.
+        /// `true` for VARI 1: only the holes of the border.
         is_frame: bool,
     },
     /// CYCLE802.

@@ -6,8 +6,8 @@
 //!            | "PO[" letter "]=" ( expression | "(" expression { "," expression } ")" )
 //! ```
 //!
-//! An address that is not modelled (`POS[A]=`, `OFFN=`, `A3=`) becomes a statement; a name that is no
-//! address is a variable.
+//! An address without a model (`POS[A]=`, `OFFN=`, `A3=`) becomes a statement; a name that is not an address is a
+//! variable.
 
 use crate::simulation::gcode::expression::{Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt};
@@ -20,7 +20,7 @@ use crate::simulation::gcode::siemens::{closing, quoted};
 use crate::simulation::gcode::{Reference, Step, Target, Word, address};
 
 impl Reader<'_> {
-    /// `X=…`, `CR=…`, `R1=…`, `_DEPTH=…`, `T="MILL"`, `S1=…`.
+    /// Reads `X=…`, `CR=…`, `R1=…`, `_DEPTH=…`, `T="MILL"` or `S1=…`; returns its end.
     pub(super) fn siemens_assignment(
         &mut self,
         text: &[u8],
@@ -77,7 +77,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// Gives R parameters and variables their values.
+    /// Reads the assignment of an R parameter or a variable; returns its end.
     pub(super) fn siemens_variable(
         &mut self,
         text: &[u8],
@@ -105,7 +105,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// `R[R1+1]=…`, `_LIST[2]=…`, `$P_UIFR[1,X,TR]=…`.
+    /// Reads `R[R1+1]=…`, `_LIST[2]=…` or `$P_UIFR[1,X,TR]=…`; returns its end.
     pub(super) fn siemens_indexed(
         &mut self,
         text: &[u8],
@@ -175,7 +175,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
-    /// `PO[X]=(10, 0.2, 0.1)`: the word of the axis with the end of the polynomial.
+    /// Reads `PO[X]=(10, 0.2, 0.1)` as a word of the axis with the end of the polynomial; returns its end.
     fn siemens_polynomial(
         &mut self,
         text: &[u8],
@@ -202,7 +202,7 @@ impl Reader<'_> {
         Ok(if has_list { closing(text, value) } else { end })
     }
 
-    /// A value that nothing is done with.
+    /// Reads a value that has no effect; returns its end.
     fn siemens_unused_value(&mut self, text: &[u8], value: usize, line: &mut Line) -> Result<usize, Refusal> {
         let (_, start) = reference(text, skip_blanks(text, value));
         let (end, _) = self.formula(Notation::Siemens, text, (value, start), line, |expressions| {
@@ -212,6 +212,7 @@ impl Reader<'_> {
         Ok(end)
     }
 
+    /// Reads a setting without a value, such as `ACC[X]`; returns its end.
     fn siemens_setting(&mut self, name: &[u8], columns: (u32, u32), end: usize) -> Result<usize, Refusal> {
         if IGNORED.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())) {
             return Ok(end);
@@ -223,7 +224,7 @@ impl Reader<'_> {
 /// System variables that are frames.
 const FRAMES: [&[u8]; 5] = [b"$P_UIFR", b"$P_PFRAME", b"$P_IFRAME", b"$P_BFRAME", b"$P_CHBFR"];
 
-/// A name as it is kept.
+/// Returns a name in lower case, without white space.
 fn lower(name: &[u8]) -> String {
     String::from_utf8_lossy(name)
         .chars()
@@ -232,7 +233,7 @@ fn lower(name: &[u8]) -> String {
         .to_ascii_lowercase()
 }
 
-/// `AC(`, `IC(` and the like before a value: what it counts from, and where the value begins.
+/// Returns the reference point by `AC(`, `IC(` and the like before a value, and the start of the value.
 fn reference(text: &[u8], at: usize) -> (Reference, usize) {
     let length = identifier(&text[at..]);
     if text.get(at + length) != Some(&b'(') {

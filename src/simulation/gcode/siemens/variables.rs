@@ -4,9 +4,10 @@
 //! DEF REAL A, B=2, C[3], D[2,4]=SET(1,2,3)       C[I]=5       D[0,I]=SET(1,2)     DEF INT E[9]=REP(7)
 //! ```
 //!
-//! A variable belongs to the program between two `%_N_` lines that defines it. The elements of an array
-//! are parameters beyond all R numbers, in a row of [`STRIDE`] for each array, the first index counting
-//! [`COLUMNS`]. A STRING holds the number of its text. Variables of type AXIS, CHAR or FRAME are not followed.
+//! A variable belongs to the program, between two `%_N_` lines, that defines it. The elements of an array are
+//! parameters beyond all R numbers. Each array has a row of [`ARRAY_STRIDE`] of them; the first index counts steps
+//! of [`INDEX_STRIDE`]. A STRING has the number of its text as its value. Variables of the types AXIS, CHAR and
+//! FRAME are ignored.
 
 use crate::simulation::gcode::expression::{Expressions, Fault, Notation, identifier};
 use crate::simulation::gcode::line::{Line, excerpt, semicolon};
@@ -15,28 +16,28 @@ use crate::simulation::gcode::reader::{Reader, Refusal};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{Formula, Operator, Step, Target};
 
-/// Where arrays begin: beyond R numbers and arguments.
-const ARRAYS: f64 = 3_100_000_000.0;
+/// Number of the first parameter of arrays: beyond R numbers and arguments.
+const FIRST_ARRAY: f64 = 3_100_000_000.0;
 
-/// Parameters of an array.
-const STRIDE: f64 = 10_000.0;
+/// Number of parameters of an array.
+const ARRAY_STRIDE: f64 = 10_000.0;
 
-/// What the first of two indices counts.
-const COLUMNS: f64 = 100.0;
+/// Number of parameters between two values of the first of two indices.
+const INDEX_STRIDE: f64 = 100.0;
 
-/// The most elements that REP gives a value.
+/// Most elements that REP assigns a value to.
 const MAX_REPEATED: usize = 1000;
 
 impl Expressions<'_> {
-    /// `[I]` or `[I,J]` behind the name of an array: leaves the number of its parameter.
+    /// Reads `[I]` or `[I,J]` behind the name of an array; the steps leave the number of its parameter.
     pub(in crate::simulation::gcode) fn element(&mut self, name: &[u8]) -> Result<(), Fault> {
         let array = self.names.index(String::from_utf8_lossy(name).to_ascii_lowercase() + "[]");
-        self.steps.push(Step::Number(ARRAYS + STRIDE * f64::from(array)));
+        self.steps.push(Step::Number(FIRST_ARRAY + ARRAY_STRIDE * f64::from(array)));
         self.expect(b'[')?;
         self.expression(0)?;
         if self.text.get(skip_blanks(self.text, self.at)) == Some(&b',') {
             self.expect(b',')?;
-            self.steps.extend([Step::Number(COLUMNS), Step::Operator(Operator::Times)]);
+            self.steps.extend([Step::Number(INDEX_STRIDE), Step::Operator(Operator::Times)]);
             self.expression(0)?;
             self.steps.push(Step::Operator(Operator::Plus));
         }
@@ -47,8 +48,8 @@ impl Expressions<'_> {
 }
 
 impl Reader<'_> {
-    /// `DEF REAL A, B=2, C[3]`: variables with their first values, 0 or the empty text where
-    /// none is given.
+    /// Reads `DEF REAL A, B=2, C[3]` with the first values of the variables, by default 0 or the empty text;
+    /// returns the end.
     pub(super) fn siemens_definition(
         &mut self,
         text: &[u8],
@@ -70,7 +71,7 @@ impl Reader<'_> {
         };
         next += length;
         if kind == b"STRING" && text.get(next) == Some(&b'[') {
-            // The greatest length of its texts.
+            // The greatest length of its texts is in brackets.
             next = text[next..].iter().position(|byte| *byte == b']').map_or(text.len(), |to| next + to + 1);
         }
         loop {
@@ -110,7 +111,7 @@ impl Reader<'_> {
         }
     }
 
-    /// An array from its `[` on, with the values of SET and REP.
+    /// Reads an array from its `[` on, with the values of SET and REP; returns the end.
     fn siemens_array(
         &mut self,
         text: &[u8],
@@ -130,11 +131,11 @@ impl Reader<'_> {
         }
         let columns = sizes.get(1).copied().unwrap_or(usize::MAX);
         let array = self.names.index(String::from_utf8_lossy(&text[start..end]).to_ascii_lowercase() + "[]");
-        let first = ARRAYS + STRIDE * f64::from(array);
+        let first = FIRST_ARRAY + ARRAY_STRIDE * f64::from(array);
         self.siemens_list(text, equals + 1, line, (first, columns, sizes.iter().product()))
     }
 
-    /// `SET(1,2,3)`, `(1,2,3)` or `REP(5)` into the parameters from `first` on.
+    /// Reads `SET(1,2,3)`, `(1,2,3)` or `REP(5)` into the parameters from `first` on; returns the end.
     fn siemens_list(
         &mut self,
         text: &[u8],
@@ -145,7 +146,8 @@ impl Reader<'_> {
         let start = skip_blanks(text, at);
         let word = &text[start..start + identifier(&text[start..])];
         let is_repeated = word.eq_ignore_ascii_case(b"REP");
-        let element = |index: usize| first + COLUMNS * (index / columns) as f64 + (index % columns) as f64;
+        let element =
+            |index: usize| first + INDEX_STRIDE * (index / columns) as f64 + (index % columns) as f64;
         let mut next = skip_blanks(text, start + word.len());
         let mut index = 0;
         if text.get(next) != Some(&b'(') {
@@ -183,7 +185,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Gives the value of the first element to the others.
+    /// Assigns the value of the first element to the others.
     fn repeat_value(&mut self, element: impl Fn(usize) -> f64, count: usize) {
         let (block, columns) =
             (self.index(), self.program.formulas.last().map_or((0, 0), |last| last.columns));

@@ -1,4 +1,4 @@
-//! What the arcs of a program tell of their centres.
+//! Evidence of the arcs of a program on the reference point of their centres.
 
 use crate::simulation::interpreter::block::{Block, CENTER_WORDS, bits};
 use crate::simulation::interpreter::center::CenterRule;
@@ -8,8 +8,8 @@ use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::plane::{Plane, tolerated_difference};
 
 impl Interpreter<'_> {
-    /// Notes whether the arc of the block closes about a centre from its start or from the origin.
-    pub(crate) fn hear_center(&mut self, block: Block, ends: (Point, Point)) {
+    /// Counts the arc of the block if it closes about a centre from its start or from the origin, but not both.
+    pub(crate) fn count_center_evidence(&mut self, block: Block, ends: (Point, Point)) {
         let has_center = self.given.has(CENTER_WORDS) && !self.given.has(bits(b"R")) && !self.given.refers();
         if self.centers.rule == CenterRule::Fixed || !has_center || self.frame.turned().is_some() {
             return;
@@ -29,12 +29,12 @@ impl Interpreter<'_> {
         }
         let [from_start, from_origin] = centers.map(|center| closes(plane, ends, center));
         if from_start != from_origin {
-            self.centers.telling[usize::from(from_origin)] += 1;
+            self.centers.decisive_arcs[usize::from(from_origin)] += 1;
         }
     }
 }
 
-/// Whether both ends are as far from the centre.
+/// Returns `true` if both ends are equally far from the centre.
 fn closes(plane: Plane, ends: (Point, Point), center: Point) -> bool {
     let [a, b, _] = plane.axes();
     let [start, end] = [ends.0, ends.1].map(|end| (end[a] - center[a]).hypot(end[b] - center[b]));

@@ -1,57 +1,58 @@
-//! What I, J and K of arcs count from: the start of the arc or the origin.
+//! The reference point of I, J and K of arcs: the start of the arc or the origin.
 //!
-//! G90.1 and G91.1 say so from where they are on, and so do the rules of most controls. On the others it is a setting. There
-//! the arcs of the program tell: those that close in one way and not in the other decide by majority for all of it, so that
-//! a damaged arc changes nothing. A program is run with incremental centres, and once more where its arcs show absolute ones.
+//! G90.1 and G91.1 state it from their block on, and most controls have a rule. On the others it is a setting, and
+//! the arcs of the program show it: arcs that close in one way only decide by majority for the whole program, so
+//! that a damaged arc changes nothing. Truefeed runs a program with incremental centres, and once more with
+//! absolute ones if its arcs show those.
 
 mod words;
 mod arcs;
 
 use crate::simulation::gcode::{ArcCenters, Dialect};
 
-/// How the centres of a program are read.
+/// The rule for the centres of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CenterRule {
-    /// By the rule of the control, as chosen, or as the program says.
+    /// By the rule of the control, by choice, or as the program states.
     Fixed,
-    /// From the start of the arc until the arcs show something else.
+    /// From the start of the arc, unless the arcs show something else.
     Open,
     /// From the origin, as the arcs show.
     Shown,
 }
 
-/// The rule, and the arcs that tell.
+/// The rule, with the arcs that decide it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Centers {
     rule: CenterRule,
-    /// Arcs that close only from their start, and only from the origin.
-    telling: [usize; 2],
+    /// Number of arcs that close only from their start, and only from the origin.
+    decisive_arcs: [usize; 2],
 }
 
 impl Centers {
-    /// Before the first arc of a program.
+    /// Returns the state before the first arc of a program.
     pub(super) fn new(dialect: Dialect, chosen: Option<ArcCenters>) -> Centers {
         let is_open = chosen.is_none() && dialect.has_unknown_arc_centers();
-        Centers { rule: if is_open { CenterRule::Open } else { CenterRule::Fixed }, telling: [0; 2] }
+        Centers { rule: if is_open { CenterRule::Open } else { CenterRule::Fixed }, decisive_arcs: [0; 2] }
     }
 
-    /// For the second run of a program.
-    pub(super) fn shown() -> Centers {
-        Centers { rule: CenterRule::Shown, telling: [0; 2] }
+    /// Returns the state for the second run of a program.
+    pub(super) fn absolute_by_arcs() -> Centers {
+        Centers { rule: CenterRule::Shown, decisive_arcs: [0; 2] }
     }
 
-    /// Whether centres are absolute before the program says so.
+    /// Returns `true` if centres are absolute before the program states anything.
     pub(super) fn are_absolute(&self) -> bool {
         self.rule == CenterRule::Shown
     }
 
-    /// Whether the arcs of a whole run show that its centres are absolute.
+    /// Returns `true` if the arcs of a whole run show that its centres are absolute.
     pub(super) fn show_absolute(&self) -> bool {
-        let [from_start, from_origin] = self.telling;
+        let [from_start, from_origin] = self.decisive_arcs;
         from_start < from_origin
     }
 
-    /// The program says itself what centres count from, here and further on.
+    /// Keeps the rule from here on, since the program states the reference point itself.
     pub(super) fn fix(&mut self) {
         self.rule = CenterRule::Fixed;
     }

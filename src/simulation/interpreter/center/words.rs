@@ -7,11 +7,12 @@ use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::plane::Turn;
 
-/// The most turns of one arc.
+/// Most turns of one arc.
 const MAX_TURNS: u32 = 10_000;
 
 impl Interpreter<'_> {
-    /// The centre by R, or by two of I, J and K; one that is left out is that of the start.
+    /// Returns the centre by R, or by two of I, J and K, mm; a letter that is missing counts as the coordinate of
+    /// the start.
     pub(crate) fn center(
         &mut self,
         block: Block,
@@ -42,13 +43,13 @@ impl Interpreter<'_> {
         Ok(center)
     }
 
-    /// The turns of an arc: P, TURN of Siemens, or L of Fanuc's spirals and Yasnac's helices.
+    /// Returns the number of turns of an arc: P, TURN of Siemens, or L of Fanuc's spirals and Yasnac's helices.
     pub(crate) fn turns(&mut self, block: Block) -> u32 {
         let further = self.given.get(address::TURNS).map(|value| value + 1.0);
         let by_p = self.given.get(b'P').or(further);
         let by_l = self.given.get(b'L').filter(|_| by_p.is_none() && self.dialect == Dialect::Iso);
         let [first, second, normal] = self.canonical.plane.axes().map(|axis| b"IJK"[axis]);
-        // An arc without a centre in its plane is an error, which says enough.
+        // An arc without a centre in its plane gets an error, which is enough.
         let has_shape = [first, second, b'R'].into_iter().any(|letter| self.given.get(letter).is_some());
         let is_left_out = |letter: u8| has_shape && self.given.get(letter).is_some_and(|value| value != 0.0);
         for letter in [b'L', normal] {
@@ -78,12 +79,13 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Whether words are single letters, each with a meaning by its block.
+    /// Returns `true` if words are single letters, each with a meaning by its block.
     pub(crate) fn is_control_of_letters(&self) -> bool {
         !matches!(self.dialect, Dialect::Siemens | Dialect::Klartext | Dialect::HeidenhainIso)
     }
 
-    /// The pole as the centre of an arc to a polar point, as the ends of the arc are given.
+    /// Returns the pole as the centre of an arc to a polar point, in the coordinates of its ends; `None` if the
+    /// end is not polar.
     pub(crate) fn pole_as_center(&self, start: Point) -> Option<Point> {
         if self.dialect != Dialect::Siemens || !self.given.has(POLAR_WORDS) {
             return None;
@@ -99,8 +101,8 @@ impl Interpreter<'_> {
         Some(center)
     }
 
-    /// The radius of CR, or that which AR gives with both ends, in the program's unit; negative for
-    /// the longer arc.
+    /// Returns the radius of CR, or the radius by AR and both ends, in the program's unit; negative for the longer
+    /// arc.
     pub(crate) fn siemens_radius(&self, (start, end): (Point, Point)) -> Option<f64> {
         let has_center = self.given.has(CENTER_WORDS);
         let opening = self.given.get(address::OPENING_ANGLE);

@@ -1,5 +1,5 @@
-//! Compensation that begins with the tool at its distance from the contour already, and ends where
-//! the tool is: what approach and departure of Klartext need.
+//! Compensation for approach and departure in Klartext: it begins with the tool at its distance from the contour
+//! already, and ends without a move.
 
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::compensation::{Diameter, Side};
@@ -8,17 +8,17 @@ use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::compensation::MAX_SIZE_MM;
 use crate::simulation::toolpath::compensation::Setting;
 
-/// Where a compensated tool is seen from the contour, in machine coordinates.
+/// The position of a compensated tool relative to the contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Beside {
     /// 1 on the left of the motion, −1 on the right.
     pub(crate) side: f64,
-    /// Radius of the tool, mm; 0 where it is not known.
+    /// Radius of the tool, mm; 0 if it is unknown.
     pub(crate) radius: f64,
 }
 
 impl Interpreter<'_> {
-    /// Where the tool is to be for this side and diameter; a remark where the diameter is unknown.
+    /// Returns the position of the tool for this side and diameter, and remarks on an unknown diameter.
     pub(crate) fn beside(&mut self, block: Block, side: Side, diameter: Diameter) -> Beside {
         let diameter = self.diameter(block, diameter).unwrap_or(0.0);
         let left = (side == Side::Left) != self.is_mirrored();
@@ -27,19 +27,19 @@ impl Interpreter<'_> {
         Beside { side, radius }
     }
 
-    /// Compensation from the next move on, with the tool at `at`, its distance away already.
+    /// Sets the compensation from the next move on; the tool is at its distance already, at `at`.
     pub(crate) fn compensate_from(&mut self, beside: Beside, at: Point) {
         if 0.0 < beside.radius {
             let Beside { side, radius } = beside;
             let setting = Setting { plane: self.canonical.plane, side, radius };
             self.canonical.begin_beside(setting, at);
-            self.tell_troubles();
+            self.add_compensation_remarks();
         }
     }
 
-    /// Ends compensation where the tool is: that becomes the position.
-    pub(crate) fn stay_beside(&mut self) {
-        self.canonical.stay_beside();
-        self.tell_troubles();
+    /// Ends the compensation without a move: the position of the tool becomes the programmed one.
+    pub(crate) fn end_compensation_in_place(&mut self) {
+        self.canonical.end_compensation_in_place();
+        self.add_compensation_remarks();
     }
 }

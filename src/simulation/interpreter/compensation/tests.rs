@@ -349,14 +349,14 @@ fn treated(text: &str, setting: Option<Setting>, at: impl Fn(usize) -> Option<Co
     let mut path = Toolpath::default();
     contour.set(setting, &mut path);
     for (index, segment) in run(text).segments.into_iter().enumerate() {
-        contour.take(segment, Plane::Xy, &mut path);
+        contour.add(segment, Plane::Xy, &mut path);
         if let Some(treatment) = at(index) {
             contour.treat_next_corner(treatment, Plane::Xy, &mut path);
         }
     }
     contour.finish(&mut path);
-    for (line, trouble) in contour.troubles() {
-        let (message, severity) = (trouble.to_string(), trouble.severity());
+    for (line, remark) in contour.take_remarks() {
+        let (message, severity) = (remark.to_string(), remark.severity());
         path.diagnostics.push(crate::simulation::gcode::Diagnostic {
             line,
             columns: Default::default(),
@@ -454,10 +454,10 @@ fn compensation_runs_beside_roundings() {
 fn outer_corners_can_be_prolonged() {
     let path = |outer_corner, text: &str| {
         let (mut contour, mut path) = (Contour::new(LeadIn::SquareToItself), Toolpath::default());
-        contour.go_around_corners(outer_corner);
+        contour.set_outer_corner_rule(outer_corner);
         contour.set(Some(Setting { plane: Plane::Xy, side: -1.0, radius: 2.0 }), &mut path);
         for segment in &run(text).segments {
-            contour.take(segment, Plane::Xy, &mut path);
+            contour.add(segment, Plane::Xy, &mut path);
         }
         contour.finish(&mut path);
         check_laws(&path, text);
@@ -477,14 +477,14 @@ fn every_corner_is_treated_until_it_is_taken_back() {
     let (mut contour, mut path) = (Contour::new(LeadIn::SquareToItself), Toolpath::default());
     contour.treat_every_corner(rounding(3.0));
     for (index, segment) in run(text).segments.into_iter().enumerate() {
-        contour.take(segment, Plane::Xy, &mut path);
+        contour.add(segment, Plane::Xy, &mut path);
         if index == 5 {
             contour.treat_every_corner(None);
         }
     }
     contour.finish(&mut path);
     check_laws(&path, text);
-    assert!(contour.troubles().is_empty());
+    assert!(contour.take_remarks().is_empty());
     let arcs = path.segments.iter().filter(|segment| matches!(segment.curve, Curve::Arc(_)));
     assert_eq!(arcs.map(|segment| segment.line.0).collect::<Vec<_>>(), [2]);
 }

@@ -1,4 +1,4 @@
-//! Diameters of tools that the program itself tells, for a machine whose table has none.
+//! Diameters of tools from the program itself, for a machine without a table.
 //!
 //! ```text
 //! G10 L12 P1 R5.                                      5 mm radius in the register D1
@@ -6,14 +6,15 @@
 //! (TOOL - 2 DIA. OFF. - 2 LEN. - 2 TOOL DIA. - .5)    in the unit of length in force where it is used
 //! ```
 //!
-//! What a program sets counts more than the machine's table, and that more than a comment. A
-//! register that nothing is known of (D21) is taken as that of the tool in the spindle, if comments
-//! tell its diameter: shops number registers as tools or as tools and 20, 30 or 50.
+//! A diameter that the program sets takes precedence over the machine's table, and the table over comments. A
+//! register without any of these (D21) gets the diameter of the tool in the spindle, if comments have it: shops
+//! number registers as tools, or as tools plus 20, 30 or 50.
 //!
-//! Limit: a post that writes the path of the tool's centre uses G41 for wear alone. Where the comment
-//! says so (`WEAR COMP`) its diameter is not taken; elsewhere nobody can tell, and a remark says what to set.
+//! Limit: a postprocessor that outputs the path of the tool centre uses G41 for wear alone. If the comment says so
+//! (`WEAR COMP`), Truefeed ignores its diameter; otherwise the program does not show it, and a remark names the
+//! setting.
 //!
-//! Sources: Fanuc B-63944EN, G10; headers written by the posts of Fusion, Mastercam and SolidCAM.
+//! Sources: Fanuc B-63944EN, G10; headers of the postprocessors of Fusion, Mastercam and SolidCAM.
 
 use crate::simulation::gcode::{Comment, LineNumber};
 use crate::simulation::interpreter::block::Block;
@@ -23,33 +24,33 @@ use crate::simulation::toolpath::compensation::{CompensationRemark, MAX_SIZE_MM}
 use crate::simulation::toolpath::operations::tool_and_name;
 use std::collections::BTreeMap;
 
-/// What stands for a diameter in a header, the longer ones first.
+/// Words for a diameter in a header, the longer ones first.
 const NAMES: [&str; 9] = ["DIAMETER", "DIAM.", "DIAM", "DIA.", "DIA", "D=", "Ø", "ø", REGISTER];
 
-/// Registers are whole numbers (`D01`), diameters have a point (`D12.0`).
+/// The word for registers, which are whole numbers (`D01`), and for diameters, which have a point (`D12.0`).
 const REGISTER: &str = "D";
 
 /// Diameters by the number of their tool.
 #[derive(Default)]
 pub(crate) struct KnownDiameters {
-    /// By G10 L12, mm.
-    set: BTreeMap<u32, f64>,
-    /// By comments, in the program's unit, with their lines.
-    told: BTreeMap<u32, (f64, LineNumber)>,
-    /// A diameter was looked for among those that comments tell.
-    was_asked: bool,
+    /// Diameters by G10 L12, mm.
+    by_program: BTreeMap<u32, f64>,
+    /// Diameters by comments, in the program's unit, with their lines.
+    by_comments: BTreeMap<u32, (f64, LineNumber)>,
+    /// `true` once a diameter was searched among those of comments.
+    was_queried: bool,
 }
 
 impl KnownDiameters {
-    /// Takes in what further comments tell; the first one of a tool counts. False where that comes too late, as a
-    /// diameter was looked for before.
-    pub(crate) fn hear(&mut self, comments: &[Comment]) -> bool {
+    /// Adds the diameters of further comments; the first one of a tool counts. Returns `false` if that is too
+    /// late, because a diameter was searched before.
+    pub(crate) fn add_comments(&mut self, comments: &[Comment]) -> bool {
         let mut is_in_time = true;
         for note in comments {
             let Some((tool, text)) = tool_and_name(&note.text) else { continue };
             if let Some(diameter) = diameter_in(text) {
-                self.told.entry(tool).or_insert((diameter, note.line));
-                is_in_time = !self.was_asked;
+                self.by_comments.entry(tool).or_insert((diameter, note.line));
+                is_in_time = !self.was_queried;
             }
         }
         is_in_time
@@ -57,25 +58,27 @@ impl KnownDiameters {
 }
 
 impl Interpreter<'_> {
-    /// G10 L12: the radius R of the register P, of the cutter as it is.
+    /// Runs G10 L12, which sets the radius R of the cutter in the register P. Returns `false` if R is missing or
+    /// too large.
     pub(crate) fn set_diameter(&mut self, register: u32) -> bool {
         let radius = self.given.get(b'R').map(|radius| radius * self.modal.unit);
         let Some(radius) = radius.filter(|radius| radius.abs() <= MAX_SIZE_MM) else { return false };
-        self.compensation.known.set.insert(register, 2.0 * radius);
+        self.compensation.known.by_program.insert(register, 2.0 * radius);
         true
     }
 
-    /// The diameter of a tool, mm: by G10, by the machine's table, or by a comment, which is remarked.
+    /// Returns the diameter of a tool, mm: by G10, by the machine's table, or by a comment, which gets a remark;
+    /// `None` if all are missing.
     pub(crate) fn known_diameter(&mut self, block: Block, tool: Option<u32>) -> Option<f64> {
-        let set = tool.and_then(|tool| self.compensation.known.set.get(&tool)).copied();
+        let by_program = tool.and_then(|tool| self.compensation.known.by_program.get(&tool)).copied();
         let by_machine = || Some(self.machine.tools.get(&tool?)?.diameter);
-        if let Some(known) = set.or_else(by_machine) {
+        if let Some(known) = by_program.or_else(by_machine) {
             return Some(known);
         }
-        self.compensation.known.was_asked = true;
+        self.compensation.known.was_queried = true;
         let tools = [tool, self.canonical.tool().or(self.modal.tool)];
-        let told = |tool| Some((tool, *self.compensation.known.told.get(&tool)?));
-        let (tool, (diameter, line)) = tools.into_iter().flatten().find_map(told)?;
+        let by_comment = |tool| Some((tool, *self.compensation.known.by_comments.get(&tool)?));
+        let (tool, (diameter, line)) = tools.into_iter().flatten().find_map(by_comment)?;
         let diameter = diameter * self.modal.unit;
         if MAX_SIZE_MM < diameter {
             return None;
@@ -83,26 +86,26 @@ impl Interpreter<'_> {
         if self.compensation.remarked.insert(tool) {
             self.remarks.add(
                 block.place(),
-                TraceRemark::Contour(CompensationRemark::ToldDiameter { tool, diameter, line }),
+                TraceRemark::Contour(CompensationRemark::CommentDiameter { tool, diameter, line }),
             );
         }
         Some(diameter)
     }
 }
 
-/// The diameter that the description of a tool names.
+/// Returns the diameter in the description of a tool.
 fn diameter_in(text: &str) -> Option<f64> {
     let text = text.to_ascii_uppercase();
     if text.contains("WEAR COMP") {
         return None;
     }
-    // No number follows `DIA. OFF.` at once, which names a register.
+    // No number follows `DIA. OFF.` directly, which names a register.
     NAMES.iter().find_map(|name| {
         text.match_indices(name).find_map(|(at, _)| {
             let is_word = !text[..at].ends_with(|c: char| c.is_alphanumeric());
             let rest = text[at + name.len()..].trim_start_matches([' ', ':', '=', '-']);
-            let may_be_it = *name != REGISTER || has_point(rest);
-            (is_word && may_be_it).then(|| positive_number(rest))?
+            let may_be_diameter = *name != REGISTER || has_point(rest);
+            (is_word && may_be_diameter).then(|| positive_number(rest))?
         })
     })
 }
@@ -111,7 +114,7 @@ fn has_point(text: &str) -> bool {
     text.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with('.')
 }
 
-/// The number above 0 that a text begins with.
+/// Returns the number above 0 that a text begins with.
 fn positive_number(text: &str) -> Option<f64> {
     let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     text[..end].parse().ok().filter(|value: &f64| 0.0 < *value)

@@ -1,8 +1,9 @@
-//! Where compensation and corner treatments meet the interpreter: what G40 to G42.1 and D ask for, and
-//! the calls for words of other dialects.
+//! The words of compensation and corner treatments: G40 to G42.1 and D, and the entry points for words of other
+//! dialects.
 
 use crate::simulation::gcode::{Comment, Dialect, Place, address};
 use crate::simulation::interpreter::block::{Block, bits};
+use crate::simulation::interpreter::bounds::{FEEDRATES_MM_S, MAX_TOOL_NUMBER};
 use crate::simulation::interpreter::compensation::KnownDiameters;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
@@ -12,10 +13,7 @@ use crate::simulation::toolpath::compensation::{
 };
 use std::collections::BTreeSet;
 
-/// The greatest number a tool can have.
-const MAX_TOOL_NUMBER: f64 = 99_999_999.0;
-
-/// Where the tool is, seen along the motion.
+/// The side of the contour that the tool is on, seen along the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     /// G41, RL.
@@ -24,14 +22,14 @@ pub(crate) enum Side {
     Right,
 }
 
-/// How the diameter of the tool is known.
+/// The source of the diameter of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Diameter {
-    /// That of the tool in the spindle; before the first tool change, of the one called by T.
+    /// The tool in the spindle; before the first tool change, the tool of the last T.
     Spindle,
-    /// That of this tool.
+    /// The tool with this number.
     Tool(u32),
-    /// This, mm; negative: on the other side.
+    /// This value, mm; negative for the other side.
     Given(f64),
 }
 
@@ -46,18 +44,18 @@ pub(crate) enum CompensationWord {
     ByDiameter(Side),
 }
 
-/// What compensation takes from the blocks.
+/// State of compensation from block to block.
 #[derive(Default)]
 pub(crate) struct CompensationWords {
-    /// Of the block being run.
+    /// The word of the block being run.
     pub(crate) word: Option<CompensationWord>,
-    /// D of the last G41 or G42 on a tape, where it stays in force.
+    /// D of the last G41 or G42 in a program with a `%` line or an O number, where it is modal.
     number: Option<u32>,
-    /// The tools whose diameter was found missing.
+    /// The tools whose diameter is missing, each with a remark.
     missing: BTreeSet<Option<u32>>,
-    /// The diameters that the program gives.
+    /// The diameters in the program.
     pub(crate) known: KnownDiameters,
-    /// The tools whose diameter was taken from a comment.
+    /// The tools whose diameter came from a comment, each with a remark.
     pub(super) remarked: BTreeSet<u32>,
 }
 
@@ -96,8 +94,8 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Turns compensation on from the next move on, in the plane in force, or off. Where the
-    /// diameter is unknown it says so, and the path is taken as programmed.
+    /// Sets the compensation from the next move on, in the plane in force, or ends it. If the diameter is unknown,
+    /// remarks on it and leaves the path as programmed.
     pub(crate) fn compensate(&mut self, block: Block, request: Option<(Side, Diameter)>) {
         let diameter = request.map(|(_, diameter)| self.diameter(block, diameter).unwrap_or(0.0));
         let setting = request.zip(diameter).and_then(|((side, _), diameter)| {
@@ -111,25 +109,25 @@ impl Interpreter<'_> {
             })
         });
         self.canonical.set_compensation(setting);
-        self.tell_troubles();
+        self.add_compensation_remarks();
     }
 
-    /// Left of the program is right of the machine.
+    /// Returns `true` if a mirror puts the left of the program on the right of the machine.
     pub(super) fn is_mirrored(&self) -> bool {
         self.frame.turned().is_some_and(|chain| chain.flips(self.canonical.plane))
     }
 
-    /// Moves without compensation, which is then entered anew: G28, G30 and G53, which name points
-    /// of the machine.
+    /// Runs moves without compensation, and starts it again after them: G28, G30 and G53, which name points of the
+    /// machine.
     pub(crate) fn uncompensated(&mut self, moves: impl FnOnce(&mut Self)) {
         let setting = self.canonical.compensation();
         self.canonical.set_compensation(None);
         moves(self);
         self.canonical.set_compensation(setting);
-        self.tell_troubles();
+        self.add_compensation_remarks();
     }
 
-    /// Diameter of a tool, mm, or a remark on the key that would tell it.
+    /// Returns the diameter of a tool, mm, or remarks on the setting for it and returns `None`.
     pub(super) fn diameter(&mut self, block: Block, diameter: Diameter) -> Option<f64> {
         let tool = match diameter {
             Diameter::Given(diameter) => return Some(diameter),
@@ -138,14 +136,14 @@ impl Interpreter<'_> {
         };
         let known = self.known_diameter(block, tool);
         if known.is_none() && self.compensation.missing.insert(tool) {
-            let trouble =
+            let remark =
                 tool.map_or(CompensationRemark::NoTool, |tool| CompensationRemark::UnknownDiameter { tool });
-            self.remarks.add(block.place(), trouble.into());
+            self.remarks.add(block.place(), remark.into());
         }
         known
     }
 
-    /// RND, CHF, CHR, RNDM, and `,R` and `,C`, once the move of their block was run.
+    /// Runs RND, CHF, CHR, RNDM, and `,R` and `,C`, after the move of their block.
     pub(crate) fn corner_words(&mut self, block: Block) {
         const WORDS: u64 =
             bits(&[address::ROUNDING, address::CHAMFER_LEG, address::CHAMFER, address::MODAL_ROUNDING]);
@@ -155,7 +153,7 @@ impl Interpreter<'_> {
         let unit = self.modal.unit;
         let size = |address: u8| self.given.get(address).map(|value| value * unit);
         let feedrate = self.given.get(address::CORNER_FEED).map(|feed| feed * self.unit_of_feeds() / 60.0);
-        let feedrate = feedrate.filter(|feed| (1e-6..=1e6).contains(feed));
+        let feedrate = feedrate.filter(|feed| FEEDRATES_MM_S.contains(feed));
         let next = (size(address::ROUNDING).map(|radius| CornerShape::Rounding { radius }))
             .or(size(address::CHAMFER_LEG).map(|leg| CornerShape::Chamfer { leg }))
             .or(size(address::CHAMFER).map(|width| CornerShape::ChamferWidth { width }));
@@ -172,19 +170,20 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Puts this in place of the corner between the last move given and the next one.
+    /// Treats the corner between the last move and the next one.
     pub(crate) fn treat_next_corner(&mut self, block: Block, treatment: CornerTreatment) {
         if self.is_possible(block, &treatment) {
             self.canonical.treat_next_corner(treatment);
         }
     }
 
-    /// Puts this in place of every corner between two feed moves from here on, or no longer.
+    /// Treats every corner between two feed moves from here on; `None` ends that.
     pub(crate) fn treat_every_corner(&mut self, block: Block, treatment: Option<CornerTreatment>) {
         let treatment = treatment.filter(|treatment| self.is_possible(block, treatment));
         self.canonical.treat_every_corner(treatment);
     }
 
+    /// Returns `true` if a treatment has a possible size, else remarks on it.
     fn is_possible(&mut self, block: Block, treatment: &CornerTreatment) -> bool {
         let (name, size) = (treatment.name(), treatment.size());
         let is_possible = (0.0..=MAX_SIZE_MM).contains(&size);
@@ -197,16 +196,16 @@ impl Interpreter<'_> {
     /// Ends the path, and cuts it into operations by the comments of the program.
     pub(crate) fn end_path(&mut self, comments: &[Comment]) {
         let beyond = self.canonical.finish(comments);
-        self.tell_troubles();
+        self.add_compensation_remarks();
         if let Some(last) = self.canonical.toolpath().operations.last().filter(|_| 0 < beyond) {
             self.remarks.add(Place::line(last.line), TraceRemark::ManyOperations { beyond });
         }
     }
 
-    /// Puts down what compensation and corner treatments could not do as a control would.
-    pub(crate) fn tell_troubles(&mut self) {
-        for (line, trouble) in self.canonical.take_remarks() {
-            self.remarks.add(Place::line(line), TraceRemark::Contour(trouble));
+    /// Adds the remarks of compensation and corner treatments.
+    pub(crate) fn add_compensation_remarks(&mut self) {
+        for (line, remark) in self.canonical.take_remarks() {
+            self.remarks.add(Place::line(line), TraceRemark::Contour(remark));
         }
     }
 }

@@ -3,18 +3,18 @@
 //! ```text
 //! G73  chip breaking by Q        G84 G74  tapping, right and left hand
 //! G83  full retract by Q         G85      feed in, feed out
-//! G81  drilling                  G89      the same with dwell
+//! G81  drilling                  G89      G85 with dwell
 //! G82  drilling with dwell       G86      feed in, spindle stop, rapid out
-//! G76  fine boring               G88      the same, out by hand
+//! G76  fine boring               G88      G86, out by hand
 //! G87  back boring
 //! ```
 //!
-//! The axis of the holes is the normal of the plane (Z in G17, Y in G18, X in G19). G98 returns to
-//! the height at which the first cycle began, G99 to R. Under G91, R is measured from that height
-//! and the bottom from R; each repeat goes one increment further in the plane.
+//! The axis of the holes is the normal of the plane (Z in G17, Y in G18, X in G19). G98 returns to the height at
+//! which the first cycle began, G99 to R. Under G91, R counts from that height and the bottom from R; each
+//! repetition moves one increment further in the plane.
 //!
-//! Where controls differ, programs with a `%` line or an O number are run as on Fanuc (with the
-//! words of Haas where Fanuc has none), all others as on LinuxCNC:
+//! Where controls differ, programs with a `%` line or an O number run as on Fanuc (with the words of Haas that
+//! Fanuc does not have), all others as on LinuxCNC:
 //!
 //! | | Fanuc | LinuxCNC |
 //! |---|---|---|
@@ -32,15 +32,13 @@
 //! | shift of G76, G87 | I, J, K in the plane, or Q along the first axis | I, J, K in the plane |
 //! | G87: bore | up from R to the bottom word | up from the bottom word to K, and back |
 //!
-//! With I, pecks of G73 and G83 begin with I, shrink by J and are at least K (Haas); J of 2 to 9
-//! makes tapping come out that many times faster (Haas). Tapping is rigid after M29; otherwise the
-//! spindle is stopped before it is turned round. F of tapping is the feedrate in force. With Q it is done in pecks: after
-//! each the tap is turned back by the retract of chip breaking, or out to R where the machine says so (Fanuc 5200#5 PCP
-//! and 5213), and on with the spindle turned round again.
+//! With I, pecks of G73 and G83 begin with I, decrease by J and are at least K (Haas). With J of 2 to 9 a tap
+//! comes out that many times faster (Haas). Tapping is rigid after M29; otherwise the spindle stops before it
+//! reverses. F of tapping is the feedrate in force. With Q a tap is made in pecks: after each, the tap is reversed
+//! by the retract of chip breaking, or out to R if the machine file says so (Fanuc 5200#5 PCP and 5213).
 //!
-//! Not modelled: P of G73 and G83, with a remark; G76 of LinuxCNC, which
-//! is threading. LinuxCNC adds a last peck where the rounding of its sum of Qs leaves one of no
-//! depth; here there is none.
+//! Not modelled: P of G73 and G83, with a remark; G76 of LinuxCNC, which is threading. LinuxCNC adds a last peck
+//! if the rounding of its sum of Qs leaves one of no depth; Truefeed adds none.
 //!
 //! Sources: LinuxCNC, G-code reference, canned cycles; Fanuc Series 15i/150i, Operator's Manual
 //! (Programming), canned cycles; Haas, Mill Operator's Manual, G73 to G89.
@@ -49,7 +47,7 @@ use crate::simulation::gcode::{Dialect, whole_number};
 use crate::simulation::interpreter::block::{AXIS_WORDS, Block, bits};
 use crate::simulation::interpreter::bounds::MAX_DWELL_S;
 use crate::simulation::interpreter::code::Code;
-use crate::simulation::interpreter::cycle::hole::{Kind, Pecks, TapPecks, Turn};
+use crate::simulation::interpreter::cycle::hole::{HoleKind, Pecks, SpindleTurn, TapPecks};
 use crate::simulation::interpreter::cycle::{Hole, NoHole};
 use crate::simulation::interpreter::dwell::TimeUnit;
 use crate::simulation::interpreter::remark::TraceRemark;
@@ -57,33 +55,33 @@ use crate::simulation::interpreter::rotary::ROTARY_WORDS;
 use crate::simulation::interpreter::state::{Family, Interpreter};
 use crate::simulation::toolpath::Point;
 
-/// The most often one block repeats its hole.
+/// Most repetitions of the hole of one block.
 const MAX_REPEATS: u32 = 10_000;
 
 /// Retract and clearance of pecks on LinuxCNC, mm.
-const LINUXCNC_CLEARANCE: f64 = 0.254;
+const LINUXCNC_CLEARANCE_MM: f64 = 0.254;
 
-/// The same as typically set on Fanuc controls, mm.
-const FANUC_CLEARANCE: f64 = 1.0;
+/// Retract and clearance of pecks as typically set on Fanuc controls, mm.
+const FANUC_CLEARANCE_MM: f64 = 1.0;
 
-/// A cycle in force, with the words that stay. Lengths in mm.
-pub(super) struct Active {
+/// A cycle in force, with its modal words. Lengths in mm.
+pub(super) struct ActiveCycle {
     code: Code,
-    /// Of its word.
+    /// Number of its word.
     number: u16,
-    /// Where the tool was as the first cycle began.
+    /// Position of the tool when the first cycle began.
     begin: Point,
     reference: Option<Level>,
     bottom: Option<Level>,
-    /// Q.
+    /// Depth of the pecks, Q.
     peck: Option<f64>,
-    /// P, s.
+    /// Dwell, P, s.
     dwell: Option<f64>,
     /// I, J and K.
     center: [Option<f64>; 3],
 }
 
-/// A height as it was written.
+/// A height as programmed, mm.
 #[derive(Clone, Copy)]
 struct Level {
     value: f64,
@@ -91,7 +89,7 @@ struct Level {
 }
 
 impl Interpreter<'_> {
-    /// Puts the cycle with ten times the number `tenths` in force.
+    /// Starts the cycle with ten times the number `tenths`.
     pub(crate) fn begin_cycle(&mut self, code: Code, tenths: u16) {
         let number = tenths / 10;
         match &mut self.cycle.active {
@@ -100,7 +98,7 @@ impl Interpreter<'_> {
                 active.code = code;
                 active.number = number;
                 active.center = [None; 3];
-                // The pecks of a drill are none of a tap.
+                // The pecks of a drill do not hold for a tap.
                 if matches!(number, 74 | 84) {
                     active.peck = None;
                 }
@@ -108,24 +106,24 @@ impl Interpreter<'_> {
             other => {
                 let begin = other.as_ref().map_or(self.canonical.position, |active| active.begin);
                 let (reference, bottom, peck, dwell, center) = (None, None, None, None, [None; 3]);
-                *other = Some(Active { code, number, begin, reference, bottom, peck, dwell, center });
+                *other = Some(ActiveCycle { code, number, begin, reference, bottom, peck, dwell, center });
             }
         }
     }
 
-    /// Runs a block under a cycle: takes in its words, and makes its hole as often as L or K says.
-    /// In a block without a hole P, Q and others belong to something else, such as M98.
+    /// Runs a block under a cycle: reads its words, and makes its hole as often as L or K says. In a block without
+    /// a hole P, Q and others belong to another word, such as M98.
     pub(crate) fn hole(&mut self, block: Block) {
         let axis_words = AXIS_WORDS | ROTARY_WORDS;
-        let asks = if self.is_tape { axis_words | bits(b"R") } else { axis_words };
-        if !self.given.has(asks) {
+        let hole_words = if self.is_tape { axis_words | bits(b"R") } else { axis_words };
+        if !self.given.has(hole_words) {
             return;
         }
         if self.is_without_hole(block) {
             return;
         }
         let Some(mut active) = self.cycle.active.take() else { return };
-        self.take_cycle_words(block, &mut active);
+        self.read_cycle_words(block, &mut active);
         if let Err(no_hole) = self.holes(block, &active) {
             self.remarks.add(block.place(), TraceRemark::NoHole { code: active.code, no_hole });
         }
@@ -135,7 +133,7 @@ impl Interpreter<'_> {
     /// Makes a hole of the cycle in force at each of these places (mm).
     pub(crate) fn holes_at(&mut self, block: Block, places: &[Point]) {
         let Some(mut active) = self.cycle.active.take() else { return };
-        self.take_cycle_words(block, &mut active);
+        self.read_cycle_words(block, &mut active);
         let normal = self.canonical.plane.axes()[2];
         for place in places {
             let mut target = *place;
@@ -149,7 +147,8 @@ impl Interpreter<'_> {
         self.cycle.active = Some(active);
     }
 
-    fn take_cycle_words(&mut self, block: Block, active: &mut Active) {
+    /// Reads the words of a block into the cycle in force.
+    fn read_cycle_words(&mut self, block: Block, active: &mut ActiveCycle) {
         let (unit, is_incremental) = (self.modal.unit, self.modal.is_incremental);
         let length = |letter: u8| self.given.get(letter).map(|value| value * unit);
         let level = |letter: u8| length(letter).map(|value| Level { value, is_incremental });
@@ -171,12 +170,12 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Okuma's G83 with I and J: chips are broken every I, and the tool leaves the hole every J.
-    fn has_full_retracts_by_j(&self, active: &Active) -> bool {
+    /// Returns `true` for Okuma's G83 with I and J: it breaks chips every I, and leaves the hole every J.
+    fn has_full_retracts_by_j(&self, active: &ActiveCycle) -> bool {
         self.dialect == Dialect::Okuma && active.center[0].is_some()
     }
 
-    /// P of the block, s.
+    /// Returns P of the block, s.
     fn cycle_dwell(&mut self, block: Block) -> Option<f64> {
         let word = block.words.iter().rfind(|word| word.letter == b'P')?;
         let value = self.given.get(b'P')?;
@@ -196,7 +195,8 @@ impl Interpreter<'_> {
         Some(0.0)
     }
 
-    fn holes(&mut self, block: Block, active: &Active) -> Result<(), NoHole> {
+    /// Makes the holes of a block.
+    fn holes(&mut self, block: Block, active: &ActiveCycle) -> Result<(), NoHole> {
         let repeats = self.repeats(block, active);
         let Some(hole) = self.hole_of(block, active)? else { return Ok(()) };
         let work = self.plan_hole(block, &hole)?;
@@ -221,8 +221,8 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// L, or K where the cycle has no other use for it.
-    fn repeats(&mut self, block: Block, active: &Active) -> usize {
+    /// Returns the number of holes: L, or K if the cycle has no other use for it.
+    fn repeats(&mut self, block: Block, active: &ActiveCycle) -> usize {
         let normal = self.canonical.plane.axes()[2];
         let k_is_used = match active.number {
             73 | 83 => self.is_tape && active.center[0].is_some(),
@@ -238,8 +238,8 @@ impl Interpreter<'_> {
         1
     }
 
-    /// The work of a block, or `None` if a remark says why.
-    fn hole_of(&mut self, block: Block, active: &Active) -> Result<Option<Hole>, NoHole> {
+    /// Returns the hole of a block, or `None` after a remark.
+    fn hole_of(&mut self, block: Block, active: &ActiveCycle) -> Result<Option<Hole>, NoHole> {
         let [a, b, normal] = self.canonical.plane.axes();
         let letter = b"XYZ"[normal];
         let written = active.reference.ok_or(NoHole::NoReference)?;
@@ -264,7 +264,7 @@ impl Interpreter<'_> {
         let feed_in = self.feedrate(block);
         let mut hole = Hole::drilled(reference, bottom, return_to, feed_in);
         let ceiling = if is_tape { reference } else { f64::INFINITY };
-        let usual = if is_tape { FANUC_CLEARANCE } else { LINUXCNC_CLEARANCE };
+        let usual = if is_tape { FANUC_CLEARANCE_MM } else { LINUXCNC_CLEARANCE_MM };
         let retract = self.machine.cycles.peck_retract.unwrap_or(usual);
         let clearance = self.machine.cycles.peck_clearance.unwrap_or(usual);
         let shift = match (active.center[a], active.center[b], active.peck) {
@@ -272,36 +272,36 @@ impl Interpreter<'_> {
             (along_a, along_b, _) => [along_a.unwrap_or(0.0), along_b.unwrap_or(0.0)],
         };
         match active.number {
-            73 => hole.kind = Kind::ChipBreak { pecks: self.pecks(active)?, retract, ceiling },
+            73 => hole.kind = HoleKind::ChipBreak { pecks: self.pecks(active)?, retract, ceiling },
             83 if self.has_full_retracts_by_j(active) => {
                 let depth = active.center[0].unwrap_or_default().abs();
-                hole.kind = Kind::ChipBreak { pecks: Pecks::equal(depth), retract, ceiling };
+                hole.kind = HoleKind::ChipBreak { pecks: Pecks::equal(depth), retract, ceiling };
             }
-            83 => hole.kind = Kind::Peck { pecks: self.pecks(active)?, clearance, ceiling },
+            83 => hole.kind = HoleKind::Peck { pecks: self.pecks(active)?, clearance, ceiling },
             74 | 84 => {
                 hole.dwell = dwell;
                 self.set_iso_tap(active, self.tap_pecks(active, usual)?, &mut hole);
             }
             82 => hole.dwell = dwell,
-            85 => hole.kind = Kind::Bore,
+            85 => hole.kind = HoleKind::Bore,
             89 => {
-                hole.kind = Kind::Bore;
+                hole.kind = HoleKind::Bore;
                 hole.dwell = dwell;
                 hole.feed_out_to = if is_tape { reference } else { return_to };
             }
             86 | 88 => {
-                hole.kind = Kind::BoreAndStop { turn, by_hand: active.number == 88 };
-                // P that stays in force from another cycle means nothing to G86 of Fanuc controls.
+                hole.kind = HoleKind::BoreAndStop { turn, by_hand: active.number == 88 };
+                // A modal P of another cycle has no effect on G86 of Fanuc controls.
                 let waits = active.number == 88 || self.family != Family::Fanuc;
                 hole.dwell = if waits { dwell } else { 0.0 };
             }
             76 if !is_tape && active.center.iter().all(Option::is_some) => return Err(NoHole::Threading),
             76 => {
-                hole.kind = Kind::FineBore { turn, shift };
+                hole.kind = HoleKind::FineBore { turn, shift };
                 hole.dwell = dwell;
             }
             87 if is_tape => {
-                hole.kind = Kind::BackBore { turn, shift, top: bottom, feeds_back: false };
+                hole.kind = HoleKind::BackBore { turn, shift, top: bottom, feeds_back: false };
                 hole.bottom = reference;
                 hole.reference = initial;
                 hole.return_to = initial;
@@ -311,20 +311,20 @@ impl Interpreter<'_> {
                 let value = active.center[normal].ok_or(NoHole::NoTop(char::from(b"IJK"[normal])))?;
                 let is_incremental = self.modal.is_incremental;
                 let top = self.height(normal, Level { value, is_incremental }, bottom);
-                hole.kind = Kind::BackBore { turn, shift, top, feeds_back: true };
+                hole.kind = HoleKind::BackBore { turn, shift, top, feeds_back: true };
             }
             _ => {}
         }
         Ok(Some(hole))
     }
 
-    /// Makes a tapped hole of `hole`, whose dwell is set.
-    fn set_iso_tap(&self, active: &Active, pecks: Option<TapPecks>, hole: &mut Hole) {
-        let turn = if active.number == 84 { Turn::Right } else { Turn::Left };
-        hole.kind = Kind::Tap { turn, is_rigid: self.cycle.is_rigid, pecks };
+    /// Completes a tapped hole, whose dwell is set.
+    fn set_iso_tap(&self, active: &ActiveCycle, pecks: Option<TapPecks>, hole: &mut Hole) {
+        let turn = if active.number == 84 { SpindleTurn::Right } else { SpindleTurn::Left };
+        hole.kind = HoleKind::Tap { turn, is_rigid: self.cycle.is_rigid, pecks };
         if self.is_tape {
             hole.dwell_outside = hole.dwell;
-            // J times as fast on the way out.
+            // The tap comes out J times as fast.
             let times = active.center[1].map(|times| times / self.modal.unit);
             hole.feed_out *= times.filter(|times| (1.0..=9.0).contains(times)).unwrap_or(1.0);
         } else {
@@ -332,8 +332,8 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The pecks of a tap by Q; `None` where there is no Q.
-    fn tap_pecks(&self, active: &Active, usual: f64) -> Result<Option<TapPecks>, NoHole> {
+    /// Returns the pecks of a tap by Q, or `None` without Q.
+    fn tap_pecks(&self, active: &ActiveCycle, usual: f64) -> Result<Option<TapPecks>, NoHole> {
         let Some(depth) = active.peck else { return Ok(None) };
         if depth == 0.0 {
             return Err(NoHole::BadPeck(depth));
@@ -343,14 +343,14 @@ impl Interpreter<'_> {
         Ok(Some(TapPecks { depth: depth.abs(), back }))
     }
 
-    /// What a hole waits, s.
-    fn dwell_of(&mut self, block: Block, active: &Active) -> f64 {
+    /// Returns the dwell of a hole, s.
+    fn dwell_of(&mut self, block: Block, active: &ActiveCycle) -> f64 {
         match (active.dwell, active.number) {
             (Some(seconds), _) => {
                 self.cycle.dwell = seconds;
                 seconds
             }
-            // LinuxCNC has a P of its own for all cycles, which these two need not be given.
+            // LinuxCNC keeps P for all cycles, and these two do not need their own.
             (None, 74 | 84) if !self.is_tape => self.cycle.dwell,
             (None, number) => {
                 let needs = if self.is_tape { &[82, 89][..] } else { &[82, 86, 88, 89] };
@@ -362,8 +362,8 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The pecks by Q, or by I, J and K.
-    fn pecks(&self, active: &Active) -> Result<Pecks, NoHole> {
+    /// Returns the pecks by Q, or by I, J and K.
+    fn pecks(&self, active: &ActiveCycle) -> Result<Pecks, NoHole> {
         let [first, decrease, least] = active.center;
         if let Some(first) = first.filter(|_| self.is_tape) {
             let (decrease, least) = (decrease.unwrap_or(0.0), least.unwrap_or(0.0));
@@ -373,6 +373,8 @@ impl Interpreter<'_> {
         Ok(Pecks::equal(if self.is_tape { depth.abs() } else { depth }))
     }
 
+    /// Returns the machine coordinate of a level along the axis of the holes, mm; an incremental one counts from
+    /// `from`.
     fn height(&self, normal: usize, level: Level, from: f64) -> f64 {
         let is_incremental = if self.is_tape { level.is_incremental } else { self.modal.is_incremental };
         match is_incremental {

@@ -1,4 +1,4 @@
-//! What Okuma controls say of cycles beside their words: NCYL, and the height to which M52 to M54 return.
+//! Additions of Okuma controls to cycles: NCYL, and the height to which M52 to M54 return.
 
 use crate::simulation::gcode::{Dialect, address};
 use crate::simulation::interpreter::block::{Block, bits};
@@ -6,24 +6,24 @@ use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 
 impl Interpreter<'_> {
-    /// NCYL: to the place of the hole, without a hole.
+    /// Runs NCYL, a move to the place of the hole without a hole; returns `true` if the block has it.
     pub(crate) fn is_without_hole(&mut self, block: Block) -> bool {
-        let is_so = self.dialect == Dialect::Okuma && self.given.has(bits(&[address::NO_CYCLE]));
-        if is_so && let Some(mut target) = self.target(block) {
+        let is_without_hole = self.dialect == Dialect::Okuma && self.given.has(bits(&[address::NO_CYCLE]));
+        if is_without_hole && let Some(mut target) = self.target(block) {
             let normal = self.canonical.plane.axes()[2];
             target[normal] = self.canonical.position[normal];
             self.rapid_to(block, target);
         }
-        is_so
+        is_without_hole
     }
 
-    /// Where cycles return to by G71 and the M words of Okuma, mm along the axis of the holes; none
-    /// where G98 and G99 hold.
+    /// Returns the height to which cycles return by G71 and the M words of Okuma, mm along the axis of the holes;
+    /// `None` if G98 and G99 hold.
     pub(crate) fn return_by_m_word(&mut self, block: Block, normal: usize, reference: f64) -> Option<f64> {
         if self.dialect != Dialect::Okuma {
             return None;
         }
-        let said = |what| TraceRemark::Statement { name: "M52, M53, M54", what };
+        let remark = |what| TraceRemark::Statement { name: "M52, M53, M54", what };
         let height = match self.vendor.returns_by {
             Some(54) => return Some(reference),
             Some(53) => self.vendor.return_level,
@@ -32,7 +32,7 @@ impl Interpreter<'_> {
         };
         if height.is_none() {
             let what = "the height to which cycles return is unknown (G71 Z with M53, or M54): they return to their starting height";
-            self.remarks.add(block.place(), said(what));
+            self.remarks.add(block.place(), remark(what));
         }
         height.map(|height| height.max(reference))
     }

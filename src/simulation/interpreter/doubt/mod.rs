@@ -1,27 +1,27 @@
-//! From which segment to which a doubt reaches: a missing axis word up to where the axis is given again, a missing feed up
-//! to the next F, a missing motion word up to the next one.
+//! Reach of doubts along the path: a missing axis word reaches to the next word of that axis, a missing feed to
+//! the next F, a missing motion word to the next one.
 
 mod reach;
 
 use crate::simulation::gcode::{Letters, Word};
 
-/// Doubts that reach on.
+/// The doubts whose reach has not ended.
 #[derive(Default)]
 pub(super) struct OpenDoubts {
-    /// How many doubts are looked at.
-    seen: usize,
-    /// Each by its index, and the letters that end it.
+    /// Number of doubts that were read.
+    read: usize,
+    /// Each by its index, with the letters that end it.
     open: Vec<(usize, Letters)>,
 }
 
 impl OpenDoubts {
-    /// No doubt reaches on.
+    /// Returns `true` if the reach of every doubt has ended.
     pub(super) fn is_empty(&self) -> bool {
         self.open.is_empty()
     }
 }
 
-/// The letters of words; a G word counts where it is a motion word or calls a cycle, which is one too.
+/// Returns the letters of words. A G word counts if it is a motion word or calls a cycle, which counts as both.
 pub(super) fn letters(words: &[Word]) -> Letters {
     words.iter().fold(Letters::default(), |letters, word| {
         letters.with(match word.letter {

@@ -1,57 +1,60 @@
-//! From which segment to which each doubt reaches.
+//! First and last segment of each doubt.
 
 use crate::simulation::gcode::{Cause, Doubt, Effect, Letters, LineNumber, Word};
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::doubt::letters;
 use crate::simulation::interpreter::state::Interpreter;
 
-/// Axes and centres.
+/// Letters of axes and centres.
 const POSITIONS: Letters = Letters::AXES.with(Letters::of(b"UVW")).with(CENTRES);
 
+/// Letters of centres.
 const CENTRES: Letters = Letters::of(b"IJKR");
 
+/// The letter of feedrates.
 const FEED: Letters = Letters::of(b"F");
 
 impl Interpreter<'_> {
-    /// Takes over what reading left in doubt before the block that is run next.
-    pub(crate) fn doubt_as_read(&mut self, doubts: &[Doubt]) {
+    /// Adds the doubts of reading before the block that is run next.
+    pub(crate) fn add_doubts_of_reading(&mut self, doubts: &[Doubt]) {
         if doubts.is_empty() {
             return;
         }
-        self.remarks.look_behind(self.canonical.segment_count());
+        self.remarks.set_place(self.canonical.segment_count());
         for doubt in doubts {
             self.remarks.doubt(doubt.line, doubt.cause, doubt.effect);
         }
     }
 
-    /// A block that is not run, by its words.
+    /// Adds the doubt about a block that is not run, by its words.
     pub(crate) fn doubt_block(&mut self, line: LineNumber, words: &[Word]) {
-        self.remarks.look_behind(self.canonical.segment_count());
+        self.remarks.set_place(self.canonical.segment_count());
         self.remarks.doubt(line, Cause::BlocksNotRun, Effect::Words(letters(words)));
     }
 
-    /// Ends the doubts that `block`, which has just been run, resolves, and begins new ones.
+    /// Ends the doubts that `block`, which has just been run, resolves, and starts new ones.
     #[inline]
     pub(crate) fn follow_doubts(&mut self, block: Block) {
-        if !self.doubts.is_empty() || self.doubts.seen < self.remarks.doubts.len() {
+        if !self.doubts.is_empty() || self.doubts.read < self.remarks.doubts.len() {
             self.end_and_begin_doubts(block);
         }
     }
 
+    /// Ends resolved doubts and splits new ones by the letters that end them.
     fn end_and_begin_doubts(&mut self, block: Block) {
         let given = letters(block.words);
-        let (before, count) = (self.remarks.behind(), self.canonical.segment_count());
+        let (before, count) = (self.remarks.place(), self.canonical.segment_count());
         let doubts = &mut self.remarks.doubts;
         self.doubts.open.retain_mut(|(index, letters)| {
             *letters = letters.without(given);
-            // An axis moves from a doubtful position here; F and motion words hold from here on.
+            // An axis moves from a doubtful position here; F and motion words are in force from here on.
             let is_position = matches!(doubts[*index].effect, Effect::Words(_));
             doubts[*index].until = if is_position || !letters.is_empty() { count } else { before };
             !letters.is_empty()
         });
-        let fresh = doubts.split_off(self.doubts.seen);
+        let fresh = doubts.split_off(self.doubts.read);
         for mut doubt in fresh {
-            // What follows from the flow between blocks touches no move of the next block.
+            // A fault in the flow between blocks affects no move of the next block.
             if doubt.effect != Effect::Unbounded {
                 doubt.until = count;
             }
@@ -100,6 +103,6 @@ impl Interpreter<'_> {
                 }
             }
         }
-        self.doubts.seen = doubts.len();
+        self.doubts.read = doubts.len();
     }
 }

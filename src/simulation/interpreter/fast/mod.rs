@@ -1,5 +1,5 @@
-//! Fast ways that give what the reference path gives: plain blocks, programs read part by part, and modules that leave rare
-//! words to another.
+//! Fast paths with the results of the reference path: plain blocks, programs read part by part, and WebAssembly
+//! modules without rare words.
 
 pub(super) mod plain;
 pub(super) mod rare;

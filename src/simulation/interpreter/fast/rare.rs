@@ -1,8 +1,9 @@
-//! What few programs need of a run, as functions, so that a module that leaves those programs to another does not carry it.
+//! The functions for rare words, as pointers, so that a WebAssembly module without rare programs does not include
+//! them.
 
 use crate::simulation::interpreter::state::Rare;
 
-/// All of it.
+/// All of these functions.
 pub(crate) const ALL: Rare = Rare {
     siemens_statement: |interpreter, block, statement, action| {
         interpreter.siemens_statement(block, statement, action)
@@ -16,13 +17,13 @@ pub(crate) const ALL: Rare = Rare {
     end_nurbs: |interpreter, block, code| interpreter.end_nurbs(block, code),
 };
 
-/// Nothing of it; the interpreter tells where it was asked for.
+/// No such function; the interpreter notes that the program needs one.
 pub(crate) const NONE: Rare = Rare {
-    siemens_statement: |interpreter, _, _, _| interpreter.needs_rare = true,
-    siemens_g_word: |interpreter, _, _, _, _, _| interpreter.needs_rare = true,
-    siemens_act: |interpreter, _, _| interpreter.needs_rare = true,
-    // Only what Siemens statements asked for before.
+    siemens_statement: |interpreter, _, _, _| interpreter.needs_rare_functions = true,
+    siemens_g_word: |interpreter, _, _, _, _, _| interpreter.needs_rare_functions = true,
+    siemens_act: |interpreter, _, _| interpreter.needs_rare_functions = true,
+    // Only Siemens statements have an effect after a move.
     siemens_after_move: |_, _| {},
-    spline_to: |interpreter, _, _, _| interpreter.needs_rare = true,
-    end_nurbs: |interpreter, _, _| interpreter.needs_rare = true,
+    spline_to: |interpreter, _, _, _| interpreter.needs_rare_functions = true,
+    end_nurbs: |interpreter, _, _| interpreter.needs_rare_functions = true,
 };

@@ -1,30 +1,30 @@
-//! Bytes → toolpath at once, for a program whose blocks are run one after another.
+//! Bytes → toolpath in one pass, for a program whose blocks run one after another.
 //!
-//! Nearly every long program is one: it has no jumps, subprograms or parameters. Its words are then needed only
-//! while their block is run, and so it is read part by part, each part run before the next is read in its
-//! place. What comes out is what [`trace`] makes of the whole; a test compares the two.
+//! Nearly every long program is such a one: it has no jumps, subprograms or parameters. Its words are then needed
+//! only while their block is run, so Truefeed reads a part, runs it, and reads the next part in its place. The
+//! result equals that of [`trace`] on the whole program; a test compares the two.
 //!
-//! Where something turns up that touches what was run before, the whole program is read: whatever leads elsewhere or
-//! is to be worked out; behind the first part, a sign of a tape, which makes the time of a dwell milliseconds; a
-//! diameter told by a comment after one was looked for. Heidenhain programs nearly always have some of it, and
-//! subprograms at their end.
+//! If the program has an item that affects earlier blocks, it is read as a whole. Such items are flow and
+//! formulas; behind the first part, a sign that dwells are in milliseconds; and a comment with the diameter of a
+//! tool after a diameter was searched. Heidenhain programs nearly always have flow or formulas, and programs with
+//! subprograms have them at their end.
 
 use crate::machine::Machine;
 use crate::simulation::gcode::{Dialect, Options, Parts, Program, Scope, read_with};
-use crate::simulation::interpreter::block::{Asked, Block};
+use crate::simulation::interpreter::block::{Block, BlockStatements};
 use crate::simulation::interpreter::center::Centers;
 use crate::simulation::interpreter::fast::rare;
 use crate::simulation::interpreter::state::{Interpreter, Rare};
 use crate::simulation::interpreter::trace::trace;
 use crate::simulation::toolpath::Toolpath;
 
-/// Lines of a part: what is read of them stays near the processor until it is run.
-pub const LINES_OF_A_PART: u32 = 1_000;
+/// Lines of a part, few enough that the words of a part remain in the cache of the processor.
+pub const LINES_PER_PART: u32 = 1_000;
 
 /// Reads a program and runs it on the geometry of `machine`. The text is freed before the toolpath is allocated, which
 /// bounds the peak of memory.
 pub fn trace_text(text: Vec<u8>, options: &Options, machine: &Machine) -> Toolpath {
-    trace_streaming(&text, options, machine, LINES_OF_A_PART).unwrap_or_else(|| {
+    trace_streaming(&text, options, machine, LINES_PER_PART).unwrap_or_else(|| {
         let program = read_with(&text, options);
         drop(text);
         trace(&program, machine)
@@ -37,12 +37,13 @@ pub fn trace_streaming(text: &[u8], options: &Options, machine: &Machine, lines:
     trace_within(text, options, machine, lines, (Scope::STRAIGHT, rare::ALL))
 }
 
-/// Does what [`trace_streaming`] does for ISO programs that hold nothing but words and comments, and no splines. A module
-/// that calls nothing else carries no code for other programs.
+/// Does the work of [`trace_streaming`] for ISO programs of words and comments alone, without splines. A
+/// WebAssembly module that calls nothing else includes no code for other programs.
 pub fn trace_plain(text: &[u8], options: &Options, machine: &Machine, lines: u32) -> Option<Toolpath> {
     trace_within(text, options, machine, lines, (Scope::PLAIN, rare::NONE))
 }
 
+/// Runs a program within a scope, and once more if its arcs show absolute centres.
 fn trace_within(
     text: &[u8],
     options: &Options,
@@ -52,13 +53,14 @@ fn trace_within(
 ) -> Option<Toolpath> {
     let mut run = run_straight(text, options, machine, lines, extent, None)?;
     if run.0.centers.show_absolute() {
-        run = run_straight(text, options, machine, lines, extent, Some(Centers::shown()))?;
+        run = run_straight(text, options, machine, lines, extent, Some(Centers::absolute_by_arcs()))?;
     }
     let (interpreter, program) = run;
     Some(interpreter.finish(&program))
 }
 
-/// Reads and runs all blocks; without `centers` those of the dialect.
+/// Reads and runs all blocks; `centers` is `None` for the rule of the dialect. Returns `None` for programs that do
+/// not run straight.
 fn run_straight<'a>(
     text: &[u8],
     options: &Options,
@@ -69,7 +71,7 @@ fn run_straight<'a>(
 ) -> Option<(Interpreter<'a>, Program)> {
     let mut parts = Parts::new(text, options, scope)?;
     let dialect = parts.part().dialect;
-    if goes_back_at_its_end(text, dialect, scope) {
+    if ends_with_flow(text, dialect, scope) {
         return None;
     }
     parts.next_part(lines);
@@ -78,17 +80,17 @@ fn run_straight<'a>(
     let mut interpreter = Interpreter::new(machine, parts.part(), centers, rare);
     // Most blocks of a long program are one move each.
     interpreter.canonical.reserve(parts.expected_blocks());
-    let (mut heard, mut rest) = (0, None);
-    let (mut index, mut doubted) = (0, 0);
+    let (mut comments_read, mut rest) = (0, None);
+    let (mut index, mut doubts_read) = (0, 0);
     loop {
         let part = parts.part();
-        if !parts.goes_straight_on() || part.is_tape != is_tape {
+        if !parts.runs_straight() || part.is_tape != is_tape {
             return None;
         }
-        if !interpreter.compensation.known.hear(&part.comments[heard..]) {
+        if !interpreter.compensation.known.add_comments(&part.comments[comments_read..]) {
             return None;
         }
-        heard = part.comments.len();
+        comments_read = part.comments.len();
         interpreter.look_for_points(part);
         let mut next_statement = 0;
         for block in &part.blocks {
@@ -97,38 +99,38 @@ fn run_straight<'a>(
                 rest.get_or_insert((block.line, 0)).1 += 1;
                 continue;
             }
-            let doubts = &parts.doubts()[doubted..];
+            let doubts = &parts.doubts()[doubts_read..];
             let before = doubts.iter().take_while(|doubt| doubt.after <= index as usize).count();
-            interpreter.doubt_as_read(&doubts[..before]);
-            doubted += before;
+            interpreter.add_doubts_of_reading(&doubts[..before]);
+            doubts_read += before;
             index += 1;
             let words = part.words(block);
             let scaled = interpreter.by_increments(words, words);
             let words = scaled.as_deref().unwrap_or(words);
-            let asked = Asked { statements, arguments: part.arguments(statements) };
-            interpreter.block(Block { words, asked: &asked, line: block.line });
+            let statements = BlockStatements { list: statements, arguments: part.arguments(statements) };
+            interpreter.block(Block { words, statements: &statements, line: block.line });
         }
-        if interpreter.needs_rare {
+        if interpreter.needs_rare_functions {
             return None;
         }
         if !parts.next_part(lines) {
             break;
         }
     }
-    interpreter.tell_rest(rest);
+    interpreter.remark_on_rest(rest);
     let program = parts.finish();
     if interpreter.ended.is_none() {
-        interpreter.doubt_as_read(&program.doubts[doubted..]);
+        interpreter.add_doubts_of_reading(&program.doubts[doubts_read..]);
     }
     Some((interpreter, program))
 }
 
-/// The bytes at the end of a text that are looked at first.
+/// Number of bytes at the end of a text that are read first.
 const END_BYTES: usize = 1_000;
 
-/// Whether the last lines lead elsewhere: a long pass is often a subprogram, whose last block goes back, and would
-/// otherwise be run in vain.
-fn goes_back_at_its_end(text: &[u8], dialect: Dialect, scope: Scope) -> bool {
+/// Returns `true` if the last lines have flow: a long text is often a subprogram, whose last block returns, and
+/// its straight run would be in vain.
+fn ends_with_flow(text: &[u8], dialect: Dialect, scope: Scope) -> bool {
     let end = &text[text.len().saturating_sub(END_BYTES)..];
     let whole_lines = end.iter().position(|byte| *byte == b'\n').map_or(end, |at| &end[at..]);
     let options = Options { dialect: Some(dialect), ..Options::default() };
@@ -217,12 +219,12 @@ mod tests {
         ] {
             let text = format!("{pass}{end}");
             assert_eq!(
-                goes_back_at_its_end(text.as_bytes(), dialect, Scope::STRAIGHT),
+                ends_with_flow(text.as_bytes(), dialect, Scope::STRAIGHT),
                 goes_back,
                 "{dialect:?}, {end:?}"
             );
         }
-        assert!(!goes_back_at_its_end(b"", Dialect::Iso, Scope::STRAIGHT));
+        assert!(!ends_with_flow(b"", Dialect::Iso, Scope::STRAIGHT));
     }
 
     #[test]

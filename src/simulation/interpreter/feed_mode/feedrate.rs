@@ -10,16 +10,16 @@ use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::toolpath::MIN_MOVE_MM;
 use crate::units::{SECONDS_PER_MINUTE, mm_per_min, mm_per_s};
 
-/// The inverse times that are taken at their word, 1/min.
+/// The inverse times that count as meant, 1/min.
 const INVERSE_TIMES_PER_MIN: std::ops::RangeInclusive<f64> = 1e-6..=1e7;
 
 impl Interpreter<'_> {
-    /// Millimetres in the unit of length that feeds are given in.
+    /// Returns the millimetres in the unit of length of feeds.
     pub(crate) fn unit_of_feeds(&self) -> f64 {
         if self.siemens.leaves_feeds { 1.0 } else { self.modal.unit }
     }
 
-    /// G93, G94 and G95.
+    /// Runs G93, G94 and G95.
     pub(crate) fn choose_feed_mode(&mut self, code: Code, mode: FeedMode) {
         let feed = &mut self.modal.feed;
         let forgets = feed.mode != mode || self.dialect == Dialect::LinuxCnc;
@@ -32,16 +32,16 @@ impl Interpreter<'_> {
         feed.forgotten_by = former.filter(|_| forgets).map(|_| code);
     }
 
-    /// Tells that a move is run at the feedrate `former`, mm/s, which the mode in force forgot.
-    fn tell_forgotten_feed(&mut self, block: Block, former: f64) -> f64 {
+    /// Remarks on a move at the feedrate `former`, mm/s, which the mode in force forgot, and returns it.
+    fn remark_on_forgotten_feed(&mut self, block: Block, former: f64) -> f64 {
         if let Some(code) = self.modal.feed.forgotten_by.take() {
             self.remarks.add(block.place(), TraceRemark::ForgottenFeed { code, former: mm_per_min(former) });
         }
         former
     }
 
-    /// The value of F in a block that has one, by the mode in force.
-    pub(crate) fn take_feed(&mut self, block: Block, value: Option<f64>) {
+    /// Sets the feed of the mode in force by F of a block, if it has one.
+    pub(crate) fn set_feed(&mut self, block: Block, value: Option<f64>) {
         let Some(value) = value else { return };
         let length = value * self.unit_of_feeds();
         let is_possible = match self.modal.feed.mode {
@@ -71,13 +71,13 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The feedrate in force of a move of `length` (mm), mm/s.
+    /// Returns the feedrate in force for a move of `length` (mm), mm/s.
     pub(crate) fn feedrate_along(&mut self, block: Block, length: f64) -> f64 {
         if let Some(feedrate) = self.siemens_block_feedrate() {
             return feedrate;
         }
         match self.modal.feed.mode {
-            // Beside the contour a move without length may get one, for which no time is told.
+            // Beside the contour a move without length may get one; it has no time of its own.
             FeedMode::InverseTime if length < MIN_MOVE_MM => self.feedrate(block),
             FeedMode::InverseTime => {
                 let per_minute = self.per_minute_in_block(block);
@@ -87,19 +87,19 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The feedrate in force, mm/s. Under G93, where a move has none of its own, it is that of G94.
+    /// Returns the feedrate in force, mm/s. Under G93 a move without F takes the feedrate of G94.
     pub(crate) fn feedrate(&mut self, block: Block) -> f64 {
         if self.modal.feed.mode == FeedMode::PerRevolution {
             let feedrate = self.feedrate_by_spindle(block);
-            return self.tell_forgotten_feed(block, feedrate);
+            return self.remark_on_forgotten_feed(block, feedrate);
         }
         match self.modal.feedrate {
-            Some(feedrate) => self.tell_forgotten_feed(block, feedrate),
+            Some(feedrate) => self.remark_on_forgotten_feed(block, feedrate),
             None => self.assumed_feedrate(block),
         }
     }
 
-    /// How fast rotary axes turn on their own, rad/s, given the length of their turn in rad.
+    /// Returns the rate of rotary axes alone, rad/s, given the length of their turn in rad.
     pub(crate) fn rotary_feedrate(&mut self, block: Block, turn: f64) -> f64 {
         let degrees_per_minute = match self.modal.feed.mode {
             FeedMode::InverseTime => {
@@ -113,7 +113,7 @@ impl Interpreter<'_> {
         };
         let assumed = mm_per_min(ASSUMED_FEEDRATE);
         if let Some(former) = degrees_per_minute {
-            self.tell_forgotten_feed(block, mm_per_s(former * self.unit_of_feeds()));
+            self.remark_on_forgotten_feed(block, mm_per_s(former * self.unit_of_feeds()));
         }
         let degrees_per_minute = degrees_per_minute.unwrap_or_else(|| {
             self.remarks.add(block.place(), TraceRemark::NoFeed { assumed });
@@ -122,7 +122,7 @@ impl Interpreter<'_> {
         degrees_per_minute.to_radians() / SECONDS_PER_MINUTE
     }
 
-    /// F of a block under G93, 1/min; that of a block before where it has none.
+    /// Returns F of a block under G93, 1/min; without F the one of an earlier block.
     fn per_minute_in_block(&mut self, block: Block) -> Option<f64> {
         let own = self.given.get(b'F').filter(|value| INVERSE_TIMES_PER_MIN.contains(value));
         if !self.given.has(bits(b"F")) {
@@ -132,6 +132,7 @@ impl Interpreter<'_> {
         own.or(self.modal.feed.inverse_time)
     }
 
+    /// Returns the feedrate of G95 at the speed of the spindle, mm/s.
     fn feedrate_by_spindle(&mut self, block: Block) -> f64 {
         let Some(per_revolution) = self.modal.feed.per_revolution else {
             return self.assumed_feedrate(block);
@@ -144,13 +145,14 @@ impl Interpreter<'_> {
         mm_per_s(per_revolution * speed).clamp(*FEEDRATES_MM_S.start(), *FEEDRATES_MM_S.end())
     }
 
+    /// Returns the feedrate of a move without F, mm/s, and remarks on it.
     fn assumed_feedrate(&mut self, block: Block) -> f64 {
         let assumed = mm_per_min(ASSUMED_FEEDRATE);
         self.remarks.add(block.place(), TraceRemark::NoFeed { assumed });
         ASSUMED_FEEDRATE
     }
 
-    /// The feedrate of FB, mm/s.
+    /// Returns the feedrate of FB, mm/s.
     pub(crate) fn siemens_block_feedrate(&self) -> Option<f64> {
         let feed = self.given.get(address::BLOCK_FEED)? * self.unit_of_feeds();
         let feedrate = match self.modal.feed.mode {
@@ -158,6 +160,6 @@ impl Interpreter<'_> {
             FeedMode::PerRevolution => mm_per_s(feed * self.functions.speed?),
             FeedMode::InverseTime => return None,
         };
-        (1e-6..=1e6).contains(&feedrate).then_some(feedrate)
+        FEEDRATES_MM_S.contains(&feedrate).then_some(feedrate)
     }
 }

@@ -1,4 +1,4 @@
-//! What F means.
+//! Meaning of F.
 //!
 //! | mode | F                                   | feedrate of a move of length L, mm/s          |
 //! |------|-------------------------------------|-----------------------------------------------|
@@ -6,10 +6,10 @@
 //! | G94  | mm/min, inch/min; deg/min of a turn | F / 60                                        |
 //! | G95  | mm or inch per revolution           | F S / 60, S in rev/min                        |
 //!
-//! Each mode remembers its own F, but what chooses another mode than G93 forgets it: controls refuse a feed move
-//! until there is a new F, LinuxCNC even where the mode was in force already. Truefeed remarks on such a move, and runs it at the
-//! former feedrate. Under G96 S is a surface speed, which needs the diameter that the
-//! tool cuts at; it is left out, and G95 keeps the last S in rev/min.
+//! Each mode keeps its own F, but a word that changes to another mode than G93 forgets it: controls refuse a feed
+//! move until there is a new F, LinuxCNC even if the mode was in force already. Truefeed remarks on such a move,
+//! and runs it at the former feedrate. Under G96 S is a surface speed, which needs the diameter at which the tool
+//! cuts; it is left out, and G95 keeps the last S in rev/min.
 //!
 //! Source: NIST RS274/NGC, Sect. 3.5.19; LinuxCNC, G93, G94, G95.
 
@@ -17,7 +17,7 @@ mod feedrate;
 
 use crate::simulation::interpreter::code::Code;
 
-/// What F counts.
+/// The quantity that F gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FeedMode {
     /// G93.
@@ -28,7 +28,7 @@ pub(super) enum FeedMode {
     PerRevolution,
 }
 
-/// F in each mode, and what it counts.
+/// The mode, and F in each mode.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Feed {
     pub(super) mode: FeedMode,
@@ -38,7 +38,7 @@ pub(super) struct Feed {
     pub(super) per_minute: Option<f64>,
     /// G95, mm.
     per_revolution: Option<f64>,
-    /// The G word after which there was no F yet, where it forgets the one before.
+    /// The G word that forgot the last F, until there is a new one.
     pub(super) forgotten_by: Option<Code>,
 }
 

@@ -11,14 +11,14 @@ use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Point, Vector};
 use nalgebra::Matrix3;
 
-/// How far AᵀA may be from a multiple of 1, relative, for A to keep circles round.
+/// Largest difference of AᵀA to a multiple of 1, relative, with which A keeps circles round.
 const ROUNDING_RATIO: f64 = 1e-9;
 
 /// An affine map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Affine {
     linear: Matrix3<f64>,
-    /// Where it takes the origin, mm.
+    /// The image of the origin, mm.
     offset: Vector,
 }
 
@@ -27,12 +27,12 @@ impl Affine {
         Affine { linear: Matrix3::identity(), offset: Vector::zeros() }
     }
 
-    /// A shift, mm.
+    /// Returns a shift, mm.
     pub(crate) fn shift(offset: Vector) -> Affine {
         Affine { linear: Matrix3::identity(), offset }
     }
 
-    /// A rotation about `center` (mm) in a plane by `angle`, rad, counter-clockwise.
+    /// Returns a rotation about `center` (mm) in a plane by `angle`, rad, counter-clockwise.
     pub(crate) fn rotation(plane: Plane, center: Point, angle: f64) -> Affine {
         let [a, b, _] = plane.axes();
         let (sin, cos) = exact_sin_cos(angle);
@@ -42,12 +42,12 @@ impl Affine {
         Affine::about(center, linear)
     }
 
-    /// A scaling about `center` (mm) by one factor for each axis; none is 0.
+    /// Returns a scaling about `center` (mm) by one factor for each axis; no factor is 0.
     pub(crate) fn scaling(center: Point, factors: [f64; 3]) -> Affine {
         Affine::about(center, Matrix3::from_diagonal(&Vector::from(factors)))
     }
 
-    /// A mirror image in each axis for which the place of its mirror is given, mm.
+    /// Returns a mirror image in each axis with a given coordinate of its mirror, mm.
     pub(crate) fn mirror(places: [Option<f64>; 3]) -> Affine {
         let center = Point::from(places.map(Option::unwrap_or_default));
         Affine::scaling(center, places.map(|place| if place.is_some() { -1.0 } else { 1.0 }))
@@ -57,12 +57,12 @@ impl Affine {
         Affine { linear, offset: center.coords - linear * center.coords }
     }
 
-    /// The map that does `first` and then this one.
+    /// Returns the map that applies `first` and then this one.
     pub(crate) fn after(&self, first: &Affine) -> Affine {
         Affine { linear: self.linear * first.linear, offset: self.linear * first.offset + self.offset }
     }
 
-    /// The map that undoes this one, or `None` if it has no inverse.
+    /// Returns the inverse map, or `None` if there is none.
     pub(super) fn inverse(&self) -> Option<Affine> {
         let linear = self.linear.try_inverse()?;
         Some(Affine { linear, offset: -(linear * self.offset) })
@@ -76,12 +76,12 @@ impl Affine {
         self.linear * vector
     }
 
-    /// Its shift, mm, where it is nothing more than that.
+    /// Returns the shift, mm, or `None` if the map is more than a shift.
     pub(super) fn as_shift(&self) -> Option<Vector> {
         (self.linear == Matrix3::identity()).then_some(self.offset)
     }
 
-    /// The factor by which it scales all lengths, where there is one.
+    /// Returns the factor by which the map scales all lengths, or `None` if there is no single one.
     pub(super) fn scale(&self) -> Option<f64> {
         let square = self.linear.transpose() * self.linear;
         let mean = square.trace() / 3.0;
@@ -89,27 +89,27 @@ impl Affine {
         (apart <= ROUNDING_RATIO * mean).then_some(mean.sqrt())
     }
 
-    /// Whether lines along the normal of `plane` stay along it, and the plane so its own.
+    /// Returns `true` if lines along the normal of `plane` remain along it, and the plane remains parallel.
     pub(super) fn keeps(&self, plane: Plane) -> bool {
         let [a, b, normal] = plane.axes();
         let across = [(a, normal), (b, normal), (normal, a), (normal, b)];
         across.into_iter().all(|place| self.linear[place].abs() <= ROUNDING_RATIO * self.linear.amax())
     }
 
-    /// Whether a turn in the plane becomes one in the other sense.
+    /// Returns `true` if the map reverses the sense of rotation in the plane.
     pub(crate) fn flips(&self, plane: Plane) -> bool {
         let [a, b, _] = plane.axes();
         self.linear[(a, a)] * self.linear[(b, b)] < self.linear[(a, b)] * self.linear[(b, a)]
     }
 
-    /// The largest factor by which it scales one of the two axes of a plane.
+    /// Returns the largest factor by which the map scales one of the two axes of a plane.
     pub(super) fn largest_scale(&self, plane: Plane) -> f64 {
         let [a, b, _] = plane.axes();
         self.linear.column(a).norm().max(self.linear.column(b).norm())
     }
 }
 
-/// Sine and cosine, without rounding at quarter turns: a part turned by 90° keeps its right angles.
+/// Returns sine and cosine, exact at quarter turns: a part turned by 90° keeps its right angles.
 fn exact_sin_cos(angle: f64) -> (f64, f64) {
     let quarters = angle / std::f64::consts::FRAC_PI_2;
     if quarters.fract() != 0.0 {

@@ -1,12 +1,12 @@
-//! Moves and arcs under a chain that is more than shifts.
+//! Arcs under a chain of coordinates that is more than shifts.
 //!
-//! An arc is worked out in program coordinates, where the words that describe it hold, and then
-//! taken to the machine: A e1, A e2 and A w with the radii times the scale k of A. A mirror turns
-//! its sense and a rotation its plane without further rules, and the sweep stays.
+//! The interpreter computes an arc in program coordinates, in which its words hold, and maps it to the machine: A
+//! e1, A e2 and A w, with the radii times the scale k of A. So a mirror reverses its sense and a rotation turns
+//! its plane without further rules, and the sweep does not change.
 //!
-//! With unequal scales a circle would be an ellipse, which controls do not run. As on Fanuc
-//! controls the end and I, J, K are scaled axis by axis, and R by the larger scale of the plane; what
-//! comes out is run as a circle or a spiral.
+//! With unequal scales a circle would become an ellipse, which controls do not run. As on Fanuc controls the end
+//! and I, J, K are scaled axis by axis, and R by the larger scale of the plane; the result is run as a circle or a
+//! spiral.
 
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::frame::Affine;
@@ -16,7 +16,7 @@ use crate::simulation::toolpath::plane::Turn;
 use crate::simulation::toolpath::{Arc, Point};
 
 impl Interpreter<'_> {
-    /// The arc of a block between two machine positions under the chain `map`.
+    /// Returns the arc of a block between two machine positions under the chain `map`.
     pub(crate) fn turned_arc(
         &mut self,
         block: Block,
@@ -46,7 +46,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// An arc under a map that scales all lengths by `scale`.
+/// Returns an arc under a map that scales all lengths by `scale`.
 fn mapped(arc: &Arc, map: &Affine, scale: f64) -> Arc {
     Arc {
         center: map.point(&arc.center),

@@ -4,18 +4,18 @@
 //! m = T(external + work + tool) · R(θ) · T(shift + local) · O1 · O2 · … · p
 //! ```
 //!
-//! T a shift, external the offset that Fanuc and Haas controls add to all work offsets (G10 L2 P0), work
-//! the one in force (G54 to G59.3, G54.1 Pn) and θ its rotation in X Y (G10 L2 R of LinuxCNC), tool the
-//! length offset (G43), shift that of G92, local that of G52, and O1, O2 … the operations on coordinates
-//! in force — mirror image, scaling, rotation — the later one within the earlier one, each of a kind
-//! replaced where it stands. Rotary axes have offsets alone.
+//! T is a shift; external is the offset that Fanuc and Haas controls add to all work offsets (G10 L2 P0); work is
+//! the one in force (G54 to G59.3, G54.1 Pn) and θ its rotation in X Y (G10 L2 R of LinuxCNC); tool is the length
+//! offset (G43), shift the offset of G92, local the one of G52. O1, O2 … are the operations on coordinates in
+//! force — mirror image, scaling, rotation — the later one within the earlier one; a new one replaces the one of
+//! its kind in its position. Rotary axes have offsets alone.
 //!
-//! While the chain is nothing but shifts, each axis is worked out on its own, so that axes that
-//! are not programmed keep every digit.
+//! While the chain consists of shifts only, each axis is computed on its own, so that axes without words keep
+//! every digit.
 //!
-//! Sources: NIST RS274/NGC, Sect. 3.5; LinuxCNC, G10 and G92; Fanuc operator's manual, coordinate
-//! system, scaling, coordinate rotation and programmable mirror image. Limits: a work offset that
-//! neither machine file nor program gives is zero.
+//! Sources: NIST RS274/NGC, Sect. 3.5; LinuxCNC, G10 and G92; Fanuc operator's manual, coordinate system, scaling,
+//! coordinate rotation and programmable mirror image. Limits: a work offset without a value in the machine file
+//! and the program is zero.
 
 mod polar_words;
 mod target;
@@ -51,7 +51,7 @@ pub(super) struct WorkOffset {
     pub(super) rotation: f64,
 }
 
-/// Which word made an operation on coordinates; a new one of the same kind replaces it.
+/// The kind of an operation on coordinates; a new one replaces the one of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Datum shift of Heidenhain controls.
@@ -61,38 +61,38 @@ pub(super) enum Kind {
     Rotation,
 }
 
-/// The chain in force.
+/// The chain of coordinates in force.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     /// By number: 1 to 9 for G54 to G59.3, above [`ADDITIONAL`] for G54.1 Pn, and [`EXTERNAL`].
     work_offsets: BTreeMap<u16, WorkOffset>,
-    /// The work offset in force.
+    /// Number of the work offset in force.
     pub(super) work_offset: u16,
-    /// By G92.
+    /// The offset of G92.
     shift: Shift,
-    /// The last one that G92 made, for G92.3.
+    /// The last offset of G92, for G92.3.
     stored: Shift,
-    /// By G52.
+    /// The offset of G52.
     local: Shift,
-    /// Tool lengths that the program gives, by number.
+    /// Tool lengths in the program, by number.
     tool_lengths: BTreeMap<u32, Vector>,
     /// Length offset in force, mm.
     tool: Vector,
     operations: Vec<(Kind, Affine)>,
-    /// Where the mirrors of G51.1 stand, mm.
+    /// Coordinates of the mirrors of G51.1, mm.
     mirrors: [Option<f64>; 3],
-    /// Polar coordinates, where they are in force.
+    /// Polar coordinates, if they are in force.
     pub(super) polar: Option<Polar>,
-    /// What is added to program coordinates beside `shift` and `local`, while the chain is shifts.
+    /// The offset of program coordinates beside `shift` and `local`, while the chain consists of shifts.
     base: Vector,
-    /// The whole chain and its inverse, where it is more than shifts.
+    /// The whole chain and its inverse, if it is more than shifts.
     turned: Option<Box<[Affine; 2]>>,
 }
 
 /// The number of G54.1 P0, beyond those of G54 to G59.3.
 pub(super) const ADDITIONAL: u16 = 9;
 
-/// The number of the offset that adds to all others; it cannot be put in force itself.
+/// The number of the offset that adds to all others; no word selects it.
 const EXTERNAL: u16 = u16::MAX;
 
 impl Frame {
@@ -120,7 +120,7 @@ impl Frame {
         frame
     }
 
-    /// Puts an operation in force, in place of the one of its kind, else within all others.
+    /// Sets an operation, in place of the one of its kind, else within all others.
     pub(super) fn set(&mut self, kind: Kind, operation: Affine) {
         match self.operations.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, known)) => *known = operation,
@@ -136,44 +136,46 @@ impl Frame {
         self.set(kind, outer.after(&operation));
     }
 
-    /// Ends the operation of a kind.
+    /// Removes the operation of a kind.
     pub(super) fn unset(&mut self, kind: Kind) {
         self.operations.retain(|(known, _)| *known != kind);
         self.refresh();
     }
 
-    /// Gives a work offset its values; in force or not, the tool does not move.
+    /// Sets the values of a work offset; the tool does not move, even if it is in force.
     pub(super) fn set_work_offset(&mut self, number: u16, offset: WorkOffset) {
         self.work_offsets.insert(number, offset);
         self.refresh();
     }
 
-    /// The work offset with a number, or `None` if nobody has given it.
+    /// Returns the work offset with a number, or `None` if neither machine file nor program has it.
     pub(super) fn work_offset_of(&self, number: u16) -> Option<WorkOffset> {
         self.work_offsets.get(&number).copied()
     }
 
-    /// Puts a work offset in force.
+    /// Selects a work offset.
     pub(super) fn select_work_offset(&mut self, number: u16) {
         self.work_offset = number;
         self.refresh();
     }
 
+    /// Returns the work offset in force.
     fn work(&self) -> WorkOffset {
         self.work_offset_of(self.work_offset).unwrap_or_default()
     }
 
+    /// Returns the offset that adds to all others.
     fn external(&self) -> Shift {
         self.work_offset_of(EXTERNAL).unwrap_or_default().origin
     }
 
-    /// Puts a tool length offset in force, mm.
+    /// Sets the tool length offset, mm.
     pub(super) fn set_tool(&mut self, offset: Vector) {
         self.tool = offset;
         self.refresh();
     }
 
-    /// What lies outside the shifts of G92 and G52.
+    /// Returns the part of the chain outside the shifts of G92 and G52.
     fn outer(&self) -> Affine {
         let work = self.work();
         let outer = Affine::shift(self.external().linear + work.origin.linear + self.tool);
@@ -183,13 +185,13 @@ impl Frame {
         }
     }
 
-    /// What lies within them.
+    /// Returns the part of the chain within these shifts.
     fn inner(&self) -> Affine {
         let operations = self.operations.iter();
         operations.fold(Affine::identity(), |outer, (_, operation)| outer.after(operation))
     }
 
-    /// Works out again what follows from the other fields.
+    /// Computes the fields that depend on others.
     fn refresh(&mut self) {
         let (outer, inner) = (self.outer(), self.inner());
         if let (Some(outer), Some(inner)) = (outer.as_shift(), inner.as_shift()) {
@@ -202,18 +204,18 @@ impl Frame {
         }
     }
 
-    /// The chain, where it is more than shifts.
+    /// Returns the chain, or `None` if it consists of shifts.
     pub(super) fn turned(&self) -> Option<&Affine> {
         self.turned.as_ref().map(|maps| &maps[0])
     }
 
-    /// Machine coordinate, mm, of a program coordinate while the chain is shifts.
+    /// Returns the machine coordinate, mm, of a program coordinate while the chain consists of shifts.
     #[inline]
     pub(super) fn coordinate(&self, axis: usize, value: f64) -> f64 {
         value + self.shift.linear[axis] + self.local.linear[axis] + self.base[axis]
     }
 
-    /// Machine coordinates of program coordinates, mm.
+    /// Returns the machine coordinates of program coordinates, mm.
     pub(super) fn to_machine(&self, program: &Point) -> Point {
         match &self.turned {
             Some(maps) => maps[0].point(program),
@@ -221,7 +223,7 @@ impl Frame {
         }
     }
 
-    /// Machine coordinate of an axis, mm, of its program coordinate at the place of `at`.
+    /// Returns the machine coordinate of an axis, mm, for its program coordinate at the position `at`.
     pub(super) fn coordinate_at(&self, at: &Point, axis: usize, value: f64) -> f64 {
         if self.turned.is_none() {
             return self.coordinate(axis, value);
@@ -231,7 +233,7 @@ impl Frame {
         self.to_machine(&program)[axis]
     }
 
-    /// Program coordinates of machine coordinates, mm.
+    /// Returns the program coordinates of machine coordinates, mm.
     pub(super) fn to_program(&self, machine: &Point) -> Point {
         match &self.turned {
             Some(maps) => maps[1].point(machine),
@@ -239,14 +241,14 @@ impl Frame {
         }
     }
 
-    /// Machine coordinate of a rotary axis, rad, of its program coordinate.
+    /// Returns the machine coordinate of a rotary axis, rad, for its program coordinate.
     pub(super) fn rotary_coordinate(&self, axis: usize, value: f64) -> f64 {
         let work = self.external().rotary[axis] + self.work().origin.rotary[axis];
         value + self.shift.rotary[axis] + self.local.rotary[axis] + work
     }
 
-    /// The shift of G92 that gives the point `at` in machine coordinates the program coordinates
-    /// `named`, mm.
+    /// Returns the shift of G92 that gives the point `at` in machine coordinates the program coordinates `named`,
+    /// mm.
     fn shift_naming(&self, at: &Point, named: &Point) -> Vector {
         if self.turned.is_none() {
             return at - named - self.local.linear - self.base;

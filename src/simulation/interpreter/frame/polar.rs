@@ -1,8 +1,8 @@
 //! Points by radius r and angle φ in the plane: pole + r (cos φ, sin φ) along its two axes.
 //!
-//! - G16 … G15 (Fanuc, Haas): the word of the plane's first axis is r (in units of length), that of
-//!   the second φ (degrees). The pole is the origin of program coordinates; a radius under G91 makes
-//!   the position its pole. An angle under G91 adds to the angle before. What is left out stays.
+//! - G16 … G15 (Fanuc, Haas): the word of the plane's first axis is r (in units of length), the word of the second
+//!   φ (degrees). The pole is the origin of program coordinates; a radius under G91 makes the position its pole. An
+//!   angle under G91 adds to the angle before. A missing word keeps its value.
 //! - `@` and `^` (LinuxCNC): r and φ about the origin, under G91 added to those of the position.
 
 use crate::machine::AXES;
@@ -22,21 +22,21 @@ struct Ray {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Polar {
     last: Ray,
-    /// The ray of the point that was worked out last, and that point in program coordinates: it
-    /// becomes `last` once the tool is there.
+    /// The ray of the last computed point, and that point in program coordinates: the ray becomes `last` once the
+    /// tool is at the point.
     ahead: Option<(Ray, [f64; 2])>,
 }
 
-/// How far the tool may be from a point and be there, mm.
-const SAME_PLACE_MM: f64 = 1e-6;
+/// Largest distance of the tool from a point at which it is there, mm.
+const MAX_ARRIVAL_DISTANCE_MM: f64 = 1e-6;
 
-/// Words of a point that is given by an angle or a radius.
+/// Words of a point by an angle or a radius.
 const BY_ANGLE: u64 =
     bits(&[address::POLAR_RADIUS, address::POLAR_ANGLE, address::LINE_ANGLE, address::OPENING_ANGLE]);
 
 impl Interpreter<'_> {
-    /// The words for X, Y and Z in mm, increments under G91; those of a point given by radius and
-    /// angle are worked out from it.
+    /// Returns the words for X, Y and Z in mm, as increments under G91. For a point by radius and angle they are
+    /// computed.
     pub(crate) fn axis_values(&mut self) -> [Option<f64>; 3] {
         let mut values = AXES.map(|axis| self.given.get(axis as u8).map(|value| value * self.modal.unit));
         self.refer_to_mode(&mut values);
@@ -78,7 +78,7 @@ impl Interpreter<'_> {
         values
     }
 
-    /// Brings words that say themselves what they count from to the distance mode in force.
+    /// Converts words that state their reference point to the distance mode in force.
     fn refer_to_mode(&mut self, values: &mut [Option<f64>; 3]) {
         if !self.given.refers() {
             return;
@@ -95,14 +95,14 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The point of G16 in the plane, program coordinates, mm.
+    /// Returns the point of G16 in the plane, in program coordinates, mm.
     fn modal_polar(&mut self, at: &Point, radius: Option<f64>, angle: Option<f64>) -> [f64; 2] {
         let is_incremental = self.modal.is_incremental;
         let [a, b, _] = self.canonical.plane.axes();
         let at = [at[a], at[b]];
         let polar = self.frame.polar.get_or_insert_default();
         if let Some((ray, there)) = polar.ahead
-            && (at[0] - there[0]).hypot(at[1] - there[1]) < SAME_PLACE_MM
+            && (at[0] - there[0]).hypot(at[1] - there[1]) < MAX_ARRIVAL_DISTANCE_MM
         {
             polar.last = ray;
         }
@@ -123,7 +123,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// The point of `@` and `^` about the origin of the plane.
+/// Returns the point of `@` and `^` about the origin of the plane, mm.
 fn about_origin(at: [f64; 2], radius: Option<f64>, angle: Option<f64>, is_incremental: bool) -> [f64; 2] {
     let (now, heading) = (at[0].hypot(at[1]), at[1].atan2(at[0]));
     let (radius, angle) = if is_incremental {

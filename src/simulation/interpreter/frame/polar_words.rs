@@ -9,7 +9,7 @@ use crate::simulation::toolpath::Point;
 use crate::simulation::toolpath::plane::Turn;
 
 impl Interpreter<'_> {
-    /// The program coordinates in the plane that AP and RP mean, mm.
+    /// Returns the program coordinates in the plane by AP and RP, mm.
     pub(crate) fn siemens_polar(&mut self) -> Option<[(usize, f64); 2]> {
         if self.dialect != Dialect::Siemens {
             return None;
@@ -31,7 +31,8 @@ impl Interpreter<'_> {
         Some([(a, pole[a] + radius * angle.cos()), (b, pole[b] + radius * angle.sin())])
     }
 
-    /// The coordinate in the plane that ANG gives to the other one, mm, in the distance mode in force.
+    /// Returns the coordinate in the plane that follows from ANG and the other one, mm, in the distance mode in
+    /// force.
     pub(crate) fn siemens_by_angle(&self, values: &[Option<f64>; 3]) -> Option<(usize, f64)> {
         let angle = self.given.get(address::LINE_ANGLE)?.to_radians();
         let [a, b, _] = self.canonical.plane.axes();
@@ -51,7 +52,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The end of an arc by its centre and opening angle, as the coordinates of the plane, mm, in the
+    /// Returns the end of an arc by its centre and opening angle, as the coordinates of the plane, mm, in the
     /// distance mode in force.
     pub(crate) fn siemens_by_opening(&self) -> Option<[(usize, f64); 2]> {
         let opening = self.given.get(address::OPENING_ANGLE)?.to_radians();
@@ -70,13 +71,13 @@ impl Interpreter<'_> {
         };
         let (u, v) = (offset(a).unwrap_or(0.0), offset(b).unwrap_or(0.0));
         let (sine, cosine) = if turn == Turn::Clockwise { -opening } else { opening }.sin_cos();
-        // From the centre the start lies at (-u, -v).
+        // Relative to the centre the start is at (-u, -v).
         let end = [(a, u - u * cosine + v * sine), (b, v - u * sine - v * cosine)];
         let from = |axis: usize| if self.modal.is_incremental { 0.0 } else { at[axis] };
         Some(end.map(|(axis, step)| (axis, from(axis) + step)))
     }
 
-    /// The program coordinates in the plane that PR and PA mean, mm.
+    /// Returns the program coordinates in the plane by PR and PA, mm.
     pub(crate) fn klartext_polar(&mut self) -> Option<[(usize, f64); 2]> {
         if !self.is_heidenhain() || !self.given.has(POLAR_WORDS) {
             return None;
@@ -100,5 +101,5 @@ impl Interpreter<'_> {
     }
 }
 
-/// A line is this far from square to an axis whose coordinate is to give the other one.
+/// Least cosine of the angle between a line and an axis from whose coordinate the other one follows.
 const MIN_COSINE: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! Where axis words point.
+//! Destinations of axis words.
 
 use crate::machine::AXES;
 use crate::simulation::interpreter::block::Block;
@@ -9,7 +9,7 @@ use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::toolpath::{Point, Vector};
 
 impl Interpreter<'_> {
-    /// Where the axis words point, mm, or `None` if that is out of reach.
+    /// Returns the destination of the axis words, mm, or `None` if it is out of reach.
     pub(crate) fn target(&mut self, block: Block) -> Option<Point> {
         let mut target = self.canonical.position;
         let values = self.axis_values();
@@ -29,7 +29,8 @@ impl Interpreter<'_> {
         Some(target)
     }
 
-    /// Where the axis words point under the chain, mm: `values` in program coordinates.
+    /// Returns the destination of `values`, in program coordinates, under the chain, mm; `None` if it is out of
+    /// reach.
     pub(crate) fn turned_target(
         &mut self,
         block: Block,
@@ -45,7 +46,7 @@ impl Interpreter<'_> {
                 return None;
             }
         }
-        // What is not programmed adds exactly nothing, and so keeps its digits.
+        // An axis without a word adds exactly 0, and so keeps its digits.
         let target = self.canonical.position + chain.vector(&step);
         let is_within = target.coords.amax() <= MAX_COORDINATE_MM;
         if !is_within {

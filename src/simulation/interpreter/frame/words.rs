@@ -17,6 +17,7 @@
 use crate::machine::AXES;
 use crate::simulation::gcode::{Dialect, Place};
 use crate::simulation::interpreter::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
+use crate::simulation::interpreter::bounds::{MAX_TOOL_NUMBER, SCALE_FACTORS};
 use crate::simulation::interpreter::code::Code;
 use crate::simulation::interpreter::frame::{ADDITIONAL, Affine, EXTERNAL, Kind, Shift};
 use crate::simulation::interpreter::remark::TraceRemark;
@@ -25,14 +26,11 @@ use crate::simulation::interpreter::state::{Family, Interpreter};
 use crate::simulation::interpreter::words::Special;
 use crate::simulation::toolpath::{Point, Vector};
 
-/// The factors of scaling that are taken at their word.
-const FACTORS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
-
-/// From here on a whole factor without a decimal point counts thousandths.
+/// Least whole factor without a decimal point that counts thousandths.
 const MIN_THOUSANDTHS: f64 = 100.0;
 
 impl Interpreter<'_> {
-    /// Runs a word that changes the chain with the axis words of its block. The tool stays.
+    /// Runs a word that changes the chain with the axis words of its block. The tool does not move.
     pub(crate) fn change_frame(&mut self, block: Block, special: Special, code: Code) {
         match special {
             Special::DataSetting => self.data_setting(block, code),
@@ -63,7 +61,7 @@ impl Interpreter<'_> {
         self.frame.refresh();
     }
 
-    /// G92.
+    /// Runs G92.
     fn set_position(&mut self, block: Block) {
         let mut named = self.frame.to_program(&self.canonical.position);
         let mut shift = self.frame.shift;
@@ -71,7 +69,7 @@ impl Interpreter<'_> {
         for (axis, letter) in AXES.into_iter().enumerate() {
             let Some(value) = self.given.get(letter as u8) else { continue };
             named[axis] = value * self.modal.unit;
-            // An axis that is not named keeps every digit of its shift.
+            // An axis without a word keeps every digit of its shift.
             let moved = self.frame.shift_naming(&self.canonical.position, &named);
             if !self.is_within_reach(block, letter, moved.amax()) {
                 return;
@@ -88,7 +86,7 @@ impl Interpreter<'_> {
         (self.frame.shift, self.frame.stored) = (shift, shift);
     }
 
-    /// G52. On LinuxCNC it and G92 share one shift.
+    /// Runs G52. On LinuxCNC it and G92 share one shift.
     fn local_shift(&mut self, block: Block) {
         let mut local = match self.family {
             Family::Rs274 => self.frame.shift,
@@ -110,6 +108,7 @@ impl Interpreter<'_> {
         }
     }
 
+    /// Runs G10.
     fn data_setting(&mut self, block: Block, code: Code) {
         let whole = |value: f64| (0.0..=1000.0).contains(&value) && value.fract() == 0.0;
         let number = self.given.get(b'P').filter(|value| whole(*value)).map(|value| value as u16);
@@ -134,7 +133,8 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Gives a work offset the values of the block, or those by which the position `is_named` so.
+    /// Sets a work offset to the values of the block or, if `is_named`, so that the position has these values as
+    /// coordinates.
     fn set_offset(&mut self, block: Block, number: u16, is_named: bool) {
         let mut offset = self.frame.work_offset_of(number).unwrap_or_default();
         if let Some(degrees) = self.given.get(b'R').filter(|_| self.family == Family::Rs274) {
@@ -166,8 +166,8 @@ impl Interpreter<'_> {
         self.frame.set_work_offset(number, offset);
     }
 
-    /// The origin of a work offset that gives the position the coordinates `named` in the axes
-    /// that the block names; the others keep `origin`.
+    /// Returns the origin of a work offset that gives the position the coordinates `named` in the axes of the
+    /// block's words; the other axes keep `origin`.
     fn origin_naming(&self, origin: Vector, rotation: f64, named: &Vector) -> Vector {
         let mut probe = self.frame.clone();
         let number = probe.work_offset;
@@ -183,7 +183,7 @@ impl Interpreter<'_> {
         origin + (self.canonical.position - probe.to_machine(&program))
     }
 
-    /// G54 to G59.3, G54.1 Pn and G154 Pn.
+    /// Runs G54 to G59.3, G54.1 Pn and G154 Pn.
     pub(crate) fn choose_work_offset(&mut self, code: Code, place: Place) {
         let tenths = (10.0 * code.value).round() as u16;
         let number = match tenths {
@@ -197,11 +197,11 @@ impl Interpreter<'_> {
             591..=593 => tenths - 584,
             _ => tenths / 10 - 53,
         };
-        self.take_work_offset(code, place, number);
+        self.select_work_offset(code, place, number);
     }
 
-    /// Puts the work offset with this number in force.
-    pub(crate) fn take_work_offset(&mut self, code: Code, place: Place, number: u16) {
+    /// Selects the work offset with this number.
+    pub(crate) fn select_work_offset(&mut self, code: Code, place: Place, number: u16) {
         let before = self.frame.work_offset;
         let is_known = |number: u16| self.frame.work_offset_of(number).is_some();
         let leaves_the_known = number != before && !(is_known(number) && is_known(before));
@@ -213,7 +213,7 @@ impl Interpreter<'_> {
         self.frame.select_work_offset(number);
     }
 
-    /// The point that the words of a block name as a centre; the position in axes it does not name.
+    /// Returns the centre in the words of a block; without a word it is the position in that axis.
     fn named_center(&mut self, block: Block) -> Option<Point> {
         let mut center = self.frame.to_program(&self.canonical.position);
         for (axis, letter) in AXES.into_iter().enumerate() {
@@ -226,7 +226,7 @@ impl Interpreter<'_> {
         Some(center)
     }
 
-    /// G68; under G91 a further turn in the coordinates in force.
+    /// Runs G68; under G91 it adds a rotation in the coordinates in force.
     fn rotate(&mut self, block: Block) {
         let Some(degrees) = self.given.get(b'R').filter(|degrees| degrees.abs() <= 1e6) else {
             self.remarks.add(block.place(), TraceRemark::NoAngle);
@@ -240,7 +240,7 @@ impl Interpreter<'_> {
         self.frame.compose(Kind::Rotation, turn);
     }
 
-    /// G51.
+    /// Runs G51.
     fn scale(&mut self, block: Block) {
         let factor = |letter: u8| {
             let word = block.words.iter().rfind(|word| word.letter == letter)?;
@@ -257,7 +257,7 @@ impl Interpreter<'_> {
         } else {
             [factor(b'P').unwrap_or(0.0); 3]
         };
-        if !factors.iter().all(|factor| FACTORS.contains(&factor.abs())) {
+        if !factors.iter().all(|factor| SCALE_FACTORS.contains(&factor.abs())) {
             self.remarks.add(block.place(), TraceRemark::BadScale);
             return;
         }
@@ -267,7 +267,7 @@ impl Interpreter<'_> {
         self.frame.set(Kind::Scaling, Affine::scaling(center, factors));
     }
 
-    /// G51.1 and G50.1; one that ends mirrors without naming an axis ends all.
+    /// Runs G51.1 and G50.1; G50.1 without axis words ends all mirrors.
     fn mirror(&mut self, block: Block, is_on: bool) {
         let ends_all = !is_on && !self.given.has(AXIS_WORDS);
         for (axis, letter) in AXES.into_iter().enumerate() {
@@ -287,7 +287,8 @@ impl Interpreter<'_> {
         }
     }
 
-    /// G43, G44, G43.1, G43.2 and G49. G43.1 without H takes the axis words of its block.
+    /// Runs G43, G44, G43.1, G43.2 and G49. Returns G43.1 without H as a word that takes the axis words of its
+    /// block.
     pub(crate) fn choose_tool_length(&mut self, block: Block, code: Code) -> Option<(Special, Code)> {
         let tenths = (10.0 * code.value).round() as u16;
         if tenths == 490 {
@@ -298,7 +299,7 @@ impl Interpreter<'_> {
             return Some((Special::ToolOffset, code));
         }
         let number = match self.given.get(b'H') {
-            Some(number) if (0.0..=99_999_999.0).contains(&number) => Some(number as u32),
+            Some(number) if (0.0..=MAX_TOOL_NUMBER).contains(&number) => Some(number as u32),
             Some(_) => None,
             None => self.modal.tool,
         };
@@ -315,7 +316,7 @@ impl Interpreter<'_> {
         None
     }
 
-    /// The rotary words of the block: axis and value, rad.
+    /// Returns the rotary words of the block, as axis and value (rad).
     fn rotary_values(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
         let values = ROTARY_AXES.map(|axis| self.given.get(axis as u8).map(f64::to_radians));
         values.into_iter().enumerate().filter_map(|(axis, value)| Some((axis, value?)))

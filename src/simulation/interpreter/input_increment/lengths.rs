@@ -1,24 +1,24 @@
-//! Words without a decimal point as lengths, and remarks on those that may be none.
+//! Words without a decimal point as lengths, and remarks on such words.
 
 use crate::simulation::gcode::{
     self, Cause, Dialect, Doubt, Effect, Letters, LineNumber, Place, Program, Word,
 };
-use crate::simulation::interpreter::block::Block;
-use crate::simulation::interpreter::input_increment::{has_lengths, is_dwell, is_length};
+use crate::simulation::interpreter::block::{Block, is_dwell};
+use crate::simulation::interpreter::input_increment::{has_lengths, is_length};
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::{Family, Interpreter};
 use crate::simulation::toolpath::Segment;
 use crate::units::MM_PER_INCH;
 
-/// A number without a point that is at least this looks like increments, units of length.
+/// Least number without a decimal point that is probably in increments, units of length.
 const LARGE_NUMBER: f64 = 1000.0;
 
-/// What hardly a machine travels in one axis, mm.
+/// Larger travels in one axis are rare among machines, mm.
 const MAX_TRAVEL_MM: f64 = 5000.0;
 
 impl Interpreter<'_> {
-    /// The words of a block with lengths by increments, or `None` if they are as written. `read` are
-    /// its words as they were read, where formulas have no value.
+    /// Returns the words of a block with lengths by increments, or `None` if they do not change. `read` are its
+    /// words as read, in which words of formulas have no value.
     pub(crate) fn by_increments(&self, words: &[Word], read: &[Word]) -> Option<Vec<Word>> {
         let increment = self.machine.program.increment.filter(|_| self.family == Family::Fanuc)?;
         let unit_after = words.iter().rev().find_map(|word| match word {
@@ -34,7 +34,7 @@ impl Interpreter<'_> {
         let mut read = read.iter();
         let mut words = words.to_vec();
         for word in &mut words {
-            // Words without a value are missing here, the others stand in the same order.
+            // Words without a value are missing here, the others are in the same order.
             let as_read = read.find(|as_read| as_read.columns == word.columns);
             let is_written = as_read.is_some_and(|as_read| !as_read.value.is_nan());
             if is_written && !word.has_point && is_length(word) {
@@ -45,7 +45,7 @@ impl Interpreter<'_> {
         Some(words)
     }
 
-    /// Looks for large lengths without a point and for lengths with one in these blocks.
+    /// Searches the blocks for large lengths without a decimal point and for lengths with one.
     pub(crate) fn look_for_points(&mut self, program: &Program) {
         if self.family != Family::Fanuc || self.machine.program.increment.is_some() {
             return;
@@ -65,9 +65,9 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Tells of a large length without a point in a program that writes points, and of a long path in an ISO
-    /// program that writes none.
-    pub(crate) fn tell_missing_points(&mut self) {
+    /// Remarks on a large length without a decimal point in a program that has points, and on a long path in an
+    /// ISO program without points.
+    pub(crate) fn remark_on_missing_points(&mut self) {
         let may_count = matches!(self.dialect, Dialect::Iso | Dialect::Okuma);
         if may_count && self.machine.program.increment.is_none() && !self.points.are_written {
             if let Some(line) = self.longer_than_machines() {
@@ -85,13 +85,13 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Returns the doubt of a length in `line` without its decimal point: it is noticed at the end of the program and
-    /// reaches from the first move of that line to the next one along the same axis.
+    /// Returns the doubt about a length in `line` without its decimal point. It is noticed at the end of the
+    /// program, and reaches from the first move of that line to the next one along the same axis.
     fn doubt_of_missing_point(&self, line: LineNumber, letter: u8) -> Doubt {
         let segments = &self.canonical.toolpath().segments;
         let cause = Cause::MissingPoints;
         let Some(after) = segments.iter().position(|segment| segment.line == line) else {
-            // A shift or a parameter: moves anywhere may hang on it.
+            // It is a shift or a parameter, which may affect any move.
             let after = segments.len();
             return Doubt { line, cause, effect: Effect::Unbounded, after, until: after };
         };
@@ -107,7 +107,7 @@ impl Interpreter<'_> {
         Doubt { line, cause, effect, after, until }
     }
 
-    /// The line with which the path first extends too far for a machine.
+    /// Returns the line with which the path first extends further than machines travel.
     fn longer_than_machines(&self) -> Option<LineNumber> {
         let start = self.canonical.toolpath().segments.first()?.start.coords;
         let (mut least, mut most) = (start, start);

@@ -1,4 +1,4 @@
-//! Ways to a contour and from it, for the centre of the tool.
+//! Approach to a contour and departure from it, for the tool centre.
 //!
 //! ```text
 //! APPR LT   straight, along the first element          DEP LT   straight, along the last element
@@ -8,14 +8,14 @@
 //!           both that line and the element
 //! ```
 //!
-//! With t the direction of the first element at its start A, n the normal towards the tool and r its
-//! radius, the tool comes to A' = A + r n. LT begins LEN before A' along t, LN at A' + LEN n. R is that
-//! of the contour's own arc, which the tool runs inside of: its centre goes on R − r about A + R n.
-//! The first element is known only with the next move: until then the tool waits at P_S. A block
-//! L with RL or RR leads in the same way, straight to A'.
+//! With t the direction of the first element at its start A, n the normal towards the tool and r its radius, the
+//! tool arrives at A' = A + r n. LT begins LEN before A' along t, LN at A' + LEN n. R is the radius of the
+//! contour's own arc; the tool moves inside it, so that its centre moves on the radius R − r about A + R n. The
+//! first element is known only with the next move: until then the tool waits at P_S. A block L with RL or RR leads
+//! in by the same rule, straight to A'.
 //!
-//! Source: TNC 640, Klartext Programming, 2018, ch. 6. Limits: the way to the auxiliary point is
-//! straight in all axes; where the next move is along the tool axis, the tool goes straight to A.
+//! Source: TNC 640, Klartext Programming, 2018, ch. 6. Limits: the way to the auxiliary point is straight in all
+//! axes; if the next move is along the tool axis, the tool goes straight to A.
 
 use crate::simulation::gcode::{ContourWay, KlartextStatement, LineNumber, address};
 use crate::simulation::interpreter::block::Block;
@@ -24,21 +24,18 @@ use crate::simulation::interpreter::klartext::KlartextRemark;
 use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::interpreter::words::Mode;
 use crate::simulation::toolpath::plane::{Plane, Turn};
-use crate::simulation::toolpath::{Arc, Curve, Motion, Point, Rotation, Segment, Vector};
+use crate::simulation::toolpath::{Arc, Curve, MIN_MOVE_MM, Motion, Point, Rotation, Segment, Vector};
 
-/// How the way to the auxiliary point is run: as the block before.
-pub(super) type Lead = Motion;
-
-/// The shape of a way to or from a contour.
+/// The shape of an approach or departure, with its sizes.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     /// Straight to the start.
     Direct,
-    /// Along the element, mm.
+    /// Straight along the element, length in mm.
     Along(f64),
-    /// Square to the element, mm.
+    /// Straight at a right angle to the element, length in mm.
     Across(f64),
-    /// An arc through this angle, rad, of this radius, mm.
+    /// An arc with this angle, rad, and this radius, mm.
     Arc { angle: f64, radius: f64 },
     /// An arc of this radius, mm, and a line that touches it.
     ArcAndLine { radius: f64 },
@@ -49,19 +46,19 @@ enum Way {
 pub(super) struct Approach {
     name: &'static str,
     way: Way,
-    /// Where the tool is, machine coordinates, mm.
+    /// Position of the tool, machine coordinates, mm.
     from: Point,
-    /// How it goes to the auxiliary point.
+    /// Motion to the auxiliary point.
     lead: Motion,
-    /// How it goes from there.
+    /// Motion from there.
     motion: Motion,
     side: Option<Side>,
     line: LineNumber,
 }
 
 impl Interpreter<'_> {
-    /// How the block before was run, where this one approaches.
-    pub(super) fn lead_motion(&mut self, block: Block, statement: KlartextStatement) -> Option<Lead> {
+    /// Returns the motion of the block before, if this one approaches.
+    pub(super) fn lead_motion(&mut self, block: Block, statement: KlartextStatement) -> Option<Motion> {
         let KlartextStatement::Approach(_) = statement else { return None };
         match self.modal.mode {
             Some(Mode::Straight) if self.modal.feedrate.is_some() => {
@@ -72,19 +69,19 @@ impl Interpreter<'_> {
         }
     }
 
-    /// APPR.
+    /// Runs APPR.
     pub(super) fn approach(
         &mut self,
         block: Block,
         name: &'static str,
         shape: ContourWay,
-        lead: Option<Lead>,
+        lead: Option<Motion>,
     ) {
         self.settle_approach();
         let Some(target) = self.target(block) else { return };
         let Some(way) = self.way(block, name, shape) else { return };
         if self.klartext.side.is_some() {
-            self.stay_beside();
+            self.end_compensation_in_place();
         }
         let motion = Motion::Feed { feedrate: self.feedrate(block) };
         let side = match self.given.get(address::SIDE) {
@@ -98,7 +95,7 @@ impl Interpreter<'_> {
         self.wait_for_contour(Approach { name, way, from, lead, motion, side, line }, target);
     }
 
-    /// L with RL or RR after R0.
+    /// Runs L with RL or RR after R0.
     pub(super) fn lead_in(&mut self, block: Block, side: Side, target: Point, motion: Motion) {
         self.settle_approach();
         let (from, line) = (self.canonical.position, block.line);
@@ -109,15 +106,16 @@ impl Interpreter<'_> {
         );
     }
 
+    /// Keeps an approach until its contour begins at `target`.
     fn wait_for_contour(&mut self, approach: Approach, target: Point) {
         self.klartext.side = approach.side;
         self.klartext.approach = Some(approach);
         self.canonical.position = target;
-        // The side is in force from here on, even while its distance is not known.
+        // The side is in force from here on, even while its distance is unknown.
         self.klartext.beside = approach.side.map(|_| Beside { side: 0.0, radius: 0.0 });
     }
 
-    /// LEN, CCA and R of an approach or departure.
+    /// Returns the shape of an approach or departure by LEN, CCA and R; remarks on a missing word.
     fn way(&mut self, block: Block, name: &'static str, shape: ContourWay) -> Option<Way> {
         let unit = self.modal.unit;
         let length = self.given.get(address::APPROACH_LENGTH).map(|length| length.abs() * unit);
@@ -143,7 +141,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Takes notice of a move before it is made: it tells an approach where to go.
+    /// Runs before each move: the first move of a contour completes its approach.
     pub(super) fn klartext_before_move(&mut self, end: Point, curve: &Curve, length: f64) {
         let segment = Segment {
             start: self.canonical.position,
@@ -165,14 +163,15 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Ends an approach whose contour does not come.
+    /// Ends an approach without a contour.
     pub(super) fn settle_approach(&mut self) {
         if let Some(approach) = self.klartext.approach.take() {
             self.finish_approach(approach, None);
         }
     }
 
-    /// Goes to the contour, whose first element begins at the position along `tangent`.
+    /// Moves to the contour, whose first element begins at the position along `tangent`; `None` if no element
+    /// follows.
     fn finish_approach(&mut self, approach: Approach, tangent: Option<Vector>) {
         let Approach { name, way, from, lead, motion, side, line } = approach;
         let block = Block::of_words(&[], line);
@@ -202,21 +201,22 @@ impl Interpreter<'_> {
                 self.go(block, at, motion);
             }
             Way::Arc { angle, radius: written } => {
-                match self.bow(block, name, (at, tangent), (normal, written, radius)) {
-                    Some(bow) => {
-                        let from = bow.at(-angle);
+                match self.circle(block, name, (at, tangent), (normal, written, radius)) {
+                    Some(circle) => {
+                        let from = circle.at(-angle);
                         self.go(block, from, lead);
-                        self.go_around(block, &bow, at, motion);
+                        self.go_around(block, &circle, at, motion);
                     }
                     None => self.go(block, at, motion),
                 }
             }
             Way::ArcAndLine { radius: written } => {
-                let bow = self.bow(block, name, (at, tangent), (normal, written, radius));
-                let touching = bow.as_ref().and_then(|bow| Some((bow, bow.touching(from, at, true)?)));
-                if let Some((bow, point)) = touching {
+                let circle = self.circle(block, name, (at, tangent), (normal, written, radius));
+                let touching =
+                    circle.as_ref().and_then(|circle| Some((circle, circle.touching(from, at, true)?)));
+                if let Some((circle, point)) = touching {
                     self.go(block, point, lead);
-                    self.go_around(block, bow, at, motion);
+                    self.go_around(block, circle, at, motion);
                 } else {
                     self.go(block, at, motion);
                 }
@@ -229,7 +229,7 @@ impl Interpreter<'_> {
         self.canonical.position = start;
     }
 
-    /// DEP: ends compensation.
+    /// Runs DEP, which ends compensation.
     pub(super) fn depart(&mut self, block: Block, name: &'static str, shape: ContourWay) {
         self.settle_approach();
         let Some(target) = self.target(block) else { return };
@@ -237,7 +237,7 @@ impl Interpreter<'_> {
         let Beside { side, radius } = self.klartext.beside.unwrap_or(Beside { side: 1.0, radius: 0.0 });
         let height = target - self.canonical.position;
         (self.klartext.side, self.klartext.beside) = (None, None);
-        self.stay_beside();
+        self.end_compensation_in_place();
         self.modal.mode = Some(Mode::Straight);
         let motion = Motion::Feed { feedrate: self.feedrate(block) };
         let axis = self.canonical.plane.axes()[2];
@@ -257,53 +257,57 @@ impl Interpreter<'_> {
             Way::Along(length) => self.go(block, at + length * tangent + rise, motion),
             Way::Across(length) => self.go(block, at + length * normal + rise, motion),
             Way::Arc { angle, radius: written } => {
-                if let Some(bow) = self.bow(block, name, (at, tangent), (normal, written, radius)) {
-                    let end = bow.at(angle) + rise;
-                    self.go_around(block, &bow, end, motion);
+                if let Some(circle) = self.circle(block, name, (at, tangent), (normal, written, radius)) {
+                    let end = circle.at(angle) + rise;
+                    self.go_around(block, &circle, end, motion);
                 }
             }
             Way::ArcAndLine { radius: written } => {
-                let bow = self.bow(block, name, (at, tangent), (normal, written, radius));
-                let touching = bow.as_ref().and_then(|bow| Some((bow, bow.touching(target, at, false)?)));
-                if let Some((bow, point)) = touching {
-                    self.go_around(block, bow, point, motion);
+                let circle = self.circle(block, name, (at, tangent), (normal, written, radius));
+                let touching =
+                    circle.as_ref().and_then(|circle| Some((circle, circle.touching(target, at, false)?)));
+                if let Some((circle, point)) = touching {
+                    self.go_around(block, circle, point, motion);
                 }
                 self.go(block, target, motion);
             }
         }
     }
 
-    /// The circle that the tool's centre runs on, which it leaves or reaches at a point along a tangent.
-    fn bow(
+    /// Returns the circle of the tool centre that touches the contour at a point along a tangent; `None` after a
+    /// remark if the tool does not fit.
+    fn circle(
         &mut self,
         block: Block,
         name: &'static str,
         (at, tangent): (Point, Vector),
         (normal, written, tool): (Vector, f64, f64),
-    ) -> Option<Bow> {
-        // Away from the contour for a positive radius, and inside of the contour's own arc.
+    ) -> Option<ContactCircle> {
+        // A positive radius leads away from the contour, and the tool is inside of the contour's own arc.
         let (towards, radius) =
             if 0.0 < written { (normal, written - tool) } else { (-normal, tool - written) };
-        if radius < ROUNDING_MM {
+        if radius < MIN_MOVE_MM {
             self.remark(block.place(), KlartextRemark::TightApproach { name, radius: tool });
             return None;
         }
         let plane = self.canonical.plane;
         let is_left = 0.0 < left_of(plane, tangent).dot(&towards);
         let turn = if is_left { Turn::Counterclockwise } else { Turn::Clockwise };
-        Some(Bow { plane, center: at + radius * towards, radius, turn, start: at })
+        Some(ContactCircle { plane, center: at + radius * towards, radius, turn, start: at })
     }
 
+    /// Moves straight to `end`.
     fn go(&mut self, block: Block, end: Point, motion: Motion) {
         let length = (end - self.canonical.position).norm();
-        if ROUNDING_MM <= length {
+        if MIN_MOVE_MM <= length {
             self.push(block, end, Curve::Line, length, motion);
         }
     }
 
-    fn go_around(&mut self, block: Block, bow: &Bow, end: Point, motion: Motion) {
+    /// Moves along a circle to `end`.
+    fn go_around(&mut self, block: Block, circle: &ContactCircle, end: Point, motion: Motion) {
         let ends = (self.canonical.position, end);
-        match bow.plane.arc(ends, bow.center, bow.turn, 1) {
+        match circle.plane.arc(ends, circle.center, circle.turn, 1) {
             Ok(arc) => {
                 let length = Arc::length(&arc);
                 self.push(block, end, Curve::Arc(arc.into()), length, motion);
@@ -313,22 +317,19 @@ impl Interpreter<'_> {
     }
 }
 
-/// Lengths below this are none, mm.
-const ROUNDING_MM: f64 = 1e-9;
-
-/// A circle that touches the contour, and the way it is run through.
+/// A circle that touches the contour, with the sense of the motion.
 #[derive(Clone, Copy, Debug)]
-struct Bow {
+struct ContactCircle {
     plane: Plane,
     center: Point,
     radius: f64,
     turn: Turn,
-    /// Where it touches the contour.
+    /// The point where it touches the contour.
     start: Point,
 }
 
-impl Bow {
-    /// The point that is reached `angle` (rad) after the contour, or before it where negative.
+impl ContactCircle {
+    /// Returns the point `angle` (rad) after the contour, or before it if negative.
     fn at(&self, angle: f64) -> Point {
         let sense = if self.turn == Turn::Counterclockwise { 1.0 } else { -1.0 };
         let [a, b, _] = self.plane.axes();
@@ -340,8 +341,8 @@ impl Bow {
         point
     }
 
-    /// Where a straight line between `outside` and the circle touches it in the sense of the motion,
-    /// at the height of `at`, or `None` from within.
+    /// Returns the point where a straight line between `outside` and the circle touches it in the sense of the
+    /// motion, at the height of `at`; `None` if `outside` is within the circle.
     fn touching(&self, outside: Point, at: Point, is_way_in: bool) -> Option<Point> {
         let [a, b, _] = self.plane.axes();
         let (to_a, to_b) = (self.center[a] - outside[a], self.center[b] - outside[b]);
@@ -350,7 +351,7 @@ impl Bow {
             return None;
         }
         let length = ((distance - self.radius) * (distance + self.radius)).sqrt();
-        // Seen from outside, the centre lies to the left of a line that goes on counter-clockwise.
+        // Seen from outside, the centre is on the left of a line that continues counter-clockwise.
         let centre_is_left = (self.turn == Turn::Counterclockwise) == is_way_in;
         let aside = (self.radius / distance).asin() * if centre_is_left { -1.0 } else { 1.0 };
         let (sin, cos) = aside.sin_cos();
@@ -362,13 +363,13 @@ impl Bow {
     }
 }
 
-/// The direction within the plane, or `None` if it is square to it.
+/// Returns the unit vector of a direction within the plane, or `None` if it is at a right angle to it.
 fn in_plane(plane: Plane, mut direction: Vector) -> Option<Vector> {
     direction[plane.axes()[2]] = 0.0;
     direction.try_normalize(1e-6)
 }
 
-/// The direction to the left of `direction`, in the plane.
+/// Returns the direction to the left of `direction`, in the plane.
 fn left_of(plane: Plane, direction: Vector) -> Vector {
     let [a, b, _] = plane.axes();
     plane.vector([-direction[b], direction[a], 0.0])

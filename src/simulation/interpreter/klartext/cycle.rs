@@ -1,13 +1,13 @@
-//! Cycles: what their definitions say, and when their holes are made.
+//! Cycles: their definitions, and the calls that make their holes.
 //!
-//! A definition of a drilling cycle is kept until the next one; CYCL CALL and M99 make one hole
-//! where the tool is, CYCL CALL POS goes to one, M89 makes one after every move until M99. Cycles 220
-//! and 221 make a circle or rows of holes at once, with the cycle defined before. The other cycles
-//! below 100 act where they are defined.
+//! A definition of a drilling cycle is kept until the next one. CYCL CALL and M99 make one hole at the position of
+//! the tool, CYCL CALL POS moves to one, M89 makes one after every move until M99. Cycles 220 and 221 make a
+//! circle or rows of holes at once, with the cycle defined before. The other cycles below 100 act at their
+//! definition.
 
 use crate::simulation::gcode::{LineNumber, address, whole_number};
 use crate::simulation::interpreter::block::Block;
-use crate::simulation::interpreter::bounds::MAX_DWELL_S;
+use crate::simulation::interpreter::bounds::{MAX_DWELL_S, MAX_HOLES};
 use crate::simulation::interpreter::cycle::NoHole;
 use crate::simulation::interpreter::klartext::KlartextRemark;
 use crate::simulation::interpreter::klartext::hole::is_hole;
@@ -17,36 +17,33 @@ use crate::simulation::toolpath::Blending;
 use crate::simulation::toolpath::Point;
 use std::collections::BTreeMap;
 
-/// The most holes of one pattern.
-const MAX_HOLES: f64 = 10_000.0;
-
-/// Cycles that have no moves of their own where they are defined: contours, their data, subprograms,
-/// orientation of the spindle, settings of touch probes.
+/// Cycles without moves at their definition: contours, their data, subprograms, orientation of the spindle,
+/// settings of touch probes.
 const WITHOUT_MOVES: &[u32] = &[12, 13, 14, 20, 30, 239, 270, 271];
 
-/// The definition in force, and the parameters of all.
+/// The definition in force, and the parameters of all cycles.
 #[derive(Default)]
-pub(super) struct Cycle {
+pub(super) struct CycleState {
     pub(super) number: Option<u32>,
-    /// The settings of a cycle with lines of its own, by line.
+    /// The settings of a cycle of several lines, by line.
     pub(super) settings: [Option<f64>; 10],
-    /// What the program assigned to the parameters of cycles, by number.
+    /// The values that the program assigned to the parameters of cycles, by number.
     pub(super) parameters: BTreeMap<u32, f64>,
-    /// M89.
+    /// `true` after M89.
     is_modal: bool,
     /// A pattern (cycle 220, 221) that waits for its parameters.
     pattern: Option<(u32, LineNumber)>,
 }
 
-impl Cycle {
-    /// A parameter as the program gave it; 0 if it did not.
+impl CycleState {
+    /// Returns a parameter as assigned by the program; 0 if it is not.
     pub(super) fn q(&self, number: u32) -> f64 {
         self.parameters.get(&number).copied().unwrap_or(0.0)
     }
 }
 
 impl Interpreter<'_> {
-    /// CYCL DEF.
+    /// Runs CYCL DEF.
     pub(super) fn define_cycle(&mut self, block: Block, number: u32, step: Option<u32>) {
         let number = number.min(1_000_000);
         let step = step.map(|step| step.min(9) as usize);
@@ -89,7 +86,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Cycle 9.
+    /// Runs cycle 9, a dwell.
     fn wait(&mut self, block: Block) {
         match self.given.get(address::SETTING) {
             Some(seconds) if (0.0..=MAX_DWELL_S).contains(&seconds) => {
@@ -100,7 +97,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Cycle 32: the contour tolerance; without T, or with 0, that of the machine.
+    /// Runs cycle 32, which sets the contour tolerance; without T, or with 0, the tolerance of the machine.
     fn tolerance(&mut self, block: Block) {
         let tolerance = self.given.get(address::SETTING).filter(|tolerance| *tolerance != 0.0);
         let source = tolerance.map_or("CYCL DEF 32".to_string(), |value| format!("CYCL DEF 32 T{value}"));
@@ -108,14 +105,14 @@ impl Interpreter<'_> {
         self.set_tolerance(block.place(), source, blending);
     }
 
-    /// CYCL CALL.
+    /// Runs CYCL CALL.
     pub(super) fn call_cycle(&mut self, block: Block) {
         self.settle_approach();
         self.klartext.cycle.is_modal = false;
         self.run_cycle(block, 0.0);
     }
 
-    /// CYCL CALL POS: in the plane to the hole; its Z lifts or lowers the surface of the cycle.
+    /// Runs CYCL CALL POS, which moves in the plane to the hole; its Z lifts or lowers the surface of the cycle.
     pub(super) fn call_cycle_at(&mut self, block: Block) {
         self.settle_approach();
         let Some(mut target) = self.target(block) else { return };
@@ -126,7 +123,7 @@ impl Interpreter<'_> {
         self.run_cycle(block, lift);
     }
 
-    /// The holes that M99 and M89 ask for, after the move of their block.
+    /// Makes the hole of M99 or M89, after the move of their block.
     pub(super) fn call_after_move(&mut self, block: Block, called: bool, begins: bool) {
         let cycle = &mut self.klartext.cycle;
         if called {
@@ -140,7 +137,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Runs the cycle in force where the tool is, with its surface lifted (mm).
+    /// Runs the cycle in force at the position of the tool, with its surface lifted (mm).
     fn run_cycle(&mut self, block: Block, lift: f64) {
         let Some(number) = self.klartext.cycle.number else {
             self.remark(block.place(), KlartextRemark::NoCycle);
@@ -157,7 +154,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Runs a pattern once all its parameters are known: with the next statement.
+    /// Runs a pattern with the next statement, when all its parameters are known.
     pub(super) fn run_pattern(&mut self) {
         let Some((number, line)) = self.klartext.cycle.pattern.take() else { return };
         let block = Block::of_words(&[], line);
@@ -165,12 +162,12 @@ impl Interpreter<'_> {
         let cycle = &self.klartext.cycle;
         let numbers: &[u32] = if number == 220 { &[241] } else { &[242, 243] };
         let counts: Option<Vec<u32>> = numbers.iter().map(|number| whole_number(cycle.q(*number))).collect();
-        let asked =
+        let count =
             counts.as_ref().map(|counts| counts.iter().map(|count| f64::from(*count)).product::<f64>());
-        let Some(counts) = counts.filter(|_| asked.is_some_and(|asked| (1.0..=MAX_HOLES).contains(&asked)))
+        let Some(counts) = counts.filter(|_| count.is_some_and(|count| (1.0..=MAX_HOLES).contains(&count)))
         else {
-            let asked = numbers.iter().map(|number| cycle.q(*number)).product();
-            let what = NoHole::NoCount(asked).to_string();
+            let count = numbers.iter().map(|number| cycle.q(*number)).product();
+            let what = NoHole::NoCount(count).to_string();
             return self.remark(block.place(), KlartextRemark::NoHole { number, what });
         };
         let q = |number: u32| cycle.q(number) * unit;
@@ -191,7 +188,7 @@ impl Interpreter<'_> {
             let (sin, cos) = angle(224).sin_cos();
             places.extend((0..columns * rows).map(|index| {
                 let (row, column) = (index / columns, index % columns);
-                // Every other row is run back.
+                // Every other row runs backwards.
                 let column = if row % 2 == 0 { column } else { columns - 1 - column };
                 let (along, across) = (f64::from(column) * q(237), f64::from(row) * q(238));
                 [q(225) + cos * along - sin * across, q(226) + sin * along + cos * across]

@@ -1,23 +1,21 @@
 //! Changes of coordinates: cycles 7, 8, 10, 11 and 26, and TRANS.
 //!
-//! Each is an operation of the chain of coordinates, in the order in which they were first
-//! programmed; a new one of the same kind replaces it where it stands. Values of cycle 7 that are not
-//! programmed stay; cycle 8 mirrors the axes it names and no others.
+//! Each is an operation of the chain of coordinates, in the order in which they were first programmed; a new one
+//! replaces the one of its kind in its position. Missing values of cycle 7 do not change; cycle 8 mirrors the axes
+//! of its words and no others.
 
 use crate::machine::AXES;
 use crate::simulation::gcode::{Transformation, address};
 use crate::simulation::interpreter::block::Block;
+use crate::simulation::interpreter::bounds::SCALE_FACTORS;
 use crate::simulation::interpreter::frame::{Affine, Kind};
 use crate::simulation::interpreter::klartext::KlartextRemark;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::toolpath::{Point, Vector};
 
-/// The factors that are taken at their word.
-const FACTORS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
-
 impl Interpreter<'_> {
-    /// TRANS DATUM, MIRROR, ROTATION, SCALE.
+    /// Runs TRANS DATUM, MIRROR, ROTATION and SCALE.
     pub(super) fn transform(&mut self, block: Block, transformation: Transformation) {
         match transformation {
             Transformation::Datum => self.shift_datum(block),
@@ -27,7 +25,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// TRANS DATUM RESET and the like.
+    /// Runs TRANS DATUM RESET and the like.
     pub(super) fn reset_transform(&mut self, transformation: Transformation) {
         self.frame.unset(match transformation {
             Transformation::Datum => {
@@ -43,7 +41,7 @@ impl Interpreter<'_> {
         });
     }
 
-    /// The axis words of the block as the shift of the datum.
+    /// Shifts the datum by the axis words of the block.
     pub(super) fn shift_datum(&mut self, block: Block) {
         if self.given.get(address::SETTING).is_some() {
             let (name, what) = ("datum table", "its rows are not in this file: its shifts are not applied");
@@ -67,7 +65,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The axes that the block names, mirrored at the datum, or `None` if it names none.
+    /// Mirrors the axes of the block's words at the datum; without words, ends the mirror.
     pub(super) fn mirror_axes(&mut self) {
         let places = AXES.map(|axis| self.given.get(axis as u8).map(|_| 0.0));
         if places == [None; 3] {
@@ -77,7 +75,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The angle in the word with this address as a rotation about the datum.
+    /// Rotates the plane about the datum by the angle in the word with this address.
     pub(super) fn rotate_plane(&mut self, block: Block, address: u8) {
         let Some(degrees) = self.given.get(address).filter(|degrees| degrees.abs() <= 1e6) else {
             let (name, what, instead) = ("rotation", "angle", "coordinates do not change");
@@ -95,21 +93,22 @@ impl Interpreter<'_> {
         }
     }
 
-    /// One factor for all axes.
+    /// Scales all axes by one factor.
     pub(super) fn scale_all(&mut self, block: Block) {
         let factor = self.given.get(address::SETTING).unwrap_or(0.0);
         self.scale_by(block, [factor; 3], Point::origin());
     }
 
-    /// A factor for each axis about a centre (CCX, CCY, CCZ).
+    /// Scales each axis by its own factor about a centre (CCX, CCY, CCZ).
     pub(super) fn scale_axes(&mut self, block: Block) {
         let factors = AXES.map(|axis| self.given.get(axis as u8).unwrap_or(1.0));
         let center = b"IJK".map(|letter| self.given.get(letter).unwrap_or(0.0) * self.modal.unit);
         self.scale_by(block, factors, Point::from(center));
     }
 
+    /// Scales the axes by `factors` about `center` (mm).
     fn scale_by(&mut self, block: Block, factors: [f64; 3], center: Point) {
-        if !factors.iter().all(|factor| FACTORS.contains(factor)) {
+        if !factors.iter().all(|factor| SCALE_FACTORS.contains(factor)) {
             self.remarks.add(block.place(), TraceRemark::BadScale);
         } else if factors == [1.0; 3] {
             self.frame.unset(Kind::Scaling);

@@ -1,7 +1,7 @@
-//! The work at one hole, by the drilling cycles of TNC controls.
+//! The steps of one hole, by the drilling cycles of TNC controls.
 //!
-//! Heights in program coordinates: the surface Q203, from which the depth Q201 counts downwards; the
-//! set-up clearance Q200 above it, where feed begins; Q204 above it, where the tool is left.
+//! Heights are in program coordinates: the surface Q203, from which the depth Q201 counts downwards; the set-up
+//! clearance Q200 above it, where feed begins; Q204 above it, where the tool ends.
 //!
 //! | cycle | pecks by Q202, from the surface | back between them | out |
 //! |---|---|---|---|
@@ -11,48 +11,50 @@
 //! | 204 | counterbore Q249 from below a part of Q250 | | rapid |
 //! | 205 | less by Q212 down to Q205 | rapid, back to Q258 … Q259 above the last depth; breaks after Q257 by Q256 | rapid |
 //! | 206 | tap, feed Q206 | | feed, spindle reversed |
-//! | 207 | tap, pitch Q239 | | the same |
-//! | 209 | tap, pitch Q239, breaks after Q257 by Q256 | | the same, Q403 times faster |
+//! | 207 | tap, pitch Q239 | | feed, spindle reversed |
+//! | 209 | tap, pitch Q239, breaks after Q257 by Q256 | | feed, spindle reversed, Q403 times faster |
 //! | 240 | none | | rapid |
 //! | 241 | none; from Q379 on, reached at Q253 | | feed Q208 |
 //! | 1 | line 3, from line 1 above the surface | rapid to the start, back to 0.6 mm (depth / 50 beyond 30 mm) | rapid |
 //! | 2, 17 | tap; 17 by its pitch | | feed |
 //!
-//! The cycles of the older kind begin where the tool is, and count their clearance (line 1) and depth
-//! (line 2) from there. Source: TNC 640, Cycle Programming, 2018; TNC 426, 1997. Limits: bore milling
-//! (208) and threads (18, 26x) are not modelled; cycle 202 leaves the hole in rapid where Q208 is 0.
+//! The cycles of the older kind begin at the position of the tool, and count their clearance (line 1) and depth
+//! (line 2) from there. Source: TNC 640, Cycle Programming, 2018; TNC 426, 1997. Limits: bore milling (208) and
+//! threads (18, 26x) are not modelled; cycle 202 leaves the hole in rapid if Q208 is 0.
 
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::bounds::FEEDRATES_MM_S;
 use crate::simulation::interpreter::cycle::NoHole;
-use crate::simulation::interpreter::cycle::hole::{Pecks, Step, Turn, Work, peck, written_per_made};
+use crate::simulation::interpreter::cycle::hole::{
+    HolePlan, HoleStep, Pecks, SpindleTurn, peck, written_per_made,
+};
 use crate::simulation::interpreter::klartext::KlartextRemark;
 use crate::simulation::interpreter::state::Interpreter;
 use crate::units::MM_PER_INCH;
 
-/// From here on a feed of a cycle means rapid, units of length per minute.
-const RAPID_FEED: f64 = 99_999.0;
+/// Least feed of a cycle that means rapid, units of length per minute.
+const MIN_RAPID_FEED: f64 = 99_999.0;
 
-/// How far an oriented tool is taken off the wall, mm.
+/// Displacement of an oriented tool off the wall, mm.
 const OFF_THE_WALL_MM: f64 = 0.2;
 
-/// Chip breaking without a value, mm.
+/// Retract of chip breaking without a value, mm.
 const CHIP_BREAK_MM: f64 = 0.2;
 
-/// The most steps of one hole.
+/// Most steps of one hole.
 const MAX_STEPS: usize = 10_000;
 
-/// Cycles that make a hole.
+/// Returns `true` for cycles that make a hole.
 pub(super) fn is_hole(number: u32) -> bool {
     matches!(number, 1 | 2 | 17 | 200..=207 | 209 | 240 | 241)
 }
 
-/// A depth of pecks, mm: that of the whole hole where none is given.
+/// Returns a depth of pecks, mm: the depth of the whole hole if none is given.
 fn peck_within(deep: f64, depth: f64) -> f64 {
     if 0.0 < deep { deep } else { depth.max(1e-3) }
 }
 
-/// A hole in words of its cycle; lengths in mm, heights in program coordinates.
+/// The sizes of a hole; lengths in mm, heights in program coordinates, feedrates in mm/s, dwells in s.
 #[derive(Clone, Copy)]
 struct Plan {
     reference: f64,
@@ -60,50 +62,51 @@ struct Plan {
     bottom: f64,
     return_to: f64,
     feed: f64,
-    /// None: in rapid.
+    /// `None` in rapid.
     feed_out: Option<f64>,
     dwell: f64,
 }
 
-/// How a hole is drilled by pecks.
+/// The pecks of a hole.
 #[derive(Clone, Copy)]
 struct Pecking {
     pecks: Pecks,
-    /// Height to go on from, above the last depth: at the first and at the last peck.
+    /// Heights above the last depth at which feed starts again: at the first and at the last peck.
     advance: (f64, f64),
     dwell_outside: f64,
-    /// Chips are broken so often before the tool comes out; and at least after this depth.
+    /// Number of chip breaks before the tool leaves the hole.
     breaks: u32,
+    /// Largest depth between chip breaks.
     break_depth: Option<f64>,
     break_by: f64,
-    /// Out between pecks at the feedrate of the way out.
+    /// `true` if the tool leaves the hole between pecks at the feedrate of the way out.
     feeds_out: bool,
 }
 
 impl Interpreter<'_> {
-    /// Makes a hole where the tool is.
+    /// Makes a hole at the position of the tool.
     pub(super) fn make_klartext_hole(&mut self, block: Block, number: u32, lift: f64) {
         let outcome = self.klartext_steps(block, number, lift).and_then(|work| {
-            let Work { steps, pecks_per_made } = work;
-            self.tell_deeper_pecks(block, pecks_per_made);
+            let HolePlan { steps, pecks_per_made } = work;
+            self.remark_on_deeper_pecks(block, pecks_per_made);
             let exact_stop = self.canonical.exact_stop;
             let normal = self.canonical.plane.axes()[2];
             let height = |height: f64| self.frame.coordinate_at(&self.canonical.position, normal, height);
-            let mut steps: Vec<Step> = steps
+            let mut steps: Vec<HoleStep> = steps
                 .into_iter()
-                .filter(|step| !matches!(step, Step::Dwell(seconds) if *seconds <= 0.0))
+                .filter(|step| !matches!(step, HoleStep::Dwell(seconds) if *seconds <= 0.0))
                 .collect();
             for step in &mut steps {
                 match step {
-                    Step::Rapid(to) | Step::Feed { to, .. } => *to = height(*to),
+                    HoleStep::Rapid(to) | HoleStep::Feed { to, .. } => *to = height(*to),
                     _ => {}
                 }
             }
-            let is_far = |step: &Step| matches!(step, Step::Rapid(to) | Step::Feed { to, .. } if to.is_nan() || 1e7 < to.abs());
+            let is_far = |step: &HoleStep| matches!(step, HoleStep::Rapid(to) | HoleStep::Feed { to, .. } if to.is_nan() || 1e7 < to.abs());
             if steps.iter().any(is_far) {
                 return Err(NoHole::OutOfReach);
             }
-            self.make_hole(block, &Work { steps, pecks_per_made })?;
+            self.make_hole(block, &HolePlan { steps, pecks_per_made })?;
             self.canonical.exact_stop = exact_stop;
             Ok(())
         });
@@ -112,30 +115,32 @@ impl Interpreter<'_> {
         }
     }
 
-    /// A feed of a cycle, mm/s: 0 none, below 0 that of the tool call or the block; none in rapid.
+    /// Returns a feed of a cycle, mm/s: 0 or a negative one means the feed of the tool call or the block; `None`
+    /// for rapid.
     fn cycle_feed(&mut self, block: Block, value: f64) -> Option<f64> {
         let tenths = if self.modal.unit == MM_PER_INCH { 0.1 } else { 1.0 };
         let feedrate = value * self.modal.unit * tenths / 60.0;
         match value {
-            RAPID_FEED.. => None,
+            MIN_RAPID_FEED.. => None,
             value if 0.0 < value && FEEDRATES_MM_S.contains(&feedrate) => Some(feedrate),
             _ => Some(self.klartext.auto_feed.unwrap_or_else(|| self.feedrate(block))),
         }
     }
 
-    /// The rapid feedrate along the axis of the holes, mm/s.
+    /// Returns the rapid feedrate along the axis of the holes, mm/s.
     fn rapid_along_tool(&self) -> f64 {
         let mut shares = [0.0; 3];
         shares[self.canonical.plane.axes()[2]] = 1.0;
         self.machine.rapid_feedrate(shares)
     }
 
-    /// A parameter of the cycle as a length, mm.
+    /// Returns a parameter of the cycle as a length, mm.
     fn cycle_length(&self, number: u32) -> f64 {
         self.klartext.cycle.q(number) * self.modal.unit
     }
 
-    /// The heights and feedrates of a cycle; those of the older kind count from where the tool is.
+    /// Returns the heights and feedrates of a cycle; in cycles of the older kind they count from the position of
+    /// the tool.
     fn klartext_plan(&mut self, block: Block, number: u32, lift: f64) -> Plan {
         let rapid = self.rapid_along_tool();
         if number < 100 {
@@ -157,7 +162,7 @@ impl Interpreter<'_> {
         Plan { reference, surface, bottom, return_to, feed, feed_out: None, dwell }
     }
 
-    /// Pecks by Q202, less by Q212 each down to Q205; `depth` is that of the hole, mm.
+    /// Returns pecks by Q202, decreasing by Q212 each down to Q205; `depth` is the depth of the hole, mm.
     fn decreasing_pecks(&self, depth: f64) -> Pecks {
         let deep = peck_within(self.cycle_length(202).abs(), depth);
         let (less, least) = (self.cycle_length(212).abs(), self.cycle_length(205).abs());
@@ -165,7 +170,8 @@ impl Interpreter<'_> {
         Pecks { first: deep, ratio: 1.0, decrease: less, least }
     }
 
-    fn klartext_steps(&mut self, block: Block, number: u32, lift: f64) -> Result<Work, NoHole> {
+    /// Returns the steps of a cycle.
+    fn klartext_steps(&mut self, block: Block, number: u32, lift: f64) -> Result<HolePlan, NoHole> {
         let mut plan = self.klartext_plan(block, number, lift);
         let out = match self.klartext.cycle.q(208) {
             0.0 => None,
@@ -227,7 +233,7 @@ impl Interpreter<'_> {
                 if start < plan.surface
                     && let Some(feedrate) = self.cycle_feed(block, self.klartext.cycle.q(253))
                 {
-                    work.steps.insert(1, Step::Feed { to: start, feedrate });
+                    work.steps.insert(1, HoleStep::Feed { to: start, feedrate });
                 }
                 Ok(work)
             }
@@ -236,8 +242,9 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Cycle 202: bored, and left off the wall (Q214) with an oriented spindle, at `out` (mm/s) or in rapid.
-    fn bore_and_orient(&self, plan: &Plan, out: Option<f64>, turn: Turn) -> Result<Work, NoHole> {
+    /// Returns the steps of cycle 202: boring, and a way out off the wall (Q214) with an oriented spindle, at
+    /// `out` (mm/s) or in rapid.
+    fn bore_and_orient(&self, plan: &Plan, out: Option<f64>, turn: SpindleTurn) -> Result<HolePlan, NoHole> {
         let shift = match self.klartext.cycle.q(214) as i32 {
             1 => [-OFF_THE_WALL_MM, 0.0],
             2 => [0.0, -OFF_THE_WALL_MM],
@@ -247,25 +254,25 @@ impl Interpreter<'_> {
         };
         plan.check_depth()?;
         let up = match out {
-            Some(feedrate) => Step::Feed { to: plan.reference, feedrate },
-            None => Step::Rapid(plan.reference),
+            Some(feedrate) => HoleStep::Feed { to: plan.reference, feedrate },
+            None => HoleStep::Rapid(plan.reference),
         };
-        Ok(Work::from(vec![
-            Step::Rapid(plan.reference),
-            Step::Feed { to: plan.bottom, feedrate: plan.feed },
-            Step::Dwell(plan.dwell),
-            Step::Orient,
-            Step::Shift(shift),
+        Ok(HolePlan::from(vec![
+            HoleStep::Rapid(plan.reference),
+            HoleStep::Feed { to: plan.bottom, feedrate: plan.feed },
+            HoleStep::Dwell(plan.dwell),
+            HoleStep::Orient,
+            HoleStep::Shift(shift),
             up,
-            Step::Rapid(plan.return_to),
-            Step::Shift([0.0, 0.0]),
-            Step::Start(turn),
+            HoleStep::Rapid(plan.return_to),
+            HoleStep::Shift([0.0, 0.0]),
+            HoleStep::Start(turn),
         ]))
     }
 
-    /// Cycle 204: Q249 depth of the counterbore, Q250 thickness of the part, Q251 off-centre of the
-    /// tool, Q252 height of its edge, Q253 feed of the way in, Q254 feed of the work, Q255 dwell.
-    fn back_bore(&mut self, block: Block, plan: Plan, turn: Turn) -> Result<Work, NoHole> {
+    /// Returns the steps of cycle 204: Q249 depth of the counterbore, Q250 thickness of the part, Q251 off-centre
+    /// distance of the tool, Q252 height of its edge, Q253 feed of the way in, Q254 feed of the work, Q255 dwell.
+    fn back_bore(&mut self, block: Block, plan: Plan, turn: SpindleTurn) -> Result<HolePlan, NoHole> {
         let unit = self.modal.unit;
         let q = |interpreter: &Self, number: u32| interpreter.klartext.cycle.q(number);
         let rapid = self.rapid_along_tool();
@@ -281,27 +288,33 @@ impl Interpreter<'_> {
             3 => [aside, 0.0],
             _ => [0.0, aside],
         };
-        Ok(Work::from(vec![
-            Step::Rapid(plan.reference),
-            Step::Orient,
-            Step::Shift(shift),
-            Step::Feed { to: below, feedrate: into },
-            Step::Shift([0.0, 0.0]),
-            Step::Start(turn),
-            Step::Feed { to: top, feedrate: work },
-            Step::Dwell(q(self, 255)),
-            Step::Feed { to: below, feedrate: work },
-            Step::Orient,
-            Step::Shift(shift),
-            Step::Feed { to: plan.reference, feedrate: into },
-            Step::Rapid(plan.return_to),
-            Step::Shift([0.0, 0.0]),
-            Step::Start(turn),
+        Ok(HolePlan::from(vec![
+            HoleStep::Rapid(plan.reference),
+            HoleStep::Orient,
+            HoleStep::Shift(shift),
+            HoleStep::Feed { to: below, feedrate: into },
+            HoleStep::Shift([0.0, 0.0]),
+            HoleStep::Start(turn),
+            HoleStep::Feed { to: top, feedrate: work },
+            HoleStep::Dwell(q(self, 255)),
+            HoleStep::Feed { to: below, feedrate: work },
+            HoleStep::Orient,
+            HoleStep::Shift(shift),
+            HoleStep::Feed { to: plan.reference, feedrate: into },
+            HoleStep::Rapid(plan.return_to),
+            HoleStep::Shift([0.0, 0.0]),
+            HoleStep::Start(turn),
         ]))
     }
 
-    /// Cycles 2, 17, 206, 207 and 209.
-    fn tap(&mut self, block: Block, number: u32, mut plan: Plan, turn: Turn) -> Result<Work, NoHole> {
+    /// Returns the steps of cycles 2, 17, 206, 207 and 209.
+    fn tap(
+        &mut self,
+        block: Block,
+        number: u32,
+        mut plan: Plan,
+        turn: SpindleTurn,
+    ) -> Result<HolePlan, NoHole> {
         let unit = self.modal.unit;
         let setting =
             |interpreter: &Self, line: usize| interpreter.klartext.cycle.settings[line].unwrap_or(0.0);
@@ -313,9 +326,9 @@ impl Interpreter<'_> {
         };
         let by_pitch = pitch.abs() * self.functions.speed.unwrap_or(0.0) / 60.0;
         let turn = if pitch < 0.0 {
-            Turn::Left
+            SpindleTurn::Left
         } else if 0.0 < pitch {
-            Turn::Right
+            SpindleTurn::Right
         } else {
             turn
         };
@@ -335,9 +348,9 @@ impl Interpreter<'_> {
             plan.dwell = 0.0;
         }
         plan.check_depth()?;
-        let back = if turn == Turn::Right { Turn::Left } else { Turn::Right };
-        let stops = matches!(number, 2 | 206).then_some(Step::Stop);
-        let mut steps = vec![Step::Rapid(plan.reference)];
+        let back = if turn == SpindleTurn::Right { SpindleTurn::Left } else { SpindleTurn::Right };
+        let stops = matches!(number, 2 | 206).then_some(HoleStep::Stop);
+        let mut steps = vec![HoleStep::Rapid(plan.reference)];
         let faster = Some(q(self, 403)).filter(|factor| number == 209 && 1.0 <= *factor && *factor <= 10.0);
         let feed_out = plan.feed * faster.unwrap_or(1.0);
         let deep = Some(q(self, 257).abs() * unit).filter(|deep| number == 209 && 0.0 < *deep);
@@ -345,7 +358,7 @@ impl Interpreter<'_> {
         let mut pecks_per_made = 1.0;
         if let Some(deep) = deep {
             pecks_per_made = peck(plan.surface - plan.bottom, Pecks::equal(deep), |left| {
-                steps.push(Step::Feed { to: plan.bottom + left, feedrate: plan.feed });
+                steps.push(HoleStep::Feed { to: plan.bottom + left, feedrate: plan.feed });
                 if 0.0 < left {
                     let to = if by == 0.0 {
                         plan.reference
@@ -353,30 +366,30 @@ impl Interpreter<'_> {
                         (plan.bottom + left + by).min(plan.reference)
                     };
                     steps.extend([
-                        Step::Start(back),
-                        Step::Feed { to, feedrate: feed_out },
-                        Step::Start(turn),
+                        HoleStep::Start(back),
+                        HoleStep::Feed { to, feedrate: feed_out },
+                        HoleStep::Start(turn),
                     ]);
                 }
             })?;
         } else {
-            steps.push(Step::Feed { to: plan.bottom, feedrate: plan.feed });
+            steps.push(HoleStep::Feed { to: plan.bottom, feedrate: plan.feed });
         }
-        steps.push(Step::Dwell(plan.dwell));
-        steps.extend(stops.into_iter().chain([Step::Start(back)]));
-        steps.push(Step::Feed { to: plan.reference, feedrate: feed_out });
-        steps.extend(stops.into_iter().chain([Step::Start(turn)]));
-        steps.push(Step::Rapid(plan.return_to));
-        Ok(Work { steps, pecks_per_made })
+        steps.push(HoleStep::Dwell(plan.dwell));
+        steps.extend(stops.into_iter().chain([HoleStep::Start(back)]));
+        steps.push(HoleStep::Feed { to: plan.reference, feedrate: feed_out });
+        steps.extend(stops.into_iter().chain([HoleStep::Start(turn)]));
+        steps.push(HoleStep::Rapid(plan.return_to));
+        Ok(HolePlan { steps, pecks_per_made })
     }
 }
 
 impl Plan {
-    /// Checks that there is a hole to make.
+    /// Checks that the hole has a depth.
     ///
     /// # Errors
     ///
-    /// If its depth is 0 or less, or no number.
+    /// If its depth is 0 or less, or not a number.
     fn check_depth(&self) -> Result<(), NoHole> {
         let Plan { reference, bottom, .. } = *self;
         if !(reference - bottom).is_finite() {
@@ -386,11 +399,11 @@ impl Plan {
         if self.bottom < self.surface { Ok(()) } else { Err(NoHole::NoBottom('Q')) }
     }
 
-    /// Down by pecks, and out.
-    fn steps(&self, pecking: &Pecking) -> Result<Work, NoHole> {
+    /// Returns the steps down by pecks, and out.
+    fn steps(&self, pecking: &Pecking) -> Result<HolePlan, NoHole> {
         self.check_depth()?;
         let Plan { reference, surface, bottom, return_to, feed, feed_out, dwell } = *self;
-        let mut steps = vec![Step::Rapid(reference)];
+        let mut steps = vec![HoleStep::Rapid(reference)];
         let depth = surface - bottom;
         let (mut broken, mut from) = (0, surface);
         let (mut breaks, mut breaks_per_made) = (0, 1.0);
@@ -404,36 +417,39 @@ impl Plan {
                         break;
                     }
                     breaks += 1;
-                    steps.push(Step::Feed { to: at, feedrate: feed });
-                    steps.push(Step::Rapid((at + pecking.break_by).min(reference)));
+                    steps.push(HoleStep::Feed { to: at, feedrate: feed });
+                    steps.push(HoleStep::Rapid((at + pecking.break_by).min(reference)));
                     at -= deep;
                 }
             }
-            steps.push(Step::Feed { to, feedrate: feed });
+            steps.push(HoleStep::Feed { to, feedrate: feed });
             from = to;
             if left <= 0.0 {
                 return;
             }
             if broken < pecking.breaks {
                 broken += 1;
-                steps.push(Step::Rapid((to + pecking.break_by).min(reference)));
+                steps.push(HoleStep::Rapid((to + pecking.break_by).min(reference)));
                 return;
             }
             broken = 0;
             match feed_out.filter(|_| pecking.feeds_out) {
-                Some(feedrate) => steps.push(Step::Feed { to: reference, feedrate }),
-                None => steps.push(Step::Rapid(reference)),
+                Some(feedrate) => steps.push(HoleStep::Feed { to: reference, feedrate }),
+                None => steps.push(HoleStep::Rapid(reference)),
             }
             let (first, last) = pecking.advance;
             let share = if 0.0 < depth { 1.0 - left / depth } else { 0.0 };
             let advance = first + (last - first) * share;
-            steps.extend([Step::Dwell(pecking.dwell_outside), Step::Rapid((to + advance).min(reference))]);
+            steps.extend([
+                HoleStep::Dwell(pecking.dwell_outside),
+                HoleStep::Rapid((to + advance).min(reference)),
+            ]);
         })?;
-        steps.push(Step::Dwell(dwell));
+        steps.push(HoleStep::Dwell(dwell));
         if let Some(feedrate) = feed_out {
-            steps.push(Step::Feed { to: reference, feedrate });
+            steps.push(HoleStep::Feed { to: reference, feedrate });
         }
-        steps.push(Step::Rapid(return_to));
-        Ok(Work { steps, pecks_per_made: pecks_per_made.max(breaks_per_made) })
+        steps.push(HoleStep::Rapid(return_to));
+        Ok(HolePlan { steps, pecks_per_made: pecks_per_made.max(breaks_per_made) })
     }
 }

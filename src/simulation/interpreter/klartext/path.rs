@@ -1,12 +1,12 @@
 //! Moves of Klartext: straight lines, arcs about a pole, polar coordinates, corners.
 //!
-//! A polar word names the point at the radius PR and the angle PA about the pole CC, both counted
-//! from the last ones where they are incremental. `CP IPA…` runs through as many turns as its angle
-//! has; C without an end is a full circle.
+//! A polar word gives the point at the radius PR and the angle PA about the pole CC, both counted from the last
+//! ones if they are incremental. `CP IPA…` makes the turns of its angle; C without an end is a full circle.
 
 use crate::machine::AXES;
 use crate::simulation::gcode::{KlartextStatement, Reference, address};
 use crate::simulation::interpreter::block::{Block, POLAR_WORDS};
+use crate::simulation::interpreter::bounds::FEEDRATES_MM_S;
 use crate::simulation::interpreter::compensation::Side;
 use crate::simulation::interpreter::klartext::KlartextRemark;
 use crate::simulation::interpreter::rotary::ROTARY_AXES;
@@ -17,11 +17,11 @@ use crate::simulation::toolpath::plane::Turn;
 use crate::simulation::toolpath::{Arc, Motion, Point};
 use std::f64::consts::TAU;
 
-/// Parts of a turn that are rounding.
+/// Smaller parts of a turn are rounding errors.
 const ROUNDING_TURNS: f64 = 1e-9;
 
 impl Interpreter<'_> {
-    /// L, LN and LP.
+    /// Runs L, LN and LP.
     pub(super) fn straight(&mut self, block: Block) {
         let mode = self.mode_of();
         self.modal.mode = Some(mode);
@@ -32,13 +32,13 @@ impl Interpreter<'_> {
         }
         self.absolute_angles();
         let Some(target) = self.target(block) else { return };
-        self.take_rotary(block);
+        self.read_rotary_words(block);
         let moves = self.moves_axes();
-        match self.asked_side() {
+        match self.changed_side() {
             Some(Some(side)) if moves && self.klartext.beside.is_none() => {
                 let motion = self.motion_of(block, mode, (target - self.canonical.position).norm());
                 self.lead_in(block, side, target, motion);
-                self.turn_the_rest(block);
+                self.turn_remaining(block);
                 return;
             }
             Some(side) => self.change_side(block, side),
@@ -50,10 +50,11 @@ impl Interpreter<'_> {
                 _ => self.feed_to(block, target),
             }
         }
-        self.turn_the_rest(block);
+        self.turn_remaining(block);
         self.retract(block);
     }
 
+    /// Returns the motion of a move of `length` (mm).
     pub(super) fn motion_of(&mut self, block: Block, mode: Mode, length: f64) -> Motion {
         match mode {
             Mode::Rapid => Motion::Rapid,
@@ -61,24 +62,24 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The side that the block asks for, where it is another.
-    fn asked_side(&self) -> Option<Option<Side>> {
-        let asked = match self.given.get(address::SIDE)? {
+    /// Returns the side by the word of the block, if it differs from the side in force.
+    fn changed_side(&self) -> Option<Option<Side>> {
+        let side_by_word = match self.given.get(address::SIDE)? {
             0.0 => None,
             side if 0.0 < side => Some(Side::Left),
             _ => Some(Side::Right),
         };
-        (asked != self.klartext.side).then_some(asked)
+        (side_by_word != self.klartext.side).then_some(side_by_word)
     }
 
-    /// R0, or another side in the middle of a contour.
+    /// Runs R0, or another side within a contour.
     fn change_side(&mut self, block: Block, side: Option<Side>) {
         self.settle_approach();
         self.klartext.side = side;
         match side {
             None => {
                 self.klartext.beside = None;
-                self.stay_beside();
+                self.end_compensation_in_place();
             }
             Some(side) => {
                 let diameter = self.tool_diameter();
@@ -88,7 +89,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// M140: along the tool axis, away from the part.
+    /// Runs M140: retracts along the tool axis, away from the part.
     fn retract(&mut self, block: Block) {
         if !self.has_m(block, &[140.0]) {
             return;
@@ -111,7 +112,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Incremental rotary words as absolute ones.
+    /// Converts incremental rotary words to absolute ones.
     fn absolute_angles(&mut self) {
         for (axis, letter) in ROTARY_AXES.into_iter().enumerate() {
             let letter = letter as u8;
@@ -122,7 +123,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// CC; without words the pole is where the tool is.
+    /// Runs CC; without words the pole is the position of the tool.
     pub(super) fn set_pole_here(&mut self, block: Block) {
         let at = self.frame.to_program(&self.canonical.position);
         let mut pole = if self.moves_axes() { self.klartext.pole.unwrap_or(at) } else { at };
@@ -144,6 +145,7 @@ impl Interpreter<'_> {
         (self.klartext.pole, self.klartext.polar) = (Some(pole), None);
     }
 
+    /// Returns the pole, program coordinates, mm; remarks on a missing one.
     fn pole(&mut self, block: Block) -> Point {
         if self.klartext.pole.is_none() {
             self.remark(block.place(), KlartextRemark::NoPole);
@@ -151,11 +153,11 @@ impl Interpreter<'_> {
         *self.klartext.pole.get_or_insert(Point::origin())
     }
 
-    /// C, CP, CR, CT and CTP.
+    /// Runs C, CP, CR, CT and CTP.
     pub(super) fn klartext_arc(&mut self, block: Block, statement: KlartextStatement) {
         use KlartextStatement::{Circle, CircleByRadius, PolarCircle, PolarTangentialArc, TangentialArc};
         let sense = self.given.get(address::SENSE);
-        if let Some(side) = self.asked_side() {
+        if let Some(side) = self.changed_side() {
             self.change_side(block, side);
         }
         if let Some(sense) = sense {
@@ -168,7 +170,7 @@ impl Interpreter<'_> {
         }
         let Some(end) = self.target(block) else { return };
         self.absolute_angles();
-        self.take_rotary(block);
+        self.read_rotary_words(block);
         self.modal.mode = Some(Mode::Straight);
         match statement {
             CircleByRadius if self.given.get(address::CIRCLE_RADIUS).is_none() => {
@@ -194,10 +196,10 @@ impl Interpreter<'_> {
                 self.arc_to(block, end, turn);
             }
         }
-        self.turn_the_rest(block);
+        self.turn_remaining(block);
     }
 
-    /// The arc that begins in the direction of the last move.
+    /// Runs an arc that begins in the direction of the last move.
     fn tangential(&mut self, block: Block, end: Point) {
         let normal = self.canonical.plane.axes()[2];
         let direction = self.klartext.direction;
@@ -211,13 +213,13 @@ impl Interpreter<'_> {
         }
     }
 
-    /// RND and CHF: the corner between the move before and the next one.
+    /// Runs RND and CHF, which treat the corner between the move before and the next one.
     pub(super) fn klartext_corner(&mut self, block: Block, statement: KlartextStatement) {
         let is_rounding = statement == KlartextStatement::Rounding;
         let unit = self.modal.unit;
         let per_minute = if unit == 1.0 { 1.0 } else { 0.1 * unit };
         let feedrate = self.given.get(b'F').map(|feed| feed * per_minute / 60.0);
-        let feedrate = feedrate.filter(|feedrate| (1e-6..=1e6).contains(feedrate));
+        let feedrate = feedrate.filter(|feedrate| FEEDRATES_MM_S.contains(feedrate));
         let shape = if is_rounding {
             self.given
                 .get(address::CIRCLE_RADIUS)

@@ -1,9 +1,9 @@
-//! What running Heidenhain programs has to say.
+//! Remarks on running Heidenhain programs.
 
 use crate::simulation::gcode::Severity;
 use thiserror::Error;
 
-/// Something that was not run as the control would. Lengths are in mm.
+/// A deviation from the control. Lengths are in mm.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(crate) enum KlartextRemark {
     #[error("{name}: {what}")]
@@ -38,12 +38,12 @@ impl KlartextRemark {
         }
     }
 
-    pub(crate) fn is_said_once(&self) -> bool {
+    pub(crate) fn holds_for_program(&self) -> bool {
         matches!(self, KlartextRemark::Statement { .. } | KlartextRemark::CycleSetting { .. })
     }
 }
 
-/// Statements that are not modelled, and what follows from that.
+/// Statements without a model, each with the consequence.
 pub(super) const UNMODELLED: &[(&str, &str)] = &[
     (
         "PLANE",

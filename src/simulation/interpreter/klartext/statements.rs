@@ -2,31 +2,32 @@
 
 use crate::simulation::gcode::{Dialect, Keyword, KlartextStatement, Place, address};
 use crate::simulation::interpreter::block::{Block, POLAR_WORDS, bits};
+use crate::simulation::interpreter::bounds::MAX_TOOL_NUMBER;
 use crate::simulation::interpreter::code::Code;
 use crate::simulation::interpreter::feed_mode::FeedMode;
 use crate::simulation::interpreter::klartext::KlartextRemark;
-use crate::simulation::interpreter::klartext::approach::Lead;
 use crate::simulation::interpreter::klartext::remark::UNMODELLED;
 use crate::simulation::interpreter::remark::TraceRemark;
-use crate::simulation::interpreter::state::{Family, Heidenhain, Interpreter};
+use crate::simulation::interpreter::state::{Family, HeidenhainFunctions, Interpreter};
 use crate::simulation::interpreter::turning::Sign;
+use crate::simulation::toolpath::Motion;
 use crate::simulation::toolpath::plane::Plane;
 use crate::units::MM_PER_INCH;
 
-/// The parameters that are arguments of cycles.
+/// The numbers of the parameters that are arguments of cycles.
 const CYCLE_PARAMETERS: std::ops::Range<u32> = 200..500;
 
-/// M functions that change neither path nor time here, or that the block is looked through for.
+/// M functions that change neither path nor time, or that other rules search for.
 const SILENT: &[u32] = &[
     6, 89, 90, 91, 92, 94, 97, 98, 99, 101, 102, 103, 107, 108, 109, 110, 111, 112, 113, 114, 115, 116, 117,
     118, 120, 124, 126, 127, 128, 129, 130, 134, 135, 136, 137, 138, 140, 141, 142, 143, 144, 145, 148, 149,
     150, 197,
 ];
 
-impl Heidenhain {
-    /// What holds for a dialect; none for those of other controls.
-    pub(crate) fn of(dialect: Dialect) -> Option<Heidenhain> {
-        matches!(dialect, Dialect::Klartext | Dialect::HeidenhainIso).then_some(Heidenhain {
+impl HeidenhainFunctions {
+    /// Returns the functions of a Heidenhain dialect; `None` for other controls.
+    pub(crate) fn of(dialect: Dialect) -> Option<HeidenhainFunctions> {
+        matches!(dialect, Dialect::Klartext | Dialect::HeidenhainIso).then_some(HeidenhainFunctions {
             block: |interpreter, block| interpreter.klartext_block(block),
             before_move: |interpreter, end, curve, length| {
                 interpreter.klartext_before_move(end, curve, length)
@@ -47,24 +48,25 @@ impl Interpreter<'_> {
             self.given.set(word.letter, word.value);
             self.given.refer(word.letter, word.reference);
         }
-        let Some(statement) = block.asked.statements.last() else { return };
-        let Keyword::Klartext(asked) = statement.keyword else { return };
+        let Some(statement) = block.statements.list.last() else { return };
+        let Keyword::Klartext(written) = statement.keyword else { return };
         self.run_pattern();
         self.modal.has_incremental_center = false;
         self.canonical.exact_stop = self.path_mode.has_exact_stop();
-        let lead = self.lead_motion(block, asked);
-        self.klartext_feed(block, asked);
+        let lead = self.lead_motion(block, written);
+        self.klartext_feed(block, written);
         let (called, is_modal) = self.klartext_m_words(block, true);
-        self.klartext_statement(block, asked, lead, statement.place(block.line));
+        self.klartext_statement(block, written, lead, statement.place(block.line));
         self.klartext_m_words(block, false);
         self.call_after_move(block, called, is_modal);
     }
 
+    /// Runs a statement.
     fn klartext_statement(
         &mut self,
         block: Block,
         statement: KlartextStatement,
-        lead: Option<Lead>,
+        lead: Option<Motion>,
         place: Place,
     ) {
         use KlartextStatement::*;
@@ -103,14 +105,14 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Says what follows from a statement without a model.
+    /// Remarks on a statement without a model.
     fn no_model_of(&mut self, place: Place, name: &'static str) {
         if let Some((name, what)) = UNMODELLED.iter().find(|(known, _)| *known == name) {
             self.remark(place, KlartextRemark::Statement { name, what });
         }
     }
 
-    /// Keeps what a block assigns to the parameters of cycles.
+    /// Keeps the values that a block assigns to the parameters of cycles.
     pub(crate) fn keep_cycle_parameters(&mut self, assigned: &[(u32, f64)]) {
         if self.is_heidenhain() {
             let parameters = assigned.iter().filter(|(number, _)| CYCLE_PARAMETERS.contains(number));
@@ -118,13 +120,13 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Tool centre point control: F is that of the tip, whatever the rotary axes do.
+    /// Starts tool centre point control: F is the feedrate of the tip, whatever the rotary axes do.
     fn tip_control(&mut self, block: Block, name: &'static str) {
         self.family = Family::Rs274;
         self.remarks.add(block.place(), TraceRemark::TipControl { name });
     }
 
-    /// F, FU, FZ, FT, F AUTO.
+    /// Runs F, FU, FZ, FT and F AUTO.
     fn klartext_feed(&mut self, block: Block, statement: KlartextStatement) {
         use KlartextStatement::{Chamfer, CycleDefinition, Rounding, ToolCall};
         if matches!(statement, Rounding | Chamfer | CycleDefinition { .. }) {
@@ -157,7 +159,7 @@ impl Interpreter<'_> {
         if self.given.has(bits(b"F")) {
             let is_per_turn = per_revolution.is_some() || self.klartext.has_feed_per_revolution;
             self.modal.feed.mode = if is_per_turn { FeedMode::PerRevolution } else { FeedMode::PerMinute };
-            self.take_feed(block, self.given.get(b'F'));
+            self.set_feed(block, self.given.get(b'F'));
             if statement == ToolCall {
                 self.klartext.auto_feed = self.modal.feedrate;
             }
@@ -169,7 +171,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// M functions before or after the motion; whether M99 and M89 are among them.
+    /// Runs the M functions before or after the motion; returns `true` for M99 and for M89 among them.
     fn klartext_m_words(&mut self, block: Block, is_before: bool) -> (bool, bool) {
         let (mut called, mut is_modal) = (false, false);
         for word in block.words.iter().filter(|word| word.letter == b'M') {
@@ -204,12 +206,13 @@ impl Interpreter<'_> {
         (called, is_modal)
     }
 
+    /// Runs TOOL CALL.
     fn tool_call(&mut self, block: Block) {
         self.settle_approach();
         if let Some(axis) = self.given.get(address::TOOL_AXIS) {
             self.canonical.plane = [Plane::Yz, Plane::Zx, Plane::Xy][(axis as usize).min(2)];
         }
-        let number = self.given.get(b'T').filter(|tool| (0.0..=99_999_999.0).contains(tool));
+        let number = self.given.get(b'T').filter(|tool| (0.0..=MAX_TOOL_NUMBER).contains(tool));
         let is_named = self.given.get(address::TOOL_NAME).is_some();
         if number.is_some() || is_named {
             self.modal.tool = number.map(|tool| tool as u32);
@@ -219,12 +222,13 @@ impl Interpreter<'_> {
         if let Some(difference) = self.given.get(address::RADIUS_DIFFERENCE) {
             self.klartext.radius_difference = difference * self.modal.unit;
         }
-        self.take_speed(block);
+        self.set_speed(block);
     }
 
+    /// Runs TOOL DEF.
     fn tool_definition(&mut self) {
         let tool = self.given.get(address::DEFINED_TOOL);
-        let tool = tool.filter(|tool| (0.0..=99_999_999.0).contains(tool));
+        let tool = tool.filter(|tool| (0.0..=MAX_TOOL_NUMBER).contains(tool));
         if let (Some(tool), Some(radius)) = (tool, self.given.get(address::TOOL_RADIUS)) {
             self.klartext.radii.insert(tool as u32, radius * self.modal.unit);
         }

@@ -1,35 +1,35 @@
-//! Path modes: what a program itself says about stops and tolerances.
+//! Path modes: the stops and tolerances that a program sets.
 //!
-//! Two things are in force side by side. Exact stop (G61) makes the tool stand after each move. A
-//! tolerance says how far the motion may leave the path at corners and along arcs; where the
-//! program sets none it is the machine's. A [`PathMode`] is what the two come to from one segment
-//! on: while exact stop is in force there are no corners, and arcs keep the machine's tolerance.
+//! Two states are in force at a time. Exact stop (G61) stops the tool after each move. A tolerance says how far
+//! the motion may leave the path at corners and along arcs; by default it is the machine's. A [`PathMode`] is the
+//! combination of the two from one segment on: during exact stop there are no corners, and arcs keep the machine's
+//! tolerance.
 //!
 //! | word | meaning here |
 //! | --- | --- |
 //! | G61.1 | exact stop, until G64 |
-//! | G61 | the same; on LinuxCNC exact path: a stop where a corner cannot be passed as programmed |
+//! | G61 | exact stop, until G64; on LinuxCNC exact path: a stop where a corner cannot be passed as programmed |
 //! | G9 | exact stop in its own block; it changes no mode |
-//! | G64 | no exact stop; takes back what a `G64 P` set |
+//! | G64 | no exact stop; ends the tolerance of a `G64 P` |
 //! | G64 P | no exact stop, tolerance P in the program's unit (LinuxCNC); P0 as without P |
 //! | G64 Q | distance within which LinuxCNC runs lines as one; without it P |
 //! | G187 E | tolerance E in the program's unit, through G61 and G64 (Haas, largest rounding of a corner); E0 exact stop |
 //! | G187 P1, P2, P3 | the machine's tolerance for rough, medium, finish, where it is known (Haas) |
-//! | G187 | takes back what G187 set |
+//! | G187 | ends the tolerance of G187 |
 //! | G5.1 Q1 R1 to R10 | between the machine's tolerances for level 1 and 10, where they are known (Fanuc AI contour control) |
-//! | G5.1 Q0 | takes back what G5.1 set |
+//! | G5.1 Q0 | ends the tolerance of G5.1 |
 //! | G8 P, G5 P | look-ahead on and off (Fanuc): sets no tolerance |
 //!
-//! LinuxCNC's G64 without P is "as fast as possible, however far from the path". No machine is
-//! infinitely far: here it is the tolerance that the machine was found, or set, to run with. Its
-//! naive CAM detector, which merges lines within Q (or else P) of one line, is in the path smoothing of
-//! the feed plan, and at work where the machine file gives LinuxCNC's junctions.
+//! LinuxCNC's G64 without P is "as fast as possible, however far from the path". No machine deviates without
+//! bound: here it is the tolerance of the machine file. LinuxCNC's naive CAM detector, which merges lines within Q
+//! (or else P) of one line, is in the path smoothing of the feed plan, and active if the machine file has
+//! LinuxCNC's junctions.
 //!
-//! Sources differ on whether G187 P1 or P3 is rough: 1 rough, 2 medium, 3 finish is taken, and an E
+//! Sources differ on whether G187 P1 or P3 is rough: Truefeed takes 1 as rough, 2 as medium, 3 as finish, and an E
 //! beside it counts alone.
 //!
-//! Sources: LinuxCNC manual, G64, and what its interpreter does with P0 and without Q; Haas,
-//! G187 and Setting 85; Fanuc, machining condition selecting function.
+//! Sources: LinuxCNC manual, G64, and the behaviour of its interpreter with P0 and without Q; Haas, G187 and
+//! Setting 85; Fanuc, machining condition selecting function.
 
 mod words;
 
@@ -37,12 +37,12 @@ use crate::simulation::gcode::Severity;
 use crate::simulation::toolpath::Blending;
 use thiserror::Error;
 
-/// Words that keep a tolerance of their own; what one of them set another does not take back.
+/// The group of words that a tolerance belongs to; only a word of the same group ends it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Keeper {
-    /// G64 P, and other modes of the same group: a plain G64 takes it back.
+pub(super) enum ToleranceGroup {
+    /// G64 P, and other modes of its group: a plain G64 ends it.
     Group,
-    /// A word of its own (G187, G5.1, a cycle): it holds through exact stop and G64.
+    /// A separate word (G187, G5.1, a cycle): its tolerance remains through exact stop and G64.
     Own,
 }
 
@@ -63,24 +63,23 @@ pub(super) enum PathWord {
     LookAhead,
 }
 
-/// What is in force.
+/// The exact stop and the tolerance in force.
 #[derive(Default)]
-pub(super) struct InForce {
+pub(super) struct PathModeState {
     /// Exact path or exact stop, with the word that set it.
     exact_stop: Option<(Blending, String)>,
-    tolerance: Option<(Blending, String, Keeper)>,
+    tolerance: Option<(Blending, String, ToleranceGroup)>,
     /// Q of G64, mm.
     merging: Option<f64>,
 }
 
-impl InForce {
+impl PathModeState {
     pub(super) fn has_exact_stop(&self) -> bool {
         self.exact_stop.is_some() || matches!(self.tolerance, Some((Blending::ExactStop, ..)))
     }
 }
 
-/// Something about path modes that was not taken as a control would, or that the user may want to know.
-/// Lengths are in mm.
+/// A deviation from the control, or a fact on path modes that the user may want to know. Lengths are in mm.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum PathRemark {
     #[error("{source_words} sets {value} mm, outside 0.000001 to 10 mm: the tolerance of the machine holds")]
@@ -112,7 +111,7 @@ impl PathRemark {
         }
     }
 
-    pub(super) fn is_said_once(&self) -> bool {
+    pub(super) fn holds_for_program(&self) -> bool {
         !matches!(self, PathRemark::BadTolerance { .. } | PathRemark::BadLevel { .. })
     }
 }

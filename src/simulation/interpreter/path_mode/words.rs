@@ -1,52 +1,53 @@
-//! Puts path modes in force as the words of a program say.
+//! The path modes by the words of a program.
 
 use crate::simulation::gcode::{LineNumber, Place};
 use crate::simulation::interpreter::block::{AXIS_WORDS, CENTER_WORDS, bits};
 use crate::simulation::interpreter::code::Code;
-use crate::simulation::interpreter::path_mode::{Keeper, PathRemark, PathWord};
+use crate::simulation::interpreter::path_mode::{PathRemark, PathWord, ToleranceGroup};
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::toolpath::Blending;
 
-/// The tolerances and distances that are taken at their word, mm.
+/// The tolerances and distances that count as meant, mm.
 const TOLERANCES_MM: std::ops::RangeInclusive<f64> = 1e-6..=10.0;
 
-/// For every dialect. `place` is where the words stand, `source` the words as people write them;
-/// lengths are in mm.
+/// Rules for every dialect. `place` is the place of the words, `source` the words as people write them; lengths
+/// are in mm.
 impl Interpreter<'_> {
-    /// A word of the group of G61 and G64 (G60, G641, G642 …): exact stop, or none from here on and
-    /// this instead. A plain G64 takes it back.
+    /// Runs a word of the group of G61 and G64 (G60, G641, G642 …): exact stop, or another mode and no exact stop.
+    /// A plain G64 ends it.
     pub(crate) fn set_path_mode(&mut self, place: Place, source: String, blending: Blending) {
         if matches!(blending, Blending::ExactStop | Blending::ExactPath) {
             self.path_mode.exact_stop = Some((blending, source));
         } else {
             self.path_mode.exact_stop = None;
-            self.keep(place, blending, source, Keeper::Group);
+            self.keep(place, blending, source, ToleranceGroup::Group);
         }
         self.note_path_mode(place.line);
     }
 
-    /// A word that sets a tolerance of its own (G187, CYCLE832, cycle 32), which stays through exact
-    /// stop and G64; [`Blending::Machine`] takes it back.
+    /// Runs a word with a separate tolerance (G187, CYCLE832, cycle 32), which remains through exact stop and G64;
+    /// [`Blending::Machine`] ends it.
     pub(crate) fn set_tolerance(&mut self, place: Place, source: String, blending: Blending) {
-        self.keep(place, blending, source, Keeper::Own);
+        self.keep(place, blending, source, ToleranceGroup::Own);
         self.note_path_mode(place.line);
     }
 
-    /// A word that ends exact stop and says nothing about tolerances (a plain G64): what a word of
-    /// the same group set is taken back, a tolerance by any other word holds on.
+    /// Runs a word that ends exact stop and states no tolerance (a plain G64). It ends a tolerance of the
+    /// same group; any other tolerance remains.
     pub(crate) fn set_continuous_path(&mut self, place: Place, source: String) {
         self.path_mode.exact_stop = None;
-        if matches!(self.path_mode.tolerance, Some((_, _, Keeper::Group)) | None) {
+        if matches!(self.path_mode.tolerance, Some((_, _, ToleranceGroup::Group)) | None) {
             if let Some((Blending::Within(_) | Blending::Distance(_), ..)) = self.path_mode.tolerance {
                 self.remark_on_path(place, PathRemark::NoTolerance { source_words: source.clone() });
             }
-            self.path_mode.tolerance = Some((Blending::Machine, source, Keeper::Group));
+            self.path_mode.tolerance = Some((Blending::Machine, source, ToleranceGroup::Group));
         }
         self.note_path_mode(place.line);
     }
 
-    fn keep(&mut self, place: Place, blending: Blending, source: String, keeper: Keeper) {
+    /// Sets the tolerance; one out of bounds becomes the machine's, with a remark.
+    fn keep(&mut self, place: Place, blending: Blending, source: String, keeper: ToleranceGroup) {
         let blending = match blending {
             Blending::Within(value) | Blending::Distance(value) if !TOLERANCES_MM.contains(&value) => {
                 let remark = PathRemark::BadTolerance { source_words: source.clone(), value };
@@ -58,7 +59,7 @@ impl Interpreter<'_> {
         self.path_mode.tolerance = Some((blending, source, keeper));
     }
 
-    /// Puts down what is in force from the next segment on, where that is another mode.
+    /// Passes the mode in force on to the toolpath from the next segment on.
     fn note_path_mode(&mut self, line: LineNumber) {
         let (blending, source) = match (&self.path_mode.exact_stop, &self.path_mode.tolerance) {
             (Some((blending, source)), _) => (*blending, source.as_str()),
@@ -69,29 +70,30 @@ impl Interpreter<'_> {
         self.canonical.set_path_mode(line, source, blending, merging);
     }
 
+    /// Adds a remark on path modes.
     fn remark_on_path(&mut self, place: Place, remark: PathRemark) {
         self.remarks.add(place, TraceRemark::PathMode(remark));
     }
 }
 
-/// The words of ISO dialects.
+/// Words of the ISO dialects.
 impl Interpreter<'_> {
-    /// Runs a path word of the block; false where the word is another control's, with the axis words
-    /// of the block as its own. `owns_p` is false where another word of the block takes P.
+    /// Runs a path word of the block. Returns `false` if the word belongs to another control and takes the axis
+    /// words of the block. `owns_p` is `false` if another word of the block takes P.
     pub(crate) fn path_word(&mut self, place: Place, word: PathWord, code: Code, owns_p: bool) -> bool {
         match word {
             PathWord::ExactStop => self.set_path_mode(place, code.to_string(), Blending::ExactStop),
             PathWord::ExactPath => self.set_path_mode(place, code.to_string(), Blending::ExactPath),
             PathWord::Continuous => self.continuous(place, code, owns_p),
             PathWord::Smoothness => self.smoothness(place, code),
-            // With axis words G5 and G5.1 are splines of LinuxCNC, or name the axes to be smoothed.
+            // With axis words G5 and G5.1 are splines of LinuxCNC, or name the axes to smooth.
             PathWord::ContourControl | PathWord::LookAhead
                 if self.given.has(AXIS_WORDS | CENTER_WORDS) && !self.given.has(bits(b"Q")) =>
             {
                 return false;
             }
             PathWord::ContourControl => {
-                // They name the axes to be smoothed.
+                // Axis words name the axes to smooth.
                 for axis in *b"XYZABC" {
                     self.given.take(axis);
                 }
@@ -105,7 +107,7 @@ impl Interpreter<'_> {
         true
     }
 
-    /// G64, G64 P Q.
+    /// Runs G64 and G64 P Q.
     fn continuous(&mut self, place: Place, code: Code, owns_p: bool) {
         let p = if owns_p { self.given.take(b'P') } else { None };
         let q = if owns_p { self.given.take(b'Q') } else { None };
@@ -125,7 +127,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// G187 P E.
+    /// Runs G187 P E.
     fn smoothness(&mut self, place: Place, code: Code) {
         let (level, rounding) = (self.given.take(b'P'), self.given.take(b'E'));
         let levels = &self.machine.path_modes;
@@ -148,7 +150,7 @@ impl Interpreter<'_> {
         self.set_tolerance(place, source, blending);
     }
 
-    /// G5.1 Q R.
+    /// Runs G5.1 Q R.
     fn contour_control(&mut self, place: Place, code: Code) {
         let (q, level) = (self.given.take(b'Q'), self.given.take(b'R'));
         let levels = &self.machine.path_modes;
@@ -170,7 +172,8 @@ impl Interpreter<'_> {
         self.set_tolerance(place, source, blending);
     }
 
-    /// The tolerance of a level of the control, where the machine file says it.
+    /// Returns the tolerance of a level of the control; if the machine file does not have it, the machine's, with
+    /// a remark.
     fn level(&mut self, place: Place, source: &str, known: (Option<f64>, &'static str)) -> Blending {
         known.0.map_or_else(
             || {
@@ -183,7 +186,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// A G word with the word beside it, where there is one.
+/// Returns a G word with the word beside it, if there is one.
 fn words(code: Code, letter: char, value: Option<f64>) -> String {
     value.map_or_else(|| code.to_string(), |value| format!("{code} {letter}{value}"))
 }

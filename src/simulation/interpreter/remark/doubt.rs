@@ -1,4 +1,4 @@
-//! What each remark leaves in doubt.
+//! Doubts about the time that each remark leaves.
 
 use crate::simulation::gcode::{Cause, Effect, Letters};
 use crate::simulation::interpreter::code::Code;
@@ -6,8 +6,8 @@ use crate::simulation::interpreter::klartext::KlartextRemark;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::toolpath::compensation::CompensationRemark;
 
-/// What a remark leaves in doubt.
-// Long because it is a table: each remark stands in it once, and the compiler asks for those that are missing.
+/// Returns the doubt that a remark leaves, or `None` if it leaves none.
+// Long because it is a table: each remark is in it once, and the compiler reports those that are missing.
 pub(super) fn doubt_of(remark: &TraceRemark) -> Option<(Cause, Effect)> {
     Some(match remark {
         TraceRemark::UnknownG { code } => (Cause::UnknownWords, effect_of_unknown(*code)),
@@ -26,7 +26,7 @@ pub(super) fn doubt_of(remark: &TraceRemark) -> Option<(Cause, Effect)> {
         | TraceRemark::NoCircle(_)
         | TraceRemark::NoArcThrough
         | TraceRemark::TiltedUnevenScale => (Cause::MissingArcs, Effect::Arc),
-        // One turn is run of those that are written, all of those that L may not mean.
+        // One turn is run of those in the program, and all of those that L may not mean.
         TraceRemark::BadTurns { value: turns, .. } => (Cause::UnclearTurns, Effect::Turns(turns.abs())),
         TraceRemark::TurnsByL { turns } => (Cause::UnclearTurns, Effect::Turns(f64::from(*turns) - 1.0)),
         TraceRemark::ArcWordNotRun { letter: 'L', value } => {
@@ -85,11 +85,12 @@ pub(super) fn doubt_of(remark: &TraceRemark) -> Option<(Cause, Effect)> {
         | TraceRemark::MissingArgument { .. }
         | TraceRemark::Alarm => (Cause::BrokenFlow, Effect::Unbounded),
         TraceRemark::Unassigned { .. } => (Cause::UnknownParameters, Effect::Unbounded),
-        TraceRemark::Contour(trouble) => return doubt_of_contour(trouble),
+        TraceRemark::Contour(remark) => return doubt_of_contour(remark),
         TraceRemark::Klartext(remark) => return Some(doubt_of_klartext(remark)),
-        // Without a value a block is not run, and its words are known there; the tolerance is the request's and the machine's.
+        // Without a value a block is not run, and its words are known there; the tolerance is a choice of the
+        // program and the machine.
         TraceRemark::NoValue(_) | TraceRemark::PathMode(_) => return None,
-        // Noticed at the end, it is put down with the moves that it touches.
+        // It is noticed at the end, and added there with the moves that it affects.
         TraceRemark::MissingPoint { .. } => return None,
         TraceRemark::NoMotionWord
         | TraceRemark::AbsoluteCenters
@@ -108,16 +109,18 @@ pub(super) fn doubt_of(remark: &TraceRemark) -> Option<(Cause, Effect)> {
     })
 }
 
-/// A G word beyond all that controls have is two words in one, of which the second lost its address: `G1 10.5`.
+/// Returns the effect of an unknown G word. A number beyond all G words is two words in one, of which the second
+/// lost its address: `G1 10.5`.
 fn effect_of_unknown(code: Code) -> Effect {
     let is_fraction = code.value.fract() != 0.0;
     let is_merged = 1000.0 <= code.value || (is_fraction && 100.0 <= code.value) || code.value < 0.0;
     if is_merged { Effect::Words(Letters::AXES.with(Letters::MOTION)) } else { Effect::Unbounded }
 }
 
-fn doubt_of_contour(trouble: &CompensationRemark) -> Option<(Cause, Effect)> {
-    match trouble {
-        CompensationRemark::ToldDiameter { .. } => None,
+/// Returns the doubt that a remark on compensation leaves.
+fn doubt_of_contour(remark: &CompensationRemark) -> Option<(Cause, Effect)> {
+    match remark {
+        CompensationRemark::CommentDiameter { .. } => None,
         CompensationRemark::UnknownDiameter { .. }
         | CompensationRemark::NoTool
         | CompensationRemark::BadNumber { .. } => Some((Cause::Compensation, Effect::Unbounded)),
@@ -125,6 +128,7 @@ fn doubt_of_contour(trouble: &CompensationRemark) -> Option<(Cause, Effect)> {
     }
 }
 
+/// Returns the doubt that a remark on Klartext leaves.
 fn doubt_of_klartext(remark: &KlartextRemark) -> (Cause, Effect) {
     match remark {
         KlartextRemark::Statement { .. } | KlartextRemark::CycleSetting { .. } => {

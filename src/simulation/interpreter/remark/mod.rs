@@ -1,10 +1,10 @@
-//! What tracing has to say about a program.
+//! Remarks of tracing a program.
 
 mod doubt;
 
 use self::doubt::doubt_of;
 use crate::simulation::gcode::{Cause, Effect, LabelKind, Remark, Severity, counted};
-use crate::simulation::interpreter::bounds::{MAX_CALL_DEPTH, MAX_COUNT, MAX_TURNS_BY_MISSING};
+use crate::simulation::interpreter::bounds::{MAX_CALL_DEPTH, MAX_COUNT, MAX_ITERATIONS_BY_MISSING};
 use crate::simulation::interpreter::code::Code;
 use crate::simulation::interpreter::cycle::NoHole;
 use crate::simulation::interpreter::klartext::KlartextRemark;
@@ -15,8 +15,7 @@ use crate::simulation::toolpath::compensation::CompensationRemark;
 use crate::simulation::toolpath::plane::NoCircle;
 use thiserror::Error;
 
-/// Something that was not traced as a control would run it, or that the user may want to know.
-/// Lengths are in mm.
+/// A deviation from the control, or a fact that the user may want to know. Lengths are in mm.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum TraceRemark {
     #[error("{0}: block not run")]
@@ -203,7 +202,7 @@ pub(super) enum TraceRemark {
     )]
     EndlessLoop,
     #[error(
-        "this loop depends on {parameter}, to which nothing is assigned; the program seems to be a macro without its arguments: it ends here after {MAX_TURNS_BY_MISSING} turns"
+        "this loop depends on {parameter}, to which nothing is assigned; the program seems to be a macro without its arguments: it ends here after {MAX_ITERATIONS_BY_MISSING} turns"
     )]
     MissingArgument { parameter: String },
     #[error(
@@ -271,10 +270,10 @@ fn label_text(kind: LabelKind, name: &str) -> String {
 }
 
 impl Remark for TraceRemark {
-    // Long because it is a table: each remark stands in it once, and the compiler asks for those that are missing.
+    // Long because it is a table: each remark is in it once, and the compiler reports those that are missing.
     fn severity(&self) -> Severity {
         match self {
-            TraceRemark::Contour(trouble) => trouble.severity(),
+            TraceRemark::Contour(remark) => remark.severity(),
             TraceRemark::NoValue(_)
             | TraceRemark::UnknownG { .. }
             | TraceRemark::UnknownM { .. }
@@ -365,12 +364,12 @@ impl Remark for TraceRemark {
         }
     }
 
-    fn is_said_once(&self) -> bool {
+    fn holds_for_program(&self) -> bool {
         if let TraceRemark::PathMode(remark) = self {
-            return remark.is_said_once();
+            return remark.holds_for_program();
         }
         if let TraceRemark::Klartext(remark) = self {
-            return remark.is_said_once();
+            return remark.holds_for_program();
         }
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! Turns the rotary axes as the words of a block say.
+//! Turns of the rotary axes by the words of a block.
 
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::feed_mode::FeedMode;
@@ -9,15 +9,15 @@ use crate::simulation::interpreter::words::Mode;
 use crate::simulation::toolpath::MIN_MOVE_MM;
 use crate::simulation::toolpath::Vector;
 
-/// Angles beyond this are slips of the pen, degrees.
+/// Larger angles are typing errors, degrees.
 const MAX_ANGLE_DEG: f64 = 1e7;
 
-/// Turns smaller than this are rounding, rad.
+/// Smaller turns are rounding errors, rad.
 const MIN_TURN_RAD: f64 = 1e-12;
 
 impl Interpreter<'_> {
-    /// Reads the rotary words of a block: its next move turns the axes along.
-    pub(crate) fn take_rotary(&mut self, block: Block) {
+    /// Reads the rotary words of a block; its next move turns the axes.
+    pub(crate) fn read_rotary_words(&mut self, block: Block) {
         if !self.given.has(ROTARY_WORDS) {
             return;
         }
@@ -36,8 +36,8 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Reads rotary words that count in machine coordinates (G53).
-    pub(crate) fn take_machine_rotary(&mut self, block: Block) {
+    /// Reads rotary words in machine coordinates (G53).
+    pub(crate) fn read_machine_rotary_words(&mut self, block: Block) {
         for (axis, letter) in ROTARY_AXES.into_iter().enumerate() {
             if let Some(degrees) = self.angle(block, letter) {
                 self.turn_axis(axis, degrees.to_radians());
@@ -54,7 +54,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The word of a rotary axis, degrees.
+    /// Returns the word of a rotary axis, degrees; remarks on one that is too large.
     fn angle(&mut self, block: Block, letter: char) -> Option<f64> {
         let degrees = self.given.get(letter as u8)?;
         if degrees.abs() <= MAX_ANGLE_DEG {
@@ -64,17 +64,18 @@ impl Interpreter<'_> {
         None
     }
 
+    /// Adds a turn of an axis to its target, rad.
     fn turn_axis(&mut self, axis: usize, target: f64) {
         self.rotary.ahead.get_or_insert_default()[axis] += target - self.rotary.position[axis];
         self.rotary.position[axis] = target;
     }
 
-    /// The turn that the move being made takes along, rad.
+    /// Takes the turn of the move being made, rad.
     pub(crate) fn turned_along(&mut self) -> Option<Vector> {
         self.rotary.ahead.take()
     }
 
-    /// The feedrate along X, Y and Z of a feed move of `length` (mm) whose rotary axes turn along.
+    /// Returns the feedrate along X, Y and Z of a feed move of `length` (mm) that turns the rotary axes.
     pub(crate) fn linear_share(&mut self, block: Block, length: f64, feedrate: f64) -> f64 {
         let ahead = self.rotary.ahead.filter(|ahead| *ahead != Vector::zeros());
         let Some(ahead) = ahead.filter(|_| self.modal.feed.mode != FeedMode::InverseTime) else {
@@ -87,7 +88,7 @@ impl Interpreter<'_> {
         if is_combined && MIN_MOVE_MM <= length { feedrate * length / length.hypot(turn) } else { feedrate }
     }
 
-    /// Turns what no move has taken along.
+    /// Turns the axes on their own, unless a move has turned them.
     pub(crate) fn turn_alone(&mut self, block: Block, is_rapid: bool) {
         let Some(rotation) = self.turned_along().filter(|rotation| MIN_TURN_RAD <= rotation.amax()) else {
             return;
@@ -96,8 +97,9 @@ impl Interpreter<'_> {
         self.canonical.turn_rotary_axes(block.line, rotation, rate);
     }
 
-    /// Turns what the move of a block has left, at the feedrate or in rapid as the block is run.
-    pub(crate) fn turn_the_rest(&mut self, block: Block) {
+    /// Turns the axes on their own after the move of a block, at the feedrate or in rapid by the mode of the
+    /// block.
+    pub(crate) fn turn_remaining(&mut self, block: Block) {
         let is_rapid = self.cycle.is_active() || matches!(self.modal.mode, None | Some(Mode::Rapid));
         self.turn_alone(block, is_rapid);
     }

@@ -1,6 +1,6 @@
 //! The drilling cycles of SINUMERIK controls.
 //!
-//! | cycle | what it does |
+//! | cycle | operation |
 //! |---|---|
 //! | CYCLE81, CYCLE82 | drilling, with a dwell |
 //! | CYCLE83 | deep holes, see `deep` |
@@ -9,15 +9,15 @@
 //! | CYCLE86 | oriented stop, off the wall |
 //! | CYCLE87, CYCLE88 | stop, out after a start by hand; with a dwell |
 //!
-//! Newer calls end with GMODE, DMODE and AMODE. With a 1 in the tens of GMODE its depth is the diameter
-//! of a centring: that of a tip of 90° is taken. The digits of AMODE say what the numbers are: units 1
-//! a depth below RFP, 2 a height; tens 1 seconds, 2 turns; in CYCLE83 hundred thousands 2 DAM in
-//! percent. PITA 2 gives the pitch in threads per inch, 3 in inches.
+//! Newer calls end with GMODE, DMODE and AMODE. With a 1 in the tens of GMODE the depth is the diameter of a
+//! centring, of a tip of 90°. The digits of AMODE give the meaning of the numbers: units 1 for a depth below RFP,
+//! 2 for a height; tens 1 for seconds, 2 for revolutions; in CYCLE83 hundred thousands 2 for DAM in percent. PITA
+//! 2 gives the pitch in threads per inch, 3 in inches.
 //!
-//! RTP is the height to return to, RFP that of the part, SDIS the clearance above it, DP the depth
-//! and DPR the depth below RFP, DTB a dwell (s; turns of the spindle where negative). DAM is the
-//! amount by which strokes shrink, or the factor where it is negative; VARI 1 retracts, 0 breaks
-//! chips (see `deep`). Pitch is PIT (mm), or that of the metric thread M MPIT; negative for left hand.
+//! RTP is the height to return to, RFP the height of the part, SDIS the clearance above it, DP the depth and DPR
+//! the depth below RFP, DTB a dwell (s; revolutions of the spindle if negative). DAM is the amount by which
+//! strokes decrease, or the factor if it is negative; VARI 1 retracts, 0 breaks chips (see `deep`). The pitch is
+//! PIT (mm), or the one of the metric thread M MPIT; negative for left hand.
 //!
 //! Source: SINUMERIK 840D sl, Programming Manuals Cycles and Job Planning
 //! (external programming of cycles), 2013.
@@ -25,14 +25,14 @@
 use crate::simulation::gcode::{DrillingCycle, DrillingKind, ThreadPitch};
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::bounds::FEEDRATES_MM_S;
-use crate::simulation::interpreter::cycle::hole::{Kind, Turn};
+use crate::simulation::interpreter::cycle::hole::{HoleKind, SpindleTurn};
 use crate::simulation::interpreter::cycle::{Hole, NoHole};
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 use crate::units::MM_PER_INCH;
 
-/// Coarse pitches of metric threads by their diameter, mm (ISO 261).
-const METRIC: [(f64, f64); 19] = [
+/// Diameters and coarse pitches of metric threads, mm (ISO 261).
+const COARSE_PITCHES_MM: [(f64, f64); 19] = [
     (3.0, 0.5),
     (4.0, 0.7),
     (5.0, 0.8),
@@ -54,13 +54,13 @@ const METRIC: [(f64, f64); 19] = [
     (48.0, 5.0),
 ];
 
-/// Returns a decimal digit of AMODE, the units first; 0 leaves it to the signs of the arguments.
+/// Returns a decimal digit of AMODE, the units first; 0 for the meaning by the signs of the arguments.
 pub(super) fn mode(cycle: &DrillingCycle, digit: i32) -> u32 {
     (cycle.modes.abs().min(1e9) / 10f64.powi(digit)) as u32 % 10
 }
 
 impl Interpreter<'_> {
-    /// Makes a hole where the tool stands.
+    /// Makes a hole at the position of the tool.
     pub(super) fn siemens_hole(&mut self, block: Block, drilling: &DrillingCycle) {
         let outcome = self.siemens_hole_of(block, drilling).and_then(|hole| {
             let work = match self.siemens_deep_work(block, drilling, &hole)? {
@@ -78,6 +78,7 @@ impl Interpreter<'_> {
         }
     }
 
+    /// Returns the hole of a cycle.
     fn siemens_hole_of(&mut self, block: Block, cycle: &DrillingCycle) -> Result<Hole, NoHole> {
         let unit = self.modal.unit;
         let (part, clearance) = (cycle.part_height * unit, cycle.clearance.abs() * unit);
@@ -96,7 +97,7 @@ impl Interpreter<'_> {
         let per_minute = |value: f64| value * unit_of_feeds / 60.0;
         let mut hole = Hole::drilled(reference, bottom, return_to, feed_in);
         hole.dwell = self.siemens_seconds(cycle.dwell, mode(cycle, 1));
-        let turn = |is_left_hand: bool| if is_left_hand { Turn::Left } else { Turn::Right };
+        let turn = |is_left_hand: bool| if is_left_hand { SpindleTurn::Left } else { SpindleTurn::Right };
         match cycle.kind {
             DrillingKind::Drill { .. } | DrillingKind::DeepHole { .. } => {}
             DrillingKind::RigidTap { pitch, speed, speed_out, .. } => {
@@ -106,15 +107,16 @@ impl Interpreter<'_> {
                 self.set_siemens_tap(&mut hole, pitch, 0.0, None, false);
             }
             DrillingKind::Bore { feed_in: written, feed_out } => {
-                hole.kind = Kind::Bore;
+                hole.kind = HoleKind::Bore;
                 hole.feed_in = written.map_or(feed_in, per_minute);
                 hole.feed_out = feed_out.map_or(hole.feed_in, per_minute);
             }
             DrillingKind::FineBore { is_left_hand, shift } => {
-                hole.kind = Kind::FineBore { turn: turn(is_left_hand), shift: shift.map(|way| way * unit) };
+                hole.kind =
+                    HoleKind::FineBore { turn: turn(is_left_hand), shift: shift.map(|way| way * unit) };
             }
             DrillingKind::BoreAndStop { is_left_hand } => {
-                hole.kind = Kind::BoreAndStop { turn: turn(is_left_hand), by_hand: true };
+                hole.kind = HoleKind::BoreAndStop { turn: turn(is_left_hand), by_hand: true };
             }
         }
         for feedrate in [&mut hole.feed_in, &mut hole.feed_out] {
@@ -127,7 +129,7 @@ impl Interpreter<'_> {
         Ok(hole)
     }
 
-    /// Makes a tapped hole of `hole`: at the pitch times the speed of the cycle (rpm; 0 for the speed in force).
+    /// Completes a tapped hole: at the pitch times the speed of the cycle (rpm; 0 for the speed in force).
     fn set_siemens_tap(
         &self,
         hole: &mut Hole,
@@ -149,11 +151,11 @@ impl Interpreter<'_> {
             hole.feed_in = pitch.abs() * speed.abs() / 60.0;
             hole.feed_out = speed_out.map_or(hole.feed_in, |speed_out| pitch.abs() * speed_out.abs() / 60.0);
         }
-        let turn = if pitch < 0.0 { Turn::Left } else { Turn::Right };
-        hole.kind = Kind::Tap { turn, is_rigid, pecks: None };
+        let turn = if pitch < 0.0 { SpindleTurn::Left } else { SpindleTurn::Right };
+        hole.kind = HoleKind::Tap { turn, is_rigid, pecks: None };
     }
 
-    /// The depth of a centring by its diameter, for a tip of 90°.
+    /// Returns the depth of a centring by its diameter, for a tip of 90°; `None` if the depth is no diameter.
     fn siemens_centring(&mut self, block: Block, cycle: &DrillingCycle, part: f64) -> Option<f64> {
         let is_diameter = matches!(cycle.kind, DrillingKind::Drill { is_centring: true });
         let diameter = cycle.relative_depth.or(cycle.depth).unwrap_or(0.0).abs() * self.modal.unit;
@@ -166,8 +168,8 @@ impl Interpreter<'_> {
     }
 }
 
-/// The pitch of a metric thread by its diameter, mm; 0 where there is none.
+/// Returns the pitch of a metric thread by its diameter, mm; 0 if there is none.
 fn pitch_of(thread: f64) -> f64 {
-    let found = METRIC.iter().find(|(diameter, _)| *diameter == thread.abs());
+    let found = COARSE_PITCHES_MM.iter().find(|(diameter, _)| *diameter == thread.abs());
     found.map_or(0.0, |(_, pitch)| pitch * thread.signum())
 }

@@ -9,30 +9,32 @@
 //!                                         two where less than 2 DAM is left
 //! ```
 //!
-//! The first stroke is made with the feed times FRF. At each depth the tool waits DTB, at the last one
-//! DTD where it is given. To break chips (VARI 0) it goes up by VRT (1 mm where it is 0) in feed; to
-//! remove them (VARI 1) out to the reference height in rapid, waits DTS, and comes back in rapid to DIS1
-//! above the last depth; where that is 0, to 0.6 mm, or a 50th of holes deeper than 30 mm, at most 7 mm.
+//! The first stroke is made with the feed times FRF. At each depth the tool waits DTB, at the last one DTD if it
+//! is given. To break chips (VARI 0) it moves up by VRT (1 mm if that is 0) in feed. To remove them (VARI 1) it
+//! moves out to the reference height in rapid, waits DTS, and returns in rapid to DIS1 above the last depth; if
+//! that is 0, to 0.6 mm, or a 50th of holes deeper than 30 mm, at most 7 mm.
 //!
-//! CYCLE84 taps DAM after DAM, and between them turns the spindle round and goes up by VRT or to the
-//! reference height, as fast as out of the hole.
+//! CYCLE84 taps DAM after DAM. Between them the spindle reverses, and the tap moves up by VRT or to the reference
+//! height, as fast as out of the hole.
 //!
 //! Source: SINUMERIK 840D sl, Programming Manual Cycles, 2013, CYCLE83 and CYCLE84.
 
 use crate::simulation::gcode::{DrillingCycle, DrillingKind};
 use crate::simulation::interpreter::block::Block;
-use crate::simulation::interpreter::cycle::hole::{Kind, MAX_PECKS, Step, Turn, Work, written_per_made};
+use crate::simulation::interpreter::cycle::hole::{
+    HoleKind, HolePlan, HoleStep, MAX_PECKS, SpindleTurn, written_per_made,
+};
 use crate::simulation::interpreter::cycle::{Hole, NoHole};
 use crate::simulation::interpreter::siemens::cycle::mode;
 use crate::simulation::interpreter::state::Interpreter;
 
-/// How far chip breaking lifts the tool where the program does not say, mm.
+/// Retract of chip breaking without a value in the program, mm.
 const CHIP_BREAK_RETRACT_MM: f64 = 1.0;
 
-/// What is left above the bottom is no stroke of its own below this, mm.
-const RESOLUTION_MM: f64 = 1e-6;
+/// Least rest above the bottom that makes another stroke, mm.
+const MIN_STROKE_MM: f64 = 1e-6;
 
-/// How strokes shrink.
+/// The law by which strokes decrease.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Degression {
     None,
@@ -43,13 +45,13 @@ enum Degression {
 }
 
 impl Interpreter<'_> {
-    /// The steps of a hole in several strokes, where it is one.
+    /// Returns the steps of a hole in several strokes, or `None` if the hole is not one.
     pub(super) fn siemens_deep_work(
         &mut self,
         block: Block,
         cycle: &DrillingCycle,
         hole: &Hole,
-    ) -> Result<Option<Work>, NoHole> {
+    ) -> Result<Option<HolePlan>, NoHole> {
         let unit = self.modal.unit;
         let clearance = cycle.clearance.abs() * unit;
         let depth = hole.reference - clearance - hole.bottom;
@@ -78,7 +80,7 @@ impl Interpreter<'_> {
             return Err(NoHole::BottomAboveReference { bottom: hole.bottom, reference: hole.reference });
         }
         let (depths, pecks_per_made) = strokes?;
-        self.tell_deeper_pecks(block, pecks_per_made);
+        self.remark_on_deeper_pecks(block, pecks_per_made);
         let surface = hole.reference - clearance;
         let heights = depths.into_iter().map(|below| surface - below);
         let steps = match cycle.kind {
@@ -87,16 +89,17 @@ impl Interpreter<'_> {
             }
             _ => self.deep_drilling(cycle, hole, heights, depth),
         };
-        Ok(Some(Work { steps, pecks_per_made }))
+        Ok(Some(HolePlan { steps, pecks_per_made }))
     }
 
+    /// Returns the steps of CYCLE83.
     fn deep_drilling(
         &self,
         cycle: &DrillingCycle,
         hole: &Hole,
         heights: impl Iterator<Item = f64>,
         depth: f64,
-    ) -> Vec<Step> {
+    ) -> Vec<HoleStep> {
         let unit = self.modal.unit;
         let DrillingKind::DeepHole {
             dwell_outside,
@@ -122,32 +125,32 @@ impl Interpreter<'_> {
             percent if 1.0 < percent => 0.01 * percent,
             factor => factor.max(0.001),
         };
-        let mut steps = vec![Step::Rapid(hole.reference)];
+        let mut steps = vec![HoleStep::Rapid(hole.reference)];
         let mut feedrate = hole.feed_in * factor;
         for to in heights {
-            steps.push(Step::Feed { to, feedrate });
+            steps.push(HoleStep::Feed { to, feedrate });
             feedrate = hole.feed_in;
             if to <= hole.bottom {
-                steps.push(Step::Dwell(last_dwell));
+                steps.push(HoleStep::Dwell(last_dwell));
             } else if removes_chips {
                 let again = (to + limit).min(hole.reference);
                 steps.extend([
-                    Step::Dwell(dwell),
-                    Step::Rapid(hole.reference),
-                    Step::Dwell(outside),
-                    Step::Rapid(again),
+                    HoleStep::Dwell(dwell),
+                    HoleStep::Rapid(hole.reference),
+                    HoleStep::Dwell(outside),
+                    HoleStep::Rapid(again),
                 ]);
             } else {
                 let up = (to + retract).min(hole.reference);
-                steps.extend([Step::Dwell(dwell), Step::Feed { to: up, feedrate }]);
+                steps.extend([HoleStep::Dwell(dwell), HoleStep::Feed { to: up, feedrate }]);
             }
         }
-        steps.push(Step::Rapid(hole.return_to));
-        steps.retain(|step| !matches!(step, Step::Dwell(seconds) if *seconds <= 0.0));
+        steps.push(HoleStep::Rapid(hole.return_to));
+        steps.retain(|step| !matches!(step, HoleStep::Dwell(seconds) if *seconds <= 0.0));
         steps
     }
 
-    /// A dwell of a cycle, s: turns of the spindle where it is negative, or by the mode 2.
+    /// Returns a dwell of a cycle, s; it is in revolutions of the spindle if it is negative, or by the mode 2.
     pub(crate) fn siemens_seconds(&self, value: f64, mode: u32) -> f64 {
         let is_turns = mode == 2 || mode == 0 && value < 0.0;
         let value = value.abs();
@@ -157,34 +160,38 @@ impl Interpreter<'_> {
     }
 }
 
-/// PlanarCurve after stroke of a tap, with the spindle turned round for each way up.
+/// Returns the steps of a tap in strokes, with the spindle reversed for each way up.
 fn tapping(
     hole: &Hole,
     heights: impl Iterator<Item = f64>,
     retract: Option<f64>,
     unit: f64,
     removes_chips: bool,
-) -> Vec<Step> {
+) -> Vec<HoleStep> {
     let turn = match hole.kind {
-        Kind::Tap { turn, .. } => turn,
-        _ => Turn::Right,
+        HoleKind::Tap { turn, .. } => turn,
+        _ => SpindleTurn::Right,
     };
-    let back = if turn == Turn::Right { Turn::Left } else { Turn::Right };
+    let back = if turn == SpindleTurn::Right { SpindleTurn::Left } else { SpindleTurn::Right };
     let retract = retract.map_or(CHIP_BREAK_RETRACT_MM, |retract| retract.abs() * unit);
-    let mut steps = vec![Step::Rapid(hole.reference)];
+    let mut steps = vec![HoleStep::Rapid(hole.reference)];
     for to in heights {
         let is_last = to <= hole.bottom;
         let up = if is_last || removes_chips { hole.reference } else { (to + retract).min(hole.reference) };
-        steps.push(Step::Feed { to, feedrate: hole.feed_in });
-        steps.extend((0.0 < hole.dwell).then_some(Step::Dwell(hole.dwell)));
-        steps.extend([Step::Start(back), Step::Feed { to: up, feedrate: hole.feed_out }, Step::Start(turn)]);
+        steps.push(HoleStep::Feed { to, feedrate: hole.feed_in });
+        steps.extend((0.0 < hole.dwell).then_some(HoleStep::Dwell(hole.dwell)));
+        steps.extend([
+            HoleStep::Start(back),
+            HoleStep::Feed { to: up, feedrate: hole.feed_out },
+            HoleStep::Start(turn),
+        ]);
     }
-    steps.push(Step::Rapid(hole.return_to));
+    steps.push(HoleStep::Rapid(hole.return_to));
     steps
 }
 
-/// The depths below the surface at the ends of the strokes, mm, the last one `depth`; and whether strokes are
-/// deeper than written because there would be too many.
+/// Returns the depths below the surface at the ends of the strokes, mm, the last one `depth`, and the largest ratio of
+/// programmed to modelled strokes.
 fn strokes(depth: f64, first: f64, degression: Degression) -> Result<(Vec<f64>, f64), NoHole> {
     if !depth.is_finite() {
         return Err(NoHole::OutOfReach);
@@ -194,7 +201,7 @@ fn strokes(depth: f64, first: f64, degression: Degression) -> Result<(Vec<f64>, 
     }
     let shallowest = depth / f64::from(MAX_PECKS);
     let (mut depths, mut at, mut stroke, mut has_deeper) = (Vec::new(), 0.0, first, false);
-    while RESOLUTION_MM < depth - at - stroke {
+    while MIN_STROKE_MM < depth - at - stroke {
         has_deeper |= stroke < shallowest;
         at += stroke.max(shallowest);
         depths.push(at);

@@ -1,11 +1,11 @@
 //! Points and arcs by the words of SINUMERIK programs alone.
 //!
-//! - AP and RP name a point about the pole of G110, G111 and G112; an arc to it goes around the pole.
+//! - AP and RP give a point about the pole of G110, G111 and G112; an arc to it has the pole as its centre.
 //! - ANG with one coordinate of the end: a straight line at this angle to the first axis of the plane.
 //! - CR, AR, CIP and CT give an arc by its radius, its opening angle, a point on it, its first direction.
 //!
-//! Source: SINUMERIK 840D sl, Programming Manual Fundamentals, 2013. Left out: two straight lines by
-//! their angles and the end of the second.
+//! Source: SINUMERIK 840D sl, Programming Manual Fundamentals, 2013. Left out: two straight lines by their angles
+//! and the end of the second.
 
 use crate::machine::AXES;
 use crate::simulation::gcode::address;
@@ -15,7 +15,7 @@ use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::toolpath::{Arc, Point};
 
 impl Interpreter<'_> {
-    /// G110 to G112.
+    /// Runs G110 to G112.
     pub(super) fn set_pole(&mut self, block: Block, code: u16) {
         let from = match code {
             110 => self.frame.to_program(&self.canonical.position),
@@ -33,7 +33,7 @@ impl Interpreter<'_> {
         self.siemens.pole = pole;
     }
 
-    /// CIP: the arc through a point of its own, in any plane of the axes.
+    /// Runs CIP: the arc through a point, in any plane.
     pub(super) fn arc_through(&mut self, block: Block) {
         let Some(end) = self.target(block) else { return };
         let mut middle = self.frame.to_program(&self.canonical.position);
@@ -56,7 +56,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// CT: the arc that begins in the direction of the last move.
+    /// Runs CT: the arc that begins in the direction of the last move.
     pub(super) fn tangential_arc(&mut self, block: Block) {
         let Some(end) = self.target(block) else { return };
         let direction = self.canonical.toolpath().segments.last().map(|last| last.tangent(last.length));
@@ -67,7 +67,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Says where ANG stands without an end.
+    /// Remarks on ANG without an end.
     pub(super) fn check_angle(&mut self, block: Block) {
         let [a, b, _] = self.canonical.plane.axes();
         let has_end = [a, b].into_iter().any(|axis| self.given.get(AXES[axis] as u8).is_some());

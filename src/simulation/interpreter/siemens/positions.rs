@@ -1,4 +1,4 @@
-//! Patterns of holes: where the cycle of MCALL is run.
+//! Patterns of holes: the positions at which the cycle of MCALL is run.
 //!
 //! | pattern | its holes |
 //! |---|---|
@@ -7,24 +7,22 @@
 //! | CYCLE801 | a grid; VARI 1 its frame alone |
 //! | CYCLE802 | up to nine positions |
 //!
-//! NUM1 holes with the distance DIS1 lie along STA1, NUM2 rows with DIS2 square to it; rows are run to
-//! and fro. A position of CYCLE802 is one of which X or Y is given; a digit of XA and YA, that of X0
-//! at the units, says 1 for a coordinate, 2 for an increment from the position before. Moves between the holes are rapids.
+//! NUM1 holes with the distance DIS1 are along STA1, NUM2 rows with DIS2 at a right angle to it; rows run to and
+//! fro. A position of CYCLE802 has X or Y. A digit of XA and YA, the one of X0 at the units, is 1 for a
+//! coordinate, 2 for an increment from the position before. Moves between the holes are rapids.
 //!
-//! Source: SINUMERIK 840D sl, Programming Manuals Cycles and Job Planning, 2013. Left out: the order by
-//! the shortest way, shear angles and hidden positions of CYCLE801.
+//! Source: SINUMERIK 840D sl, Programming Manuals Cycles and Job Planning, 2013. Left out: the order by the
+//! shortest way, shear angles and hidden positions of CYCLE801.
 
 use crate::simulation::gcode::{HolePattern, PatternShape, whole_number};
 use crate::simulation::interpreter::block::Block;
+use crate::simulation::interpreter::bounds::MAX_HOLES;
 use crate::simulation::interpreter::cycle::NoHole;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
 
-/// The most holes of one pattern.
-const MAX_HOLES: f64 = 10_000.0;
-
 impl Interpreter<'_> {
-    /// The holes of the modal cycle in a pattern.
+    /// Makes the holes of the modal cycle in a pattern.
     pub(super) fn siemens_holes(&mut self, block: Block, pattern: &HolePattern) {
         let name = pattern.name;
         let Some(drilling) = self.siemens.modal else {
@@ -53,7 +51,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// The positions of a pattern in the plane, in the program's unit.
+/// Returns the positions of a pattern in the plane, in the program's unit.
 fn places(shape: &PatternShape) -> Result<Vec<[f64; 2]>, NoHole> {
     let count = |value: f64| match whole_number(value) {
         Some(count) if (1.0..=MAX_HOLES).contains(&f64::from(count)) => Ok(count as usize),
@@ -93,7 +91,7 @@ fn places(shape: &PatternShape) -> Result<Vec<[f64; 2]>, NoHole> {
     })
 }
 
-/// The positions of CYCLE802.
+/// Returns the positions of CYCLE802.
 fn listed(modes: [f64; 2], positions: &[[Option<f64>; 2]]) -> Result<Vec<[f64; 2]>, NoHole> {
     let digit = |value: f64, place: usize| (value.abs().min(1e9) / 10f64.powi(place as i32)) as u32 % 10;
     let mut last = [0.0; 2];

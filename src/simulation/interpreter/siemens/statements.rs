@@ -1,11 +1,11 @@
-//! Runs the statements of SINUMERIK programs.
+//! Execution of the statements of SINUMERIK programs.
 
 use crate::machine::AXES;
 use crate::simulation::gcode::{
     FrameChange, Keyword, Place, SiemensStatement, Statement, Unmodelled, address,
 };
 use crate::simulation::interpreter::block::{AXIS_WORDS, Block, POLAR_WORDS};
-use crate::simulation::interpreter::bounds::FEEDRATES_MM_S;
+use crate::simulation::interpreter::bounds::{FEEDRATES_MM_S, SCALE_FACTORS};
 use crate::simulation::interpreter::frame::{Affine, Kind};
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::siemens::SiemensAction;
@@ -14,15 +14,16 @@ use crate::simulation::interpreter::turning::Sign;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Blending, Curve, Motion, Point, Vector};
 
-/// A rotation, scaling or mirror image in place of an earlier one.
-const FRAME: Kind = Kind::Rotation;
+/// The one operation on coordinates of SINUMERIK programs.
+const FRAME_KIND: Kind = Kind::Rotation;
 
 const TURNED_PLANE: &str = "a swivelled plane is not modelled: lengths in it are right, but the time to swivel and the moves to the next plane are wrong";
 const SHIFTED_PLANE: &str =
     "the shift of its origin is not modelled: the first move after it is too short or too long";
 const DIAMETERS: &str = "X in diameters is not modelled: moves are taken as written";
 
-/// What follows for the time from a statement without a model, and its name with its relatives if it has some.
+/// Returns the consequence for the time of a statement without a model, and the names of its group if it has
+/// several.
 fn consequence(what: Unmodelled) -> (Option<&'static str>, &'static str) {
     match what {
         Unmodelled::Orientation => (
@@ -61,7 +62,7 @@ fn consequence(what: Unmodelled) -> (Option<&'static str>, &'static str) {
 }
 
 impl Interpreter<'_> {
-    /// Takes in a statement.
+    /// Reads a statement.
     pub(crate) fn siemens_statement(
         &mut self,
         block: Block,
@@ -70,7 +71,7 @@ impl Interpreter<'_> {
     ) {
         let Keyword::Siemens(keyword) = statement.keyword else { return };
         let (name, place) = (keyword.name, statement.place(block.line));
-        let asked = match keyword.with(block.arguments_of(statement)) {
+        let read = match keyword.with(block.arguments_of(statement)) {
             SiemensStatement::ModalCall => SiemensAction::Modal(None),
             SiemensStatement::Drilling(cycle) => match action.as_deref() {
                 Some(SiemensAction::Modal(_)) => SiemensAction::Modal(Some(cycle)),
@@ -107,26 +108,27 @@ impl Interpreter<'_> {
             }
             SiemensStatement::SwivelPlane { .. } | SiemensStatement::Neutral => return,
         };
-        *action = Some(Box::new(asked));
+        *action = Some(Box::new(read));
     }
 
+    /// Remarks on a statement without a model.
     pub(super) fn no_model(&mut self, place: Place, name: &'static str, what: &'static str) {
         self.remarks.add(place, TraceRemark::Statement { name, what });
     }
 
-    /// CYCLE832, with a tolerance in the unit of the program.
+    /// Runs CYCLE832, with a tolerance in the unit of the program.
     fn siemens_tolerance(&mut self, place: Place, tolerance: f64, is_off: bool) {
         let source = format!("CYCLE832({tolerance})");
         let mut blending = Blending::Machine;
         if !is_off {
             blending = Blending::Within(tolerance * self.modal.unit);
-            // The cycle calls a continuous-path mode itself.
+            // The cycle includes a continuous-path mode.
             self.set_continuous_path(place, source.clone());
         }
         self.set_tolerance(place, source, blending);
     }
 
-    /// Runs what the statements of a block asked for.
+    /// Runs the action of the statements of a block.
     pub(crate) fn siemens_act(&mut self, block: Block, action: &SiemensAction) {
         match action {
             SiemensAction::Frame { change, is_added } => self.siemens_frame(block, *change, *is_added),
@@ -149,11 +151,11 @@ impl Interpreter<'_> {
         }
     }
 
-    /// TRANS, ROT, SCALE, MIRROR, and with an A before them.
+    /// Runs TRANS, ROT, SCALE, MIRROR, and these with an A before them.
     fn siemens_frame(&mut self, block: Block, change: FrameChange, is_added: bool) {
         let unit = self.modal.unit;
         if !is_added {
-            self.frame.unset(FRAME);
+            self.frame.unset(FRAME_KIND);
         }
         let values = AXES.map(|axis| self.given.get(axis as u8));
         let operation = match change {
@@ -166,7 +168,7 @@ impl Interpreter<'_> {
             }
             FrameChange::Scaling => {
                 let factors = values.map(|factor| factor.unwrap_or(1.0));
-                if !factors.iter().all(|factor| (1e-6..=1e6).contains(&factor.abs())) {
+                if !factors.iter().all(|factor| SCALE_FACTORS.contains(&factor.abs())) {
                     self.remarks.add(block.place(), TraceRemark::BadScale);
                     return;
                 }
@@ -175,10 +177,10 @@ impl Interpreter<'_> {
             FrameChange::Mirror => Affine::mirror(values.map(|value| value.map(|_| 0.0))),
             FrameChange::Rotation => self.siemens_rotation(values),
         };
-        self.frame.compose(FRAME, operation);
+        self.frame.compose(FRAME_KIND, operation);
     }
 
-    /// By RPL in the plane in force, or about Z, Y and X in turn (RPY angles).
+    /// Returns the rotation by RPL in the plane in force, or about Z, Y and X in turn (RPY angles).
     fn siemens_rotation(&self, values: [Option<f64>; 3]) -> Affine {
         if let Some(angle) = self.given.get(address::PLANE_ANGLE) {
             return Affine::rotation(self.canonical.plane, Point::origin(), angle.to_radians());
@@ -188,7 +190,7 @@ impl Interpreter<'_> {
         about(Plane::Xy, z).after(&about(Plane::Zx, y)).after(&about(Plane::Yz, x))
     }
 
-    /// G331, G332 and G33: feed is the pitch (I, J or K of the axis) times the spindle speed.
+    /// Runs G331, G332 and G33: the feedrate is the pitch (I, J or K of the axis) times the spindle speed.
     fn thread_stroke(&mut self, block: Block, turn: Option<u32>) {
         let pitch = b"IJK".iter().find_map(|letter| self.given.get(*letter));
         if let Some(pitch) = pitch {

@@ -1,5 +1,5 @@
-//! What SINUMERIK controls know by themselves: names of constants and system variables; and the words
-//! beside a move that hold for its block alone.
+//! Names of constants and system variables of SINUMERIK controls, and the words beside a move that hold for its
+//! block alone.
 //!
 //! | name | value here |
 //! | --- | --- |
@@ -7,7 +7,7 @@
 //! | `$AA_IM[X]`, `$AA_MW[X]` | position in machine coordinates |
 //! | `$P_F`, `$P_S`, `$P_TOOLNO`, `$P_TOOLP` | F, S and T in force |
 //! | `$P_SEARCH`, `$P_SIM`, `$P_ISTEST`, `$P_DRYRUN` and the like | 0: a plain run |
-//! | `$PI`, `TRUE`, `FALSE` | themselves |
+//! | `$PI`, `TRUE`, `FALSE` | π, 1, 0 |
 //! | `_FINISH`, `_ROUGH`, `_ORI_FINISH` … | types of CYCLE832 |
 //!
 //! FB is the feed of its block alone; SPOS stops and positions the spindle.
@@ -34,7 +34,7 @@ const TYPES: [(&str, f64); 11] = [
     ("_top_surface_smooth_on", 2_000_000.0),
 ];
 
-/// What is 0 in a plain run: no block search, no simulation, no test, no skipping.
+/// Variables that are 0 in a plain run: no block search, no simulation, no test, no skipping.
 const PLAIN_RUN: [&str; 10] = [
     "$p_search",
     "$p_searchl",
@@ -49,7 +49,7 @@ const PLAIN_RUN: [&str; 10] = [
 ];
 
 impl Interpreter<'_> {
-    /// The value of a name that the program does not set itself, lower case.
+    /// Returns the value of a name that the program does not define, in lower case.
     pub(crate) fn siemens_variable(&self, name: &str) -> Option<f64> {
         if let Some((_, value)) = TYPES.iter().find(|(known, _)| *known == name) {
             return Some(*value);
@@ -76,7 +76,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// SPOS.
+    /// Runs SPOS.
     pub(crate) fn orient_spindle(&mut self, block: Block) {
         if self.dialect == Dialect::Siemens && self.given.get(address::SPINDLE_POSITION).is_some() {
             self.turn_spindle(block, 19);

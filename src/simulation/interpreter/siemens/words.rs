@@ -1,4 +1,4 @@
-//! G words that mean something else on SINUMERIK controls than in ISO, or nothing there.
+//! G words with another meaning on SINUMERIK controls than in ISO, or without one there.
 
 use crate::simulation::gcode::Place;
 use crate::simulation::gcode::address;
@@ -13,7 +13,7 @@ use crate::simulation::toolpath::Blending;
 use crate::simulation::toolpath::compensation::OuterCorner;
 use crate::units::MM_PER_INCH;
 
-/// What a G word of SINUMERIK controls asks for.
+/// A G word of SINUMERIK controls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SiemensWord {
     /// G70 and G71, and for feeds too G700 and G710.
@@ -28,17 +28,18 @@ pub(crate) enum SiemensWord {
     Limits,
     /// G58 and G59: shifts, not moves.
     AxialOffset,
-    /// G147, G148, G247, G248, G347, G348.
+    /// G147, G148, G247, G248, G347 and G348: soft approach and departure.
     SoftApproach,
-    /// G33 to G35, G331 and G332: a stroke along a thread.
+    /// G33 to G35, G331 and G332: a move along a thread.
     Thread,
     /// G63: a tap in a floating chuck.
     FloatingTap,
-    /// G450 and G451: around outer corners by an arc, or to where the offset paths meet.
+    /// G450 and G451: outer corners by an arc, or by the point where the offset paths meet.
     OuterCorner,
 }
 
-/// Modal group and meaning of a G word, given ten times its number, or `None` if ISO's holds.
+/// Returns the modal group and meaning of a G word, given ten times its number, or `None` if the meaning of ISO
+/// holds.
 pub(crate) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
     use Meaning::*;
     Some(match tenths {
@@ -62,7 +63,7 @@ pub(crate) fn meaning(tenths: u16) -> Option<(usize, Meaning)> {
 }
 
 impl Interpreter<'_> {
-    /// Takes in a G word of SINUMERIK controls.
+    /// Reads a G word of SINUMERIK controls.
     pub(crate) fn siemens_g_word(
         &mut self,
         block: Block,
@@ -107,7 +108,7 @@ impl Interpreter<'_> {
                 let what = "the soft approach is not modelled: a straight move to its end";
                 self.remarks.add(place, TraceRemark::Statement { name: "G147 to G348", what });
             }
-            SiemensWord::OuterCorner => self.canonical.go_around_corners(match code.value as u16 {
+            SiemensWord::OuterCorner => self.canonical.set_outer_corner_rule(match code.value as u16 {
                 451 => OuterCorner::Intersection { reach: MAX_REACH_RADII },
                 _ => OuterCorner::Arc,
             }),
@@ -124,9 +125,9 @@ impl Interpreter<'_> {
     }
 }
 
-/// How far beyond an outer corner offset paths may meet, as a multiple of the tool radius: an acute
-/// corner is cut off by an arc.
+/// Largest distance from an outer corner at which offset paths meet, as a multiple of the tool radius: an arc
+/// replaces a more acute corner.
 const MAX_REACH_RADII: f64 = 2.0;
 
-/// The number of a work offset that nobody can give.
+/// The number of the zero work offset, which no program can set.
 const NO_WORK_OFFSET: u16 = 0;

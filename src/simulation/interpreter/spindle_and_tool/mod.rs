@@ -1,12 +1,12 @@
-//! Machine functions: what M, S and T words make the machine wait for.
+//! Machine functions: the waits for M, S and T words.
 //!
-//! S is a speed in rpm that the spindle takes up at M3 or M4, or at once where it runs. An S word
-//! alone stops the motion only where the machine has a spindle ramp: else there is nothing to wait
-//! for. S under G96 is a cutting speed, and beside G4, G10, G50, G65, G66 and G92 it is not the
-//! spindle's; M5 and M19 stop the spindle, and so does a tool change.
+//! S is a speed in rpm that the spindle takes up at M3 or M4, or at once if it runs. An S word alone stops the
+//! motion only if the machine has a spindle ramp; otherwise there is no wait. S under G96 is a cutting speed, and
+//! beside G4, G10, G50, G65, G66 and G92 it is not the spindle's; M5 and M19 stop the spindle, and so does a tool
+//! change.
 //!
-//! A tool change to the tool that is in the spindle does nothing, as on most controls; which tool
-//! that is at the beginning is not known.
+//! A change to the tool that is in the spindle has no effect, as on most controls; the tool at the beginning is
+//! unknown.
 
 mod words;
 
@@ -18,7 +18,7 @@ const OTHER_SPEEDS: [u16; 6] = [40, 100, 500, 650, 660, 920];
 pub(super) struct Functions {
     /// The speed that the next M3 or M4 takes up, rpm.
     pub(super) speed: Option<f64>,
-    /// S is a cutting speed, by G96.
+    /// `true` if S is a cutting speed, by G96.
     has_surface_speed: bool,
 }
 

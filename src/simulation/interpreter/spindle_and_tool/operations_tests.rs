@@ -5,7 +5,7 @@ use crate::simulation::gcode::{Comment, LineNumber, read};
 use crate::simulation::interpreter::trace;
 use crate::simulation::toolpath::operations::operations;
 use crate::simulation::toolpath::{
-    MOST_OPERATIONS, Motion, Operation, Segment, Segments, Stop, StopCause, Toolpath,
+    MAX_OPERATIONS, Motion, Operation, Segment, Segments, Stop, StopCause, Toolpath,
 };
 
 fn cut(text: &str) -> (Toolpath, Vec<Operation>) {
@@ -121,9 +121,9 @@ fn the_rest_beyond_the_most_is_taken_together() {
         cause: StopCause::ToolChange { tool: Some(index as u32) },
         line: LineNumber(index as u32 + 1),
     };
-    let stops: Vec<Stop> = (0..MOST_OPERATIONS + 20).map(change).collect();
+    let stops: Vec<Stop> = (0..MAX_OPERATIONS + 20).map(change).collect();
     let (found, beyond) = operations(&Segments::default(), &stops, &[]);
-    assert_eq!((found.len(), beyond), (MOST_OPERATIONS, 20));
+    assert_eq!((found.len(), beyond), (MAX_OPERATIONS, 20));
     assert_eq!(found.last().map(|last| (last.first_stop, last.tool)), Some((499, None)));
     assert_eq!(operations(&Segments::default(), &[], &[]), (Vec::new(), 0));
 }

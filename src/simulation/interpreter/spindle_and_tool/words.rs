@@ -7,12 +7,12 @@ use crate::simulation::interpreter::spindle_and_tool::OTHER_SPEEDS;
 use crate::simulation::interpreter::state::Interpreter;
 use crate::simulation::interpreter::words::tenths;
 
-/// The speeds that are taken at their word, rpm.
+/// The speeds that count as meant, rpm.
 const SPEEDS_RPM: std::ops::RangeInclusive<f64> = 0.0..=1e6;
 
 impl Interpreter<'_> {
-    /// S, and the wait for it where it is alone.
-    pub(crate) fn take_speed(&mut self, block: Block) {
+    /// Runs S, with the wait for it if it is alone.
+    pub(crate) fn set_speed(&mut self, block: Block) {
         let mut is_other = false;
         for tenths in block.words.iter().filter(|word| word.letter == b'G').filter_map(tenths) {
             match tenths {
@@ -39,7 +39,7 @@ impl Interpreter<'_> {
         self.canonical.set_spindle_speed(block.line, speed, waits);
     }
 
-    /// M3, M4, M5 and M19.
+    /// Runs M3, M4, M5 and M19.
     pub(crate) fn turn_spindle(&mut self, block: Block, code: u32) {
         let direction = match code {
             3 => SpindleDirection::Clockwise,
@@ -56,7 +56,7 @@ impl Interpreter<'_> {
         self.canonical.turn_spindle(block.line, to, code);
     }
 
-    /// A change to the tool that was last asked for.
+    /// Changes to the tool of the last T word.
     pub(crate) fn change_tool(&mut self, block: Block) {
         let tool = self.modal.tool;
         if let (false, Some(tool)) = (self.canonical.change_tool(block.line, tool), tool) {

@@ -5,18 +5,15 @@
 //!                      without I J the curve leaves in the direction in which the G5 before it arrived
 //! G5.1  X Y I J        quadratic Bézier curve: control point at I J from the start
 //! G5.2  X Y P L        a control point with the weight P of a NURBS of the order L (3), and all blocks with
-//!                      axis words that follow; the first point is the start, whose weight is a P without X Y
+//!                      axis words after it; the first point is the start, whose weight is a P without X Y
 //! G5.3                 runs the NURBS; its knots are uniform, and it touches its first and last point
 //! ```
 //!
-//! All are NURBS with clamped uniform knots, evaluated by de Boor's recurrence. As LinuxCNC does, the curve is cut
-//! at four equal steps of its parameter for each control point, and each piece is run as a biarc: two arcs that
-//! share the tangents of the curve at the ends of the piece and each other's where they meet. So there are no
-//! corners inside a curve. Four control points within 10 mm are met to about a micrometre.
+//! All are NURBS, which [`Nurbs`] runs as biarcs.
 //!
-//! Splines lie in the XY plane. G6.2 (NURBS with given knots) is not modelled: feed moves join its control points.
+//! Splines are in the XY plane. G6.2 (NURBS with given knots) is not modelled: feed moves join its control points.
 //!
-//! Source: LinuxCNC 2.9, G5 to G5.3, `emccanon.cc`; Piegl, Tiller, The NURBS Book, 1997, Sect. 4.3.
+//! Source: LinuxCNC 2.9, G5 to G5.3.
 
 mod words;
 
@@ -25,10 +22,10 @@ use crate::simulation::interpreter::code::Code;
 use crate::simulation::toolpath::Vector;
 use crate::simulation::toolpath::nurbs::Nurbs;
 
-/// The highest order of a NURBS; the work at a point of the curve grows with its square.
+/// Highest order of a NURBS; the work at a point of the curve grows with its square.
 const MAX_ORDER: usize = 16;
 
-/// A curve that axis words lead along.
+/// A curve by axis words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spline {
     /// G5.
@@ -53,7 +50,7 @@ impl Spline {
     }
 }
 
-/// Why a spline is not run as written.
+/// The reason why a spline is not run as written.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub(super) enum NoSpline {
     #[error("the curve needs both I and J")]
@@ -72,13 +69,15 @@ pub(super) enum NoSpline {
     GivenKnots,
 }
 
-/// What a spline keeps from block to block.
+/// State of splines from block to block.
 #[derive(Debug, Default)]
 pub(super) struct SplineState {
-    /// From the end of the last G5 to where its direction points, in program coordinates, mm.
+    /// Vector from the end of the last G5 to the mirror image of its last control point, in program coordinates,
+    /// mm.
     onward: Option<Vector>,
-    /// The NURBS that G5.2 began, and its line.
+    /// The NURBS that G5.2 began.
     nurbs: Nurbs,
+    /// Line of that G5.2.
     nurbs_line: LineNumber,
 }
 

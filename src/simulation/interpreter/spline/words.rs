@@ -1,4 +1,4 @@
-//! Reads the words of splines, and runs each curve as biarcs.
+//! Execution of spline words: each curve becomes biarcs.
 
 use crate::simulation::gcode::{Dialect, Place};
 use crate::simulation::interpreter::block::{AXIS_WORDS, Block, CENTER_WORDS, bits};
@@ -12,13 +12,14 @@ use crate::simulation::toolpath::nurbs::Nurbs;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Point, Rotation, Vector};
 
-/// The order of a NURBS without L.
-const USUAL_ORDER: usize = 3;
+/// Order of a NURBS without L.
+const DEFAULT_ORDER: usize = 3;
 
 impl Interpreter<'_> {
-    /// The spline that G5 or G5.1 begins by the words of its block, or `None` if they are those of another control.
+    /// Returns the spline that G5 or G5.1 begins by the words of its block, or `None` if the words are those of
+    /// another control.
     pub(crate) fn spline_of(&self, word: PathWord) -> Option<Spline> {
-        // G5 and G5.1 of Fanuc and its relatives, of Siemens and of Okuma are none.
+        // G5 and G5.1 of Fanuc and its relatives, of Siemens and of Okuma are not splines.
         if self.is_tape || self.dialect == Dialect::Siemens {
             return None;
         }
@@ -41,7 +42,7 @@ impl Interpreter<'_> {
     /// Runs the axis words of a block under a spline.
     pub(crate) fn spline_to(&mut self, block: Block, spline: Spline, end: Point) {
         if spline == Spline::Nurbs {
-            return self.take_control_point(block, end);
+            return self.add_control_point(block, end);
         }
         match self.spline_curve(spline, end) {
             Ok(nurbs) => self.run_nurbs(block, &nurbs),
@@ -52,7 +53,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The Bézier curve to `end` by the words of the block.
+    /// Returns the Bézier curve to `end` by the words of the block.
     fn spline_curve(&mut self, spline: Spline, end: Point) -> Result<Nurbs, NoSpline> {
         let onward = self.spline.onward.take();
         if self.canonical.plane != Plane::Xy || self.given.has(bits(b"ZABC")) {
@@ -90,7 +91,7 @@ impl Interpreter<'_> {
     }
 
     /// Keeps the control point of a block under G5.2, the weight of the start, and the order.
-    pub(crate) fn take_control_point(&mut self, block: Block, point: Point) {
+    pub(crate) fn add_control_point(&mut self, block: Block, point: Point) {
         let is_in_plane = self.canonical.plane == Plane::Xy && !self.given.has(bits(b"ZABC"));
         let (has_x, has_y) = (self.given.has(bits(b"X")), self.given.has(bits(b"Y")));
         let weight = self.given.get(b'P').filter(|weight| (1e-6..=1e6).contains(weight));
@@ -99,9 +100,9 @@ impl Interpreter<'_> {
         if nurbs.points.is_empty() {
             self.spline.nurbs_line = block.line;
             let weight_of_start = weight.filter(|_| is_weight_of_start).unwrap_or(1.0);
-            *nurbs = Nurbs { order: USUAL_ORDER, points: vec![(self.canonical.position, weight_of_start)] };
+            *nurbs = Nurbs { order: DEFAULT_ORDER, points: vec![(self.canonical.position, weight_of_start)] };
         }
-        if let Some(order) = self.given.get(b'L').filter(|order| USUAL_ORDER as f64 <= *order) {
+        if let Some(order) = self.given.get(b'L').filter(|order| DEFAULT_ORDER as f64 <= *order) {
             nurbs.order = order as usize;
         }
         match weight.filter(|_| has_x && has_y && is_in_plane) {
@@ -111,7 +112,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// G5.3: runs the NURBS whose control points were collected, or joins them by feed moves.
+    /// Runs G5.3: the NURBS through the kept control points, or feed moves between them.
     pub(crate) fn end_nurbs(&mut self, block: Block, code: Code) {
         let nurbs = std::mem::take(&mut self.spline.nurbs);
         self.modal.mode = None;
@@ -131,25 +132,24 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Forgets the control points that another motion word or the end of the program leaves behind, as the control
-    /// does.
-    pub(crate) fn forget_nurbs(&mut self) {
+    /// Drops the control points at another motion word or the end of the program, as the control does.
+    pub(crate) fn drop_nurbs(&mut self) {
         let nurbs = std::mem::take(&mut self.spline.nurbs);
         if !nurbs.points.is_empty() {
             self.remarks.add(Place::line(self.spline.nurbs_line), TraceRemark::NurbsNotEnded);
         }
     }
 
-    /// Along a curve in feed.
+    /// Moves along a curve in feed.
     fn run_nurbs(&mut self, block: Block, nurbs: &Nurbs) {
         let pieces = nurbs.pieces(self.canonical.plane.axes()[2]);
-        let length: f64 = pieces.iter().map(|(_, _, length)| length).sum();
+        let length: f64 = pieces.iter().map(|piece| piece.length).sum();
         if length < MIN_MOVE_MM {
             return;
         }
         let feedrate = self.feedrate_along(block, length);
         let rotation = self.turned_along().map_or(Rotation::NONE, Rotation::from);
         self.canonical.nurbs_feed(block.line, pieces, feedrate, rotation);
-        self.tell_troubles();
+        self.add_compensation_remarks();
     }
 }

@@ -1,6 +1,6 @@
-//! Signs of a lathe program, which is declined: X words are diameters there, the feed may follow the spindle, whose
-//! speed follows the diameter, and turning cycles make their cuts themselves. None of that is modelled, so that a
-//! time of such a program would be wrong.
+//! Signs of a lathe program, which Truefeed declines. In such a program X words are diameters, the feed may depend
+//! on the spindle, whose speed depends on the diameter, and turning cycles divide their cuts themselves. None of
+//! that is modelled, so the time of such a program would be wrong.
 //!
 //! | sign | weight |
 //! |---|---|
@@ -17,8 +17,8 @@
 //! | F below 1 per minute, which is one per revolution | half, without Y |
 //! | G12.1, G112 (polar interpolation) | half, without Y |
 //!
-//! Mills have G70 to G76, G90 to G99 with other meanings or words, and hardly a program without any Y. Half of what is enough
-//! leaves the time in doubt, where mills hardly have that sign.
+//! Mills have G70 to G76 and G90 to G99 with other meanings or words, and hardly ever a program without any Y.
+//! Half of the weight leaves the time in doubt if mills hardly ever have that sign.
 //!
 //! Sources: Fanuc Series 0i-TD, Operator's Manual (Lathe System); SINUMERIK 840D sl, Programming Manual Turning;
 //! LinuxCNC 2.9, G7, G76, G96; Okuma OSP-P200L programming manual; TNC 640, turning.
@@ -27,10 +27,10 @@ mod signs;
 
 use crate::simulation::gcode::LineNumber;
 
-/// What signs weigh together that show a lathe program.
+/// Least sum of weights that shows a lathe program.
 const MIN_WEIGHT: u32 = 2;
 
-/// Something that lathe programs hold.
+/// A sign of lathe programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sign {
     TurningCycle,
@@ -50,7 +50,7 @@ pub(super) enum Sign {
 }
 
 impl Sign {
-    /// What it says of the program, beside the word.
+    /// Returns its meaning, which remarks give beside the word.
     fn meaning(self) -> &'static str {
         match self {
             Sign::TurningCycle => "a turning cycle",
@@ -68,16 +68,17 @@ impl Sign {
         }
     }
 
-    /// Mills do not have it at all.
+    /// Returns `true` if mills never have the sign.
     fn is_of_lathes_alone(self) -> bool {
         matches!(self, Sign::TurningCycle | Sign::TurningMode)
     }
 
-    /// Mills hardly have it, so that the time is in doubt where it is the only sign.
+    /// Returns `true` if mills hardly ever have the sign, so that even alone it leaves the time in doubt.
     fn is_suspicious_alone(self) -> bool {
         matches!(self, Sign::SpeedLimit | Sign::ThreadingPass | Sign::TurningPass | Sign::FeedPerRevolution)
     }
 
+    /// Returns its weight.
     fn weight(self) -> u32 {
         match self {
             Sign::Diameters | Sign::ThreadingCycle | Sign::SurfaceSpeed => MIN_WEIGHT,
@@ -87,30 +88,30 @@ impl Sign {
     }
 }
 
-/// What the signs say of a program, with the first line and the reasons.
+/// The result of the signs of a program, with the first line and the reasons.
 enum Verdict {
     Mill,
     PerhapsLathe { line: LineNumber, reasons: String },
     Lathe { line: LineNumber, reasons: String },
 }
 
-/// The signs of a program so far, each where it comes up first.
+/// The signs of a program so far, each at its first line.
 #[derive(Debug, Default)]
 pub(super) struct Turning {
     signs: Vec<(Sign, LineNumber, String)>,
-    /// The program names a position in Y.
+    /// `true` if the program has a position in Y.
     pub(super) names_y: bool,
 }
 
 impl Turning {
-    /// Keeps a sign and its word.
+    /// Adds a sign with its word.
     pub(super) fn note(&mut self, sign: Sign, line: LineNumber, word: impl FnOnce() -> String) {
         if self.signs.iter().all(|(known, ..)| *known != sign) {
             self.signs.push((sign, line, word()));
         }
     }
 
-    /// Whether the program is one of a lathe, with the line and the reasons.
+    /// Returns the result of the signs so far; `changes_tool` if the program has a tool change.
     fn verdict(&self, changes_tool: bool) -> Verdict {
         let counts = |sign: Sign| match sign {
             Sign::ToolWithOffset => !self.names_y && !changes_tool,

@@ -1,7 +1,7 @@
-//! Looks for the signs of a lathe program.
+//! Search for the signs of a lathe program.
 
 use crate::simulation::gcode::{Diagnostic, Dialect, Keyword, Place, Severity, Statement, Word};
-use crate::simulation::interpreter::block::{AXIS_WORDS, Block, POLAR_WORDS, bits};
+use crate::simulation::interpreter::block::{AXIS_WORDS, Block, POLAR_WORDS, bits, is_dwell};
 use crate::simulation::interpreter::feed_mode::FeedMode;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
@@ -9,21 +9,21 @@ use crate::simulation::interpreter::turning::{Sign, Verdict};
 use crate::simulation::toolpath::{StopCause, Toolpath};
 use crate::units::MM_PER_INCH;
 
-/// The least feed of a turning pass, and the feeds that are too low for one per minute, in mm and in inches.
+/// Feeds below the least one per minute, in mm and in inches; a turning pass has one of them.
 const LOW_FEEDS: [std::ops::Range<f64>; 2] = [0.001..1.0, 0.001..0.1];
 
 impl Interpreter<'_> {
-    /// Takes a block for what it is that holds nothing but the word that makes X words diameters; returns whether it does.
+    /// Reads a block that has only the word by which X words are diameters; returns `false` for other blocks.
     #[inline]
     pub(crate) fn note_diameters(&mut self, block: Block) -> bool {
-        let [Statement { keyword: Keyword::Diameters(word), .. }] = block.asked.statements else {
+        let [Statement { keyword: Keyword::Diameters(word), .. }] = block.statements.list else {
             return false;
         };
         self.turning.note(Sign::Diameters, block.line, || word.to_string());
         true
     }
 
-    /// Looks for signs of a lathe in a block of ISO words.
+    /// Searches a block of ISO words for signs of a lathe.
     pub(crate) fn look_for_turning(&mut self, block: Block) {
         let has = |letters: &[u8]| self.given.has(bits(letters));
         let line = block.line;
@@ -62,7 +62,7 @@ impl Interpreter<'_> {
                 _ => format!("G{}", word.value),
             });
         }
-        if is_like_fanuc && has(b"UW") && !has(b"V") && !is_dwell(block) {
+        if is_like_fanuc && has(b"UW") && !has(b"V") && !is_dwell(block.words) {
             let letter = if has(b"U") { "U" } else { "W" };
             self.turning.note(Sign::IncrementsByUW, line, || letter.to_string());
         }
@@ -74,14 +74,15 @@ impl Interpreter<'_> {
         }
         let feed = self.given.get(b'F').filter(|feed| (0.001..1.0).contains(feed));
         let is_per_minute = self.modal.feed.mode == FeedMode::PerMinute;
-        if let Some(feed) = feed.filter(|_| is_like_fanuc && is_per_minute && !is_dwell(block)) {
+        if let Some(feed) = feed.filter(|_| is_like_fanuc && is_per_minute && !is_dwell(block.words)) {
             self.turning.note(Sign::FeedPerRevolution, line, || format!("F{feed}"));
         }
         let is_threading = block.words.iter().any(|word| word.letter == b'G' && word.value == 76.0);
         self.turning.names_y |= has(b"YV") || self.given.has(POLAR_WORDS) || (has(b"J") && !is_threading);
     }
 
-    /// Whether a block with G90 or G94 is a pass of a lathe: across X and Z at a feed that is too low for one per minute.
+    /// Returns `true` if a block with G90 or G94 is a pass of a lathe: across X and Z at a feed too low for one
+    /// per minute.
     fn is_turning_pass(&self, block: Block) -> bool {
         let has = |letters: &[u8]| self.given.has(bits(letters));
         let is_move = |word: &Word| word.letter == b'G' && (0.0..4.0).contains(&word.value);
@@ -95,8 +96,9 @@ impl Interpreter<'_> {
             && !block.words.iter().any(is_move)
     }
 
-    /// The toolpath of a program that shows itself as one for a lathe: nothing of it is quoted, and its first remark
-    /// says why. A program that may be one for a lathe is run, with a remark that puts its time in doubt.
+    /// Returns the empty toolpath of a lathe program, which is not quoted, with the reason as its remark; `None`
+    /// for other programs. A program that may be one for a lathe is run, with a remark that puts its time in
+    /// doubt.
     pub(crate) fn declined(&mut self) -> Option<Toolpath> {
         let is_change =
             |cause: &StopCause| matches!(cause, StopCause::ToolChange { .. } | StopCause::SameTool { .. });
@@ -117,8 +119,4 @@ impl Interpreter<'_> {
         let diagnostics = vec![declined.clone()];
         Some(Toolpath { dialect: self.dialect, declined: Some(declined), diagnostics, ..Toolpath::default() })
     }
-}
-
-fn is_dwell(block: Block) -> bool {
-    block.words.iter().any(|word| word.letter == b'G' && word.value == 4.0)
 }

@@ -1,7 +1,8 @@
-//! Runs the words of one family of controls.
+//! Execution of the words of one family of controls.
 
 use crate::simulation::gcode::{Dialect, Place};
 use crate::simulation::interpreter::block::{AXIS_WORDS, Block, UNMODELLED_WORDS, bits};
+use crate::simulation::interpreter::bounds::MAX_HOLES;
 use crate::simulation::interpreter::code::Code;
 use crate::simulation::interpreter::frame::ADDITIONAL;
 use crate::simulation::interpreter::remark::TraceRemark;
@@ -11,11 +12,8 @@ use crate::simulation::interpreter::vendor_codes::{SETTINGS, VendorCode, VendorM
 use crate::simulation::interpreter::words::Special;
 use crate::simulation::toolpath::Point;
 
-/// The most holes of one pattern.
-const MAX_HOLES: f64 = 10_000.0;
-
 impl Interpreter<'_> {
-    /// Takes in a G word that acts before the axis words.
+    /// Reads a G word that acts before the axis words.
     pub(crate) fn vendor_g_word(
         &mut self,
         block: Block,
@@ -33,7 +31,7 @@ impl Interpreter<'_> {
                     if code.value == 16.0 {
                         self.vendor.offset_after = Some(self.frame.work_offset);
                     }
-                    self.take_work_offset(code, place, number);
+                    self.select_work_offset(code, place, number);
                 }
                 _ => {
                     let what = "needs H with the number of a work offset: left out";
@@ -41,7 +39,7 @@ impl Interpreter<'_> {
                 }
             },
             VendorModal::OffsetByCode => {
-                self.take_work_offset(code, place, ADDITIONAL + code.value as u16 - 109);
+                self.select_work_offset(code, place, ADDITIONAL + code.value as u16 - 109);
             }
             VendorModal::LengthByH if code.value == 53.0 => {
                 request.tool_length = Some(Code { letter: 'G', value: 49.0 });
@@ -58,7 +56,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Runs a word that decides what its block does.
+    /// Runs a word that uses the axis words of its block.
     pub(crate) fn vendor_word(&mut self, block: Block, word: VendorCode, code: Code) {
         match word {
             VendorCode::Unsupported(what) => {
@@ -95,18 +93,18 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The tool change of G100, which comes before what the M words of its block ask for.
+    /// Runs the tool change of G100, which comes before the M words of its block.
     pub(crate) fn one_touch_change(&mut self, block: Block, special: Option<(Special, Code)>) {
-        let is_asked_for = matches!(special, Some((Special::Vendor(VendorCode::OneTouchChange), _)));
-        if is_asked_for && self.given.has(bits(b"T")) {
+        let is_requested = matches!(special, Some((Special::Vendor(VendorCode::OneTouchChange), _)));
+        if is_requested && self.given.has(bits(b"T")) {
             self.change_tool(block);
         }
     }
 
-    /// From a tool change to where the axis words say: first beside the work, then down to it.
+    /// Moves after a tool change to the destination of the axis words: first above the work, then down to it.
     fn go_to_work(&mut self, block: Block) {
         let Some(target) = self.target(block) else { return };
-        self.take_rotary(block);
+        self.read_rotary_words(block);
         let mut above = target;
         above.z = self.canonical.position.z;
         self.rapid_to(block, above);
@@ -114,7 +112,7 @@ impl Interpreter<'_> {
         self.turn_alone(block, true);
     }
 
-    /// Forgets the words of a block that are those of a setting.
+    /// Drops the words of a block that belong to a setting.
     pub(crate) fn leave_out_settings(&mut self, block: Block) {
         let is_possible =
             matches!(self.dialect, Dialect::Iso | Dialect::LinuxCnc | Dialect::Grbl | Dialect::Mach);
@@ -130,7 +128,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Takes notice of an M word of one family; whether it is no stop of the machine.
+    /// Reads an M word of one family; returns `true` if it causes no stop of the machine.
     pub(crate) fn vendor_m_word(&mut self, number: Option<u32>) -> bool {
         let is_return = self.dialect == Dialect::Okuma && matches!(number, Some(52..=54));
         if is_return {
@@ -139,7 +137,7 @@ impl Interpreter<'_> {
         is_return
     }
 
-    /// Whether an M word ends the program.
+    /// Returns `true` if an M word ends the program.
     pub(crate) fn is_end(&mut self, block: Block, number: Option<u32>) -> bool {
         if self.dialect == Dialect::Mach && number == Some(47) {
             let what = "the program repeats for ever: one run is timed";
@@ -149,14 +147,14 @@ impl Interpreter<'_> {
         matches!(number, Some(2 | 30))
     }
 
-    /// Forgets what holds for one block alone.
+    /// Ends the words that hold for one block alone.
     pub(crate) fn end_vendor_words(&mut self) {
         if let Some(number) = self.vendor.offset_after.take() {
             self.frame.select_work_offset(number);
         }
     }
 
-    /// G70 to G72: a hole of the cycle in force at each place of a pattern about X Y.
+    /// Runs G70 to G72: a hole of the cycle in force at each place of a pattern about X Y.
     fn bolt_holes(&mut self, block: Block, code: Code) {
         let words = [b'I', b'J', b'K', b'L'].map(|letter| self.given.take(letter));
         let (Some(distance), Some(count)) = (words[0], words[3]) else {

@@ -1,16 +1,15 @@
-//! Programmed contour → path of the tool's centre: corner treatments, then cutter radius
-//! compensation.
+//! Programmed contour → path of the tool centre: corner treatments, then cutter radius compensation.
 //!
 //! ```text
 //! programmed moves → rounding (RND, CHF, ,R ,C) → queue (G41, G42) → segments
 //! ```
 //!
-//! Every programmed move goes through [`Contour`]; with neither in force it comes out unchanged
-//! and at once. All geometry is in the working plane; the third coordinate is carried along.
-//! Where a control would refuse, the path continues, and a remark says how.
+//! Every programmed move passes [`Contour`]. Without treatment and compensation it comes out unchanged and at
+//! once. All geometry is in the working plane; the third coordinate is interpolated. Where a control would refuse
+//! a move, Truefeed continues the path and remarks how.
 //!
-//! Limits: the tool is a circle, without lathe orientation (L of G41.1) or wear; the queue looks
-//! back over 16 moves; a contour that crosses itself further apart is not seen.
+//! Limits: the tool is a circle, without lathe orientation (L of G41.1) or wear. The queue looks back over 16
+//! moves, so it does not see a contour that crosses itself over more moves.
 //!
 //! Source: LinuxCNC user manual, cutter radius compensation.
 
@@ -32,23 +31,23 @@ use crate::simulation::toolpath::compensation::rounding::Treated;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Motion, Point, Segment, Stop, Toolpath};
 
-/// The largest size of a tool or of a corner treatment that is taken at its word, mm.
+/// Largest size of a tool or of a corner treatment that counts as meant, mm.
 pub(crate) const MAX_SIZE_MM: f64 = 1e6;
 
 /// A move kept back for the corner at its end.
 struct Held {
     segment: Segment,
     plane: Plane,
-    /// What follows it before the next move.
+    /// The stops between it and the next move.
     stops: Vec<Stop>,
 }
 
-/// The stage between programmed moves and segments.
+/// The stage that makes segments of programmed moves.
 pub(crate) struct Contour {
     held: Option<Held>,
-    /// For the corner at the end of the held move.
+    /// The treatment of the corner at the end of the held move.
     next_corner: Option<CornerTreatment>,
-    /// For every corner between feed moves, until it is taken back.
+    /// The treatment of every corner between feed moves, if one is in force.
     every_corner: Option<CornerTreatment>,
     queue: Queue,
 }
@@ -58,43 +57,39 @@ impl Contour {
         Contour { held: None, next_corner: None, every_corner: None, queue: Queue::new(lead_in) }
     }
 
-    /// Moves may still be kept back.
+    /// Returns `true` if moves may be kept back.
     pub(crate) fn keeps_back(&self) -> bool {
         self.held.is_some() || !self.is_plain()
     }
 
-    /// Moves come out as they are given, and at once.
+    /// Returns `true` if no compensation and no treatment of every corner is in force.
     fn is_plain(&self) -> bool {
         self.every_corner.is_none() && self.queue.setting().is_none()
     }
 
-    /// The tool is beside the programmed position, so that even a move of no length moves it.
+    /// Returns `true` if the tool is beside the programmed position, so that even a move of no length moves it.
     pub(crate) fn is_beside(&self) -> bool {
         self.queue.is_beside()
     }
 
-    /// A move comes out as it is given if it has a length, and nothing waits for it.
+    /// Returns `true` if a move with a length comes out unchanged and at once.
     pub(crate) fn is_idle(&self) -> bool {
         !self.keeps_back() && !self.is_beside() && self.next_corner.is_none()
     }
 
-    /// The next programmed move, in this working plane.
+    /// Adds the next programmed move, in this working plane.
     #[inline]
-    pub(crate) fn take(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
+    pub(crate) fn add(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
         if !self.is_plain() || self.held.is_some() {
-            return self.take_in(segment, plane, out);
+            return self.add_behind_held(segment, plane, out);
         }
         self.next_corner = None;
-        // Nearly every move of a long program comes out here as it is.
-        if self.queue.lets_pass(&segment) {
-            out.segments.push(segment)
-        } else {
-            self.queue.take(segment, out)
-        }
+        // Nearly every move of a long program comes out here, unchanged.
+        if self.queue.lets_pass(&segment) { out.segments.push(segment) } else { self.queue.add(segment, out) }
     }
 
-    /// The next programmed move, where moves are kept back.
-    fn take_in(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
+    /// Adds the next programmed move while moves are kept back.
+    fn add_behind_held(&mut self, segment: Segment, plane: Plane, out: &mut Toolpath) {
         let another_plane =
             |setting: Setting| (setting.plane != plane).then_some(Setting { plane, ..setting });
         if let Some(setting) = self.queue.setting().and_then(another_plane) {
@@ -110,24 +105,24 @@ impl Contour {
                 Ok(Some(Treated { before, corner, after })) => {
                     self.release_as(before, out);
                     if let Some(corner) = corner {
-                        self.queue.take(corner, out);
+                        self.queue.add(corner, out);
                     }
                     next = after;
                 }
                 Ok(None) => {}
-                Err(trouble) => self.queue.troubles.push((held.segment.line, trouble)),
+                Err(remark) => self.queue.remarks.push((held.segment.line, remark)),
             }
         }
         self.release(out);
         let Some(segment) = next else { return };
         if self.is_plain() {
-            self.queue.take(segment, out);
+            self.queue.add(segment, out);
         } else {
             self.held = Some(Held { segment, plane, stops: Vec::new() });
         }
     }
 
-    /// A stop between the moves.
+    /// Adds a stop after the last move.
     pub(crate) fn stop(&mut self, stop: Stop, out: &mut Toolpath) {
         match &mut self.held {
             Some(held) => held.stops.push(stop),
@@ -145,7 +140,7 @@ impl Contour {
         self.next_corner = Some(treatment);
     }
 
-    /// Treats every corner between feed moves from here on, or no longer.
+    /// Treats every corner between feed moves from here on; `None` ends that.
     pub(crate) fn treat_every_corner(&mut self, treatment: Option<CornerTreatment>) {
         self.every_corner = treatment;
     }
@@ -155,12 +150,12 @@ impl Contour {
         self.queue.setting()
     }
 
-    /// Chooses how the tool goes around outer corners from here on.
-    pub(crate) fn go_around_corners(&mut self, outer_corner: OuterCorner) {
+    /// Sets the way of the tool around outer corners from here on.
+    pub(crate) fn set_outer_corner_rule(&mut self, outer_corner: OuterCorner) {
         self.queue.outer_corner = outer_corner;
     }
 
-    /// Changes the compensation in force from the next move on.
+    /// Sets the compensation from the next move on; `None` ends it.
     pub(crate) fn set(&mut self, setting: Option<Setting>, out: &mut Toolpath) {
         if setting != self.queue.setting() {
             self.release(out);
@@ -168,18 +163,18 @@ impl Contour {
         }
     }
 
-    /// Puts compensation in force from the next move on, with the tool at its distance already, at `at`.
+    /// Sets the compensation from the next move on; the tool is at its distance already, at `at`.
     pub(crate) fn begin_beside(&mut self, setting: Setting, at: Point, out: &mut Toolpath) {
         self.release(out);
         self.queue.begin_beside(setting, at, out);
     }
 
-    /// Returns where the tool is, if that is not the programmed position; it becomes the programmed position.
-    pub(crate) fn take_place(&mut self) -> Option<Point> {
+    /// Takes the position of the tool, if that is not the programmed one. It becomes the programmed position.
+    pub(crate) fn take_offset_position(&mut self) -> Option<Point> {
         self.queue.at.take()
     }
 
-    /// Puts out everything that is kept back.
+    /// Writes out all moves and stops that are kept back.
     pub(crate) fn finish(&mut self, out: &mut Toolpath) {
         self.release(out);
         self.queue.flush(out);
@@ -191,27 +186,27 @@ impl Contour {
         self.next_corner = None;
     }
 
-    /// Gives on what is left of the held move, and the stops after it.
+    /// Passes the rest of the held move and the stops after it on to the queue.
     fn release_as(&mut self, segment: Option<Segment>, out: &mut Toolpath) {
         let Some(Held { stops, .. }) = self.held.take() else { return };
         if let Some(segment) = segment {
-            self.queue.take(segment, out);
+            self.queue.add(segment, out);
         }
         for stop in stops {
             self.queue.stop(stop, out);
         }
     }
 
-    /// What could not be done as a control would, since this was last asked.
-    pub(crate) fn troubles(&mut self) -> Vec<(LineNumber, CompensationRemark)> {
-        std::mem::take(&mut self.queue.troubles)
+    /// Takes the remarks since the last call.
+    pub(crate) fn take_remarks(&mut self) -> Vec<(LineNumber, CompensationRemark)> {
+        std::mem::take(&mut self.queue.remarks)
     }
 }
 
-/// Two feed moves in their plane: what the treatment of every corner is meant for.
+/// Returns `true` for two feed moves in their plane; only those get the treatment of every corner.
 fn is_contour(held: &Held, next: &Segment) -> bool {
     [&held.segment, next].into_iter().all(|segment| {
         let is_feed = matches!(segment.motion, Motion::Feed { .. });
-        is_feed && planar::stroke(held.plane, segment).is_some()
+        is_feed && planar::planar_curve(held.plane, segment).is_some()
     })
 }

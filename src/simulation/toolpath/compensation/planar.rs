@@ -1,61 +1,61 @@
-//! Between segments in space and strokes in the plane of compensation.
+//! Conversion between segments in space and curves in the plane of compensation.
 //!
-//! The plane (a, b) has the normal c; a stroke forgets c, and a segment drawn along a stroke runs
-//! evenly from the height c it begins at to the one it is given.
+//! The plane (a, b) has the normal c. A planar curve has no c; a segment drawn along a curve runs evenly from its
+//! start height c to its end height.
 
 use crate::simulation::toolpath::compensation::geometry::{
-    PlanarCurve, Point2, ROUNDING_MM, Shape, angle, cross, left_of,
+    PlanarCurve, PlanarShape, Point2, ROUNDING_MM, angle, cross, left_of,
 };
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Arc, Curve, Point, Segment, Vector};
 use std::f64::consts::TAU;
 
-/// Radii below this are no circle, mm.
+/// Smaller radii are no circle, mm.
 const MIN_RADIUS_MM: f64 = 1e-6;
 
-/// Where a point lies in the plane, mm.
-pub(super) fn spot(plane: Plane, point: Point) -> Point2 {
+/// Returns the projection of a point into the plane, mm.
+pub(super) fn planar_point(plane: Plane, point: Point) -> Point2 {
     let [a, b, _] = plane.axes();
     Point2::new(point[a], point[b])
 }
 
-/// How high a point lies over the plane, mm.
+/// Returns the height of a point above the plane, mm.
 pub(super) fn height(plane: Plane, point: Point) -> f64 {
     point[plane.axes()[2]]
 }
 
-/// The point above `spot`, mm.
-pub(super) fn point(plane: Plane, spot: Point2, height: f64) -> Point {
-    Point::from(plane.vector([spot.x, spot.y, height]))
+/// Returns the point at `height` (mm) above a point of the plane, mm.
+pub(super) fn space_point(plane: Plane, planar_point: Point2, height: f64) -> Point {
+    Point::from(plane.vector([planar_point.x, planar_point.y, height]))
 }
 
-/// The segment as seen in the plane, or `None` if it is square to it.
-pub(super) fn stroke(plane: Plane, segment: &Segment) -> Option<PlanarCurve> {
-    let (start, end) = (spot(plane, segment.start), spot(plane, segment.end));
+/// Returns the segment projected into the plane, or `None` if it is at a right angle to it.
+pub(super) fn planar_curve(plane: Plane, segment: &Segment) -> Option<PlanarCurve> {
+    let (start, end) = (planar_point(plane, segment.start), planar_point(plane, segment.end));
     match &segment.curve {
         Curve::Line => PlanarCurve::line(start, end),
         Curve::Arc(arc) => {
-            let center = spot(plane, arc.center);
-            let in_plane = |vector: Vector| spot(plane, Point::from(vector)).coords;
+            let center = planar_point(plane, arc.center);
+            let in_plane = |vector: Vector| planar_point(plane, Point::from(vector)).coords;
             let turn = cross(in_plane(arc.e1), in_plane(arc.e2)).signum();
-            let shape = Shape::Circle { center, radius: arc.end_radius, turn };
+            let shape = PlanarShape::Circle { center, radius: arc.end_radius, turn };
             Some(PlanarCurve { start, end, shape, sweep: arc.sweep })
         }
     }
 }
 
-/// The segment from `start` along `shape` to above `end`, with feedrate and line of `like`; an
-/// arc sweeps about `sweep`, rad. None where it has no length; straight where the ends are on no
-/// common circle.
+/// Returns the segment from `start` along `shape` to `end_height` above `end`, with the feedrate and line of
+/// `like`. An arc sweeps about `sweep`, rad; it becomes a line if the ends are not on a common circle. Returns
+/// `None` if the segment has no length.
 pub(super) fn draw(
     plane: Plane,
     like: &Segment,
     start: Point,
-    (shape, sweep): (&Shape, f64),
+    (shape, sweep): (&PlanarShape, f64),
     (end, end_height): (Point2, f64),
 ) -> Option<Segment> {
-    let end = point(plane, end, end_height);
-    if let Shape::Circle { center, turn, .. } = *shape
+    let end = space_point(plane, end, end_height);
+    if let PlanarShape::Circle { center, turn, .. } = *shape
         && let Some(arc) = arc(plane, (start, end), (center, turn), sweep)
     {
         let length = arc.length();
@@ -65,8 +65,10 @@ pub(super) fn draw(
     (ROUNDING_MM <= length).then(|| Segment { start, end, curve: Curve::Line, length, ..like.clone() })
 }
 
+/// Returns the arc between two points about a centre with the sweep nearest to `sweep`, rad, or `None` if it is
+/// too small for a circle.
 fn arc(plane: Plane, (start, end): (Point, Point), (center, turn): (Point2, f64), sweep: f64) -> Option<Arc> {
-    let (from, to) = (spot(plane, start) - center, spot(plane, end) - center);
+    let (from, to) = (planar_point(plane, start) - center, planar_point(plane, end) - center);
     let (start_radius, end_radius) = (from.norm(), to.norm());
     let apart = turn * angle(from, to) - sweep;
     let sweep = sweep + apart - TAU * (apart / TAU).round();
@@ -77,7 +79,7 @@ fn arc(plane: Plane, (start, end): (Point, Point), (center, turn): (Point2, f64)
     let e2 = left_of(e1) * turn;
     let rise = height(plane, end) - height(plane, start);
     Some(Arc {
-        center: point(plane, center, height(plane, start)),
+        center: space_point(plane, center, height(plane, start)),
         e1: plane.vector([e1.x, e1.y, 0.0]),
         e2: plane.vector([e2.x, e2.y, 0.0]),
         start_radius,

@@ -1,9 +1,9 @@
-//! What the stage between contour and toolpath could not do as a control would.
+//! Remarks on compensation and corner treatments: where Truefeed does not do what a control would.
 
 use crate::simulation::gcode::{LineNumber, Severity};
 use thiserror::Error;
 
-/// Where compensation, rounding or a chamfer gave way. Lengths are in mm.
+/// A deviation of compensation, rounding or chamfer from a control. Lengths are in mm.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(crate) enum CompensationRemark {
     #[error(
@@ -21,7 +21,7 @@ pub(crate) enum CompensationRemark {
     #[error(
         "gouge: the tool (radius {radius:.4} mm) does not fit into the inner corner before this move: Truefeed runs both moves in full and joins them with a straight line"
     )]
-    NoWay { radius: f64 },
+    NoInnerJoint { radius: f64 },
     #[error(
         "the first move under cutter compensation is not longer than the tool radius ({radius:.4} mm): run anyway, although controls stop here"
     )]
@@ -45,7 +45,7 @@ pub(crate) enum CompensationRemark {
     #[error(
         "diameter {diameter} mm of tool {tool} taken from the comment in line {}; if the program gives the path of the tool centre and the register only wear, set tools.{tool}.diameter_mm = 0", .line.0
     )]
-    ToldDiameter { tool: u32, diameter: f64, line: LineNumber },
+    CommentDiameter { tool: u32, diameter: f64, line: LineNumber },
     #[error(
         "cutter compensation without a tool number: path taken as programmed; give D, and set tools.1.diameter_mm and so on"
     )]
@@ -60,7 +60,7 @@ impl CompensationRemark {
             CompensationRemark::NotInPlane { .. }
             | CompensationRemark::BadSize { .. }
             | CompensationRemark::BadNumber { .. } => Severity::Error,
-            CompensationRemark::ToldDiameter { .. } => Severity::Info,
+            CompensationRemark::CommentDiameter { .. } => Severity::Info,
             _ => Severity::Warning,
         }
     }

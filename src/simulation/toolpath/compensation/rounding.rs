@@ -1,51 +1,53 @@
 //! Roundings and chamfers between two programmed moves.
 //!
-//! A rounding of radius ρ is the arc that touches both moves inside their corner. Its centre is
-//! where the parallels of both at the distance ρ on the inside meet, its ends lie square below
-//! the centre. A chamfer joins two straight moves by a straight line, from the length c before
-//! the corner to c behind it; one of the width w has c = w / (2 cos(τ/2)), τ the angle by which
-//! the contour turns. Both moves must keep some length. Over the corner the height runs evenly.
+//! A rounding of radius ρ is the arc that touches both moves inside their corner. Its centre is the point where
+//! the parallels of both moves meet, at the distance ρ on the inside; its ends are the feet of the perpendiculars
+//! from that centre. A chamfer joins two straight moves by a straight line, from the length c before the corner to
+//! c behind it; a chamfer of width w has c = w / (2 cos(τ/2)), with τ the angle by which the contour turns. Both
+//! moves must keep some length. Over the corner the height changes evenly.
 //!
-//! A corner that does not turn has nothing to treat, and is left as it is.
+//! A corner that does not turn remains unchanged.
 //!
 //! Source: elementary; the words are those of Siemens (RND, RNDM, CHR, CHF, FRC) and Klartext
 //! (RND, CHF), and of `,R` and `,C` on Fanuc.
 
-use crate::simulation::toolpath::compensation::geometry::{PlanarCurve, Point2, ROUNDING_MM, Shape, angle};
-use crate::simulation::toolpath::compensation::planar::{draw, height, stroke};
+use crate::simulation::toolpath::compensation::geometry::{
+    PlanarCurve, PlanarShape, Point2, ROUNDING_MM, angle,
+};
+use crate::simulation::toolpath::compensation::planar::{draw, height, planar_curve};
 use crate::simulation::toolpath::compensation::remark::CompensationRemark;
 use crate::simulation::toolpath::plane::Plane;
 use crate::simulation::toolpath::{Motion, Segment};
 use std::f64::consts::{PI, TAU};
 
-/// Turns below this are no corner, and this close to a reversal no room, rad.
+/// Smaller turns are no corner; a turn this close to a reversal leaves no room, rad.
 const SLIGHT_TURN_RAD: f64 = 1e-4;
 
-/// What replaces a corner.
+/// The shape that replaces a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum CornerShape {
     /// An arc that touches both moves: RND, `,R`.
     Rounding {
-        /// mm.
+        /// Radius, mm.
         radius: f64,
     },
-    /// A straight line that takes this length off both moves: CHR, `,C`, CHF of Klartext.
+    /// A straight line that shortens both moves by this length: CHR, `,C`, CHF of Klartext.
     Chamfer {
-        /// mm.
+        /// Length taken from each move, mm.
         leg: f64,
     },
     /// A straight line of this length: CHF of Siemens.
     ChamferWidth {
-        /// mm.
+        /// Length of the chamfer, mm.
         width: f64,
     },
 }
 
-/// How one corner is to be treated.
+/// A shape that replaces a corner, with its feedrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CornerTreatment {
     pub(crate) shape: CornerShape,
-    /// Feedrate of the new move alone, mm/s; none: that of the move before it.
+    /// Feedrate of the new move alone, mm/s; `None` for the feedrate of the move before it.
     pub(crate) feedrate: Option<f64>,
 }
 
@@ -57,7 +59,7 @@ impl CornerTreatment {
         }
     }
 
-    /// Radius, leg or width, mm.
+    /// Returns the radius, the leg or the width, mm.
     pub(crate) fn size(&self) -> f64 {
         let (CornerShape::Rounding { radius: size }
         | CornerShape::Chamfer { leg: size }
@@ -66,7 +68,7 @@ impl CornerTreatment {
     }
 }
 
-/// Two moves and the one between them, each where it has a length.
+/// Two moves and the new one between them; each is `None` if it has no length.
 #[derive(Debug)]
 pub(super) struct Treated {
     pub(super) before: Option<Segment>,
@@ -74,17 +76,21 @@ pub(super) struct Treated {
     pub(super) after: Option<Segment>,
 }
 
-/// The two moves, shortened, with the new one between them, or `None` if there is no corner.
+/// Returns the two moves, shortened, with the new one between them, or `None` if there is no corner.
+///
+/// # Errors
+///
+/// If the moves leave no room for the treatment, or are not in the plane.
 pub(super) fn treat(
     plane: Plane,
     (one, two): (&Segment, &Segment),
     treatment: &CornerTreatment,
 ) -> Result<Option<Treated>, CompensationRemark> {
     let name = treatment.name();
-    let (Some(before), Some(after)) = (stroke(plane, one), stroke(plane, two)) else {
+    let (Some(before), Some(after)) = (planar_curve(plane, one), planar_curve(plane, two)) else {
         return Err(CompensationRemark::NotInPlane { name });
     };
-    let turn = angle(before.way_out(), after.way_in());
+    let turn = angle(before.end_direction(), after.start_direction());
     let bridge = match treatment.shape {
         _ if turn.abs() < SLIGHT_TURN_RAD || treatment.size() < ROUNDING_MM => return Ok(None),
         _ if PI - SLIGHT_TURN_RAD < turn.abs() => None,
@@ -97,7 +103,7 @@ pub(super) fn treat(
         return Err(CompensationRemark::NoRoom { name });
     };
     let (Some(kept_before), Some(kept_after)) =
-        (kept(&before, before.start, from), kept(&after, to, after.end))
+        (kept_part(&before, before.start, from), kept_part(&after, to, after.end))
     else {
         return Err(CompensationRemark::NoRoom { name });
     };
@@ -128,29 +134,29 @@ pub(super) fn treat(
     Ok(Some(Treated { before, corner, after }))
 }
 
-/// What a corner leaves of a stroke.
-struct Kept {
-    /// mm of a line, rad of an arc.
+/// The part of a curve that a corner leaves.
+struct KeptPart {
+    /// Length, mm of a line, rad of an arc.
     length: f64,
-    /// Of the whole.
+    /// Fraction of the whole.
     share: f64,
 }
 
-impl Kept {
+impl KeptPart {
     fn is_nothing(&self) -> bool {
         self.length < 1e3 * ROUNDING_MM
     }
 }
 
-/// The part of a stroke between two of its points, or `None` if they are not on it in this order.
-fn kept(stroke: &PlanarCurve, start: Point2, end: Point2) -> Option<Kept> {
-    let whole = if stroke.is_line() { (stroke.end - stroke.start).norm() } else { stroke.sweep };
-    let length = stroke.left_between(start, end);
+/// Returns the part of a curve between two of its points, or `None` if they are not on it in this order.
+fn kept_part(curve: &PlanarCurve, start: Point2, end: Point2) -> Option<KeptPart> {
+    let whole = if curve.is_line() { (curve.end - curve.start).norm() } else { curve.sweep };
+    let length = curve.remaining_between(start, end);
     let share = length / whole;
-    (-1e-9..=1.0 + 1e-9).contains(&share).then_some(Kept { length, share })
+    (-1e-9..=1.0 + 1e-9).contains(&share).then_some(KeptPart { length, share })
 }
 
-/// The arc of this radius that touches both strokes on the inside of their corner.
+/// Returns the arc of this radius (mm) that touches both curves on the inside of their corner.
 fn touching_arc(before: &PlanarCurve, after: &PlanarCurve, radius: f64, turn: f64) -> Option<PlanarCurve> {
     let inside = turn.signum() * radius;
     let center = before.parallel(inside)?.shape.meeting(&after.parallel(inside)?.shape, before.end)?;
@@ -158,10 +164,10 @@ fn touching_arc(before: &PlanarCurve, after: &PlanarCurve, radius: f64, turn: f6
     let turn = turn.signum();
     let once = turn * angle(start - center, end - center);
     let sweep = if once < 0.0 { once + TAU } else { once };
-    Some(PlanarCurve { start, end, shape: Shape::Circle { center, radius, turn }, sweep })
+    Some(PlanarCurve { start, end, shape: PlanarShape::Circle { center, radius, turn }, sweep })
 }
 
-/// The straight line from `leg` before the corner to `leg` behind it.
+/// Returns the straight line from `leg` (mm) before the corner to `leg` behind it.
 fn chamfer(before: &PlanarCurve, after: &PlanarCurve, leg: f64) -> Option<PlanarCurve> {
-    PlanarCurve::line(before.end - before.way_out() * leg, after.start + after.way_in() * leg)
+    PlanarCurve::line(before.end - before.end_direction() * leg, after.start + after.start_direction() * leg)
 }

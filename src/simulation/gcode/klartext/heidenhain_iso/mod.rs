@@ -1,4 +1,4 @@
-//! Lines of Heidenhain DIN/ISO programs, each read into the statements of Klartext that say the same.
+//! Lines of Heidenhain DIN/ISO programs, each read into the equivalent statements of Klartext.
 //!
 //! ```text
 //! %NAME G71 *                BEGIN PGM NAME MM          G98 L1         LBL 1
@@ -15,8 +15,8 @@
 //! D09 P01 Q1 P02 0 P03 7     FN 9: IF Q1 EQU 0 GOTO LBL 7
 //! ```
 //!
-//! What is wrong in a line is said of the whole line. Not read, and said: G26 and G27 (tangential
-//! approach), G83 to G86 with P01 and on, touch probes.
+//! A remark on a fault is on the whole line. Not read, with a remark: G26 and G27 (tangential approach), G83 to
+//! G86 with P01 and on, touch probes.
 //!
 //! Source: TNC 640, DIN/ISO Programming, 2018.
 
@@ -34,7 +34,7 @@ use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::{Action, Function, Operator, Reference, Step, Target, When, address};
 
 /// The columns of a whole line.
-const WHOLE_LINE: (u32, u32) = (1, 1);
+const WHOLE_LINE_BOUNDS: (u32, u32) = (1, 1);
 
 impl Reader<'_> {
     /// Reads one line of a Heidenhain DIN/ISO program.
@@ -55,14 +55,19 @@ impl Reader<'_> {
         let [words, formulas, statements] =
             [self.program.words.len(), self.program.formulas.len(), self.program.statements.len()];
         let outcome = self.din_line(code);
-        // What is wrong in a line is said of the whole line, and so is all else.
-        self.program.words.iter_mut().skip(words).for_each(|word| word.columns = WHOLE_LINE.into());
-        self.program.formulas.iter_mut().skip(formulas).for_each(|formula| formula.columns = WHOLE_LINE);
+        // Remarks are on the whole line.
+        self.program.words.iter_mut().skip(words).for_each(|word| word.columns = WHOLE_LINE_BOUNDS.into());
+        self.program
+            .formulas
+            .iter_mut()
+            .skip(formulas)
+            .for_each(|formula| formula.columns = WHOLE_LINE_BOUNDS);
         let statements = self.program.statements.iter_mut().skip(statements);
-        statements.for_each(|statement| statement.columns = WHOLE_LINE.into());
-        outcome.map_err(|(remark, _)| (remark, WHOLE_LINE))
+        statements.for_each(|statement| statement.columns = WHOLE_LINE_BOUNDS.into());
+        outcome.map_err(|(remark, _)| (remark, WHOLE_LINE_BOUNDS))
     }
 
+    /// Reads the code of a line.
     fn din_line(&mut self, code: &[u8]) -> Result<(), Refusal> {
         let line = &mut Line::default();
         let after_number = match code[0].to_ascii_uppercase() {
@@ -90,7 +95,7 @@ impl Reader<'_> {
 
     /// Adds a statement.
     fn din(&mut self, statement: KlartextStatement) {
-        self.push_klartext(statement, WHOLE_LINE);
+        self.push_klartext(statement, WHOLE_LINE_BOUNDS);
     }
 
     /// Adds a word whose value is written as in Klartext.
@@ -105,7 +110,7 @@ impl Reader<'_> {
         self.klartext_ends(value.as_bytes(), end, line)
     }
 
-    /// `%NAME G71` begins a program; with a block number before it, it ends one.
+    /// Begins a program at `%NAME G71`; with a block number before it, ends one.
     fn din_border(&mut self, header: &[u8], begins: bool) {
         if !begins {
             self.act(Action::Border);
@@ -114,10 +119,10 @@ impl Reader<'_> {
         let text = String::from_utf8_lossy(header).to_ascii_uppercase();
         let mut parts = text.split_whitespace();
         let name = parts.next().unwrap_or("A");
-        self.begin_program(name.as_bytes(), parts.any(|part| part == "G70"), WHOLE_LINE);
+        self.begin_program(name.as_bytes(), parts.any(|part| part == "G70"), WHOLE_LINE_BOUNDS);
     }
 
-    /// `L1`, `L1,0`, `L1,3`, the L taken away.
+    /// Reads `L1`, `L1,0` or `L1,3` without its L.
     fn din_call(&mut self, label: &[u8], line: &mut Line) -> Result<(), Refusal> {
         let text = String::from_utf8_lossy(label);
         let (label, times) = text.split_once([',', '.']).unwrap_or((&text, "0"));
@@ -133,9 +138,9 @@ impl Reader<'_> {
         self.klartext_ends(times, end, line)
     }
 
-    /// The statements that the words of a line say.
+    /// Reads the words of a line into statements.
     fn din_sentence(&mut self, code: &[u8], line: &mut Line) -> Result<(), Refusal> {
-        let unread = |text| (Unread::Text { text }, WHOLE_LINE);
+        let unread = |text| (Unread::Text { text }, WHOLE_LINE_BOUNDS);
         let sentence = Sentence::read(code).map_err(unread)?;
         let modal = &mut self.heidenhain.din;
         for code in &sentence.codes {
@@ -164,8 +169,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a line that defines something and does nothing else: a label, a tool, a cycle, the blank. Returns `false` if
-    /// the line is none.
+    /// Reads a line that only defines something: a label, a tool, a cycle, the blank. Returns `false` if the line
+    /// is none of these.
     fn din_definition(&mut self, sentence: &Sentence, line: &mut Line) -> Result<bool, Refusal> {
         if sentence.has(98) {
             self.klartext_label(sentence.given('L').unwrap_or_default().as_bytes(), 0, line)?;
@@ -195,7 +200,7 @@ impl Reader<'_> {
         } else if sentence.has(28) {
             self.din(CycleDefinition { number: 8, step: Some(1) });
             for word in sentence.words.iter().filter(|word| "XYZ".contains(word.letter)) {
-                self.push_word(word.letter as u8, 1.0, WHOLE_LINE);
+                self.push_word(word.letter as u8, 1.0, WHOLE_LINE_BOUNDS);
             }
         } else if sentence.has(79) {
             self.din(CycleCall);
@@ -224,7 +229,7 @@ impl Reader<'_> {
         }
     }
 
-    /// T, which calls a tool.
+    /// Reads T, which calls a tool.
     fn din_tool_call(&mut self, sentence: &Sentence, line: &mut Line) -> Result<(), Refusal> {
         let Some(tool) = sentence.given('T').filter(|_| !sentence.has(51)) else { return Ok(()) };
         self.din(ToolCall);
@@ -237,7 +242,7 @@ impl Reader<'_> {
         } else {
             2.0
         };
-        self.push_word(address::TOOL_AXIS, axis, WHOLE_LINE);
+        self.push_word(address::TOOL_AXIS, axis, WHOLE_LINE_BOUNDS);
         for letter in ['S', 'F'] {
             if let Some(value) = sentence.given(letter) {
                 self.din_value(letter as u8, value, Reference::Modal, line)?;
@@ -247,7 +252,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// I, J and K, which set the pole.
+    /// Reads I, J and K, which set the pole.
     fn din_pole(&mut self, sentence: &Sentence, line: &mut Line) -> Result<(), Refusal> {
         let reference = self.heidenhain.din.reference();
         let mut coordinates = [('I', b'X'), ('J', b'Y'), ('K', b'Z')]
@@ -265,7 +270,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A chamfer or a rounding, after which a line has no path.
+    /// Reads a chamfer or a rounding; such a line has no path.
     fn din_corner(&mut self, sentence: &Sentence, line: &mut Line) -> Result<(), Refusal> {
         let size = sentence.given('R').unwrap_or_default();
         if sentence.has(24) {
@@ -280,7 +285,7 @@ impl Reader<'_> {
         self.din_feed(sentence, line)
     }
 
-    /// The move of a line; without a path, its compensation, feedrate and M functions.
+    /// Reads the move of a line; without a path, its compensation, feedrate and M functions.
     fn din_path(&mut self, sentence: &Sentence, line: &mut Line) -> Result<(), Refusal> {
         let motion = self.heidenhain.din.motion;
         let side = [(41, 1.0), (42, -1.0), (40, 0.0)].into_iter().find(|(code, _)| sentence.has(*code));
@@ -322,20 +327,20 @@ impl Reader<'_> {
             _ => None,
         };
         if let Some(sense) = sense.filter(|_| matches!(statement, Circle | CircleByRadius | PolarCircle)) {
-            self.push_word(address::SENSE, sense, WHOLE_LINE);
+            self.push_word(address::SENSE, sense, WHOLE_LINE_BOUNDS);
         }
         if let Some((_, side)) = side {
-            self.push_word(address::SIDE, side, WHOLE_LINE);
+            self.push_word(address::SIDE, side, WHOLE_LINE_BOUNDS);
         }
         if has_path && matches!(motion, 0 | 10) {
-            self.push_word(address::RAPID, 1.0, WHOLE_LINE);
+            self.push_word(address::RAPID, 1.0, WHOLE_LINE_BOUNDS);
         } else {
             self.din_feed(sentence, line)?;
         }
         self.din_functions(sentence, line)
     }
 
-    /// M functions.
+    /// Adds the M functions.
     fn din_functions(&mut self, sentence: &Sentence, line: &mut Line) -> Result<(), Refusal> {
         for word in sentence.words.iter().filter(|word| word.letter == 'M') {
             self.din_value(b'M', &word.value, Reference::Modal, line)?;
@@ -346,15 +351,16 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `D00 Q1 P01 +5`, `D01 Q1 P01 +Q2 P02 +3`, `D09 P01 +Q1 P02 +0 P03 5` and on: the FN function of the same number.
+    /// Reads `D00 Q1 P01 +5`, `D01 Q1 P01 +Q2 P02 +3`, `D09 P01 +Q1 P02 +0 P03 5` and the like as the FN function
+    /// with the same number.
     fn din_function(&mut self, code: &[u8], line: &mut Line) -> Result<(), Refusal> {
-        let unread = || (Unread::Text { text: excerpt(code) }, WHOLE_LINE);
+        let unread = || (Unread::Text { text: excerpt(code) }, WHOLE_LINE_BOUNDS);
         let text = String::from_utf8_lossy(code).to_ascii_uppercase();
         let mut parts = text[1..].split(" P0");
         let mut head = parts.next().unwrap_or_default().split_whitespace();
         let function = head.next().and_then(|number| number.parse::<u32>().ok()).ok_or_else(unread)?;
         let target = head.next();
-        // First the second digit of P01, P02, P03.
+        // Each part begins with the second digit of P01, P02 or P03.
         let operands: Option<Vec<&str>> = parts.map(|part| part.get(1..).map(str::trim)).collect();
         let operands = operands.as_deref();
         if let (9..=12, None, Some([left, right, label])) = (function, target, operands) {
@@ -364,8 +370,8 @@ impl Reader<'_> {
             if function == 18 && !operands.is_empty() {
                 let number = parameter(target)?;
                 let names = ["=ID", "NR", "IDX"].iter().zip(operands);
-                let asked: String = names.map(|(name, value)| format!("{name}{value}")).collect();
-                return self.klartext_read(number, asked.as_bytes(), WHOLE_LINE, line);
+                let query: String = names.map(|(name, value)| format!("{name}{value}")).collect();
+                return self.klartext_read(number, query.as_bytes(), WHOLE_LINE_BOUNDS, line);
             }
             if let Some(last) = operation(function).filter(|(_, count)| *count == operands.len()) {
                 return self.din_assignment(target, operands, last.0, line);
@@ -375,7 +381,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Gives a parameter what an operation makes of its operands.
+    /// Assigns the result of an operation on its operands to a parameter.
     fn din_assignment(
         &mut self,
         target: &str,
@@ -391,7 +397,7 @@ impl Reader<'_> {
         self.din_formula(Target::Numbered, Some(Step::Number(f64::from(number))), operands, last, line)
     }
 
-    /// Jumps to a label where a comparison holds.
+    /// Jumps to a label if a comparison holds.
     fn din_jump(
         &mut self,
         function: u32,
@@ -424,7 +430,7 @@ impl Reader<'_> {
         last: Option<Step>,
         line: &mut Line,
     ) -> Result<(), Refusal> {
-        // A colon ends an operand, as no expression goes on behind one.
+        // A colon ends an operand, since no expression continues behind one.
         let text = operands.join(":");
         self.formula(Notation::Klartext, text.as_bytes(), (0, 0), line, |expressions| {
             expressions.steps.extend(first);
@@ -441,17 +447,17 @@ impl Reader<'_> {
     }
 }
 
-/// G words that set one value of a cycle: the cycle, and the letter of the value.
+/// G words that set one value of a cycle: the word, the cycle, and the letter of the value.
 const SETTINGS: [(u32, u32, char); 4] = [(4, 9, 'F'), (62, 32, 'T'), (73, 10, 'H'), (72, 11, 'F')];
 
-/// The number of a Q parameter.
+/// Returns the number of a Q parameter.
 fn parameter(text: &str) -> Result<u32, Refusal> {
     let found = klartext_number(text.as_bytes()).filter(|(_, length)| *length == text.len());
     let expected = || Unread::Expected { expected: "a Q parameter", found: format!("`{text}`") };
-    found.map(|(number, _)| number).ok_or_else(|| (expected(), WHOLE_LINE))
+    found.map(|(number, _)| number).ok_or_else(|| (expected(), WHOLE_LINE_BOUNDS))
 }
 
-/// The last step of an FN function that assigns a value, and the number of its operands.
+/// Returns the last step of an FN function that assigns a value, and the number of its operands.
 fn operation(function: u32) -> Option<(Option<Step>, usize)> {
     let of_one = |function| Some((Some(Step::Function(function)), 1));
     let of_two = |operator| Some((Some(Step::Operator(operator)), 2));
@@ -470,7 +476,7 @@ fn operation(function: u32) -> Option<(Option<Step>, usize)> {
     }
 }
 
-/// The number of a cycle with parameters (`G200 Q200=2 …`), and where it ends.
+/// Returns the number of a cycle with parameters (`G200 Q200=2 …`), and its end; `None` if there is none.
 fn cycle_number(code: &[u8]) -> Option<(u32, usize)> {
     let found = code[0].eq_ignore_ascii_case(&b'G').then(|| number(code, 1))??;
     let is_cycle = (200.0..=299.0).contains(&found.value) && found.value.fract() == 0.0;

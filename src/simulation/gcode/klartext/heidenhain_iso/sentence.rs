@@ -3,7 +3,7 @@
 use crate::simulation::gcode::line::excerpt;
 use crate::simulation::gcode::number::{is_blank, number, skip_blanks};
 
-/// The G words that are read, apart from cycles from 200 on; G17 to G20, G40, G50 and G51 without more.
+/// The known G words apart from cycles from 200 on. G17 to G20, G40, G50 and G51 alone become no statement.
 const KNOWN: &[u32] = &[
     0, 1, 2, 3, 4, 5, 6, 10, 11, 12, 13, 15, 16, 17, 18, 19, 20, 24, 25, 26, 27, 28, 30, 31, 38, 40, 41, 42,
     50, 51, 54, 62, 70, 71, 72, 73, 79, 90, 91, 98, 99,
@@ -21,7 +21,11 @@ impl Word {
     }
 }
 
-/// The words of a line; what is no word is given back.
+/// Returns the words of a line.
+///
+/// # Errors
+///
+/// The text that is not a word.
 fn words(code: &[u8]) -> Result<Vec<Word>, String> {
     let mut words = Vec::new();
     let mut at = 0;
@@ -35,7 +39,7 @@ fn words(code: &[u8]) -> Result<Vec<Word>, String> {
             return Err(excerpt(&code[at..]));
         }
         let start = skip_blanks(code, at + 1);
-        // A value goes on to the next letter, but for Q after a sign, an `=` or at once.
+        // A value ends at the next letter, except at a Q directly after the letter of the word, a sign or an `=`.
         let mut end = start;
         if code.get(start) == Some(&b'"') {
             // The name of a label.
@@ -60,7 +64,7 @@ fn words(code: &[u8]) -> Result<Vec<Word>, String> {
     Ok(words)
 }
 
-/// The words of a line, which may say several statements.
+/// The words of a line, which may stand for several statements.
 pub(super) struct Sentence {
     pub(super) words: Vec<Word>,
     /// The G words.
@@ -72,7 +76,7 @@ impl Sentence {
     ///
     /// # Errors
     ///
-    /// What is no word, or the first G word that is not read.
+    /// The text that is not a word, or the first unknown G word.
     pub(super) fn read(code: &[u8]) -> Result<Sentence, String> {
         let words = words(code)?;
         let codes: Vec<f64> =
@@ -89,12 +93,12 @@ impl Sentence {
         self.codes.contains(&code)
     }
 
-    /// The value of the last word with this letter, as written.
+    /// Returns the value of the last word with this letter, as written.
     pub(super) fn given(&self, letter: char) -> Option<&str> {
         self.words.iter().rfind(|word| word.letter == letter).map(|word| word.value.as_str())
     }
 
-    /// F, unless it belongs to a tool.
+    /// Returns the value of F, unless it belongs to a tool.
     pub(super) fn feed(&self) -> Option<&str> {
         self.given('F').filter(|_| self.given('T').is_none())
     }

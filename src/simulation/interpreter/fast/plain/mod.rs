@@ -1,23 +1,23 @@
-//! Plain blocks, which nearly all of a long program are: the tool goes straight on.
+//! Plain blocks, which nearly all blocks of a long program are: straight moves.
 //!
 //! ```text
 //! block = { G word of the motion in force | X | Y | Z | F }      each axis, and F, at most once
 //! ```
 //!
-//! Where nothing is in force that touches a line (a turned frame, increments, a cycle, compensation, an exact stop), such a
-//! block is run by the rules for all blocks, without a look at what it cannot be. One that is out of reach or has no
-//! length is left to those rules, which tell of it.
+//! While nothing in force affects a line (a turned frame, increments, a cycle, compensation, an exact stop), such
+//! a block runs as by the rules for all blocks, but without tests for other words. A block that is out of reach or
+//! has no length is left to those rules, which remark on it.
 
 mod block;
 
-/// What is in force for plain blocks.
+/// The state for plain blocks.
 #[derive(Clone, Copy)]
-pub(crate) struct Plain {
+pub(crate) struct PlainBlockState {
     /// The number of the G word in force: 0 in rapid, 1 in feed.
     code: f64,
-    /// mm/s; none in rapid.
+    /// Feedrate, mm/s; `None` in rapid.
     feedrate: Option<f64>,
-    /// The F that changes nothing, and of which there is nothing to tell.
+    /// The value of F that changes nothing and gets no remark.
     same_feed: Option<f64>,
 }
 
