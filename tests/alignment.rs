@@ -2,10 +2,13 @@
 //! program. The truth is simulated and sampled here; what is refused, or taken for another, is counted over all pairs.
 
 use truefeed::identification::alignment::{Alignment, AlignmentError, Pairing, align_log, pair};
+use truefeed::identification::comparison::compare;
+use truefeed::identification::diagnosis::regions;
 use truefeed::identification::recording::{Log, read};
 use truefeed::machine::{Machine, TimeConstants};
 use truefeed::simulation::gcode;
 use truefeed::simulation::interpreter::trace;
+use truefeed::simulation::simulate;
 use truefeed::simulation::toolpath::Toolpath;
 
 use crate::sceptic::{Rows, csv, recorded};
@@ -200,6 +203,23 @@ fn wide_blends_are_aligned_and_siblings_are_not() {
     }
     let refusal = aligned(&recorded(&roughing(4.5), &wide, 100.0), &roughing(3.5));
     assert!(refusal.is_err(), "rows that lie millimetres beside those of the program");
+}
+
+/// A file may allow blends of millimetres. Where the machine stands it blends nothing, be it at a corner or where the path
+/// turns back, and the time is lost at that very line.
+#[test]
+fn a_wait_is_known_where_corners_may_be_cut_by_millimetres() {
+    let program = "G21 G90 G94\nG0 Z10\nT1 M6\nG0 Z1\nG1 Z-1 F600\nX40 F1500\nT2 M6\nY30\nX0\nG0 Z10\nM30\n";
+    let [quick, mut slow, mut wide] = [(); 3].map(|()| machine());
+    (slow.times.tool_change, wide.interpolator.contour_tolerance) = (quick.times.tool_change + 0.5, 10.0);
+    let toolpath = toolpath(program);
+    let (_, alignment) =
+        align_log(&log(&recorded(program, &slow, 250.0)), &toolpath, &wide).expect("it is of this program");
+    let comparison = compare(&toolpath, &simulate(&toolpath, &quick), &alignment);
+    let mut lost = regions(&comparison, &alignment, 0);
+    lost.sort_by_key(|region| region.lines);
+    assert_eq!(lost.iter().map(|region| region.lines.0).collect::<Vec<_>>(), [3, 7], "{lost:?}");
+    assert!(lost.iter().all(|region| (region.seconds - 0.5).abs() < 0.01), "{lost:?}");
 }
 
 /// Each run on each program, as it is and in machine coordinates: its own fits, and no other.

@@ -16,6 +16,12 @@ fn machines() -> [Machine; 3] {
     })
 }
 
+/// The machine with an X that is slower than most of the program asks for.
+fn held_back(mut machine: Machine) -> Machine {
+    machine.axes[0].velocity = 15.0;
+    machine
+}
+
 fn with(machine: &Machine, feed: f64, span: (f64, f64)) -> Machine {
     let mut machine = machine.clone();
     (machine.overrides.feed, machine.overrides.span) = (feed, span);
@@ -26,6 +32,7 @@ fn with(machine: &Machine, feed: f64, span: (f64, f64)) -> Machine {
 fn all_along_the_path_it_is_the_override_of_the_whole_program() {
     for machine in machines() {
         let toolpath = trace(&read(PROGRAM.as_bytes()), &machine);
+        let machine = held_back(machine);
         let whole = simulate(&toolpath, &with(&machine, 0.7, Overrides::WHOLE_PATH_BOUNDS_MM)).cycle_time();
         let spanned = simulate(&toolpath, &with(&machine, 0.7, (0.0, 1e9))).cycle_time();
         assert!((spanned / whole - 1.0).abs() < 1e-12, "{spanned} s, {whole} s");
@@ -43,4 +50,20 @@ fn a_part_of_a_block_takes_longer_by_its_length() {
         // Two ramps of 10 mm/s lose less than this.
         assert!((slowed - plain - lost).abs() < 0.1, "{plain} s, {slowed} s");
     }
+}
+
+/// LinuxCNC clamps a feedrate to the axes before the override multiplies it, and the product once more; other controls clamp the
+/// product alone. An X of 15 mm/s cuts 60 mm programmed at 20 mm/s.
+#[test]
+fn an_override_slows_what_an_axis_of_linuxcnc_holds_back() {
+    let [_, linuxcnc, grbl] = machines().map(held_back);
+    let toolpath = trace(&read(b"G1 X60 F1200"), &linuxcnc);
+    let seconds = |machine: &Machine, feed: f64| {
+        simulate(&toolpath, &with(machine, feed, Overrides::WHOLE_PATH_BOUNDS_MM)).cycle_time()
+    };
+    // The ramps at 500 mm/s² are shorter at less speed, by hundredths of a second.
+    let lost = |machine: &Machine, feed: f64| seconds(machine, feed) - seconds(machine, 1.0);
+    assert!((lost(&linuxcnc, 0.8) - 60.0 / 12.0 + 60.0 / 15.0).abs() < 0.02, "{}", lost(&linuxcnc, 0.8));
+    assert!(lost(&grbl, 0.8).abs() < 1e-9, "{}", lost(&grbl, 0.8));
+    assert_eq!(lost(&linuxcnc, 1.2), 0.0);
 }

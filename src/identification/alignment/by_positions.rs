@@ -3,8 +3,10 @@
 //! Positions may be in machine coordinates; if they are beside the path as a whole, and both have one size,
 //! the difference is taken as the zero point and reported. Marks are evenly spaced in time while the tool
 //! moves. Near a corner the tool cuts off a part of the path, and the projection of its position jumps over
-//! it: by 2 (1 − cos φ) of the tolerance there at most, which is added to the uncertainty of the marks there;
-//! no tool passes a corner by more than half of the shorter leg.
+//! it: by 2 (1 − cos φ) of the deviation there at most, which is added to the uncertainty of the marks there.
+//! The deviation is that at which the tool was seen to pass, so that a stop at a corner is known as well as one
+//! anywhere else, and no more than the tolerance or half of the shorter leg. So near to a stop of the program that noise
+//! decides on which side of it a sample lies there is no mark: its time would be off by all of the wait.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,7 +15,7 @@ use nalgebra::Matrix3;
 
 use crate::identification::alignment::hints::{extents_differ_by, what_would_fit};
 use crate::identification::alignment::map_matching::{
-    COARSE_DISTANCE_FACTOR, MatchedPass, Track, follow, scale,
+    COARSE_DISTANCE_FACTOR, MIN_DISPLACEMENT_SIGMAS, MatchedPass, Track, follow, scale,
 };
 use crate::identification::alignment::path::Path;
 use crate::identification::alignment::place::ProgramPlace;
@@ -22,7 +24,7 @@ use crate::identification::alignment::{Alignment, AlignmentError, Fix, Mark, Met
 use crate::identification::recording::{ChannelUnit, Measure, Recording, check_unit_by};
 use crate::machine::Machine;
 use crate::simulation::feed::Tolerances;
-use crate::simulation::toolpath::{Toolpath, Vector};
+use crate::simulation::toolpath::{Point, Toolpath, Vector};
 
 /// Least part of the recording, or of the path, that a pass must make up.
 const MIN_PASS_SHARE: f64 = 0.5;
@@ -164,7 +166,10 @@ fn within(
     if !(1.0 / MAX_LENGTH_RATIO / MAX_LENGTH_RATIO..MAX_LENGTH_RATIO).contains(&ratio) {
         return Err(AlignmentError::OtherWay { ratio });
     }
-    let marks = marks_of_fixes(&fixes, &track, &leeway.corners);
+    let distances = toolpath.distances();
+    let stops: Vec<f64> =
+        toolpath.stops.iter().map(|stop| distances[stop.after.min(distances.len() - 1)]).collect();
+    let marks = marks_of_fixes(&fixes, &track, &leeway.corners, &stops);
     let alignment = Alignment {
         method: Method::Positions,
         poll: None,
@@ -267,11 +272,13 @@ fn refined(track: &Track, shift: Vector, path: &Path, tolerance: f64, scale: f64
     Some(laid)
 }
 
-/// Returns marks from fixes: evenly spaced in time while the tool moves, none while it rests.
-fn marks_of_fixes(fixes: &[Fix], track: &Track, corners: &[CuttableCorner]) -> Vec<Mark> {
+/// Returns marks from fixes: evenly spaced in time while the tool moves, none while it rests; `stops` are those of the
+/// program along the path, mm.
+fn marks_of_fixes(fixes: &[Fix], track: &Track, corners: &[CuttableCorner], stops: &[f64]) -> Vec<Mark> {
     let moving: f64 =
         fixes.windows(2).map(|pair| (pair[1].time - pair[0].time).min(4.0 * track.interval)).sum();
     let spacing = (moving / MAX_MARKS as f64).max(track.interval);
+    let corners: Vec<CutCorner> = corners.iter().map(|corner| corner.as_passed(fixes, track)).collect();
     let widest = corners.iter().map(|corner| corner.zone).fold(0.0, f64::max);
     let mut marks: Vec<Mark> = Vec::new();
     for window in fixes.windows(3) {
@@ -279,8 +286,13 @@ fn marks_of_fixes(fixes: &[Fix], track: &Track, corners: &[CuttableCorner]) -> V
         if marks.last().is_some_and(|mark| fix.time - mark.time < spacing) {
             continue;
         }
-        let feedrate = (after.distance - before.distance) / (after.time - before.time);
-        if feedrate <= 0.0 {
+        // Beside a rest the tool moved on one side alone.
+        let between = |from: &Fix, to: &Fix| (to.distance - from.distance) / (to.time - from.time);
+        let feedrate = between(before, fix).max(between(fix, after));
+        let away = MIN_DISPLACEMENT_SIGMAS * track.noise;
+        let next_stop = stops.partition_point(|stop| *stop < fix.distance - away);
+        let is_at_stop = stops.get(next_stop).is_some_and(|stop| *stop <= fix.distance + away);
+        if feedrate <= 0.0 || is_at_stop {
             continue;
         }
         // At a corner the projection onto the path jumps over the part that the tool cuts off.
@@ -307,10 +319,39 @@ struct AllowedDeviation {
 struct CuttableCorner {
     /// Distance along the path, mm.
     distance: f64,
+    /// The corner itself.
+    point: Point,
+    /// Jump of the projection onto the path there, as a multiple of the deviation.
+    turn: f64,
+    /// Largest deviation, mm.
+    tolerance: f64,
+}
+
+/// A corner that the tool has cut.
+struct CutCorner {
+    /// Distance along the path, mm.
+    distance: f64,
     /// Distance before and behind it within which the tool may be off the path, mm.
     zone: f64,
     /// Jump of the projection onto the path there, mm.
     jump: f64,
+}
+
+impl CuttableCorner {
+    /// Returns the corner as the tool was seen to pass it: between two fixes it may have been closer, and no farther away.
+    fn as_passed(&self, fixes: &[Fix], track: &Track) -> CutCorner {
+        let next = fixes.partition_point(|fix| fix.distance < self.distance);
+        let seen = |fix: Option<&Fix>| fix.and_then(|fix| fix.sample).map(|sample| track.position[sample]);
+        let beside = seen(next.checked_sub(1).map(|last| &fixes[last])).zip(seen(fixes.get(next)));
+        let passed = beside.map_or(self.tolerance, |(from, to)| {
+            let recorded = Vector::from_fn(|axis, _| f64::from(u8::from(track.recorded[axis])));
+            let (way, corner) = (to - from, (self.point - from).component_mul(&recorded));
+            let share = (corner.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            (corner - share * way).norm()
+        });
+        let deviation = passed.min(self.tolerance);
+        CutCorner { distance: self.distance, zone: 6.0 * deviation + 0.02, jump: self.turn * deviation }
+    }
 }
 
 impl AllowedDeviation {
@@ -324,10 +365,9 @@ impl AllowedDeviation {
             let cosine = before.tangent(before.length).dot(&after.tangent(0.0));
             let turn = 2.0 * (1.0 - cosine);
             if 0.01 < turn {
-                let tolerance = bound.corner.min(WIDE_BLEND_MM);
                 let shortest = before.length.min(after.length);
-                let (zone, jump) = (6.0 * tolerance + 0.02, turn * tolerance.min(0.5 * shortest));
-                corners.push(CuttableCorner { distance, zone, jump });
+                let tolerance = bound.corner.min(WIDE_BLEND_MM).min(0.5 * shortest);
+                corners.push(CuttableCorner { distance, point: before.end, turn, tolerance });
             }
         }
         AllowedDeviation { widest, corners }

@@ -41,7 +41,7 @@ const MAX_SAMPLES: usize = 150_000;
 /// Least time of a repeated position at which the tool rests, s.
 const MIN_REST_S: f64 = 0.1;
 /// Least displacement of a moving tool, in standard deviations of the noise.
-const MIN_DISPLACEMENT_SIGMAS: f64 = 6.0;
+pub const MIN_DISPLACEMENT_SIGMAS: f64 = 6.0;
 /// Part of the length off the path below which the coarse pass is skipped.
 const MAX_CLOSE_OFF_PATH: f64 = 0.05;
 /// Factor on the allowed distance from the path in the coarse pass.

@@ -16,6 +16,10 @@ const MAX_ARC_STEP_RAD: f64 = 0.2;
 const ENTRY_RATIO: f64 = 0.02;
 /// Number of moves within which a pass begins.
 const ENTRY_MOVES: usize = 3;
+/// Distances from a point that differ by no more than this are equal but for rounding, mm.
+const ROUNDING_MM: f64 = 1e-9;
+/// Places closer to each other along the path than this are one, mm: no recorder resolves less.
+const SAME_PLACE_MM: f64 = 1e-3;
 
 /// A path with its distances.
 pub struct Path<'a> {
@@ -115,7 +119,8 @@ impl<'a> Path<'a> {
         Some(extent)
     }
 
-    /// Adds the places within a range of distances (mm) that are nearer to `point` than their neighbourhood.
+    /// Adds the places within a range of distances (mm) that are nearer to `point` than their neighbourhood. On a path
+    /// that goes back the way it came these are places on both ways, equally near.
     pub fn nearest(&self, point: Point, within: Range<f64>, found: &mut Vec<Projection>) {
         found.clear();
         let Some(first) = self.segment_at(within.start) else { return };
@@ -177,15 +182,55 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Keeps those of the places, in order along the path, without a nearer neighbour.
+/// Keeps those of the places, in order along the path, without a nearer neighbour. Two that are equally near are two: the
+/// path goes back the way it came, and which of them is nearer rounding decides.
 fn keep_minima(found: &mut Vec<Projection>) {
     sort_by_number(found, |one| one.along);
     let all = std::mem::take(found);
     for (index, foot) in all.iter().enumerate() {
-        let before = index.checked_sub(1).map_or(f64::INFINITY, |at| all[at].away);
-        let after = all.get(index + 1).map_or(f64::INFINITY, |next| next.away);
-        if foot.away < before && foot.away <= after {
+        let is_equal = |other: &Projection| {
+            (other.away - foot.away).abs() <= ROUNDING_MM && SAME_PLACE_MM < (other.along - foot.along).abs()
+        };
+        let before = index.checked_sub(1).map(|at| &all[at]);
+        if before.is_none_or(|before| foot.away < before.away || is_equal(before))
+            && all.get(index + 1).is_none_or(|next| foot.away <= next.away || is_equal(next))
+        {
             found.push(*foot);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+
+    /// Where along a program's path, from a distance on, it is nearest to a point.
+    fn nearest(program: &str, from: f64, point: [f64; 3]) -> Vec<f64> {
+        let toolpath = trace(&read(program.as_bytes()), &Machine::default());
+        let mut found = Vec::new();
+        Path::new(&toolpath, [true; 3]).nearest(Point::from(point), from..f64::INFINITY, &mut found);
+        found.into_iter().map(|foot| (1e6 * foot.along).round() / 1e6).collect()
+    }
+
+    #[test]
+    fn a_path_that_goes_back_is_near_on_both_ways() {
+        let there_and_back = "G21 G90 G1 X10 F600\nX1\nX7";
+        for y in [0.0, 0.3] {
+            assert_eq!(nearest(there_and_back, 0.0, [4.0, y, 0.0]), [4.0, 16.0, 22.0]);
+            assert_eq!(nearest(there_and_back, 0.0, [6.1, y, 0.0]), [6.1, 13.9, 24.1]);
+        }
+        assert_eq!(nearest(there_and_back, 0.0, [10.0, 0.0, 0.0]), [10.0]);
+    }
+
+    #[test]
+    fn a_corner_is_one_place() {
+        let corner = "G21 G90 G1 X10 F600\nY10";
+        assert_eq!(nearest(corner, 0.0, [10.2, -0.1, 0.0]), [10.0]);
+        assert_eq!(nearest(corner, 0.0, [9.0, 2.0, 0.0]), [12.0]);
+        let arc = "G21 G90 G17 G1 X10 F600\nG3 X10 Y10 I0 J5";
+        assert_eq!(nearest(arc, 0.0, [10.0, -0.2, 0.0]), [10.0]);
     }
 }

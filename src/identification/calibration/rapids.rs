@@ -87,9 +87,10 @@ impl RapidPlateaus {
         let (Some(track), segments) = (&run.alignment.track, &run.toolpath.segments) else { return };
         for segment in segments.iter().filter(|segment| segment.motion != Motion::Rapid) {
             let asked = limits::requested_feedrate(&segment, &Machine::default());
-            for (axis, fastest) in self.fastest_asked.iter_mut().enumerate() {
-                let shares = segment.tangents().map(|tangent| tangent[axis].abs());
-                *fastest = fastest.max(asked * shares[0].max(shares[1]));
+            // On an arc an axis may be fastest between its ends.
+            let shares = limits::largest_share(&segment);
+            for (fastest, share) in self.fastest_asked.iter_mut().zip(shares.iter()) {
+                *fastest = fastest.max(asked * share);
             }
         }
         let distances = run.toolpath.distances();
@@ -148,14 +149,17 @@ impl RapidPlateaus {
     }
 
     /// Machines whose rapids are limited so, by each axis and along the path. What showed no plateau is as fast as the
-    /// fastest that did, or as the machine file says.
+    /// fastest that did or was held back where it cut, since axes are alike, and as it was cut itself; where none was,
+    /// as the machine file says.
     pub fn given(&self, machine: &Machine, file: &Machine) -> [Machine; 2] {
-        let fastest = self.axes.iter().flatten().copied().reduce(f64::max);
+        let held_back = machine.axes.iter().map(|axis| axis.velocity).filter(|velocity| velocity.is_finite());
+        let fastest = self.axes.iter().flatten().copied().chain(held_back).reduce(f64::max);
         let (mut by_axis, mut along_path) = (machine.clone(), machine.clone());
         by_axis.rapid.feedrate = f64::INFINITY;
-        for (axis, seen) in by_axis.axes.iter_mut().zip(self.axes) {
+        for (axis, (seen, cut)) in by_axis.axes.iter_mut().zip(self.axes.into_iter().zip(self.fastest_cut)) {
             let known = axis.velocity.is_finite().then_some(axis.velocity);
-            axis.rapid = seen.or(known).or(fastest).unwrap_or(axis.rapid.min(file.rapid.feedrate));
+            let alike = fastest.map(|fastest| fastest.max(cut));
+            axis.rapid = seen.or(known).or(alike).unwrap_or(axis.rapid.min(file.rapid.feedrate));
         }
         along_path.rapid.feedrate = self.path.unwrap_or(file.fastest_rapid());
         along_path.axes.iter_mut().for_each(|axis| axis.rapid = f64::INFINITY);
@@ -276,6 +280,16 @@ mod tests {
         // Of one diagonal nobody knows which axis holds it back, and axes are alike.
         assert_eq!(rates(&[held_back_by_y]), [Some(123.0), None, None]);
         assert_eq!(rates(&[]), [None; 3]);
+    }
+
+    #[test]
+    fn an_axis_of_which_nothing_is_known_is_as_fast_as_those_that_were_held_back() {
+        let mut machine = Machine::default();
+        machine.axes[1].velocity = 60.0;
+        let given = |seen: RapidPlateaus| seen.given(&machine, &machine)[0].axes.map(|axis| axis.rapid);
+        assert_eq!(given(RapidPlateaus::default()), [60.0; 3]);
+        let cut_faster = RapidPlateaus { fastest_cut: [80.0, 60.0, 0.0], ..RapidPlateaus::default() };
+        assert_eq!(given(cut_faster), [80.0, 60.0, 60.0]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! The path is cut into contiguous sections. A cause is held against each section with the values that the
 //! other sections give ([`left_out`]); it holds if it is better, all sections together, and in most of those in
 //! which it makes a difference at all. A cause that acts in one section alone, a wait, has no other section to be
-//! tried in, and this gate says nothing of it.
+//! tried in, and this gate says nothing of it; but no wait at a word repeats exactly ([`is_beyond_chance`]).
 
 use std::ops::Range;
 
@@ -123,6 +123,19 @@ pub fn without_worst<'a>(evidence: &Evidence<'a>, better: &Machine, worse: &Mach
     rest
 }
 
+/// The cycle of the PLC that answers words, s: that of LinuxCNC's iocontrol as it is recorded here; others take 10 to 20 ms.
+const PLC_CYCLE_S: f64 = 0.02;
+/// Standard deviations by which chance moves a wait at most.
+const MAX_CHANCE: f64 = 3.0;
+
+/// Whether waits at a word are longer or shorter, `each` by so much and all of the runs together by `all` (s), than chance makes
+/// them. A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within a cycle T: one
+/// wait varies by T √(2/12), and the mean of n waits differs from the mean of as many that the machine file is from by
+/// √(2/n) times that, T/√(3 n). With `all` = n `each` that is held against `each`.
+pub fn is_beyond_chance(each: f64, all: f64) -> bool {
+    MAX_CHANCE * PLC_CYCLE_S / 3f64.sqrt() < (each * all).abs().sqrt()
+}
+
 /// Shifts that are tried.
 const SHIFTS: usize = 300;
 /// By how much the fit in place must be better than the best of the shifted ones.
@@ -145,4 +158,17 @@ pub fn stays_in_place(evidence: &Evidence, without: &Machine, with: &Machine) ->
     // Neighbours of the place itself are the place.
     let shifted = (10..=SHIFTS.saturating_sub(10)).map(|at| (at * step) % count.max(1)).map(fits);
     IN_PLACE * shifted.fold(0.0, f64::max) < fits(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_short_waits_are_beyond_chance_where_one_is_not() {
+        // As long as a cycle for the word and one for its answer take at most.
+        assert!(!is_beyond_chance(0.03, 0.03) && is_beyond_chance(0.04, 0.04));
+        assert!(!is_beyond_chance(0.0235, 2.0 * 0.0235));
+        assert!(is_beyond_chance(0.0235, 4.0 * 0.0235) && is_beyond_chance(-0.0235, -4.0 * 0.0235));
+    }
 }

@@ -12,6 +12,7 @@
 //! | held out | with the values that the others give a section is better, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts |
+//! | chance | a wait at a word is longer or shorter than the cycles of a PLC make it from run to run |
 //! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
 //!
 //! A clock is the only cause or none: what the law of another leaves grows with the time as well.
@@ -27,7 +28,8 @@ use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::BESIDE;
 use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions, rests};
 use crate::identification::effects::{
-    FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, Trace, UNEQUAL_FILTERS, awaited_stops,
+    FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, SPINDLE_WAIT, Trace, UNEQUAL_FILTERS,
+    UNMODELLED_WAIT, awaited_stops,
 };
 use crate::identification::fit::{Run, VariationScale};
 use crate::machine::Machine;
@@ -282,8 +284,14 @@ fn passed(
     if weight(current, &with, runs) < LEAST.max(SIZE * whole).max(BESIDE * explained.abs()) {
         return None;
     }
-    // Two that nearly cancel are one that was fitted to what the law of the other gets wrong.
     let further = regions::moved(current, &with, runs).0;
+    if [SPINDLE_WAIT, UNMODELLED_WAIT].contains(&candidate.hypothesis.effect) {
+        let believed = candidate.hypothesis.freed[0].handle.get(current).unwrap_or(0.0);
+        if !gates::is_beyond_chance(candidate.values[0] - believed, further) {
+            return None;
+        }
+    }
+    // Two that nearly cancel are one that was fitted to what the law of the other gets wrong.
     if further * explained < 0.0 && MAX_CANCELLED_PART * explained.abs() < further.abs() {
         return None;
     }

@@ -4,7 +4,9 @@
 //!
 //! - the programmed feedrate times its override, or that of a rapid within its axis limits times its
 //!   own: r = min(r_path, min_k r_k / |u_k|), so that the slowest axis for its part of the move runs at its rapid r_k and
-//!   diagonals are faster than single axes;
+//!   diagonals are faster than single axes. LinuxCNC has clamped a programmed feedrate to the axes, too, before the
+//!   override multiplies it (emccanon.cc), so that one of 80 % also slows a move that an axis holds back; grbl and
+//!   Klipper clamp the product;
 //! - V_k / |u_k|: no axis k above its velocity limit; on an arc with the largest |u_k| on it;
 //! - L Ω_k / |Δ_k|: no rotary axis k, which turns along by Δ_k, above its limit Ω_k (rad/s);
 //! - √(24 ε / (ΣTi² κ)): on an arc of curvature κ the filtered path runs inside by
@@ -35,9 +37,19 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
         Motion::Rapid => {
             rapid_feedrate(segment, machine).min(by_axes) * machine.overrides.of_rapid(segment.line.0)
         }
-        Motion::Feed { feedrate } => feedrate * machine.overrides.of_feed(segment.line.0),
+        Motion::Feed { feedrate } => {
+            overridable(feedrate, segment, machine) * machine.overrides.of_feed(segment.line.0)
+        }
     };
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
+}
+
+/// Returns what an override of the feed multiplies where a segment is programmed at `feedrate`, mm/s.
+pub fn overridable(feedrate: f64, segment: &Segment, machine: &Machine) -> f64 {
+    match machine.interpolator.junction.blends_in_time() {
+        true => feedrate.min(axis_feedrate(segment, machine)),
+        false => feedrate,
+    }
 }
 
 /// Returns `true` if equal programmed feedrates always give equal requested feedrates: no axis has a velocity

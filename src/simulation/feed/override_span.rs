@@ -14,6 +14,7 @@
 //! early by the length of that ramp; rotary axes that turn alone keep the programmed rate.
 
 use crate::machine::{Machine, Overrides};
+use crate::simulation::feed::limits;
 use crate::simulation::feed::substitute::{Cover, Substitute};
 use crate::simulation::toolpath::{Motion, Segment, Toolpath};
 
@@ -38,7 +39,7 @@ pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Ma
         let ratio = overrides.of_feed_within(segment.line.0);
         for (start, end, ratio) in [(0.0, first, 1.0), (first, last, ratio), (last, segment.length, 1.0)] {
             if start < end {
-                push(&mut substitute, number, &segment, (start, end), ratio);
+                push(&mut substitute, number, &segment, (start, end), ratio, machine);
             }
         }
     }
@@ -56,10 +57,17 @@ fn snapped(cut: f64, length: f64) -> f64 {
     }
 }
 
-fn push(substitute: &mut Substitute, number: usize, segment: &Segment, (start, end): (f64, f64), ratio: f64) {
+fn push(
+    substitute: &mut Substitute,
+    number: usize,
+    segment: &Segment,
+    (start, end): (f64, f64),
+    ratio: f64,
+    machine: &Machine,
+) {
     let mut part = segment.part(start, end);
     if let Motion::Feed { feedrate } = &mut part.motion {
-        *feedrate *= ratio;
+        *feedrate = limits::overridable(*feedrate, segment, machine) * ratio;
     }
     substitute.push(part, Cover { first: number, offset: start, last: number, length: end - start });
 }
