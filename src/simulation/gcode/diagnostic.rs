@@ -91,7 +91,7 @@ pub struct Remarks<R> {
 struct KindCount<R> {
     kind: Discriminant<R>,
     count: usize,
-    /// Index in the list of the first remark beyond [`MAX_LISTED`].
+    /// Index in the list of the first remark beyond `MAX_LISTED`.
     first_unlisted: usize,
 }
 
@@ -186,7 +186,7 @@ impl<R: Remark> Remarks<R> {
         });
     }
 
-    /// Returns the list in line order, with one diagnostic for the remarks of a kind beyond [`MAX_LISTED`].
+    /// Returns the list in line order, with one diagnostic for the remarks of a kind beyond `MAX_LISTED`.
     pub fn finish(mut self) -> Vec<Diagnostic> {
         for Listed { index, times, .. } in self.listed.into_iter().filter(|listed| 1 < listed.times) {
             self.diagnostics[index].message += &format!(" ({times} times)");
