@@ -67,3 +67,13 @@ fn an_override_slows_what_an_axis_of_linuxcnc_holds_back() {
     assert!(lost(&grbl, 0.8).abs() < 1e-9, "{}", lost(&grbl, 0.8));
     assert_eq!(lost(&linuxcnc, 1.2), 0.0);
 }
+
+#[test]
+fn edges_that_cross_leave_the_program_as_it_is() {
+    for machine in machines() {
+        let toolpath = trace(&read(PROGRAM.as_bytes()), &machine);
+        let plain = simulate(&toolpath, &machine).cycle_time();
+        let crossed = simulate(&toolpath, &with(&machine, 0.5, (25.0, 15.0))).cycle_time();
+        assert!((crossed / plain - 1.0).abs() < 1e-3, "{plain} s, {crossed} s");
+    }
+}

@@ -18,6 +18,7 @@ use crate::identification::effects::{
 use crate::identification::fit::{FreeParameter, Run, VariationScale, golden_section};
 use crate::machine::{Handle, Machine};
 use crate::simulation::ordered::sort_by_number;
+use crate::simulation::toolpath::Motion;
 
 /// Parts of a run between which a range may begin and end.
 const BINS: usize = 300;
@@ -96,6 +97,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
         span = span.fitted(machine, evidence, ratio, &ends);
         ratio = best_ratio(machine, evidence, ratio, span.of_path());
     }
+    span = span.as_shown(run, &distances);
     let of_path = span.of_path();
     let freed =
         FreeParameter::new(Handle::number("override.feed"), ratio, (0.01, 2.0), VariationScale::Ratio)
@@ -171,6 +173,18 @@ struct OverrideSpan {
 }
 
 impl OverrideSpan {
+    /// Returns the span without an edge where no feed move is beyond it: nothing shows there whether the override is in
+    /// force. `distances` are those of the toolpath, mm.
+    fn as_shown(self, run: &Run, distances: &[f64]) -> OverrideSpan {
+        let segments = &run.toolpath.segments;
+        let is_feed = |segment: &usize| segments.motion(*segment) != Motion::Rapid;
+        let (first, last) = ((0..segments.len()).find(is_feed), (0..segments.len()).rfind(is_feed));
+        OverrideSpan {
+            from: self.from.filter(|from| first.is_some_and(|first| distances[first] < *from)),
+            to: self.to.filter(|to| last.is_some_and(|last| *to < distances[last + 1])),
+        }
+    }
+
     fn of_path(self) -> (f64, f64) {
         (self.from.unwrap_or(0.0), self.to.unwrap_or(f64::INFINITY))
     }

@@ -29,6 +29,8 @@ pub fn divided(toolpath: &Toolpath, machine: &Machine) -> Option<(Substitute, Ma
         return None;
     }
     let (from, to) = overrides.span;
+    // Edges that are searched one after the other may cross: then nothing is between them.
+    let to = to.max(from);
     let distances = toolpath.distances();
     let mut substitute = Substitute::default();
     for (number, segment) in toolpath.segments.iter().enumerate() {
