@@ -310,15 +310,6 @@ fn long_functions_say_why() {
     }
 }
 
-/// Rooms whose names and docs are still to be written in the field's words.
-pub const UNFINISHED_ROOMS: &[&str] =
-    &["identification/diagnosis", "identification/calibration", "identification/effects"];
-
-/// Returns `true` if a source (its path below `src` without extension) is in an unfinished room.
-fn is_unfinished(path: &str) -> bool {
-    UNFINISHED_ROOMS.iter().any(|room| path == *room || path.starts_with(&format!("{room}/")))
-}
-
 /// Names of numbers without a quantity or a role.
 const BARE_NAMES: &[&str] = &[
     "ALIKE",
@@ -456,7 +447,7 @@ fn constants_say_what_they_measure() {
     let names: Vec<&str> = faults.iter().filter_map(|fault| fault.split(':').next()).collect();
     assert_eq!(names, ["MOST", "STEP", "REACH_AND_ORDER"]);
     for (path, text) in all_sources() {
-        if is_unfinished(&path) || path.ends_with("tests") {
+        if path.ends_with("tests") {
             continue;
         }
         let faults = faults_of_constants(without_tests(&text));
@@ -486,9 +477,7 @@ fn a_type_name_belongs_to_one_stage() {
     let glossary = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/glossary.md"));
     let glossary = glossary.expect("the glossary can be read");
     let mut stages: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for (path, text) in
-        all_sources().into_iter().filter(|(path, _)| !is_unfinished(path) && !path.ends_with("tests"))
-    {
+    for (path, text) in all_sources().into_iter().filter(|(path, _)| !path.ends_with("tests")) {
         let is_command = path == "main" || path.starts_with("command/");
         let stage = if is_command {
             "command"
@@ -515,7 +504,7 @@ fn stage_of(path: &str) -> usize {
 fn no_folder_holds_only_tests_and_every_layout_is_the_same() {
     let sources: Vec<String> = all_sources().into_iter().map(|(path, _)| path).collect();
     let folders: BTreeSet<&str> = sources.iter().filter_map(|path| Some(path.rsplit_once('/')?.0)).collect();
-    for folder in folders.into_iter().filter(|folder| !is_unfinished(folder)) {
+    for folder in folders {
         let below: Vec<&str> =
             sources.iter().filter_map(|path| path.strip_prefix(folder)?.strip_prefix('/')).collect();
         assert!(

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use truefeed::identification::step::{Filters, Identification, Outcome, Quantity, Recording, identify};
+use truefeed::identification::step::{
+    Filters, Identification, Outcome, RecordedQuantity, Recording, identify,
+};
 use truefeed::simulation::feed::corner::CornerLaw;
 use truefeed::simulation::feed::{CornerPolicy, FeedPlan};
 use truefeed::simulation::filter::FilterChain;
@@ -113,7 +115,7 @@ pub fn recorded() -> Recorded {
     let times: Vec<f64> = (0..=80).map(|i| 0.003 * f64::from(i)).collect();
     let step = |t: f64| chain.step(t - start) - chain.step(t - start - duration);
     let feedrates: Vec<f64> = times.iter().map(|&t| feedrate * (step(t) + 0.002 * noise())).collect();
-    let recording = Recording { times: &times, values: &feedrates, quantity: Quantity::Feedrate };
+    let recording = Recording { times: &times, values: &feedrates, quantity: RecordedQuantity::Feedrate };
     let found = match identify(&recording) {
         Outcome::Converged(found) => found,
         other => panic!("a clean recording is identified: {other:?}"),

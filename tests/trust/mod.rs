@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use truefeed::machine::{Machine, presets};
 use truefeed::quote::{Trust, trust};
 use truefeed::simulation::feed::CornerPolicy;
-use truefeed::simulation::gcode::{Cause, Diagnostic, Severity, read};
+use truefeed::simulation::gcode::{Diagnostic, DoubtCause, Severity, read};
 use truefeed::simulation::interpreter::trace;
 use truefeed::simulation::simulate;
 
@@ -133,7 +133,7 @@ fn programs_without_warnings_are_in_no_doubt() {
     for (path, text) in programs_of_repository() {
         let timed = timed(&text, &machine);
         let has_warning = timed.diagnostics.iter().any(|remark| remark.severity != Severity::Info);
-        let is_position = |cause| matches!(cause, Cause::UnknownHome | Cause::UnknownOffsets);
+        let is_position = |cause| matches!(cause, DoubtCause::UnknownHome | DoubtCause::UnknownOffsets);
         if !has_warning {
             sure += usize::from(timed.trust.doubts.is_empty());
             assert!(

@@ -1,20 +1,22 @@
-//! Axes of one machine are alike, until the runs contradict it.
+//! One acceleration for the axes of a machine, which are taken to be alike until the runs contradict it.
 //!
-//! Arcs and corners are limited by two axes at once, and one that is too high beside one that is too low fits nearly as well as
-//! the true ones, which are often equal. The accelerations of all axes are therefore fitted as one value; where its cost is
-//! higher by less than [`CONTRADICTED`] for each value that is saved, the machine has it in all axes. Else X and Y alone are tried.
+//! Two axes at once limit arcs and corners, so one acceleration that is too high beside one that is too low fits
+//! nearly as well as the true ones, which are often equal. The calibration therefore fits the accelerations of all
+//! axes as one value. If the cost of this value is higher by less than [`CONTRADICTED`] for each value that is
+//! saved, the machine has it in all axes; otherwise the calibration tries X and Y alone.
 
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::{ACCELERATIONS, axis_of};
-use crate::identification::calibration::{CONTRADICTED, Estimate, Verdict};
+use crate::identification::calibration::{CONTRADICTED, Estimate, ParameterVerdict};
 use crate::identification::fit::{Fit, FreeParameter};
 use crate::machine::{Handle, Machine};
 
-/// Axes that may be alike, those that save most first.
+/// Groups of axes that may be alike; the group that saves most values comes first.
 const GROUPS: [&[usize]; 2] = [&[0, 1, 2], &[0, 1]];
 
-/// Returns the judgement with the accelerations of axes that may be alike as one parameter, and which axes these are.
-/// `fitted` fits parameters from a machine on.
+/// Returns the judgement with one parameter for the accelerations of axes that are alike, and these axes; if the
+/// runs contradict it for every group, the judgement as given and no axes. `fitted` fits parameters, starting from
+/// a machine.
 pub fn alike(
     judgement: Judgement,
     mut fitted: impl FnMut(&Machine, &[(FreeParameter, f64)]) -> Fit,
@@ -31,7 +33,8 @@ pub fn alike(
     (judgement, &[])
 }
 
-/// The estimates with one for each axis of a group whose accelerations are one parameter, which stands for that of the first.
+/// Returns the estimates with an estimate for each axis of a group whose accelerations are one parameter; this
+/// parameter has the key of the first axis.
 pub fn of_each_axis(estimates: Vec<Estimate>, group: &[usize], before: &Machine) -> Vec<Estimate> {
     let of_group = |estimate: Estimate| -> Vec<Estimate> {
         let is_one = group.first().is_some_and(|first| estimate.key == ACCELERATIONS[*first]);
@@ -47,7 +50,8 @@ pub fn of_each_axis(estimates: Vec<Estimate>, group: &[usize], before: &Machine)
     estimates.into_iter().flat_map(of_group).collect()
 }
 
-/// The judgement with one parameter for the accelerations of a group, not yet fitted; `None` where one of them was not freed.
+/// Returns the judgement with one parameter for the accelerations of a group, not yet fitted; `None` if one of
+/// these accelerations was not freed or is infinite.
 fn as_one(judgement: &Judgement, group: &'static [usize]) -> Option<Judgement> {
     let place =
         |axis: &usize| (0..judgement.all.len()).find(|at| axis_of(&judgement.all[*at].0) == Some(*axis));
@@ -64,7 +68,7 @@ fn as_one(judgement: &Judgement, group: &'static [usize]) -> Option<Judgement> {
             group.iter().for_each(|axis| machine.axes[*axis].acceleration = own);
         });
     let mut as_one = judgement.clone();
-    (as_one.all[places[0]], as_one.verdicts[places[0]]) = ((one, *before), Verdict::Fitted);
+    (as_one.all[places[0]], as_one.verdicts[places[0]]) = ((one, *before), ParameterVerdict::Fitted);
     for at in places[1..].iter().rev() {
         as_one.all.remove(*at);
         as_one.believed.remove(*at);

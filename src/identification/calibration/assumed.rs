@@ -1,28 +1,30 @@
-//! Accelerations of axes that the runs do not tell.
+//! Assumed accelerations of the axes whose accelerations the runs do not determine.
 //!
-//! An axis that never ramps at its limit leaves its acceleration open: any larger one fits as well, and a fit ends
-//! wherever its last step took it. Axes of one machine are alike, and the geometric mean of the others is the
+//! An axis that never ramps at its limit leaves its acceleration open: any larger value fits equally well, and a
+//! fit ends wherever its last step led. Axes of one machine are alike, so the geometric mean of the others is the
 //! better guess for programs in which the axis does ramp.
 //!
-//! Limits: none is lent where no axis is known; a rotary axis has nothing in common with these.
+//! Limits: no acceleration is lent if that of no axis is known; a rotary axis has nothing in common with these
+//! axes.
 
 use crate::identification::calibration::is_unknown;
 use crate::identification::calibration::motion::axis_of;
 use crate::identification::fit::{Fit, FreeParameter};
 use crate::machine::Machine;
 
-/// Ratios by which accelerations are raised that stood in for another.
+/// Ratios by which accelerations that compensated for the limit of another axis are raised.
 const RAISED_BY: [f64; 3] = [1.0, 1.3, 1.7];
-/// Gives each acceleration of which the runs hardly say anything, and which was not there before, that of the
-/// others to go back to.
+/// Gives each acceleration that the runs hardly determine, and that the machine did not have before, the mean of
+/// the others as the value to go back to.
 pub fn lend(all: &mut [(FreeParameter, f64)], best: &Fit) {
     for (at, mean) in lent(all, best) {
         all[at].1 = mean;
     }
 }
 
-/// Machines to fit again from, where anything would be lent: with it, and with the accelerations of the axes from
-/// which it comes raised by these ratios. Where one axis has no limit the others stand in for it, and are too low.
+/// Returns the machines from which to fit again, each with the lent accelerations, and with those from which they
+/// are lent raised by one of `RAISED_BY`; empty if no acceleration is lent. If one axis has no limit, the
+/// accelerations of the others compensate for it and are too low.
 pub fn starts(all: &[(FreeParameter, f64)], best: &Fit) -> Vec<Machine> {
     let lent = lent(all, best);
     if lent.is_empty() {
@@ -37,7 +39,7 @@ pub fn starts(all: &[(FreeParameter, f64)], best: &Fit) -> Vec<Machine> {
     RAISED_BY.map(of).to_vec()
 }
 
-/// What is to be lent, by its place among the parameters.
+/// Returns the lent accelerations, mm/s², each with its place among the parameters.
 fn lent(all: &[(FreeParameter, f64)], best: &Fit) -> Vec<(usize, f64)> {
     let (open, known): (Vec<usize>, Vec<usize>) = (0..all.len())
         .filter(|at| axis_of(&all[*at].0).is_some())

@@ -1,41 +1,42 @@
 //! Runs → the model of the control that is nearest to them, fitted.
 //!
-//! Filters first, of each order, with the laws that the runs show; then planners, and steps of velocity at
-//! corners. Another model is taken where it is nearer by the margin of its kind (see the front file).
+//! The choice begins with filters, of each order and with the laws that the runs show; planners follow, and steps
+//! of velocity at corners. Another model is taken if it is nearer by the margin of its kind (see the front file).
 
 use crate::identification::calibration::motion::{motion, spindle_ramp};
 use crate::identification::calibration::rapids::RapidPlateaus;
 use crate::identification::calibration::{
-    BETTER_FAMILY, BETTER_ORDER, BETTER_STEPS, ORDERS, ROUGHLY, Share, assumed, at_own_noise, families,
-    polled, run_fit, set_order, steps, waits, whitened, with_laws,
+    BETTER_FAMILY, BETTER_STEPS, MIN_ORDER_COST_DROP, MIN_ORDER_COST_DROP_RATIO, ORDERS,
+    ROUGH_COST_TOLERANCE, Share, assumed, at_own_noise, families, polled, run_fit, set_order, steps, waits,
+    whitened, with_laws,
 };
 use crate::identification::comparison::Comparison;
 use crate::identification::fit::{FTOL, Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::{Handle, Machine, TimeConstants};
 
-/// What every fit of a calibration begins with.
+/// The common input of all fits of a calibration.
 pub struct Fitting<'a> {
-    /// The machine as it was.
+    /// The machine before the calibration.
     machine: &'a Machine,
     pub runs: &'a [Run<'a>],
-    /// The waits that are fitted, each with its value before.
+    /// The waits to be fitted, each with its value before the calibration.
     waits: Vec<(FreeParameter, f64)>,
     pub plateaus: Option<RapidPlateaus>,
     pub share: Share<'a>,
 }
 
-/// A model of the control, fitted.
+/// A fitted model of the control.
 pub struct Model {
     pub best: Fit,
-    /// Those that it was fitted at.
+    /// The whitenings at which it was fitted.
     pub whitenings: Vec<Whitening>,
-    /// Its order of filters; 1 for planners.
+    /// The order of its filters; 1 for planners.
     pub order: usize,
 }
 
 impl<'a> Fitting<'a> {
-    /// The fitting of a machine to runs, and the machine with the waits that the runs show at first sight;
-    /// `before` are the runs against the machine as it is.
+    /// Returns the fitting of a machine to runs, and the machine with the first guesses of the waits that the runs
+    /// show; `before` compares the runs with the machine before the calibration.
     pub fn new(
         machine: &'a Machine,
         runs: &'a [Run<'a>],
@@ -60,7 +61,7 @@ impl<'a> Fitting<'a> {
         (Fitting { machine, runs, waits, plateaus: RapidPlateaus::of(runs), share }, guess)
     }
 
-    /// The model that is nearest to the runs, and the cost of each order of filters that was tried.
+    /// Returns the model that is nearest to the runs, and the cost of each order of filters tried.
     pub fn model(&mut self, guess: &Machine) -> (Model, Vec<(usize, f64)>) {
         let shows_ramps = self.machine.has_filters() && self.runs.iter().any(|run| polled(run).is_none());
         let (mut model, orders) = self.filters(guess, shows_ramps);
@@ -75,7 +76,7 @@ impl<'a> Fitting<'a> {
         (model, orders)
     }
 
-    /// What is fitted from a machine on, each with its value before.
+    /// Returns the parameters of a fit that starts from a machine, each with its value before the calibration.
     pub fn parameters(&self, order: usize, start: &Machine) -> Vec<(FreeParameter, f64)> {
         let mut all = motion(self.machine, start, order, self.runs, self.plateaus);
         all.extend(spindle_ramp(self.machine, start));
@@ -90,17 +91,18 @@ impl<'a> Fitting<'a> {
         run_fit(start, self.runs, &parameters, whitenings, hardly, &mut self.share)
     }
 
-    /// As [`at_own_noise`].
+    /// Returns a fit and its whitenings as [`at_own_noise`] does.
     fn fit_at_own_noise(&mut self, start: &Machine, order: usize, hardly: f64) -> (Fit, Vec<Whitening>) {
         at_own_noise(start, self.runs, |machine, whitenings| self.fit(machine, order, whitenings, hardly))
     }
 
-    /// Filters of the nominal order, or of another one that is nearer by far.
+    /// Returns the fitted filters of the nominal order, or of another one that is nearer by far, and the cost of
+    /// each order tried.
     fn filters(&mut self, guess: &Machine, shows_ramps: bool) -> (Model, Vec<(usize, f64)>) {
         let nominal = self.machine.interpolator.filters;
-        let first = self.fit(guess, nominal, &whitened(guess, self.runs), ROUGHLY);
+        let first = self.fit(guess, nominal, &whitened(guess, self.runs), ROUGH_COST_TOLERANCE);
         let whitenings = whitened(&first.machine, self.runs);
-        let best = self.fit(&first.machine, nominal, &whitenings, ROUGHLY);
+        let best = self.fit(&first.machine, nominal, &whitenings, ROUGH_COST_TOLERANCE);
         let mut orders = vec![(nominal, best.cost)];
         let mut model = Model { best, whitenings, order: nominal };
         let is_equal = matches!(self.machine.interpolator.time_constants, TimeConstants::Equal(_));
@@ -108,9 +110,10 @@ impl<'a> Fitting<'a> {
             self.share.part = 0.06;
             let mut start = model.best.machine.clone();
             set_order(&mut start, order);
-            let found = self.fit(&start, order, &model.whitenings, ROUGHLY);
+            let found = self.fit(&start, order, &model.whitenings, ROUGH_COST_TOLERANCE);
             orders.push((order, found.cost));
-            if found.cost < model.best.cost - BETTER_ORDER.0.max(BETTER_ORDER.1 * model.best.cost) {
+            let margin = MIN_ORDER_COST_DROP.max(MIN_ORDER_COST_DROP_RATIO * model.best.cost);
+            if found.cost < model.best.cost - margin {
                 (model.best, model.order) = (found, order);
             }
         }
@@ -118,17 +121,17 @@ impl<'a> Fitting<'a> {
         (model, orders)
     }
 
-    /// Takes in every law of filters that the runs show.
+    /// Adds every law of filters that the runs show to the model.
     fn take_laws(&mut self, model: &mut Model) {
         self.share.part = 0.05;
         let (machine, runs, order) = (self.machine, self.runs, model.order);
         let whitenings = std::mem::take(&mut model.whitenings);
         model.whitenings = with_laws(machine, runs, &mut model.best, whitenings, |machine, whitenings| {
-            self.fit(machine, order, whitenings, ROUGHLY)
+            self.fit(machine, order, whitenings, ROUGH_COST_TOLERANCE)
         });
     }
 
-    /// Takes a planner where it is nearer by far; `plain` are the filters without laws.
+    /// Replaces the model by a planner if that is nearer by far; `plain` has the filters without laws.
     fn try_planners(&mut self, plain: &Machine, model: &mut Model) {
         for start in families::guesses(self.machine, plain, self.runs, &model.whitenings, self.plateaus) {
             let (mut best, mut whitenings) = self.fit_at_own_noise(&start, 1, FTOL);
@@ -144,7 +147,8 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// Begins once more with the accelerations of other axes where those of an axis are unknown.
+    /// Fits once more from the accelerations of other axes if that of an axis is unknown, and replaces the model if
+    /// the new fit is nearer.
     fn try_assumed_accelerations(&mut self, model: &mut Model) {
         self.share.part = 0.02;
         let order = model.order;
@@ -156,15 +160,16 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// Takes a planner with steps of velocity at corners where it is nearer.
+    /// Replaces the model by a planner with steps of velocity at corners if that is nearer.
     fn try_steps_at_corners(&mut self, model: &mut Model) {
         self.share.part = 0.03;
         let order = model.order;
         let starts = steps::guesses(self.machine, &model.best.machine, self.runs, &model.whitenings);
-        let found = starts.iter().map(|start| self.fit(start, order, &model.whitenings, ROUGHLY));
+        let found =
+            starts.iter().map(|start| self.fit(start, order, &model.whitenings, ROUGH_COST_TOLERANCE));
         let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
         if let Some(found) = found.filter(|found| found.cost < (1.0 - BETTER_STEPS) * model.best.cost) {
-            let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, ROUGHLY);
+            let (best, whitenings) = self.fit_at_own_noise(&found.machine, order, ROUGH_COST_TOLERANCE);
             *model = Model { best, whitenings, order };
         }
     }

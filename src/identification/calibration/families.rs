@@ -1,9 +1,9 @@
-//! Other families of controls: planners of trapezoids, where filters cannot tell what was recorded.
+//! Other families of controls: planners that ramp in trapezoids, for recordings that filters cannot explain.
 //!
 //! Filters ramp in a constant time, whatever the step; planners that are limited in acceleration ramp in Δv/a. Each
-//! family of [`Planner`] has its own law of corners ([`crate::simulation::feed::junction`]). The guess of a family is the
-//! nearest of a grid: first of accelerations, the same for all axes, with rapids limited by each axis or along the path,
-//! then of the value of its law of corners. Rapids are as fast as their plateaus (`rapids`).
+//! family of [`Planner`] has a separate law of corners ([`crate::simulation::feed::junction`]). The guess of a
+//! family is the nearest of a grid: first of accelerations, the same for all axes, with rapids limited by each axis
+//! or along the path, then of the value of its law of corners. Rapids are as fast as their plateaus (`rapids`).
 
 use crate::identification::calibration::nearest;
 use crate::identification::calibration::rapids::RapidPlateaus;
@@ -12,14 +12,14 @@ use crate::machine::{Junction, Machine, Planner};
 
 /// Accelerations tried first, mm/s².
 const ACCELERATIONS: [f64; 10] = [50.0, 100.0, 200.0, 350.0, 500.0, 800.0, 1300.0, 2500.0, 5000.0, 10_000.0];
-/// Values of the law of corners tried first, as ratios of the usual one.
+/// Values of the law of corners tried first, as ratios to the usual one.
 const CORNER_RATIOS: [f64; 7] = [0.05, 0.15, 0.4, 1.0, 2.5, 6.0, 20.0];
-/// Largest feed overrides that LinuxCNC is set up for.
+/// Largest feed overrides for which LinuxCNC is set up, as ratios.
 const MAX_OVERRIDES: [f64; 4] = [1.0, 1.2, 1.5, 2.0];
 
-/// The machine of each family that is nearest to the runs, before any fit. `machine` is as it was, `fitted` has the waits
-/// and the rapid feed that filters need. Where axes were never faster than at a speed that they had again and again, blends are
-/// guessed with that limit as well.
+/// Returns the machine of each family that is nearest to the runs, before any fit. `machine` is the machine before
+/// the calibration; `fitted` has the waits and the rapid feed that filters need. If axes never exceeded a speed
+/// that they reached again and again, acceleration blends are also guessed with this speed as their limit.
 pub fn guesses(
     machine: &Machine,
     fitted: &Machine,
@@ -61,7 +61,8 @@ pub fn guesses(
     planners.into_iter().chain(limited).filter_map(guess).collect()
 }
 
-/// The machine with another way to blend corners, where that is nearer to the runs.
+/// Returns the machine with another way to blend corners if that is nearer to the runs; `None` if none is nearer or
+/// the machine does not blend corners in time.
 pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Option<Machine> {
     if !machine.interpolator.junction.blends_in_time() {
         return None;
@@ -70,7 +71,7 @@ pub fn chosen_again(machine: &Machine, runs: &[Run], whitenings: &[Whitening]) -
     nearest(ways, runs, whitenings).filter(|other| other.interpolator != machine.interpolator)
 }
 
-/// Circles at corners for the largest override that may be planned for.
+/// Returns the machine with circles at corners, for each largest override that a control may plan them for.
 fn with_circles(planner: &Machine) -> Vec<Machine> {
     let with = |ratio: f64| {
         let mut machine = planner.clone();
@@ -81,15 +82,16 @@ fn with_circles(planner: &Machine) -> Vec<Machine> {
     MAX_OVERRIDES.map(with).to_vec()
 }
 
-/// Parabolas at corners.
+/// Returns the machine with parabolas at corners.
 fn with_parabolas(planner: &Machine) -> Machine {
     let mut machine = planner.clone();
     machine.interpolator.junction = Junction::ParabolicBlend;
     machine
 }
 
-/// Ways in which the rapids of a family may be limited: by each axis or, where its control knows that, along the path; as fast as
-/// they were recorded or, where no positions were recorded, as fast as the machine file and the filters say.
+/// Returns the planner with the rapids limited in each way that its family may have: by each axis or, if its
+/// control has such a limit, along the path. Rapids are as fast as recorded or, if no positions were recorded, as
+/// fast as in the machine file and with the filters.
 fn with_rapids(
     family: Planner,
     planner: &Machine,

@@ -1,36 +1,37 @@
-//! A fitted model → what of it the runs show: every other parameter goes back to the value that it had.
+//! A fitted model → the parameters that the runs show; every other parameter goes back to the value that it had.
 
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::{
-    CONTRADICTED, DOUBTFUL, SEPARATED, Verdict, assumed, is_unknown, polled, put_back, settle_waits,
+    CONTRADICTED, DOUBTFUL, ParameterVerdict, SEPARATED, assumed, is_unknown, polled, put_back, settle_waits,
 };
 use crate::identification::fit::{Exactness, Fit, FreeParameter};
 use crate::simulation::ordered::sort_by_number;
 
-/// The parameters after all was judged.
+/// The parameters of a model with the verdict on each.
 #[derive(Clone)]
 pub struct Judgement {
-    /// Each with the value that it goes back to.
+    /// The parameters, each with the value that it goes back to.
     pub all: Vec<(FreeParameter, f64)>,
     /// The values before the calibration.
     pub believed: Vec<f64>,
-    pub verdicts: Vec<Verdict>,
-    /// The standard deviations where all of them are fitted.
+    pub verdicts: Vec<ParameterVerdict>,
+    /// The standard deviations of a fit of all parameters.
     pub deviations: Vec<f64>,
-    /// The fit of those that are fitted, with the others where they were.
+    /// The fit of the parameters with the verdict `Fitted`; the others have gone back.
     pub last: Fit,
 }
 
 impl Judgement {
-    /// The parameters that are fitted, each with the value that it goes back to.
+    /// Returns the parameters that are fitted, each with the value that it goes back to.
     pub fn fitted(&self) -> impl Iterator<Item = &(FreeParameter, f64)> {
-        let is_fitted = |(_, verdict): &(&(FreeParameter, f64), &Verdict)| **verdict == Verdict::Fitted;
+        let is_fitted =
+            |(_, verdict): &(&(FreeParameter, f64), &ParameterVerdict)| **verdict == ParameterVerdict::Fitted;
         self.all.iter().zip(&self.verdicts).filter(is_fitted).map(|(parameter, _)| parameter)
     }
 }
 
 impl Fitting<'_> {
-    /// Judges the parameters of a model, one after another.
+    /// Returns the judgement of a model, whose parameters are judged one after another.
     pub fn judgement(&mut self, model: &Model) -> Judgement {
         let best = &model.best;
         let mut all = self.parameters(model.order, &best.machine);
@@ -49,41 +50,51 @@ impl Fitting<'_> {
         judgement
     }
 
-    /// Of two waits one after another neither is known, but their sum is: what goes back may not contradict it.
+    /// Keeps the sums of successive waits. The runs may determine the sum of two waits and neither of them, so a
+    /// wait goes back only if that does not contradict the sum.
     fn keep_sums_of_waits(&mut self, model: &Model, judgement: &mut Judgement) {
         let is_contradicted = model.best.cost + CONTRADICTED < judgement.last.cost;
         if !is_contradicted {
             return;
         }
-        let is_unknown = |at: &usize| judgement.verdicts[*at] == Verdict::Unknown;
+        let is_unknown = |at: &usize| judgement.verdicts[*at] == ParameterVerdict::Unknown;
         let unknown: Vec<usize> = (0..judgement.all.len()).filter(is_unknown).collect();
-        unknown.iter().for_each(|at| judgement.verdicts[*at] = Verdict::Fitted);
+        unknown.iter().for_each(|at| judgement.verdicts[*at] = ParameterVerdict::Fitted);
         judgement.last = self.put_back(model, judgement);
-        unknown.into_iter().rev().for_each(|at| self.put_one_back(model, judgement, at, Verdict::Unknown));
+        unknown
+            .into_iter()
+            .rev()
+            .for_each(|at| self.put_one_back(model, judgement, at, ParameterVerdict::Unknown));
     }
 
-    /// Puts back what the runs do not contradict, the least contradicted first; what is put back stays there while the
-    /// others are looked at.
+    /// Puts back the values that the runs do not contradict, the least contradicted first. A value that was put
+    /// back remains so while the others are judged.
     fn put_back_doubtful(&mut self, model: &Model, judgement: &mut Judgement) {
         let best = &model.best;
         let doubt = |at: usize| (best.values[at] - judgement.all[at].1).abs() / best.deviations[at];
         let mut doubtful: Vec<usize> = (0..judgement.all.len())
-            .filter(|at| judgement.verdicts[*at] == Verdict::Fitted)
+            .filter(|at| judgement.verdicts[*at] == ParameterVerdict::Fitted)
             .filter(|at| (best.values[*at] - judgement.all[*at].1).abs() < DOUBTFUL * best.deviations[*at])
             .collect();
         sort_by_number(&mut doubtful, |one| doubt(*one));
         self.share.part = 0.1 / doubtful.len().max(1) as f64;
-        doubtful.into_iter().for_each(|at| self.put_one_back(model, judgement, at, Verdict::Agrees));
+        doubtful.into_iter().for_each(|at| self.put_one_back(model, judgement, at, ParameterVerdict::Agrees));
     }
 
     /// Puts one more parameter back, with this verdict, unless the runs contradict that.
-    fn put_one_back(&mut self, model: &Model, judgement: &mut Judgement, at: usize, verdict: Verdict) {
+    fn put_one_back(
+        &mut self,
+        model: &Model,
+        judgement: &mut Judgement,
+        at: usize,
+        verdict: ParameterVerdict,
+    ) {
         judgement.verdicts[at] = verdict;
         let without = self.put_back(model, judgement);
         if without.cost < judgement.last.cost + CONTRADICTED {
             judgement.last = without;
         } else {
-            judgement.verdicts[at] = Verdict::Fitted;
+            judgement.verdicts[at] = ParameterVerdict::Fitted;
         }
     }
 
@@ -93,8 +104,9 @@ impl Fitting<'_> {
     }
 }
 
-/// What the runs say hardly anything of, and what is fitted at first.
-fn first_verdicts(all: &[(FreeParameter, f64)], best: &Fit, are_polled: bool) -> Vec<Verdict> {
+/// Returns the first verdicts: `Unknown` for a parameter that the runs hardly determine and that can go back,
+/// otherwise `Fitted`.
+fn first_verdicts(all: &[(FreeParameter, f64)], best: &Fit, are_polled: bool) -> Vec<ParameterVerdict> {
     let verdict = |(at, (freed, before)): (usize, &(FreeParameter, f64))| {
         let deviation = best.deviations[at];
         let is_unknown = match are_polled && freed.exactness == Exactness::Wait {
@@ -104,7 +116,11 @@ fn first_verdicts(all: &[(FreeParameter, f64)], best: &Fit, are_polled: bool) ->
         };
         // What was not there before cannot be put back; but a limit that no run comes near is taken away again.
         let is_idle = freed.handle.table() == "path" && !deviation.is_finite();
-        if is_unknown && (before.is_finite() || is_idle) { Verdict::Unknown } else { Verdict::Fitted }
+        if is_unknown && (before.is_finite() || is_idle) {
+            ParameterVerdict::Unknown
+        } else {
+            ParameterVerdict::Fitted
+        }
     };
     all.iter().enumerate().map(verdict).collect()
 }

@@ -1,21 +1,23 @@
 //! Machine and runs → [`Calibration`]: the machine that predicts the next program.
 //!
-//! What is fitted, each where the runs show it: order and constant of the filters, contour tolerance,
-//! rapid feedrate, and the time of each kind of stop; of planners, which have no filters, instead of these the
-//! accelerations of axes or path and the law of corners (`families`) or what ramps and corners are planned by
-//! (`steps`). The fit is of [`crate::identification::fit`]; what belongs here is the judgement of its result:
+//! A calibration fits these parameters if the runs show them: order and constant of the filters, contour tolerance,
+//! rapid feedrate, and the time of each kind of stop. Planners have no filters; their parameters are instead the
+//! accelerations of axes or path and the law of corners (`families`), or the limits by which they plan ramps and
+//! corners (`steps`). The fit is that of [`crate::identification::fit`]; this module judges its result:
 //!
-//! - a parameter that the runs say nothing of, or less than ±`UNKNOWN` of, stays at its value, and the
-//!   reason is said; an acceleration of an axis that was not there before is taken from the other axes (`assumed`);
-//! - a value is kept that the data do not contradict: with it, and all others fitted again, the cost is
-//!   higher by less than `CONTRADICTED`. One after another, because parameters that depend on each other
-//!   hide behind each other;
-//! - a log of lines and feedrates at polls shows no shape of ramps: there the order and the family stay, and
-//!   of waits the median of the visits is taken, which no error of the motion moves;
-//! - the order of the filters stays unless another one is better by `BETTER_ORDER`, and rapid moves keep
-//!   the filters of feed moves unless they are better by the margin of `laws`, the total delay being the
-//!   first guess of each. So it is with the other laws there: one that is taken in is not put back. Another family
-//!   must be better by `BETTER_FAMILY` or `BETTER_STEPS`, beside the filters with all laws that they need.
+//! - a parameter that the runs do not show, or show with a relative standard deviation above
+//!   `MAX_KNOWN_RELATIVE_DEVIATION`, keeps its value, and its verdict gives the reason; an acceleration that an
+//!   axis did not have before is taken from the other axes (`assumed`);
+//! - a value that the data do not contradict is kept: with it, and all others fitted again, the cost is higher by
+//!   less than `CONTRADICTED`. The values are judged one after another, because parameters that depend on each
+//!   other hide each other;
+//! - a log of lines and feedrates at polls does not show the shape of ramps: the order and the family do not
+//!   change, and each wait is the median of its visits, which no error of the motion shifts;
+//! - the order of the filters does not change unless another one lowers the cost by the larger of
+//!   `MIN_ORDER_COST_DROP` and the part `MIN_ORDER_COST_DROP_RATIO`, and rapid moves keep the filters of feed moves
+//!   unless separate filters lower it by the margin of `laws`, the total delay being the first guess of each. The
+//!   other laws of `laws` follow the same rule; a law that is taken is not put back. Another family must be better
+//!   by `BETTER_FAMILY` or `BETTER_STEPS` than the filters with all laws that they need.
 
 mod alike;
 mod assumed;
@@ -46,96 +48,103 @@ use crate::identification::fit::{
 use crate::machine::{Handle, Machine, TimeConstants};
 use crate::simulation::feed::Tolerances;
 
-/// A relative standard deviation above which a positive parameter counts as unknown.
-const UNKNOWN: f64 = 0.4;
-/// By how much, and by what part, the cost must fall for another filter order.
-const BETTER_ORDER: (f64, f64) = (15.0, 0.1);
-/// By what part the cost must fall for another family of controls.
+/// Largest relative standard deviation at which a positive parameter counts as known.
+const MAX_KNOWN_RELATIVE_DEVIATION: f64 = 0.4;
+/// Least decrease of the cost for which another filter order is taken.
+const MIN_ORDER_COST_DROP: f64 = 15.0;
+/// Least decrease of the cost for which another filter order is taken, as a part of the cost.
+const MIN_ORDER_COST_DROP_RATIO: f64 = 0.1;
+/// Least decrease of the cost for which another family of controls is taken, as a part of the cost.
 const BETTER_FAMILY: f64 = 0.3;
-/// The same for planners with steps of velocity at corners, whose runs are often logs of lines.
+/// Least decrease of the cost for which a planner with steps of velocity at corners is taken, as a part of the
+/// cost; the runs of such planners are often logs of lines.
 const BETTER_STEPS: f64 = 0.02;
-/// A wait that is uncertain by more than itself and by more than this, s, counts as unknown.
+/// Standard deviation above which a wait counts as unknown if it also exceeds the wait itself, s.
 const MOST_UNCERTAIN: f64 = 0.5;
-/// One that is read off a log of lines counts as unknown where the fit leaves more than this, s.
+/// Standard deviation of the fit above which a wait read off a log of lines counts as unknown, s.
 const SEPARATED: f64 = 5.0;
-/// A value is contradicted where going back to it costs more than this: two standard deviations.
+/// Increase of the cost from which the runs contradict going back to a value: two standard deviations.
 const CONTRADICTED: f64 = 4.0;
-/// Values farther than this from the one before, in standard deviations, are not tried again.
+/// Difference between a fitted value and the one before, in standard deviations, from which going back is not
+/// tried.
 const DOUBTFUL: f64 = 5.0;
-/// A step that gains less than this part of the cost is the last of fits that are only to be compared.
-const ROUGHLY: f64 = 3e-3;
+/// Cost tolerance of fits that are only compared with each other: the relative decrease of the cost below which
+/// they stop.
+const ROUGH_COST_TOLERANCE: f64 = 3e-3;
 /// Orders of filters tried.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
 
-/// Fits are repeated at the noise they leave while that falls below this part of what it was, so many times at most.
+/// Ratio of the noise that a fit leaves to the noise before it, below which the fit is repeated.
 const LESS_NOISE: f64 = 0.8;
+/// Largest number of these fits, the first one included.
 const MAX_NOISE_ROUNDS: usize = 6;
 
-/// What became of a parameter.
+/// The result of a calibration for one parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// It has the fitted value.
+pub enum ParameterVerdict {
+    /// The parameter has the fitted value.
     Fitted,
-    /// The data do not contradict the value it had.
+    /// The data do not contradict the value before, which the parameter keeps.
     Agrees,
-    /// The data say nothing of it; it has the value it had.
+    /// The data do not show the parameter, which keeps the value before.
     Unknown,
 }
 
-/// One parameter after the calibration.
+/// A parameter after the calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// Its key in the machine file.
+    /// Key in the machine file.
     pub key: String,
-    /// The value before, core units.
+    /// Value before the calibration, core units.
     pub before: f64,
-    /// The value in the machine now, core units.
+    /// Value in the calibrated machine, core units.
     pub value: f64,
-    /// Standard deviation of the fitted value, core units; none where it is unknown.
+    /// Standard deviation of the fitted value, core units; `None` if it is unknown.
     pub deviation: Option<f64>,
-    /// What became of it.
-    pub verdict: Verdict,
+    /// Result of the calibration for the parameter.
+    pub verdict: ParameterVerdict,
 }
 
-/// A run before and after.
+/// A run compared with the machine before and after the calibration.
 #[derive(Clone, Debug)]
 pub struct RunResult {
-    /// Against the machine as it was.
+    /// Comparison with the machine before the calibration.
     pub before: Comparison,
-    /// Against the calibrated machine.
+    /// Comparison with the calibrated machine.
     pub after: Comparison,
-    /// Contour tolerance under which most of it was cut, mm.
+    /// Contour tolerance under which most of the run was cut, mm.
     pub tolerance: f64,
 }
 
-/// A calibrated machine, and how it came about.
+/// A calibrated machine with the results of its calibration.
 #[derive(Clone, Debug)]
 pub struct Calibration {
-    /// The machine.
+    /// Calibrated machine.
     pub machine: Machine,
-    /// What became of each parameter.
+    /// Results for each parameter.
     pub estimates: Vec<Estimate>,
-    /// Keys of what was fitted last, with their correlations.
+    /// Keys of the parameters of the last fit, with their correlations.
     pub correlations: (Vec<String>, DMatrix<f64>),
-    /// Cost of each order of filters that was tried.
+    /// Orders of filters tried, each with its cost.
     pub orders: Vec<(usize, f64)>,
-    /// The runs, in the order given.
+    /// Results for the runs, in the order given.
     pub runs: Vec<RunResult>,
-    /// What was fitted, beginning with the value found, and the value before.
+    /// Fitted parameters, which begin with the value found, each with its value before.
     pub fitted: Vec<(FreeParameter, f64)>,
-    /// Whether the fit came to its end.
+    /// `true` if the last fit converged.
     pub converged: bool,
 }
 
 impl Calibration {
-    /// The largest relative error that the calibrated machine leaves of a duration of its own runs, at most 1.
+    /// Returns the largest relative error that the calibrated machine leaves in a duration of the runs by which it
+    /// was calibrated, at most 1.
     pub fn worst_error(&self, of: fn(&Comparison) -> Durations) -> f64 {
         let errors = self.runs.iter().map(|run| of(&run.after).relative_error().abs());
         errors.filter(|error| error.is_finite()).fold(0.0, f64::max).min(1.0)
     }
 }
 
-/// Calibrates a machine from runs on it. `progress` is called with the completed fraction, 0 to 1.
+/// Calibrates a machine by runs on it. `progress` is called with the completed fraction, 0 to 1.
 pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Calibration {
     let before = compared(machine, runs);
     let (mut fitting, guess) = Fitting::new(machine, runs, &before, progress);
@@ -152,7 +161,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     let is_untold = |freed: &FreeParameter| motion::axis_of(freed).is_some_and(|axis| untold[axis]);
     let mut fitted = last.values.iter().zip(&last.deviations);
     let estimates = all.iter().zip(&verdicts).enumerate().map(|(at, ((freed, before), verdict))| {
-        let own = if *verdict == Verdict::Fitted { fitted.next() } else { None };
+        let own = if *verdict == ParameterVerdict::Fitted { fitted.next() } else { None };
         let (value, deviation) = match own {
             Some((value, deviation)) => (*value, *deviation),
             None => (*before, deviations[at]),
@@ -161,7 +170,7 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
             key: freed.handle.key(),
             before: wait_of(freed, machine).unwrap_or(believed[at]),
             value,
-            deviation: (deviation.is_finite() && *verdict != Verdict::Unknown && !is_untold(freed))
+            deviation: (deviation.is_finite() && *verdict != ParameterVerdict::Unknown && !is_untold(freed))
                 .then_some(deviation),
             verdict: *verdict,
         }
@@ -191,23 +200,23 @@ pub fn calibrate(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64))
     }
 }
 
-/// The runs against a machine.
+/// Returns the comparisons of the runs with a machine.
 fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
     runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), run.alignment)).collect()
 }
 
-/// The time between polls (s) of a log that has lines and feedrates alone.
+/// Returns the time between polls (s) of a log with lines and feedrates alone; `None` for any other recording.
 fn polled(run: &Run) -> Option<f64> {
     run.alignment.poll.filter(|_| run.alignment.method == Method::Lines)
 }
 
-/// The whitening of each run at the noise that a machine leaves, sections with it.
+/// Returns the whitening of each run, with its sections, at the noise that a machine leaves.
 ///
-/// A line that a control names when it is asked may be the one it prepares: the number leads the motion by
-/// about a poll, more on short blocks than on long ones, and in the same way each time. Of such a log a mark is
-/// therefore taken to be no better than a poll, or the fit would follow the lead and not the motion. What the
-/// model does not know of a program it does not know of each of its runs, and the longer run does not teach it: runs
-/// of one program weigh as one, and by the square root of how long they last.
+/// A control that is polled may report the number of the line it prepares: the number leads the motion by about a
+/// poll, more on short blocks than on long ones, and in the same way each time. A mark of such a log therefore
+/// counts as no more accurate than a poll; otherwise the fit would follow the lead and not the motion. The error of
+/// the model for a program recurs in each of its runs, and a longer run does not reduce it: the runs of one program
+/// weigh as one, and by the square root of their durations.
 fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
     let whiten = |run: &Run| {
         let residuals = run.residuals(machine);
@@ -226,7 +235,8 @@ fn whitened(machine: &Machine, runs: &[Run]) -> Vec<Whitening> {
     runs.iter().map(whiten).collect()
 }
 
-/// The machine that is nearest to the runs, the first of those that are equally near; none of none.
+/// Returns the machine that is nearest to the runs, the first of those that are equally near; `None` if there are
+/// no machines.
 fn nearest(
     machines: impl IntoIterator<Item = Machine>,
     runs: &[Run],
@@ -236,7 +246,7 @@ fn nearest(
     costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, machine)| machine)
 }
 
-/// Takes into `best` every law that the runs show, and gives the whitening at the noise that is left.
+/// Adds every law that the runs show to `best`, and returns the whitenings at the noise that remains.
 fn with_laws(
     before: &Machine,
     runs: &[Run],
@@ -250,7 +260,7 @@ fn with_laws(
         let laws = choice(before, &best.machine, runs).into_iter().filter_map(first);
         let found = laws.map(|machine| fitted(&machine, &whitenings));
         let found = found.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let margin = laws::BETTER.0.max(laws::BETTER.1 * best.cost);
+        let margin = laws::MIN_LAW_COST_DROP.max(laws::MIN_LAW_COST_DROP_RATIO * best.cost);
         if let Some(found) = found.filter(|found| found.cost < best.cost - margin) {
             (*best, is_other) = (found, true);
         }
@@ -262,8 +272,8 @@ fn with_laws(
     whitenings
 }
 
-/// A fit from a machine at the noise that it leaves, again and again while that falls: at the noise of a wrong law
-/// hardly anything tells the values of the right one. With the noise of the last.
+/// Returns a fit from a machine at the noise that it leaves, repeated while that noise falls, and the whitenings of
+/// the last fit. At the noise of a wrong law, hardly anything distinguishes the values of the right one.
 fn at_own_noise(
     start: &Machine,
     runs: &[Run],
@@ -283,7 +293,7 @@ fn at_own_noise(
     (best, whitenings)
 }
 
-/// Progress of one of several fits.
+/// The share of one of several fits in the progress.
 struct Share<'a> {
     done: f64,
     part: f64,
@@ -308,11 +318,11 @@ fn run_fit(
     found
 }
 
-/// The fit of what has the verdict of being fitted, the rest at the values it had.
+/// Returns the fit of the parameters with the verdict `Fitted`, with the others at their values before.
 fn put_back(
     best: &Fit,
     all: &[(FreeParameter, f64)],
-    verdicts: &[Verdict],
+    verdicts: &[ParameterVerdict],
     runs: &[Run],
     whitenings: &[Whitening],
     share: &mut Share,
@@ -320,7 +330,7 @@ fn put_back(
     let mut base = best.machine.clone();
     let mut kept = Vec::new();
     for (at, ((freed, before), verdict)) in all.iter().zip(verdicts).enumerate() {
-        if *verdict == Verdict::Fitted {
+        if *verdict == ParameterVerdict::Fitted {
             kept.push((freed.starting_at(best.values[at]), *before));
         } else {
             freed.apply(&mut base, *before);
@@ -329,8 +339,8 @@ fn put_back(
     run_fit(&base, runs, &kept, whitenings, FTOL, share)
 }
 
-/// Gives the waits that were fitted the median of their visits.
-fn settle_waits(last: &mut Fit, all: &[(FreeParameter, f64)], verdicts: &[Verdict], runs: &[Run]) {
+/// Sets each fitted wait to the median of its visits.
+fn settle_waits(last: &mut Fit, all: &[(FreeParameter, f64)], verdicts: &[ParameterVerdict], runs: &[Run]) {
     let compared = compared(&last.machine, runs);
     let pairs: Vec<_> = runs.iter().map(|run| run.toolpath).zip(&compared).collect();
     let mut seconds: Vec<(Handle, f64)> = waits::guesses(&last.machine, &pairs)
@@ -339,7 +349,7 @@ fn settle_waits(last: &mut Fit, all: &[(FreeParameter, f64)], verdicts: &[Verdic
         .collect();
     let start = last.machine.times.start + waits::start_guess(&pairs);
     seconds.push((Handle::number("times.start_s"), start));
-    let fitted = all.iter().zip(verdicts).filter(|(_, verdict)| **verdict == Verdict::Fitted);
+    let fitted = all.iter().zip(verdicts).filter(|(_, verdict)| **verdict == ParameterVerdict::Fitted);
     for (at, ((freed, _), _)) in fitted.enumerate() {
         if let Some((_, seconds)) = seconds.iter().find(|(handle, _)| *handle == freed.handle) {
             freed.apply(&mut last.machine, *seconds);
@@ -348,15 +358,15 @@ fn settle_waits(last: &mut Fit, all: &[(FreeParameter, f64)], verdicts: &[Verdic
     }
 }
 
-/// Whether the runs say hardly anything of a parameter.
+/// Returns `true` if the runs hardly determine a parameter.
 fn is_unknown(freed: &FreeParameter, value: f64, deviation: f64) -> bool {
     match freed.scale {
-        VariationScale::Ratio => deviation.is_nan() || UNKNOWN * value < deviation,
+        VariationScale::Ratio => deviation.is_nan() || MAX_KNOWN_RELATIVE_DEVIATION * value < deviation,
         VariationScale::Difference => !deviation.is_finite() || value.abs().max(MOST_UNCERTAIN) < deviation,
     }
 }
 
-/// Gives a machine another number of filters with the same delay in all.
+/// Gives a machine another number of filters with the same total delay.
 fn set_order(machine: &mut Machine, order: usize) {
     let interpolator = &mut machine.interpolator;
     if let TimeConstants::Equal(constant) = &mut interpolator.time_constants {
@@ -365,7 +375,7 @@ fn set_order(machine: &mut Machine, order: usize) {
     interpolator.filters = order;
 }
 
-/// What a machine has of a wait, s; `None` of other parameters.
+/// Returns the time that a machine has for a wait, s; `None` if the parameter is not a wait.
 fn wait_of(freed: &FreeParameter, machine: &Machine) -> Option<f64> {
     freed.handle.get(machine).filter(|_| freed.exactness == Exactness::Wait)
 }

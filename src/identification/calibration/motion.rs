@@ -8,42 +8,48 @@
 //! | square-corner velocities | accelerations of path and axes, the velocity, minimum cruise ratio |
 //! | steps of velocity | the step, slowing angle, wait for position, path acceleration |
 //!
-//! Jerk along the path, centripetal acceleration and what rapids are run by are freed in all of them, where they
-//! are not neutral. What the machine had before is infinite where it had no such limit.
+//! All families free the jerk along the path, the centripetal acceleration and the parameters of rapids, unless these
+//! have their neutral values. The value before the calibration is infinite if the machine had no such limit.
 
 use crate::identification::calibration::rapids::RapidPlateaus;
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{FREE_BLEND_MM, Handle, Machine, TimeConstants};
 
-/// The key of the acceleration of each axis.
+/// Keys of the accelerations of the axes.
 pub const ACCELERATIONS: [&str; 3] =
     ["axis.x.acceleration_mm_s2", "axis.y.acceleration_mm_s2", "axis.z.acceleration_mm_s2"];
 
-/// The key of the velocity of each axis.
+/// Keys of the velocities of the axes.
 const VELOCITIES: [&str; 3] = ["axis.x.velocity_mm_min", "axis.y.velocity_mm_min", "axis.z.velocity_mm_min"];
 
-/// The key of the rapid of each axis.
+/// Keys of the rapid rates of the axes.
 pub const RAPIDS: [&str; 3] = ["axis.x.rapid_mm_min", "axis.y.rapid_mm_min", "axis.z.rapid_mm_min"];
 
-/// How far, as a ratio, they may be from what they are in the machine file, or are guessed to be.
+/// Bounds of a limit of an axis, as ratios to its value in the machine file or to its guess.
 const AXIS_BOUNDS: (f64, f64) = (0.05, 20.0);
-/// Least and largest time constant, s, and tolerance, mm.
+/// Bounds of a time constant, s.
 const CONSTANT_BOUNDS: (f64, f64) = (5e-4, 0.5);
+/// Bounds of a tolerance, mm.
 const TOLERANCE_BOUNDS: (f64, f64) = (2e-4, 10.0);
-/// Least and largest jerk of positioning and along the path, mm/s³, and acceleration, mm/s².
+/// Bounds of the jerk of positioning, mm/s³.
 const POSITIONING_BOUNDS: (f64, f64) = (5e3, 5e6);
+/// Bounds of the jerk along the path, mm/s³.
 const JERK_BOUNDS: (f64, f64) = (1e3, 1e6);
+/// Bounds of an acceleration, mm/s².
 const ACCELERATION_BOUNDS: (f64, f64) = (10.0, 1e5);
-/// Least and largest junction deviation, mm, and minimum cruise ratio.
+/// Bounds of the junction deviation, mm.
 const DEVIATION_BOUNDS: (f64, f64) = (1e-5, 5.0);
+/// Bounds of the minimum cruise ratio.
 const CRUISE_BOUNDS: (f64, f64) = (0.0, 0.95);
-/// Least and largest step of velocity, mm/s, slowing angle, rad, and wait for position, s.
+/// Bounds of a step of velocity, mm/s.
 const STEP_BOUNDS: (f64, f64) = (0.1, 1e3);
+/// Bounds of the slowing angle, rad.
 const ANGLE_BOUNDS: (f64, f64) = (0.05, 3.0);
+/// Bounds of the wait for position, s.
 const POSITION_BOUNDS: (f64, f64) = (1e-4, 0.5);
 
-/// The parameters of motion of the family of `guess`, each with the value it has `before`. Planners have the rates
-/// of rapids that `plateaus` show.
+/// Returns the parameters of motion of the family of `guess`, each with its value in `before`. Planners have the
+/// rates of rapids that `plateaus` show.
 pub fn motion(
     before: &Machine,
     guess: &Machine,
@@ -118,7 +124,7 @@ pub fn motion(
     all
 }
 
-/// The rates of rapids, along the path or of axes; where there are `plateaus`, those that they show, and no others.
+/// Returns the rates of rapids, along the path or of axes; if there are `plateaus`, only those that they show.
 fn rapid_rates(
     before: &Machine,
     guess: &Machine,
@@ -143,14 +149,15 @@ fn rapid_rates(
     all
 }
 
-/// The minimum cruise ratio of the family that has one.
+/// Returns the minimum cruise ratio, with its value in `before`; `None` if the family has none.
 fn cruise_ratio(before: &Machine, guess: &Machine) -> Option<(FreeParameter, f64)> {
     let (own, start) = (before.interpolator.minimum_cruise_ratio, guess.interpolator.minimum_cruise_ratio);
     let key = Handle::number("interpolator.minimum_cruise_ratio");
     (0.0 < start).then(|| (FreeParameter::new(key, start, CRUISE_BOUNDS, VariationScale::Difference), own))
 }
 
-/// The ramp of a spindle that words wait for, with the value it has before.
+/// Returns the ramp of a spindle that words wait for, with its value in `before`; `None` unless such words are in
+/// `guess` and not in `before`.
 pub fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(FreeParameter, f64)> {
     let (own, start) = (before.times.spindle.ramp, guess.times.spindle.ramp);
     let awaited = before.times.spindle_awaited_by.is_empty() && !guess.times.spindle_awaited_by.is_empty();
@@ -158,7 +165,7 @@ pub fn spindle_ramp(before: &Machine, guess: &Machine) -> Option<(FreeParameter,
     awaited.then(|| (FreeParameter::wait(ramp, start, (0.0, 0.1)).linear(), own))
 }
 
-/// The axis whose acceleration this is.
+/// Returns the axis whose acceleration the parameter is; `None` for any other parameter.
 pub fn axis_of(freed: &FreeParameter) -> Option<usize> {
     let key = freed.handle.key();
     ACCELERATIONS.iter().position(|own| *own == key)

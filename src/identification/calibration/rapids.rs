@@ -1,12 +1,13 @@
-//! How fast axes may be: the recorded velocity where it is the same for a while.
+//! Velocity limits of axes: the recorded velocity where it is constant for a while.
 //!
-//! A rapid that shows a plateau was as fast as the machine lets it; one that speeds up and slows down without one says only
-//! that the machine is no slower. The mean velocities over three windows of [`WINDOW_S`] one after another, on one rapid
-//! segment, are the same to the part [`PLATEAU`] on a plateau; of two windows they are also where a ramp up meets a ramp
-//! down in the middle. A ramp of the acceleration A changes them by A `WINDOW_S`, which is more wherever A matters.
+//! A rapid that shows a plateau was as fast as the machine allows; one that speeds up and slows down without a
+//! plateau shows only that the machine is no slower. On a plateau, the mean velocities over three successive
+//! windows of [`WINDOW_S`] on one rapid segment are equal to the part [`PLATEAU`]; those over two windows are also
+//! equal where a ramp up meets a ramp down in the middle. A ramp of the acceleration A changes them by A
+//! `WINDOW_S`, which is more wherever A matters.
 //!
-//! A line that is cut more slowly than programmed, at a velocity that stays the same, is held back by the axis that moves
-//! furthest, if that is nowhere faster where it cuts.
+//! A line that is cut more slowly than programmed, at a constant velocity, is held back by the axis that moves
+//! furthest, if that axis is nowhere faster where it cuts.
 
 use crate::identification::alignment::Fix;
 use crate::identification::fit::Run;
@@ -14,37 +15,42 @@ use crate::machine::{Junction, Machine};
 use crate::simulation::feed::limits;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Vector};
 
-/// A window over which a velocity is taken, s, and samples in it at least.
+/// Window over which a velocity is taken, s.
 const WINDOW_S: f64 = 0.02;
+/// Least number of samples in a window.
 const MIN_SAMPLES: usize = 4;
-/// Part of the programmed velocity below which an axis is held back.
+/// Ratio to the programmed velocity below which an axis is held back.
 const HELD_BACK: f64 = 0.98;
-/// A limit is met at this many moments at least, this far apart, s.
+/// Least number of moments at which a recorded velocity is met for it to be a limit.
 const MIN_VISITS: usize = 4;
+/// Least time between two such moments, s.
 const APART_S: f64 = 0.2;
-/// Part by which the velocity may change on a plateau.
+/// Largest relative change of the velocity on a plateau.
 const PLATEAU: f64 = 0.005;
 
-/// A straight move turns by less than this, rad, whatever the noise; a blend of two rapids by much more.
+/// Largest turn of the velocity in a straight move, whatever the noise, rad; a blend of two rapids turns by much
+/// more.
 const MAX_TURN_RAD: f64 = 0.05;
 
-/// The rapid velocities of plateaus, mm/s; `None` where there is none.
+/// The rapid velocities of plateaus, mm/s; `None` if there is no plateau.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RapidPlateaus {
-    /// Along the path.
+    /// Velocity along the path.
     pub path: Option<f64>,
-    /// Of each axis.
+    /// Velocity of each axis.
     pub axes: [Option<f64>; 3],
-    /// Of each axis on lines that are cut: where they were to be run faster, and where they were not.
+    /// Velocity of each axis on lines that are cut: first on lines where the axis was held back below its
+    /// programmed velocity, then on all others.
     pub cut: [[Option<f64>; 3]; 2],
-    /// The fastest that each axis was cut at again and again for a window, on whatever moves; 0 where there is none.
+    /// Highest velocity that each axis reached repeatedly for a window in feed moves of any form, mm/s; 0 if there
+    /// is none.
     pub fastest_cut: [f64; 3],
-    /// The fastest that each axis was to be cut at.
+    /// Highest programmed velocity of each axis in feed moves, mm/s.
     pub fastest_asked: [f64; 3],
 }
 
 impl RapidPlateaus {
-    /// The fastest plateaus of the runs; `None` where no run has positions.
+    /// Returns the fastest plateaus of the runs; `None` if no run has positions.
     pub fn of(runs: &[Run]) -> Option<RapidPlateaus> {
         let mut seen = RapidPlateaus::default();
         let mut rapids = Vec::new();
@@ -55,7 +61,7 @@ impl RapidPlateaus {
         (0 < count).then_some(seen)
     }
 
-    /// Takes the plateaus of a run, with the velocities of those of `rapids`, mm/s.
+    /// Adds the plateaus of a run, and to `rapids` the velocities on those of its rapids, mm/s.
     fn take(&mut self, run: &Run, rapids: &mut Vec<Vector>) {
         let Some(track) = &run.alignment.track else { return };
         let window = ((WINDOW_S / track.interval).ceil() as usize).max(MIN_SAMPLES);
@@ -82,7 +88,8 @@ impl RapidPlateaus {
         }
     }
 
-    /// The fastest that axes were cut at over windows of so many samples, and were to be cut at.
+    /// Adds the highest velocities of the axes in the feed moves of a run, programmed and recorded over `window`
+    /// samples.
     fn take_fastest(&mut self, run: &Run, window: usize) {
         let (Some(track), segments) = (&run.alignment.track, &run.toolpath.segments) else { return };
         for segment in segments.iter().filter(|segment| segment.motion != Motion::Rapid) {
@@ -113,8 +120,9 @@ impl RapidPlateaus {
         }
     }
 
-    /// The machine with axes limited to what they were cut at, where they were to be faster; `None` where all were as fast as
-    /// asked. A ramp may have kept an axis from what was asked as well, so this is a start to compare.
+    /// Returns the machine in which axes that were programmed to be faster are limited to their highest recorded
+    /// velocity; `None` if there are none. A ramp may also have kept an axis below its programmed velocity, so the
+    /// machine is only a start for comparison.
     pub fn limited_to_fastest(&self, machine: &Machine) -> Option<Machine> {
         let mut limited = machine.clone();
         for (axis, (fastest, asked)) in
@@ -127,7 +135,7 @@ impl RapidPlateaus {
         (limited.axes != machine.axes).then_some(limited)
     }
 
-    /// The velocities of three windows one after another on a line that is cut.
+    /// Adds the plateau of the velocities in three successive windows on a line that is cut.
     fn add_cut(&mut self, velocities: [Vector; 3], line: &Segment) {
         let axis = velocities[1].iamax();
         let asked = limits::requested_feedrate(line, &Machine::default()) * line.tangent(0.0)[axis].abs();
@@ -136,7 +144,8 @@ impl RapidPlateaus {
         faster(&mut self.cut[usize::from(!is_held_back)][axis], found);
     }
 
-    /// Limits the axes that were held back where they cut, and their rapids with them: such a limit is one of the axis.
+    /// Limits the axes that were held back where they cut, and their rapids with them: such a limit is one of the
+    /// axis.
     pub fn limit_feed(&self, machine: &mut Machine) {
         let [held_back, free] = self.cut;
         for (axis, (held_back, free)) in machine.axes.iter_mut().zip(held_back.into_iter().zip(free)) {
@@ -148,9 +157,10 @@ impl RapidPlateaus {
         }
     }
 
-    /// Machines whose rapids are limited so, by each axis and along the path. What showed no plateau is as fast as the
-    /// fastest that did or was held back where it cut, since axes are alike, and as it was cut itself; where none was,
-    /// as the machine file says.
+    /// Returns the machines whose rapids have these limits, by each axis and along the path. An axis without a
+    /// plateau has its velocity limit, if any. Otherwise it is as fast as the fastest axis that showed a plateau or
+    /// was held back where it cut, since axes are alike, and at least as fast as it was cut; if there is no such
+    /// axis, the machine file gives the rate.
     pub fn given(&self, machine: &Machine, file: &Machine) -> [Machine; 2] {
         let held_back = machine.axes.iter().map(|axis| axis.velocity).filter(|velocity| velocity.is_finite());
         let fastest = self.axes.iter().flatten().copied().chain(held_back).reduce(f64::max);
@@ -167,13 +177,13 @@ impl RapidPlateaus {
     }
 }
 
-/// The segment on which a fix is; `distances` are those at the ends of segments, mm, and 0.
+/// Returns the segment on which a fix is; `distances` are 0 and those at the ends of segments, mm.
 fn segment_of(fix: &Fix, distances: &[f64]) -> usize {
     distances.partition_point(|at| *at <= fix.distance).saturating_sub(1)
 }
 
-/// The velocity on a plateau of a rapid, each axis without its sign: its direction does not change either, as it does where two
-/// rapids blend at a speed that stays the same.
+/// Returns the velocity on a plateau of a rapid, each axis without its sign; `None` if the velocity is not
+/// constant, or if its direction changes, as where two rapids blend at constant speed.
 fn steady(velocities: [Vector; 3]) -> Option<Vector> {
     let within = velocities[1];
     plateau(velocities.map(|velocity| velocity.norm()))?;
@@ -181,9 +191,10 @@ fn steady(velocities: [Vector; 3]) -> Option<Vector> {
     (!velocities.iter().any(turns)).then(|| within.abs())
 }
 
-/// The rates of the axes (mm/s) by the velocities on the plateaus of rapids, where each axis is limited to one of its own. The
-/// fastest that an axis was is its rate if it was so where no other axis was at its fastest. What no such axis holds back is held
-/// back by the axis that moves furthest, since axes are alike.
+/// Returns the rates of the axes (mm/s) from the velocities on the plateaus of rapids, for machines that limit each
+/// axis separately; `None` for an axis whose rate they do not show. The highest velocity of an axis is its rate if
+/// the axis reached it while no other axis was at its highest. A rapid that no such axis holds back is held back by
+/// the axis that moves furthest, since axes are alike.
 fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
     let fastest = rapids.iter().fold(Vector::zeros(), |fastest, velocity| fastest.sup(velocity));
     let is_fastest = |velocity: &Vector, axis: usize| {
@@ -201,8 +212,9 @@ fn rates(rapids: &[Vector]) -> [Option<f64>; 3] {
     [0, 1, 2].map(|axis| told[axis].then_some(fastest[axis]))
 }
 
-/// Gives axes of controls that know one velocity of an axis, for feed and rapids alike, that of their rapids: LinuxCNC's
-/// MAX_VELOCITY, grbl's $110. An axis that was to be cut faster keeps the limit that was fitted.
+/// Limits the axes to the rates of their rapids if the control has one velocity of an axis for feed and rapids
+/// alike: LinuxCNC's MAX_VELOCITY, grbl's $110. An axis that was programmed to cut faster keeps the limit that was
+/// fitted.
 pub fn limit_feed_as_rapids(machine: &mut Machine, plateaus: Option<RapidPlateaus>) {
     let junction = machine.interpolator.junction;
     let is_of_axes = junction.blends_in_time() || matches!(junction, Junction::Deviation(_));
@@ -217,20 +229,21 @@ pub fn limit_feed_as_rapids(machine: &mut Machine, plateaus: Option<RapidPlateau
     }
 }
 
-/// The axes of a planner whose rapid rate no run showed; of filters, whose rapids are fitted as a whole, none.
+/// Returns `true` for each axis of a planner whose rapid rate no run showed; `false` for filters, whose rapids are
+/// fitted as a whole.
 pub fn assumed(machine: &Machine, plateaus: Option<RapidPlateaus>) -> [bool; 3] {
     let Some(seen) = plateaus.filter(|_| !machine.has_filters()) else { return [false; 3] };
     let is_along_path = machine.rapid.feedrate.is_finite();
     seen.axes.map(|axis| if is_along_path { seen.path.is_none() } else { axis.is_none() })
 }
 
-/// Takes the faster of both.
+/// Sets `own` to the faster of both.
 fn faster(own: &mut Option<f64>, found: Option<f64>) {
     *own = [*own, found].into_iter().flatten().reduce(f64::max);
 }
 
-/// The fastest of the speeds of an axis (mm/s), each with its time (s), where it comes again and again; 0 where it is a single
-/// peak: ramps end at other speeds each time, a limit at the same.
+/// Returns the fastest of the speeds of an axis (mm/s), each after its time (s), if the speed recurs; 0 if it is a
+/// single peak: ramps end at other speeds each time, a limit at the same.
 fn ceiling(speeds: &[(f64, f64)]) -> f64 {
     let fastest = speeds.iter().map(|(_, speed)| *speed).fold(0.0, f64::max);
     let mut visits = 0;
@@ -242,7 +255,7 @@ fn ceiling(speeds: &[(f64, f64)]) -> f64 {
     if MIN_VISITS <= visits { fastest } else { 0.0 }
 }
 
-/// The velocity within, where it is the same before and after.
+/// Returns the velocity `within`; `None` if it is not the same before and after.
 fn plateau([before, within, after]: [f64; 3]) -> Option<f64> {
     let is_same = |other: f64| (other - within).abs() <= PLATEAU * within;
     (0.0 < within && is_same(before) && is_same(after)).then_some(within)

@@ -1,30 +1,30 @@
-//! Which words wait for the spindle, and how its ramp grows with the speed.
+//! Words that wait for the spindle, and the growth of its ramp with the speed.
 //!
-//! A control may go on while the spindle ramps: M3 takes a moment, and the coolant's M8 that follows takes
-//! seconds, the more of them the faster the spindle is to run. Of the words between one change of the speed
-//! and the next, the one that takes longest is the one that waits; it is taken for such a word where that holds for most
-//! changes. Each of its visits then takes
+//! A control may continue while the spindle ramps: M3 takes a moment, and the coolant's M8 that follows takes
+//! seconds, the more of them the faster the spindle is to run. Of the words between one change of the speed and the
+//! next, the one that takes longest is the one that waits; a word counts as waiting if that holds for most changes.
+//! Each of its visits then takes
 //!
 //! ```text
 //! t = t_word + k x,      x = N |f(n2) − f(n1)|     of `SpindleTimes::ramp`
 //! ```
 //!
-//! k is the median of the slopes between two visits of one word at different x (Theil 1950, Sen 1968), which
-//! needs runs at two speeds; t_word is the median of what is left. The exponents tried are those of constant
-//! torque, constant power and less; runs on real mills have shown the last.
+//! k is the median of the slopes between two visits of one word at different x (Theil 1950, Sen 1968), which needs
+//! runs at two speeds; t_word is the median of the remaining times t − k x. The exponents tried are those of
+//! constant torque, constant power and less; runs on real mills have shown the last.
 
 use std::collections::BTreeMap;
 
 use crate::identification::alignment::median;
 use crate::identification::comparison::compare;
-use crate::identification::effects::Kind;
+use crate::identification::effects::StopKind;
 use crate::identification::fit::Run;
 use crate::machine::{Machine, SpindleState, SpindleTimes};
 use crate::simulation::toolpath::StopCause;
 
-/// Exponents tried.
+/// Exponents of the ramp tried.
 const EXPONENTS: [Option<f64>; 3] = [None, Some(2.0), Some(3.0)];
-/// Speeds whose ramps differ by less than this part say nothing of a slope.
+/// Least relative difference of two ramps from which a slope is taken.
 const APART: f64 = 0.1;
 
 /// A visit of a word while the spindle ramps.
@@ -32,11 +32,12 @@ struct Waited {
     code: u32,
     /// Speeds before and after, rpm, signed by the direction.
     speeds: [f64; 2],
-    /// What it took, s.
+    /// Time of the visit, s.
     seconds: f64,
 }
 
-/// Machines whose words wait for the spindle, with the ramp that the runs show; none where they show none.
+/// Returns the machines whose words wait for the spindle, one for each exponent with the ramp that the runs show;
+/// empty if they show none or the machine already has one.
 pub fn guesses(found: &Machine, runs: &[Run]) -> Vec<Machine> {
     let times = &found.times;
     if times.spindle.ramp != 0.0 || !times.spindle_awaited_by.is_empty() {
@@ -72,7 +73,7 @@ pub fn guesses(found: &Machine, runs: &[Run]) -> Vec<Machine> {
     EXPONENTS.iter().filter_map(guess).collect()
 }
 
-/// The words that wait, and every visit of one that follows a change of the speed.
+/// Returns the words that wait, and every visit of one that follows a change of the speed.
 fn awaiting(found: &Machine, runs: &[Run]) -> (Vec<u32>, Vec<Waited>) {
     // For each word how often it took longest of those after a change, and how often another did.
     let mut votes: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
@@ -90,14 +91,14 @@ fn awaiting(found: &Machine, runs: &[Run]) -> (Vec<u32>, Vec<Waited>) {
         };
         for visit in &comparison.lost {
             let kinds: Vec<_> = (run.toolpath.stops[visit.stops.clone()].iter())
-                .filter_map(|stop| Kind::of(&stop.cause).map(|kind| (kind, &stop.cause)))
+                .filter_map(|stop| StopKind::of(&stop.cause).map(|kind| (kind, &stop.cause)))
                 .collect();
             let [(kind, cause)] = kinds[..] else { continue };
             let signed = |spin: &SpindleState| spin.signed_speed();
             if let StopCause::Spindle { from, to, .. } = cause {
                 close(&mut since);
                 change = Some([signed(from), signed(to)]);
-            } else if let (Kind::MWord(code), Some(speeds)) = (kind, change) {
+            } else if let (StopKind::MWord(code), Some(speeds)) = (kind, change) {
                 let seconds = kind.value(found) + visit.seconds();
                 since.push(Waited { code, speeds, seconds });
             }

@@ -1,32 +1,36 @@
-//! Another family of controls: planners that change speed by a step at corners, where filters cannot tell what was recorded.
+//! Another family of controls: planners with steps of velocity at corners, for recordings that filters cannot
+//! explain.
 //!
-//! Such a control has no filters worth the name. Its command ramps with an acceleration and a jerk along the path and
-//! passes a corner with a step of the velocity of each axis, slower the sharper it is, down to a stop where it waits for
-//! position; arcs have a centripetal acceleration ([`crate::simulation::feed::junction`]). The first guesses are the
-//! best of a grid of steps and jerks; filters are left so short that they round nothing. Rapids keep the law that was
-//! found for them.
+//! Such a control has practically no filters. Its command ramps with an acceleration and a jerk along the path and
+//! passes a corner with a step of the velocity of each axis. The sharper the corner, the slower the command, down
+//! to a stop where it waits for position; arcs have a centripetal acceleration
+//! ([`crate::simulation::feed::junction`]). The first guesses are the best of a grid of steps and jerks; the
+//! filters are so short that they round nothing. Rapids keep the law that was found for them.
 //!
-//! Source: two recorded mills, whose runs of programs that were not fitted to it predicts (`docs/diagnosis.md`).
+//! Source: two recorded mills; the model predicts their runs of programs that were not fitted to it
+//! (`docs/diagnosis.md`).
 
 use crate::identification::calibration::nearest;
 use crate::identification::fit::{Run, Whitening};
 use crate::machine::{InPosition, Junction, Machine, PLANNER_FILTER_S, TimeConstants};
 
 /// Steps of velocity tried first, mm/s.
-const STEPS: [f64; 4] = [1.0, 3.0, 8.0, 25.0];
-/// Jerks tried first, mm/s³.
+const FIRST_VELOCITY_STEPS_MM_S: [f64; 4] = [1.0, 3.0, 8.0, 25.0];
+/// Jerks along the path tried first, mm/s³.
 const JERKS: [f64; 4] = [1e4, 3e4, 1e5, 3e5];
-/// Accelerations along the path that are fitted from, mm/s²: one that binds and one that hardly does. What a ramp loses
-/// can be made up for at corners, so that there is more than one place where a fit may end.
+/// Accelerations along the path from which fits start, mm/s²: one that limits the motion and one that hardly does.
+/// Time lost on ramps can be made up for at corners, so a fit may end at more than one place.
 const ACCELERATIONS: [f64; 2] = [500.0, 5000.0];
-/// Centripetal acceleration, mm/s², turn from which on corners are stops, rad, and wait for position there, s, before
-/// they are fitted.
+/// Centripetal acceleration from which fits start, mm/s².
 const CENTRIPETAL: f64 = 600.0;
+/// Turn from which on corners are stops, before it is fitted, rad.
 const ANGLE: f64 = 0.44;
+/// Wait for position at these stops, before it is fitted, s.
 const IN_POSITION: f64 = 0.03;
 
-/// The planners of each acceleration that are nearest to the runs, before any fit; none where the machine is no machine
-/// of filters. `machine` is as it was, `fitted` has what filters needed.
+/// Returns the planner of each acceleration that is nearest to the runs, before any fit; empty if the machine does
+/// not have filters of one time constant. `machine` is the machine before the calibration; `fitted` has the values
+/// that filters need.
 pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[Whitening]) -> Vec<Machine> {
     if !fitted.has_filters() || !matches!(fitted.interpolator.time_constants, TimeConstants::Equal(_)) {
         return Vec::new();
@@ -41,7 +45,7 @@ pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[
     plain.halts.in_position = plain.halts.in_position.max(IN_POSITION);
     plain.halts.in_position_at = InPosition::ExactStops;
     let guess = |acceleration: f64| {
-        let pairs = JERKS.iter().flat_map(|jerk| STEPS.map(|step| (*jerk, step)));
+        let pairs = JERKS.iter().flat_map(|jerk| FIRST_VELOCITY_STEPS_MM_S.map(|step| (*jerk, step)));
         let planners = pairs.map(|(jerk, step)| {
             let mut planner = plain.clone();
             planner.interpolator.junction = Junction::AxisStep(step);

@@ -1,25 +1,27 @@
-//! Which accelerations the runs do not determine.
+//! Accelerations that the runs do not determine.
 //!
-//! An axis that never ramps at its limit leaves it open. Two axes that only ramp together leave both open: a line in the
-//! direction d has the acceleration min_k a_k/|d_k|, and from one direction nobody can say which of them is the least.
-//! An axis is determined where the rest, fitted again without its limit, is farther from the runs, and where the standard
-//! deviation of the fit is small. The machine file says which are not, and a diagnosis fits those again beside a cause.
+//! An axis that never ramps at its limit leaves it open. Two axes that only ramp together leave both open: a line
+//! in the direction d has the acceleration min_k a_k/|d_k|, and one direction does not show which of them is the
+//! least. An axis is determined if the other parameters, fitted again without its limit, are farther from the runs,
+//! and if the standard deviation of the fit is small. The machine file names the axes that are not determined, and
+//! a diagnosis fits their accelerations again beside a cause.
 
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;
-use crate::identification::calibration::{CONTRADICTED, Verdict};
+use crate::identification::calibration::{CONTRADICTED, ParameterVerdict};
 use crate::identification::fit::{Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::Machine;
 
-/// The runs do not determine a limit that moves none of their moments by more than this, s: a fit then follows the error of the
-/// model.
+/// Least shift of any moment of the runs, s, from which they determine a limit. Below it, a fit follows the error
+/// of the model.
 const MIN_MOVED_S: f64 = 0.015;
-/// The runs do not determine a limit whose standard deviation is more than this part of it either. A cause would be off by as
-/// much, and a diagnosis calls more than that part of the lost time unexplained.
+/// Largest relative standard deviation of a limit that the runs determine. A cause would be off by as much, and a
+/// diagnosis calls more than that part of the lost time unexplained.
 const MAX_RELATIVE_DEVIATION: f64 = 0.05;
 
-/// The axes whose acceleration the runs do not tell: those that have a lent one, and those without whose limit the rest
-/// fits as well. `as_one` are the axes whose accelerations are one parameter.
+/// Returns `true` for each axis whose acceleration the runs do not determine: it is lent from other axes, its
+/// standard deviation is too large, or the other parameters fit as well without its limit. `as_one` are the axes
+/// whose accelerations are one parameter.
 pub fn untold(
     judgement: &Judgement,
     as_one: &[usize],
@@ -29,7 +31,7 @@ pub fn untold(
 ) -> [bool; 3] {
     let Judgement { all, believed, verdicts, last, .. } = judgement;
     let mut untold = [false; 3];
-    let is_lent = |at: usize| verdicts[at] == Verdict::Unknown && !believed[at].is_finite();
+    let is_lent = |at: usize| verdicts[at] == ParameterVerdict::Unknown && !believed[at].is_finite();
     for at in (0..all.len()).filter(|at| is_lent(*at)) {
         if let Some(axis) = axis_of(&all[at].0) {
             untold[axis] = true;
@@ -44,7 +46,7 @@ pub fn untold(
         without.axes[*axis].acceleration = f64::INFINITY;
         untold[*axis] = is_unseen(&without, cost_of(&without, runs, whitenings));
     }
-    let fitted_ones = (0..all.len()).filter(|at| verdicts[*at] == Verdict::Fitted);
+    let fitted_ones = (0..all.len()).filter(|at| verdicts[*at] == ParameterVerdict::Fitted);
     for (place, at) in fitted_ones.enumerate() {
         let freed = &all[at].0;
         let Some(axis) = axis_of(freed).filter(|axis| !as_one.contains(axis)) else { continue };
@@ -54,7 +56,8 @@ pub fn untold(
         }
         let mut without = last.machine.clone();
         freed.apply(&mut without, freed.bounds.1);
-        let is_freed = |other: usize| other != at && (verdicts[other] == Verdict::Fitted || is_lent(other));
+        let is_freed =
+            |other: usize| other != at && (verdicts[other] == ParameterVerdict::Fitted || is_lent(other));
         let rest = (0..all.len()).filter(|other| is_freed(*other)).map(|other| {
             let (freed, before) = &all[other];
             (freed.starting_at(freed.handle.get(&last.machine).unwrap_or(freed.start)), *before)
@@ -65,7 +68,7 @@ pub fn untold(
     untold
 }
 
-/// How far one of two lists of times is from the other, s.
+/// Returns the largest difference between corresponding times of two lists, s.
 fn farthest(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
 }

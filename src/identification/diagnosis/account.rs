@@ -4,32 +4,33 @@
 //! simulated + calibration + Σ causes + unexplained = recorded
 //! ```
 //!
-//! All of them are times between the first and the last mark of a run, by the recorder's clock as the machine believed
-//! in has it, so that a clock that runs wrong is a cause like any other. With T(S) for the time that the simulation
-//! takes with the causes S,
+//! Each entry is a time between the first and the last mark of a run, by the recorder's clock as the machine file has
+//! it, so that a wrong clock is a cause like any other. With T(S) for the simulated time with the causes S:
 //!
 //! | entry | seconds |
 //! |---|---|
-//! | simulated | the time on the machine believed in |
-//! | calibration | T(none) less that, where the machine was calibrated before causes were looked for |
+//! | simulated | the time on the machine of the file |
+//! | calibration | T(none) − simulated, if the machine was calibrated before the search for causes |
 //! | a cause | its share of T(all) − T(none) |
 //! | unexplained | recorded − T(all) |
 //!
-//! What a cause adds depends on those that act already: a slow axis costs less where an override slows the feed. In one
-//! order of the causes, what each adds to those before it sums up to T(all) − T(none) without counting anything twice.
-//! The share is the mean of that over several orders, so it sums up as well and prefers no cause:
+//! The time that a cause adds depends on the causes that act already: a slow axis costs less where an override slows
+//! the feed. In one order of the causes, the times that each adds to those before it sum to T(all) − T(none), and
+//! nothing counts twice. The share of a cause is the mean over several orders, so the shares have the same sum and
+//! prefer no cause:
 //!
 //! | causes | orders | |
 //! |---|---|---|
 //! | up to [`ALL_ORDERS`] | all n!, which need 2ⁿ simulations | the value of Shapley (1953) |
-//! | more, mostly holds | as they act, and backwards, which need 2n simulations | the same up to pairs |
+//! | more, mostly holds | as they act, and backwards, which need 2n simulations | the Shapley value up to pairs |
 //!
-//! The same up to pairs: T(all) − T(none) is a sum of what each cause does alone, what each pair does only together,
-//! what three do only together, and so on. What a pair does falls to the later of the two, which is one of them in one
-//! direction and the other one backwards: half to each, as over all orders. Three and more are not shared evenly.
+//! Up to pairs means: T(all) − T(none) is the sum of the effects of each cause alone, of each pair only together, of
+//! each three only together, and so on. The effect of a pair counts for the later of the two, which is one of them in
+//! one direction and the other one backwards: each gets half, as over all orders. The effects of three and more are
+//! not shared evenly.
 //!
-//! What is unexplained may cancel on the way. `unexplained_sum` adds up the sizes region by region, so it is never
-//! less than the size of `unexplained`.
+//! Unexplained times of different regions may cancel. `unexplained_sum` adds up their sizes region by region, so it is
+//! never less than the size of `unexplained`.
 
 use std::collections::BTreeMap;
 
@@ -42,28 +43,28 @@ use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 
-/// Up to this number of causes all orders are gone through.
+/// Maximum number of causes for which the share is the mean over all orders.
 const ALL_ORDERS: usize = 4;
 
 /// The account of one run or of several together. All entries are in s.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Account {
-    /// The time on the machine believed in.
+    /// Simulated time on the machine of the file.
     pub simulated: f64,
-    /// What calibrating the machine first adds; none where it was not.
+    /// Time that calibrating the machine first adds; `None` if the machine was not calibrated first.
     pub calibration: Option<f64>,
-    /// What each cause adds.
+    /// Causes with the time that each adds, its share.
     pub causes: Vec<(Effect, f64)>,
-    /// What is left.
+    /// Recorded time less the simulated one with all causes.
     pub unexplained: f64,
-    /// The same with the size of each region, so that later and earlier do not cancel.
+    /// Unexplained time with the sizes of the regions added up, so that lost and gained times do not cancel.
     pub unexplained_sum: f64,
-    /// The recorded time.
+    /// Recorded time.
     pub recorded: f64,
 }
 
 impl Account {
-    /// The account of several runs with the same causes.
+    /// Returns the account of several runs together, all with the same causes.
     pub fn together(accounts: &[Account]) -> Account {
         let Some((first, others)) = accounts.split_first() else { return Account::default() };
         others.iter().fold(first.clone(), |mut sum, account| {
@@ -77,32 +78,32 @@ impl Account {
         })
     }
 
-    /// The same with the causes in another order, by their indices in this one.
+    /// Returns the account with its causes in another order; `order` holds their present indices.
     pub fn reordered(self, order: &[usize]) -> Account {
         Account { causes: order.iter().map(|at| self.causes[*at]).collect(), ..self }
     }
 }
 
-/// What leads from the machine believed in to the one with all causes.
+/// The steps from the machine of the file to the one with all causes.
 #[derive(Clone, Copy)]
 pub struct Steps<'a> {
-    /// The machine believed in.
+    /// The machine of the file.
     pub believed: &'a Machine,
-    /// The machine that the recording itself says, where the one believed in was calibrated first.
+    /// The machine calibrated from the recording; `None` if the search for causes began with the machine file.
     pub calibrated: Option<&'a Machine>,
-    /// The causes in the order in which they act.
+    /// Causes in the order in which they act.
     pub causes: &'a [Candidate],
 }
 
 impl Steps<'_> {
-    /// The machine with some of the causes, by their indices in ascending order.
+    /// Returns the machine with some of the causes, given by their indices in ascending order.
     fn machine(&self, causes: &[usize]) -> Machine {
         let start = self.calibrated.unwrap_or(self.believed);
         with_all(start, &causes.iter().map(|at| self.causes[*at].clone()).collect::<Vec<_>>())
     }
 }
 
-/// The account of each run. `after` are the comparisons with the machine that has all causes.
+/// Returns the account of each run. `after` holds the comparisons with the machine that has all causes.
 pub fn accounts(steps: &Steps, runs: &[Run], after: &[Comparison]) -> Vec<Account> {
     let Steps { believed, calibrated, causes } = steps;
     let clock = believed.recorder.clock_ratio;
@@ -132,8 +133,8 @@ pub fn accounts(steps: &Steps, runs: &[Run], after: &[Comparison]) -> Vec<Accoun
     runs.iter().zip(after).enumerate().map(of_run).collect()
 }
 
-/// The time of a machine between the first and the last mark of each run, s by the clock of its recorder; runs of one
-/// program one after another share their plan.
+/// Returns the simulated time between the first and the last mark of each run, s by the clock of the recorder.
+/// Consecutive runs of one program share their plan.
 fn simulated(machine: &Machine, runs: &[Run]) -> Vec<f64> {
     let mut last: Option<(&Run, FeedPlan)> = None;
     let of_run = |run| {
@@ -151,18 +152,18 @@ fn simulated(machine: &Machine, runs: &[Run]) -> Vec<f64> {
     runs.iter().map(of_run).collect()
 }
 
-/// What a number of causes share, run by run.
+/// The shares of a number of causes, run by run. All times are in s.
 struct Shares {
-    /// The times without any of them.
+    /// Times of the runs without any cause.
     without: Vec<f64>,
-    /// What each adds.
+    /// Times that each cause adds, by cause and run.
     each: Vec<Vec<f64>>,
-    /// The times with all of them.
+    /// Times of the runs with all causes.
     with: Vec<f64>,
 }
 
-/// The shares of causes in the times that they make. `times` says the times with some of them, by their indices in
-/// ascending order, and is asked once for each set.
+/// Returns the shares of `causes` causes. `times` returns the times of the runs with some of the causes, given by their
+/// indices in ascending order; it is called once for each set.
 fn shares(causes: usize, times: impl Fn(&[usize]) -> Vec<f64>) -> Shares {
     let mut known: BTreeMap<Vec<usize>, Vec<f64>> = BTreeMap::new();
     let mut of = |set: &[usize]| known.entry(set.to_vec()).or_insert_with(|| times(set)).clone();
@@ -185,7 +186,7 @@ fn shares(causes: usize, times: impl Fn(&[usize]) -> Vec<f64>) -> Shares {
     Shares { without, each, with }
 }
 
-/// The orders of causes over which the mean is taken.
+/// Returns the orders of causes over which a share is the mean.
 fn orders(causes: usize) -> Vec<Vec<usize>> {
     if causes <= ALL_ORDERS {
         return permutations(causes);
@@ -193,7 +194,7 @@ fn orders(causes: usize) -> Vec<Vec<usize>> {
     vec![(0..causes).collect(), (0..causes).rev().collect()]
 }
 
-/// All orders of the numbers below `count`.
+/// Returns all orders of the numbers below `count`.
 fn permutations(count: usize) -> Vec<Vec<usize>> {
     let Some(last) = count.checked_sub(1) else { return vec![Vec::new()] };
     let with_last = |order: Vec<usize>| {

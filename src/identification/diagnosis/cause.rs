@@ -1,37 +1,37 @@
-//! A cause that passed the acceptance tests, while others are searched for, and the odds of it.
+//! A cause that passed the acceptance tests while the search for others continues, and its odds.
 
 use crate::identification::diagnosis::Candidate;
 use crate::identification::diagnosis::gates::HeldOut;
 
-/// A cause that stands, while others are looked for.
+/// A cause that passed the acceptance tests, while the search for others continues.
 #[derive(Clone)]
 pub struct AcceptedCause {
-    /// It, with its values.
+    /// The cause with its values.
     pub candidate: Candidate,
-    /// Ids of what it cannot be told from.
+    /// Ids of the effects that fit the runs as well as the cause.
     pub alike: Vec<String>,
-    /// How it did where it was not fitted.
+    /// Result in the sections to which the cause was not fitted; `None` if they do not decide.
     pub held_out: Option<HeldOut>,
-    /// How sure, at most: what the likelihood says of it is known when all causes are.
+    /// Upper bound of the confidence, 0 to 1: the gain of likelihood enters when all causes are known.
     pub confidence: f64,
 }
 
 impl AcceptedCause {
-    /// A cause that is seen by itself, and so sure.
+    /// Returns a cause with the confidence with which the recording shows it directly, without a search.
     pub fn read_off(candidate: Candidate, confidence: f64) -> AcceptedCause {
         AcceptedCause { candidate, alike: Vec::new(), held_out: None, confidence }
     }
 }
 
-/// The causes alone.
+/// Returns the candidates of the causes.
 pub fn candidates(causes: &[AcceptedCause]) -> Vec<Candidate> {
     causes.iter().map(|cause| cause.candidate.clone()).collect()
 }
 
-/// How sure a gain of likelihood makes, beside its price.
+/// Returns the confidence that a gain of likelihood gives a cause, 0 to 1, given the price of its parameters.
 pub fn odds(gain: f64, price: f64) -> f64 {
     gain / (gain + price)
 }
 
-/// A cause that is less sure than this is not named.
+/// Least confidence of a named cause.
 pub const UNSURE: f64 = 0.1;

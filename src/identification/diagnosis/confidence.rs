@@ -1,11 +1,11 @@
-//! How sure a cause is: the odds of what it gains in likelihood to the price of its parameters,
+//! The confidence of a cause: the odds of its gain in likelihood to the price of its parameters,
 //!
 //! ```text
 //! confidence = most · g / (g + price)        g = gain / dispersion
 //! ```
 //!
-//! with the dispersion of the residuals that are left, since related ones say less than independent ones, and
-//! `most` what the stretches that were held out and the causes that are alike allow.
+//! with the dispersion of the remaining residuals, since related residuals hold less information than independent
+//! ones. `most` is the largest confidence that the held-out stretches and the causes that fit as well allow.
 
 use crate::identification::diagnosis::cause::{AcceptedCause, UNSURE, candidates, odds};
 use crate::identification::diagnosis::evidence::with_all;
@@ -13,9 +13,9 @@ use crate::identification::diagnosis::{Evidence, gates};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
-/// What was found, with a confidence that also tells what the likelihood says of each beside the others: the
-/// odds are its gain to its price, the gain being worth less as residuals that are left are related. What others leave
-/// too little to be sure of is taken back.
+/// Returns the causes with their confidence multiplied by the odds of each beside the others: the ratio of its gain in
+/// likelihood to gain and price, where the gain counts less the more the remaining residuals are related. Causes whose
+/// confidence is then below [`UNSURE`] are removed.
 pub fn weighed(base: &Machine, runs: &[Run], mut named: Vec<AcceptedCause>) -> Vec<AcceptedCause> {
     if named.is_empty() {
         return named;

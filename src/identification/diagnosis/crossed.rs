@@ -1,8 +1,8 @@
-//! How far feedrates differ on stretches to which nothing was fitted.
+//! Cross-validation: the feedrate error on stretches to which nothing was fitted.
 //!
 //! Each run is cut into stretches of equal time. The values of all named causes are fitted to every second
-//! one, and the feedrates are compared on the others; then the other way round. Of a long run, of which
-//! excerpts were fitted to, it is the rest that is compared.
+//! stretch, and the feedrates are compared on the others; then the other way round. In a long run the causes
+//! are fitted to excerpts, and the feedrates are compared outside of them.
 
 use crate::identification::comparison::PooledFeedError;
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
@@ -11,20 +11,21 @@ use crate::identification::diagnosis::speeds;
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
-/// Stretches of a run.
+/// Number of stretches of a run.
 const STRETCHES: f64 = 8.0;
 
-/// The root mean squares of recorded less simulated feedrates, mm/s.
+/// Root mean squares of recorded less simulated feedrates, mm/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossed {
-    /// On the machine believed in.
+    /// Error without the causes.
     pub before: f64,
-    /// With the causes as the other stretches have them.
+    /// Error with the causes, at the values fitted to other stretches.
     pub after: f64,
 }
 
-/// Compares on each half of the stretches what the other half says; none where no feed was recorded, or
-/// nothing is named. `base` has the causes that are not fitted to time.
+/// Returns the feedrate errors on each half of the stretches, with the causes at the values fitted to the other half.
+/// `base` is the machine with the causes that are not fitted to times. `None` if no feedrate was recorded or no cause
+/// is named.
 pub fn crossed(machine: &Machine, base: &Machine, named: &[Candidate], runs: &[Run]) -> Option<Crossed> {
     let (last, others) = named.split_last()?;
     let whole = Evidence::of(runs, &with_all(base, named));
@@ -54,7 +55,8 @@ pub fn crossed(machine: &Machine, base: &Machine, named: &[Candidate], runs: &[R
     sums[0].rms().zip(sums[1].rms()).map(|(before, after)| Crossed { before, after })
 }
 
-/// Compares outside of the excerpts, to which nothing was fitted.
+/// Returns the feedrate errors outside of the excerpts, where nothing was fitted; `None` if no feedrate was recorded
+/// there.
 pub fn outside(
     machine: &Machine,
     fitted: &Machine,

@@ -1,4 +1,4 @@
-//! Dips: the recorded machine loses time at one place though it does not come to rest.
+//! Dips: the recorded machine loses time at one place without coming to rest.
 //!
 //! ```text
 //! feedrate
@@ -9,12 +9,14 @@
 //!          |←delay→|
 //! ```
 //!
-//! Along the fixes of a recording the time that is lost within twice the filter delay is looked at, window by window. One
-//! window that loses [`LEAST`] s and [`ALONE`] times as much as any that does not touch it is a dip; of a limit or a
-//! rule, which act in many places, there is none. No stop of the program may be near: there a machine waits.
+//! A window begins at each fix of a recording and lasts twice the filter delay. A window is a dip if it loses at
+//! least [`MIN_DIP_S`] s and [`MIN_RATIO_TO_OTHERS`] times as much as any window that does not touch it. Limits and
+//! rules act in many places and leave no dip. A window with a stop of the program in it or near it does not count:
+//! there a machine waits.
 //!
-//! Limits: one dip a run, the largest, where positions were recorded; a corner that alone is taken more slowly
-//! than the machine file says is one too, and is told apart by what else explains it.
+//! Limits: the search finds one dip per run, the largest, and needs recorded positions. A single corner that the
+//! machine takes more slowly than its file says is a dip too; the other causes that explain it distinguish it from a
+//! hold.
 
 use crate::identification::alignment::Method;
 use crate::identification::diagnosis;
@@ -23,14 +25,14 @@ use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::profile::Profile;
 
-/// The least that is lost in a dip, s: each half of it, by which its place is known, is as much as a cause must explain.
-const LEAST: f64 = 2.0 * diagnosis::LEAST;
-/// A stop is in a window, or so near to its ends, mm.
+/// Least lost time of a dip, s: each half of it, which determines the place, is as much as a cause must explain.
+const MIN_DIP_S: f64 = 2.0 * diagnosis::MIN_LOST_TIME_S;
+/// Distance before and after a window within which a stop counts as in it, mm.
 const STOP_NEAR: f64 = 0.1;
-/// It loses so many times as much as any other window.
-const ALONE: f64 = 4.0;
+/// Least ratio of the lost time of a dip to that of any window that does not touch it.
+const MIN_RATIO_TO_OTHERS: f64 = 4.0;
 
-/// The dip of a run that a machine does not have.
+/// Returns the dip of a recorded run that a machine does not have; `None` without a dip or without positions.
 pub fn dip(machine: &Machine, run: &Run) -> Option<Rest> {
     let fixes = &run.alignment.fixes;
     if run.alignment.method != Method::Positions {
@@ -54,7 +56,7 @@ pub fn dip(machine: &Machine, run: &Run) -> Option<Rest> {
     let before = fixes.partition_point(|fix| fix.time < fixes[from].time - window);
     let others = losses[..before].iter().chain(losses.get(to + 1..).unwrap_or_default());
     let most = others.fold(0.0, |most: f64, loss| most.max(loss.abs()));
-    if lost < LEAST.max(ALONE * most) {
+    if lost < MIN_DIP_S.max(MIN_RATIO_TO_OTHERS * most) {
         return None;
     }
     // The tool is slowest about where the command was taken away: there half is lost.

@@ -1,4 +1,4 @@
-//! What the runs say of a machine, in one number: the cost of the whitened residuals.
+//! The evidence of the runs for or against a machine, as one number: the cost of the whitened residuals.
 
 use crate::identification::calibration::{ACCELERATIONS, RAPIDS};
 use crate::identification::effects::Hypothesis;
@@ -8,47 +8,49 @@ use crate::identification::fit::{
 };
 use crate::machine::{Handle, Machine};
 
-/// Golden sections between two trials.
+/// Number of golden-section steps around the best of the points between two trials.
 const SECTIONS: usize = 5;
-/// Points between two trials, before.
-const BETWEEN: usize = 9;
-/// A limit at which the cost is so many times what it is without needs no tighter ones beside it.
+/// Number of points between two trials at which the cost is computed before the golden sections.
+const POINTS_BETWEEN_TRIALS: usize = 9;
+/// Ratio of the cost with a limit to the cost without it above which tighter limits are not tried.
 const TOO_TIGHT: f64 = 3.0;
 
-/// Runs with the noise that is taken for granted.
+/// Runs with the noise assumed of their residuals.
 #[derive(Clone)]
 pub struct Evidence<'a> {
-    /// The runs.
+    /// Runs.
     pub runs: &'a [Run<'a>],
-    /// What whitens each.
+    /// Whitening of the residuals of each run.
     pub whitenings: Vec<Whitening>,
-    /// What no run of the calibration showed of the machine: it is fitted beside every cause, and no cause itself.
+    /// Parameters that no run of the calibration determined: they are fitted with every cause and are no causes
+    /// themselves.
     assumed: Vec<FreeParameter>,
 }
 
 /// A hypothesis with the values at which it fits best.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The hypothesis.
+    /// Hypothesis.
     pub hypothesis: Hypothesis,
-    /// Its values, core units.
+    /// Values of its free parameters, core units.
     pub values: Vec<f64>,
-    /// Their standard deviations, core units.
+    /// Standard deviations of the values, core units; NaN if unknown.
     pub deviations: Vec<f64>,
-    /// The cost with it.
+    /// Cost with the hypothesis at these values.
     pub cost: f64,
-    /// What the calibration had assumed, as it was fitted beside it.
+    /// Parameters that the calibration had assumed, with the values fitted together with the hypothesis, core units.
     pub beside: Vec<(FreeParameter, f64)>,
 }
 
 impl<'a> Evidence<'a> {
-    /// The evidence with the noise by which the residuals of a machine are normal.
+    /// Returns the evidence of runs with the noise under which the residuals of a machine are normal, for each run
+    /// separately.
     pub fn of(runs: &'a [Run<'a>], machine: &Machine) -> Evidence<'a> {
         let whiten = |run: &Run| Whitening::of(run.alignment, &run.residuals(machine));
         Evidence { runs, whitenings: runs.iter().map(whiten).collect(), assumed: assumed(machine) }
     }
 
-    /// The same where the runs are parts of one: the noise is that of all of them.
+    /// Returns the evidence of runs that are parts of one: all have the same noise, that of their residuals together.
     pub fn in_common(runs: &'a [Run<'a>], machine: &Machine) -> Evidence<'a> {
         let residuals: Vec<Vec<f64>> = runs.iter().map(|run| run.residuals(machine)).collect();
         let pairs: Vec<_> = runs.iter().zip(&residuals).map(|(run, own)| (run.alignment, &own[..])).collect();
@@ -57,17 +59,17 @@ impl<'a> Evidence<'a> {
         Evidence { runs, whitenings, assumed: assumed(machine) }
     }
 
-    /// The whitened residuals of a machine, run by run.
+    /// Returns the whitened residuals of a machine, run by run.
     pub fn whitened(&self, machine: &Machine) -> Vec<Vec<f64>> {
         whitened(machine, self.runs, &self.whitenings)
     }
 
-    /// The cost of a machine.
+    /// Returns the cost of a machine.
     pub fn cost(&self, machine: &Machine) -> f64 {
         cost_of(machine, self.runs, &self.whitenings)
     }
 
-    /// By how much the cost of a machine with all of these rises without each.
+    /// Returns the increase of the cost without each of the candidates, from the cost of a machine with all of them.
     pub fn gains(&self, base: &Machine, all: &[Candidate]) -> Vec<f64> {
         let cost = self.cost(&with_all(base, all));
         let gain = |at: usize| {
@@ -78,12 +80,14 @@ impl<'a> Evidence<'a> {
         (0..all.len()).map(gain).collect()
     }
 
-    /// By how much more than independent ones the residuals that a machine leaves vary: costs are that much less worth.
+    /// Returns the dispersion of the residuals that a machine leaves: the ratio of their variance to that of
+    /// independent residuals, by which differences of cost count less.
     pub fn dispersion(&self, machine: &Machine) -> f64 {
         dispersion(&self.whitened(machine))
     }
 
-    /// A hypothesis at the best of its trials, and between them where that means something.
+    /// Returns a hypothesis at the best of its trials, or between them if its values are continuous; `None` without
+    /// trials.
     pub fn screened(&self, machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
         let neutral = self.cost(machine);
         // One that is looser than the machine's own may cost as much, and says nothing of tighter ones.
@@ -123,9 +127,9 @@ impl<'a> Evidence<'a> {
                 found
             };
             // What acts from a threshold on is flat before it: first a few points between, then sections.
-            let between = |part: usize| low + (high - low) * part as f64 / (BETWEEN + 1) as f64;
+            let between = |part: usize| low + (high - low) * part as f64 / (POINTS_BETWEEN_TRIALS + 1) as f64;
             let mut closest = (1, f64::INFINITY);
-            for part in (1..=BETWEEN).rev() {
+            for part in (1..=POINTS_BETWEEN_TRIALS).rev() {
                 let found = at(between(part), &mut values, &mut cost);
                 if found <= closest.1 {
                     closest = (part, found);
@@ -144,7 +148,8 @@ impl<'a> Evidence<'a> {
         Some(Candidate { hypothesis: hypothesis.clone(), values, deviations, cost, beside: Vec::new() })
     }
 
-    /// A candidate by least squares, together with others that are already named.
+    /// Returns a candidate fitted by least squares together with others that are already named, and those others with
+    /// their new values.
     pub fn refined(
         &self,
         machine: &Machine,
@@ -175,8 +180,9 @@ impl<'a> Evidence<'a> {
         (own, with.iter().map(take).collect())
     }
 
-    /// What is fitted of candidates, in their order, then what the calibration had assumed and none of them frees;
-    /// and the machine with those that have no values between their trials.
+    /// Returns the machine with the candidates that have no values between their trials, and the free parameters of a
+    /// fit: those of the other candidates, in their order, then those that the calibration had assumed and that no
+    /// candidate frees.
     pub fn freed(&self, machine: &Machine, all: &[Candidate]) -> (Machine, Vec<FreeParameter>) {
         let is_fitted = |each: &&Candidate| each.hypothesis.is_continuous;
         let taken: Vec<Candidate> = all.iter().filter(|each| !is_fitted(each)).cloned().collect();
@@ -196,11 +202,11 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// How far an acceleration or a rapid rate may be from the one that was assumed, as a ratio.
+/// Bounds of an acceleration or a rapid rate, as ratios to the value that the calibration assumed.
 const ASSUMED_BOUNDS: (f64, f64) = (0.1, 10.0);
 
-/// What no run of the calibration of a machine told: accelerations and rapid rates, the latter of the axes or
-/// along the path.
+/// Returns the parameters of a machine that no run of its calibration determined: accelerations and rapid rates, the
+/// latter of the axes or along the path.
 pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
     let of = |key: &str| {
         let handle = Handle::number(key);
@@ -221,7 +227,8 @@ pub fn assumed(machine: &Machine) -> Vec<FreeParameter> {
     accelerations.chain(among(RAPIDS, on.assumed_rapids)).chain(along_path).filter_map(of).collect()
 }
 
-/// The standard deviation of a first parameter that is known to be nearer to a trial than to those beside it.
+/// Returns the standard deviation of a first parameter that is known to be nearer to the trial `at` than to those
+/// beside it; NaN for a single trial.
 fn between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
     let value = trials[at][0];
     let apart = |other: Option<&Vec<f64>>| other.map(|other| 0.5 * (other[0] - value).abs());
@@ -233,7 +240,7 @@ fn between_trials(trials: &[Vec<f64>], at: usize) -> f64 {
     }
 }
 
-/// A machine with all of these candidates.
+/// Returns a machine with all of these candidates.
 pub fn with_all(machine: &Machine, candidates: &[Candidate]) -> Machine {
     let mut machine = machine.clone();
     for candidate in candidates {

@@ -1,33 +1,40 @@
-//! Excerpts of long runs, on which causes are looked for.
+//! Excerpts of long runs, in which the search looks for causes.
 //!
-//! A simulation costs what the program is long, and a diagnosis runs hundreds. A run that is longer than
-//! [`LONG`] is therefore looked at in windows of [`WINDOW`] s, evenly spread over [`BUDGET`] s of it, and around
-//! a few stops of each kind, from their line to the next one. Each window is a program of its own with the marks
-//! in it; the moves before and after it, [`MARGIN`] of them, are run and not compared, as nothing of the
-//! motion reaches further than a filter delay, a ramp or a full stop. What was found is judged on the whole run.
+//! The time of a simulation grows with the length of the program, and a diagnosis needs hundreds of simulations. The
+//! search therefore looks at a run longer than [`LONG_RUN_S`] or [`LONG_RUN_SEGMENTS`] only in windows of [`WINDOW`] s,
+//! evenly spread and [`BUDGET`] s long in all, and in windows of a few marks around [`STOPS_PER_KIND`] stops of each
+//! kind. Each window becomes a separate program with the marks in it. Up to [`MARGIN_SEGMENTS`] moves before and after
+//! the window are simulated and not compared, as the motion depends on nothing farther away than a filter delay, a ramp
+//! or a full stop. The causes found are judged on the whole run.
 //!
-//! Limits: a look-ahead that is longer than the margin looks less far; what happens once, outside of all
-//! windows and at no stop, is found by the rests alone.
+//! Limits: a look-ahead that is longer than the margin sees less far; an event that happens once, outside of all
+//! windows and at no stop, is found only as a rest.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::identification::alignment::{Alignment, Fix, Mark, ProgramPlace};
-use crate::identification::effects::Kind;
+use crate::identification::effects::StopKind;
 use crate::identification::fit::Run;
 use crate::simulation::toolpath::{Motion, PathMode, Segment, Stop, Toolpath};
 
-/// A run is long that lasts so many seconds, or has so many segments.
-const LONG: (f64, usize) = (300.0, 8_000);
-/// What is looked at of all runs together, s.
+/// Duration above which a run is long, s.
+const LONG_RUN_S: f64 = 300.0;
+/// Number of segments above which a run is long.
+const LONG_RUN_SEGMENTS: usize = 8_000;
+/// Duration of the evenly spread windows of all runs together, s.
 const BUDGET: f64 = 180.0;
 /// Length of a window, s.
 const WINDOW: f64 = 7.5;
-/// Segments before and after a window, and after how many seconds of programmed motion fewer are enough.
-const MARGIN: (usize, f64) = (40, 4.0);
-/// Stops of a kind that are looked at, and for how many marks around them.
-const STOPS: (usize, usize) = (4, 6);
-/// The fewest marks that are a window.
+/// Maximum number of segments of the margin before and after a window.
+const MARGIN_SEGMENTS: usize = 40;
+/// Time of programmed feed moves after which a margin is long enough, s.
+const MARGIN_S: f64 = 4.0;
+/// Maximum number of stops of a kind that get a window.
+const STOPS_PER_KIND: usize = 4;
+/// Number of marks before and after a stop that belong to its window.
+const MARKS_AROUND_STOP: usize = 6;
+/// Least number of marks of a window.
 const FEWEST: usize = 4;
 
 /// A part of a run.
@@ -38,20 +45,22 @@ pub struct Excerpt {
 }
 
 impl Excerpt {
-    /// It as a run.
+    /// Returns the excerpt as a run.
     pub fn run(&self) -> Run<'_> {
         Run { toolpath: &self.toolpath, alignment: &self.alignment, overrides: self.overrides }
     }
 
-    /// When it was, s from the start of the recording.
+    /// Returns the time of the excerpt, s from the start of the recording.
     pub fn time(&self) -> &Range<f64> {
         &self.alignment.run
     }
 }
 
-/// The excerpts of each run; none where no run is long.
+/// Returns the excerpts of each run; `None` if no run is long.
 pub fn excerpts(runs: &[Run]) -> Option<Vec<Vec<Excerpt>>> {
-    let is_long = |run: &Run| LONG.0 < duration(&run.alignment.marks) || LONG.1 < run.toolpath.segments.len();
+    let is_long = |run: &Run| {
+        LONG_RUN_S < duration(&run.alignment.marks) || LONG_RUN_SEGMENTS < run.toolpath.segments.len()
+    };
     runs.iter().any(is_long).then(|| runs.iter().map(|run| of_run(run, BUDGET / runs.len() as f64)).collect())
 }
 
@@ -71,15 +80,16 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
         let half = 0.5 * WINDOW.min(whole / count);
         windows.push(at(middle - half)..at(middle + half));
     }
-    let mut kinds: BTreeMap<Option<Kind>, Vec<usize>> = BTreeMap::new();
+    let mut kinds: BTreeMap<Option<StopKind>, Vec<usize>> = BTreeMap::new();
     for (index, mark) in marks.iter().enumerate() {
         if let ProgramPlace::Stop(stop) = mark.place {
-            kinds.entry(Kind::of(&run.toolpath.stops[stop].cause)).or_default().push(index);
+            kinds.entry(StopKind::of(&run.toolpath.stops[stop].cause)).or_default().push(index);
         }
     }
     for all in kinds.values() {
-        for index in all.iter().step_by(all.len().div_ceil(STOPS.0)) {
-            windows.push(index.saturating_sub(STOPS.1)..(index + STOPS.1).min(marks.len()));
+        for index in all.iter().step_by(all.len().div_ceil(STOPS_PER_KIND)) {
+            let first = index.saturating_sub(MARKS_AROUND_STOP);
+            windows.push(first..(index + MARKS_AROUND_STOP).min(marks.len()));
         }
     }
     windows.sort_by_key(|window| window.start);
@@ -93,20 +103,20 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
     merged.into_iter().filter(|window| FEWEST <= window.len()).filter_map(|window| cut(run, window)).collect()
 }
 
-/// How many of these segments, from a window on, are enough of a margin.
+/// Returns the number of these segments, counted from a window outwards, that make a margin.
 fn enough(segments: impl Iterator<Item = Segment>) -> usize {
     let mut seconds = 0.0;
     let mut is_missing = |segment: &Segment| {
-        let is_near = seconds < MARGIN.1;
+        let is_near = seconds < MARGIN_S;
         if let Motion::Feed { feedrate } = segment.motion {
             seconds += segment.length / feedrate;
         }
         is_near
     };
-    segments.take(MARGIN.0).take_while(|segment| is_missing(segment)).count()
+    segments.take(MARGIN_SEGMENTS).take_while(|segment| is_missing(segment)).count()
 }
 
-/// A window of marks as a run of its own.
+/// Returns a window of marks as a separate run with its margins; `None` without marks or segments.
 fn cut(run: &Run, window: Range<usize>) -> Option<Excerpt> {
     let Run { toolpath, alignment, overrides } = run;
     let marks = &alignment.marks[window];

@@ -1,8 +1,8 @@
 //! Causes that change the form of the path and no time: lag, play, vibration.
 //!
-//! They are judged by the distance between recorded and simulated positions at equal times, the delay
-//! common to all taken out. Values are searched over the trials and then one after another by golden
-//! sections.
+//! They are judged by the form error: the distance between recorded and simulated positions at equal times,
+//! without the delay common to all. The search for values tries the trials, then varies one value after
+//! another by golden sections.
 
 use crate::identification::comparison::ContourDeviation;
 use crate::identification::diagnosis::evidence::Candidate;
@@ -12,28 +12,41 @@ use crate::identification::fit::{Run, golden_section};
 use crate::machine::Machine;
 use crate::simulation::ordered::sort_by_number;
 
-/// What is explained whole leaves so many standard deviations of the noise, or so many mm.
-const WHOLE: (f64, f64) = (4.0, 0.01);
-/// The same of what is seen beside causes of time: a simulation without drives is that close.
-const SEEN: (f64, f64) = (4.0, 2e-3);
-/// And of what is searched: of all axes together noise makes the square root of three.
-const SEARCHED: (f64, f64) = (2.5, 2e-3);
-/// A cause of form must take this part of the error away.
+/// Largest form error that counts as explained whole, in standard deviations of the noise of positions; the larger of
+/// this and [`WHOLE_MM`] applies.
+const WHOLE_DEVIATIONS: f64 = 4.0;
+/// Largest form error that counts as explained whole without noise, mm.
+const WHOLE_MM: f64 = 0.01;
+/// Largest form error beside causes of time that noise explains, in standard deviations of the noise of positions; the
+/// larger of this and [`UNSEEN_MM`] applies.
+const UNSEEN_DEVIATIONS: f64 = 4.0;
+/// Largest form error of a simulation without drives, mm.
+const UNSEEN_MM: f64 = 2e-3;
+/// Least form error for which the search looks for causes, in standard deviations of the noise of positions: the noise
+/// of all axes together is √3 of them. The larger of this and [`SEARCHED_MM`] applies.
+const SEARCHED_DEVIATIONS: f64 = 2.5;
+/// Least form error for which the search looks for causes without noise, mm.
+const SEARCHED_MM: f64 = 2e-3;
+/// Least part of the form error that a cause must remove.
 const WORTH: f64 = 0.35;
-/// And what it takes away be larger than this, by squares, mm.
-const LEAST: f64 = 2e-3;
-/// Rounds of golden sections, and sections in each.
-const ROUNDS: (usize, usize) = (3, 7);
-/// Parts of a recording that are independent, and the step at which it is seen what each says of a value.
-const PARTS: usize = 16;
-const STEP: f64 = 2e-3;
-/// A cause of form must take that part away also without so many of the parts in which it does most: what is off
-/// for a moment, such as a wait that nobody knows, has the form of anything.
+/// Least form error that a cause must remove, as the root of the difference of the squares, mm.
+const MIN_REMOVED_MM: f64 = 2e-3;
+/// Number of rounds of golden sections, each over all values.
+const SEARCH_ROUNDS: usize = 3;
+/// Number of golden-section steps for a value in a round.
+const STEPS_PER_ROUND: usize = 7;
+/// Number of contiguous parts of a recording that count as independent.
+const RECORDING_PARTS: usize = 16;
+/// Step of the difference quotients of a value, in the optimiser's coordinate: they show the influence of each part of
+/// a recording on the value.
+const QUOTIENT_STEP: f64 = 2e-3;
+/// Number of parts of the recordings without which a cause must still remove [`WORTH`] of the error, those in which it
+/// removes most: an error of a moment, such as an unknown wait, resembles any cause of form.
 const MOMENTS: usize = 2;
-/// Causes of form that are searched between their trials.
+/// Number of causes of form whose values are searched between their trials.
 const REFINED: usize = 2;
 
-/// The form error of a machine, mm; none without positions.
+/// Returns the form error of a machine, mm; `None` without recorded positions.
 pub fn error(machine: &Machine, runs: &[Run]) -> Option<f64> {
     let of = |on_time: bool| {
         let forms = forms(machine, runs, on_time);
@@ -42,18 +55,20 @@ pub fn error(machine: &Machine, runs: &[Run]) -> Option<f64> {
     of(true).zip(of(false)).map(|(on_time, in_step)| on_time.min(in_step))
 }
 
-/// What a form error that noise or a simulation without drives leaves is below, mm.
+/// Returns a bound of the form error, mm: the larger of a number of standard deviations of the noise and a least error
+/// (mm).
 fn floor(runs: &[Run], (times, least): (f64, f64)) -> f64 {
     let noise = runs.iter().filter_map(|run| run.alignment.track.as_ref()).map(|track| track.noise);
     (times * noise.fold(0.0, f64::max)).max(least)
 }
 
-/// Whether a form error is more than noise or a simulation without drives leaves.
+/// Returns `true` if a form error (mm) is larger than that of noise or of a simulation without drives.
 pub fn is_seen(error: f64, runs: &[Run]) -> bool {
-    floor(runs, SEEN) < error
+    floor(runs, (UNSEEN_DEVIATIONS, UNSEEN_MM)) < error
 }
 
-/// The runs with their times as they are, `on_time`, or in step with the recording.
+/// Returns the contour deviations of the runs that have positions, with the simulated times unchanged if `on_time`,
+/// otherwise in step with the recording.
 fn forms(machine: &Machine, runs: &[Run], on_time: bool) -> Vec<ContourDeviation> {
     let of_run = |run: &Run| {
         let plan = run.plan(machine);
@@ -69,14 +84,19 @@ fn rms(forms: &[ContourDeviation], machine: &Machine) -> f64 {
     (squares / forms.len().max(1) as f64).sqrt()
 }
 
-/// The causes of form, at most one of each id: those that explain the error whole, or else, if `whole` is
-/// not asked for, those that take away much of it.
+/// Returns the causes of form, at most one of each id: if `whole`, causes that explain the form error whole, with the
+/// simulated times unchanged; otherwise causes that remove much of it, in step with the recording. The result is empty
+/// if there are none.
 pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole: bool) -> Vec<Candidate> {
     let forms = forms(machine, runs, whole);
     if forms.is_empty() || Standing::of(machine) == Standing::Misses {
         return Vec::new();
     }
-    let floor = floor(runs, if whole { WHOLE } else { SEARCHED });
+    let bound = match whole {
+        true => (WHOLE_DEVIATIONS, WHOLE_MM),
+        false => (SEARCHED_DEVIATIONS, SEARCHED_MM),
+    };
+    let floor = floor(runs, bound);
     let before = rms(&forms, machine);
     if before < floor.max(machine.form_error.map_or(0.0, |left| ELSEWHERE * left)) {
         return Vec::new();
@@ -97,7 +117,7 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
         let Some(candidate) = refined.min_by(|a, b| a.cost.total_cmp(&b.cost)) else { break };
         let with = candidate.hypothesis.machine(&current, &candidate.values);
         let is_worth = candidate.cost <= (1.0 - WORTH) * error
-            && LEAST.powi(2) <= error.powi(2) - candidate.cost.powi(2);
+            && MIN_REMOVED_MM.powi(2) <= error.powi(2) - candidate.cost.powi(2);
         if !is_worth || !is_all_along(&forms, &current, &with) {
             break;
         }
@@ -111,10 +131,12 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     if whole && (floor < error || 0.5 * before < error) { Vec::new() } else { named }
 }
 
-/// Whether a machine is as much closer than another without the parts of the recordings where it most is.
+/// Returns `true` if the machine `with` a cause is closer than the one `without` by [`WORTH`] also without the
+/// [`MOMENTS`] parts of the recordings in which it is most.
 fn is_all_along(forms: &[ContourDeviation], without: &Machine, with: &Machine) -> bool {
-    let parts =
-        |machine: &Machine| forms.iter().flat_map(|form| form.parts(machine, PARTS)).collect::<Vec<f64>>();
+    let parts = |machine: &Machine| {
+        forms.iter().flat_map(|form| form.parts(machine, RECORDING_PARTS)).collect::<Vec<f64>>()
+    };
     let mut both: Vec<(f64, f64)> = parts(without).into_iter().zip(parts(with)).collect();
     sort_by_number(&mut both, |one| -(one.0 - one.1));
     let rest = both.get(MOMENTS..).unwrap_or_default();
@@ -122,7 +144,7 @@ fn is_all_along(forms: &[ContourDeviation], without: &Machine, with: &Machine) -
     after < (1.0 - WORTH).powi(2) * before
 }
 
-/// A hypothesis at the best of its trials; its cost is the form error, mm.
+/// Returns a hypothesis at the best of its trials, with the form error (mm) as its cost; `None` without trials.
 fn screened(forms: &[ContourDeviation], machine: &Machine, hypothesis: &Hypothesis) -> Option<Candidate> {
     let tried = hypothesis.trials.iter().map(|values| {
         let cost = rms(forms, &hypothesis.machine(machine, values));
@@ -138,7 +160,7 @@ fn screened(forms: &[ContourDeviation], machine: &Machine, hypothesis: &Hypothes
     tried.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The same at its best values.
+/// Returns a candidate at its best values, with the form error (mm) as its cost.
 fn refined(forms: &[ContourDeviation], machine: &Machine, candidate: Candidate) -> Candidate {
     let Candidate { hypothesis, mut values, cost: mut least, .. } = candidate;
     let error = |values: &[f64]| rms(forms, &hypothesis.machine(machine, values));
@@ -154,10 +176,10 @@ fn refined(forms: &[ContourDeviation], machine: &Machine, candidate: Candidate) 
         _ => 1.5,
     };
     let mut widths: Vec<f64> = (0..values.len()).map(width).collect();
-    for _ in 0..ROUNDS.0 {
+    for _ in 0..SEARCH_ROUNDS {
         for (place, freed) in hypothesis.freed.iter().enumerate() {
             let centre = freed.to_internal(values[place]);
-            golden_section((centre - widths[place], centre + widths[place]), ROUNDS.1, |varied| {
+            golden_section((centre - widths[place], centre + widths[place]), STEPS_PER_ROUND, |varied| {
                 let mut there = values.clone();
                 there[place] = freed.from_internal(varied);
                 let found = error(&there);
@@ -172,23 +194,23 @@ fn refined(forms: &[ContourDeviation], machine: &Machine, candidate: Candidate) 
     // By how much the value would be another, were one part of the recording left out or another one there.
     let parts = |values: &[f64]| -> Vec<f64> {
         let machine = hypothesis.machine(machine, values);
-        forms.iter().flat_map(|form| form.parts(&machine, PARTS)).collect()
+        forms.iter().flat_map(|form| form.parts(&machine, RECORDING_PARTS)).collect()
     };
     let here = parts(&values);
     let deviations = hypothesis.freed.iter().enumerate().map(|(place, freed)| {
         let beside = |sign: f64| {
             let mut there = values.clone();
-            there[place] = freed.from_internal(freed.to_internal(values[place]) + sign * STEP);
+            there[place] = freed.from_internal(freed.to_internal(values[place]) + sign * QUOTIENT_STEP);
             parts(&there)
         };
         let (below, above) = (beside(-1.0), beside(1.0));
         let count = here.len() as f64;
         let slopes: Vec<f64> =
-            below.iter().zip(&above).map(|(below, above)| (above - below) / (2.0 * STEP)).collect();
+            below.iter().zip(&above).map(|(below, above)| (above - below) / (2.0 * QUOTIENT_STEP)).collect();
         let mean = slopes.iter().sum::<f64>() / count;
         let scatter =
             slopes.iter().map(|slope| (slope - mean).powi(2)).sum::<f64>() * count / (count - 1.0).max(1.0);
-        let bend = |at: usize| (below[at] + above[at] - 2.0 * here[at]) / (STEP * STEP);
+        let bend = |at: usize| (below[at] + above[at] - 2.0 * here[at]) / (QUOTIENT_STEP * QUOTIENT_STEP);
         let curvature = (0..here.len()).map(bend).sum::<f64>();
         let varied = if 0.0 < curvature { scatter.sqrt() / curvature } else { 1.0 };
         freed.deviation(values[place], varied.min(1.0)).hypot(freed.floor(values[place]))

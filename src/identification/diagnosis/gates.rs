@@ -1,9 +1,9 @@
-//! Is a cause better where it was not fitted, and nowhere else?
+//! Acceptance tests of a cause: does it lower the cost in sections to which it was not fitted, and only in its place?
 //!
-//! The path is cut into contiguous sections. A cause is held against each section with the values that the
-//! other sections give ([`left_out`]); it holds if it is better, all sections together, and in most of those in
-//! which it makes a difference at all. A cause that acts in one section alone, a wait, has no other section to be
-//! tried in, and this gate says nothing of it; but no wait at a word repeats exactly ([`is_beyond_chance`]).
+//! The path is cut into contiguous sections. Each section is compared with the simulation at the values that the other
+//! sections give ([`held_out`]). A cause passes if it lowers the cost of all sections together, and of most of those in
+//! which it makes a difference. This test does not apply to a cause that acts in one section alone, such as a wait, as
+//! no other section shows it; but no wait at a word repeats exactly ([`is_beyond_chance`]).
 
 use std::ops::Range;
 
@@ -11,63 +11,64 @@ use crate::identification::diagnosis::evidence::{Candidate, Evidence};
 use crate::identification::fit::{Run, cost, held_out_blocks};
 use crate::machine::Machine;
 
-/// By how much the cost must fall, beside ln n a parameter.
+/// Least reduction of the cost by a cause; ln n is added for each parameter, where n is the number of sections.
 pub const GAIN: f64 = 12.0;
-/// Sections of a run.
+/// Number of sections of a run.
 const SECTIONS: usize = 8;
-/// A section in which the cost changes by less than this tells nothing.
-const TELLS: f64 = 1.0;
-/// A cause acts where this part of the information on it lies.
+/// Least change of the cost of a section that counts for or against a cause.
+const MIN_COST_CHANGE: f64 = 1.0;
+/// Share of the information on a value above which a cause acts in a section.
 const ACTS: f64 = 1e-3;
-/// In so many of the sections that tell it must be better.
+/// Least share of the sections that count in which a cause must be better.
 const MOSTLY: f64 = 0.6;
 
-/// How a cause did in sections that it was not fitted to.
+/// The result of a cause in sections to which it was not fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldOut {
-    /// Sections in which it was better.
+    /// Number of sections that are better with the cause.
     pub better: usize,
-    /// Sections in which it was worse.
+    /// Number of sections that are worse with the cause.
     pub worse: usize,
-    /// By how much the cost fell, all sections together.
+    /// Reduction of the cost, all sections together.
     pub gain: f64,
 }
 
 impl HeldOut {
-    /// Whether it is better where it was not fitted.
+    /// Returns `true` if the cause is better in the sections to which it was not fitted.
     pub fn holds(&self) -> bool {
         0.0 < self.gain && MOSTLY <= self.share()
     }
 
-    /// The part of the sections that tell in which it is better.
+    /// Returns the share of the sections that count in which the cause is better.
     pub fn share(&self) -> f64 {
         self.better as f64 / (self.better + self.worse).max(1) as f64
     }
 }
 
-/// Sections of each of so many runs: many short ones, as excerpts are, are sections themselves.
+/// Returns the number of sections of each of `runs` runs: many short ones, such as excerpts, are one section each.
 fn sections_of_each(runs: usize) -> usize {
     if SECTIONS < runs { 1 } else { SECTIONS }
 }
 
-/// How many sections there are in all.
+/// Returns the number of sections of all runs together.
 fn sections(runs: &[Run]) -> usize {
     sections_of_each(runs.len()) * runs.len()
 }
 
-/// By how much the cost must fall for a cause of so many parameters.
+/// Returns the price of a cause with this number of parameters: the least reduction of the cost that it must bring.
 pub fn price(runs: &[Run], parameters: usize) -> f64 {
     GAIN + parameters as f64 * (sections(runs) as f64).ln()
 }
 
-/// Contiguous parts of so many residuals, about as many as `sections`.
+/// Returns contiguous index ranges of `count` residuals, about as many as `sections`.
 fn cut(count: usize, sections: usize) -> Vec<Range<usize>> {
     let length = count.div_ceil(sections).max(1);
     (0..count).step_by(length).map(|first| first..(first + length).min(count)).collect()
 }
 
-/// How causes do against those before, section by section, both with the values that the other sections give; none
-/// where the first of them, the new one, acts in one section alone.
+/// Compares the causes `after` with the causes `before` section by section, both at the values that the other sections
+/// give. The first of `after` is the new cause; `None` if it acts in one section alone, so that fewer than two sections
+/// count.
 pub fn held_out(
     evidence: &Evidence,
     base: &Machine,
@@ -89,16 +90,17 @@ pub fn held_out(
         }
         let gain = cost(&before.whitened) - cost(&after.whitened);
         held.gain += gain;
-        if TELLS < gain {
+        if MIN_COST_CHANGE < gain {
             held.better += 1;
-        } else if gain < -TELLS {
+        } else if gain < -MIN_COST_CHANGE {
             held.worse += 1;
         }
     }
     (1 < held.better + held.worse).then_some(held)
 }
 
-/// The evidence without the stretch, as long as a section, in which a machine is worst beside a better one.
+/// Returns the evidence without one stretch as long as a section: the one in which the cost of `worse` exceeds that of
+/// `better` most.
 pub fn without_worst<'a>(evidence: &Evidence<'a>, better: &Machine, worse: &Machine) -> Evidence<'a> {
     let sections = sections_of_each(evidence.runs.len());
     let (better, worse) = (evidence.whitened(better), evidence.whitened(worse));
@@ -123,26 +125,27 @@ pub fn without_worst<'a>(evidence: &Evidence<'a>, better: &Machine, worse: &Mach
     rest
 }
 
-/// The cycle of the PLC that answers words, s: that of LinuxCNC's iocontrol as it is recorded here; others take 10 to 20 ms.
+/// Cycle of the PLC that answers words, s: the cycle of LinuxCNC's iocontrol in the recordings of this project; other
+/// PLCs take 10 to 20 ms.
 const PLC_CYCLE_S: f64 = 0.02;
-/// Standard deviations by which chance moves a wait at most.
+/// Largest change of a wait by chance, in standard deviations.
 const MAX_CHANCE: f64 = 3.0;
 
-/// Whether waits at a word are longer or shorter, `each` by so much and all of the runs together by `all` (s), than chance makes
-/// them. A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within a cycle T: one
-/// wait varies by T √(2/12), and the mean of n waits differs from the mean of as many that the machine file is from by
-/// √(2/n) times that, T/√(3 n). With `all` = n `each` that is held against `each`.
+/// Returns `true` if waits at a word differ from the machine file by more than chance: each by `each`, all of the runs
+/// together by `all` (s). A word waits for the next cycle of the PLC, and its answer for one more, each anywhere within
+/// a cycle T: one wait has the standard deviation T √(2/12), and the mean of n waits differs from the mean of the n
+/// waits behind the machine file by √(2/n) times that, T/√(3 n). With `all` = n `each`, `each` is compared with it.
 pub fn is_beyond_chance(each: f64, all: f64) -> bool {
     MAX_CHANCE * PLC_CYCLE_S / 3f64.sqrt() < (each * all).abs().sqrt()
 }
 
-/// Shifts that are tried.
+/// Number of shifts at which the trace of a cause is tried.
 const SHIFTS: usize = 300;
-/// By how much the fit in place must be better than the best of the shifted ones.
+/// Least ratio of the fit in place to the best shifted fit.
 const IN_PLACE: f64 = 1.25;
 
-/// Whether the trace of a cause fits the residuals where it is, and not as well where it is shifted to: a
-/// residual that wanders by itself fits anything a little, anywhere.
+/// Returns `true` if the trace of a cause fits the residuals in its place and less well at every shift: a residual that
+/// wanders by itself fits any trace a little, anywhere.
 pub fn stays_in_place(evidence: &Evidence, without: &Machine, with: &Machine) -> bool {
     let (before, after) = (evidence.whitened(without), evidence.whitened(with));
     let clamp = |value: f64| value.clamp(-5.0, 5.0);

@@ -1,14 +1,16 @@
-//! Machine and runs → [`Diagnosis`]: where simulation and recording differ, what was left out, and how sure.
+//! Machine and runs → [`Diagnosis`]: where simulation and recording differ, the causes that the machine file lacks, and
+//! their confidence.
 //!
-//! Hypotheses are taken in one at a time, the one first that explains most; one is named only if it passes
-//! every gate of `search`. What stands for itself is taken in before all of them (`read_off`). A long run is
-//! searched in `excerpts` of it, and what was found is kept if it holds on the whole.
+//! The search accepts one hypothesis at a time, first the one that explains most; it names a hypothesis only if that
+//! passes every acceptance test of `search`. Causes that a recording shows directly come before all others
+//! (`read_off`). A long run is searched in `excerpts` of it, and a cause is kept if it holds on the whole run.
 //!
-//! After each the rest is looked at again; at the end every one that the others make unnecessary is taken
-//! back, and one that was named before the others were known gives way to one that is worth much more beside
-//! them. Others from which the best cannot be told on the runs are its ambiguity.
+//! After each cause the search repeats on the remaining lost time. At the end it removes every cause that the others
+//! make unnecessary, and replaces a cause that was named before the others were known by one that is worth much more
+//! beside them. Other effects that fit the runs as well as the best make the result ambiguous.
 //!
-//! What is left is judged by itself (`verdict`): much lost time that has no cause is unknown, and located.
+//! The remaining lost time is judged by itself (`verdict`): if it is large and has no cause, the result is unknown, and
+//! the diagnosis locates it.
 
 mod account;
 mod cause;
@@ -60,89 +62,91 @@ use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::simulation::ordered::sort_by_number;
 
-/// What a cause must explain, s, and what may be left without a word.
-const LEAST: f64 = 0.015;
-/// Causes named at most.
-const MOST: usize = 4;
-/// A calibration that leaves more than this part of the lost time explains no more than the machine file.
+/// Least lost time that a cause must explain, s; less may remain unexplained without a remark.
+const MIN_LOST_TIME_S: f64 = 0.015;
+/// Maximum number of rounds of the search for causes, each of which names the next one.
+const MAX_SEARCH_ROUNDS: usize = 4;
+/// Largest ratio of the lost time that remains after a calibration to that which remains without it; above it the
+/// calibration explains no more than the machine file.
 const CLEARLY_LESS: f64 = 0.5;
-/// How often one of them may give way to another.
+/// Maximum number of rounds in which a named cause may give way to another.
 const RECONSIDERED: usize = 2;
-/// The part of the time that is taken for finding them first.
+/// Part of the progress of the search that falls to finding the causes, before they are reconsidered.
 const FIRST: f64 = 0.7;
 
-/// What the diagnosis comes to.
+/// The result of a diagnosis in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Recording and simulation agree as far as the recording shows.
     NothingMissing,
-    /// What differs has named causes.
+    /// Named causes explain the differences.
     Explained,
-    /// A cause cannot be told from another.
+    /// Another effect fits the runs as well as a named cause.
     Ambiguous,
-    /// Something differs, here, and nothing in the library explains it.
+    /// Simulation and recording differ at known places, and nothing in the library explains it.
     Unknown,
 }
 
 /// A named cause.
 #[derive(Clone, Debug)]
 pub struct Cause {
-    /// What it is, with its values.
+    /// The hypothesis with its values.
     pub candidate: Candidate,
-    /// Time it explains, s, all runs together: its entry of the account.
+    /// Time that the cause explains, s, all runs together: its entry in the account.
     pub seconds: f64,
-    /// Form error it explains, mm; 0 for causes of time.
+    /// Form error that the cause explains, mm; 0 for causes of time.
     pub form: f64,
-    /// Lines on which it acts, as ranges.
+    /// Lines on which the cause acts, as ranges.
     pub lines: Vec<(u32, u32)>,
-    /// How sure, 0 to 1.
+    /// Confidence, 0 to 1.
     pub confidence: f64,
-    /// Ids of what it cannot be told from on these runs.
+    /// Ids of the effects that fit these runs as well as the cause.
     pub alike: Vec<String>,
-    /// Whether it was better where it was not fitted.
+    /// Result in the sections to which the cause was not fitted; `None` if they do not decide.
     pub held_out: Option<HeldOut>,
 }
 
-/// What was found.
+/// The result of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// In one word.
+    /// Result in one word.
     pub verdict: Verdict,
-    /// The causes, the one that explains most first.
+    /// Causes, the one that explains most time first.
     pub causes: Vec<Cause>,
-    /// How the simulated time of each run becomes the recorded one, with the causes in the order above.
+    /// Account of each run, from the simulated to the recorded time, with the causes in the order of `causes`.
     pub accounts: Vec<Account>,
-    /// Where simulation and recording differ, cause or no cause, run by run.
+    /// Regions in which simulation and recording differ, with or without a cause, run by run.
     pub regions: Vec<Region>,
-    /// Lost time that the causes leave, s, all runs together, and where most of it is.
+    /// Lost time that the causes leave, s, all runs together, and the region with most of it.
     pub left: (f64, Option<Region>),
-    /// By how much the machine file may be off on these runs, as a part of the time, where it was calibrated on other programs.
+    /// Relative error of the cycle time that the machine file may have on these runs, if it was calibrated on other
+    /// programs; otherwise `None`.
     pub elsewhere: Option<f64>,
-    /// Whether it is unknown for the form of the path alone, which loses no time.
+    /// `true` if the verdict is unknown because of the form of the path alone, which loses no time.
     pub is_of_form: bool,
-    /// How the pace rises and falls with time, which nothing in the library does.
+    /// Pulsation of the feedrate, with which it rises and falls in time; no effect of the library does that.
     pub pulsation: Option<Pulsation>,
-    /// The machine as it was calibrated from the runs first; `None` where the machine file was right enough.
+    /// The machine calibrated from the runs before the search for causes; `None` if the machine file was right enough.
     pub calibrated: Option<Machine>,
     /// The machine with the causes.
     pub machine: Machine,
-    /// Against the machine believed in, run by run.
+    /// Comparisons with the machine of the file, run by run.
     pub before: Vec<Comparison>,
-    /// Against the machine with the causes, run by run.
+    /// Comparisons with the machine that has the causes, run by run.
     pub after: Vec<Comparison>,
-    /// Form error before and after, mm; none without positions.
+    /// Form errors without and with the causes, mm; `None` without recorded positions.
     pub form: Option<(f64, f64)>,
-    /// How far feedrates differ where nothing was fitted; none where nothing is named or no feed is known.
+    /// Feedrate errors on stretches to which nothing was fitted; `None` if no cause is named or no feedrate is known.
     pub held_out: Option<Crossed>,
-    /// Ids of what the program does not excite.
+    /// Ids of the effects that the programs do not excite.
     pub not_excited: Vec<String>,
-    /// What to know, for people.
+    /// Remarks for the user.
     pub messages: Vec<String>,
 }
 
-/// Diagnoses runs against the machine believed in. A machine that was never calibrated, and of which one or two causes do
-/// not explain the runs, is another machine than its file says: it is calibrated from the runs first. `progress` is told
-/// the part that is done.
+/// Diagnoses runs against the machine of the file. If the machine was never calibrated and one or two causes do not
+/// explain the runs, its file describes another machine: `diagnose` calibrates it from the runs first. `progress`
+/// receives the completed part, 0 to 1.
 pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let (machine, elsewhere) = &standing::on_these(machine, runs);
     let shown = elsewhere.and_then(|_| shown::shown(machine, runs));
@@ -161,7 +165,7 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
     }
 }
 
-/// The same of a machine that says what it may be off by on these runs.
+/// Diagnoses runs against a machine that states the error it may have on them; see [`diagnose`].
 fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
@@ -189,8 +193,8 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     }
 }
 
-/// Diagnoses runs against the machine believed in, whatever it leaves. Where it was calibrated from the runs, `file` is the
-/// machine as it was before.
+/// Diagnoses runs against a machine, however much lost time remains, without a calibration first. If the machine was
+/// already calibrated from the runs, `file` is the machine before that.
 fn diagnose_as_it_is(
     machine: &Machine,
     file: Option<&Machine>,
@@ -267,18 +271,18 @@ fn diagnose_as_it_is(
 /// The causes that leave time along the path.
 #[derive(Default)]
 struct InTime {
-    /// Those that stay as they were read off.
+    /// Causes that the recording shows directly, with the values read off it.
     read_off: Vec<AcceptedCause>,
-    /// Those that were fitted.
+    /// Causes whose values were fitted.
     named: Vec<AcceptedCause>,
-    /// Where they were looked for in long runs.
+    /// Excerpts of the runs in which the search looked for causes; `None` if no run is long.
     excerpts: Option<Vec<Vec<Excerpt>>>,
-    /// How the pace that they leave rises and falls.
+    /// Pulsation of the feedrate that the causes leave.
     pulsation: Option<Pulsation>,
 }
 
 impl InTime {
-    /// All that is found on a machine.
+    /// Returns all causes of time that the search finds on a machine.
     fn searched(
         start: &Machine,
         runs: &[Run],
@@ -292,12 +296,12 @@ impl InTime {
             Looked { runs: parts.as_deref().unwrap_or(runs), whole: runs, in_parts: parts.is_some() };
         let (read_off, mut named) = read_off::read_off(start, &looked, library);
         let base = with_all(start, &candidates(&read_off));
-        for round in 0..MOST {
+        for round in 0..MAX_SEARCH_ROUNDS {
             // What the model itself may be off by is looked no cause for: any would only imitate it.
             if !is_worth_a_search(start, &with_all(&base, &candidates(&named)), runs, !named.is_empty()) {
                 break;
             }
-            let mut progress = |part| progress(FIRST * (round as f64 + part) / MOST as f64);
+            let mut progress = |part| progress(FIRST * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64);
             let Some(all) = search::with_next(&base, &looked, library, &named, &mut progress) else { break };
             named = all;
         }
@@ -328,7 +332,7 @@ impl InTime {
         self.read_off.is_empty() && self.named.is_empty()
     }
 
-    /// Each with the lines on which it acts beside the others, in the order in which they act.
+    /// Returns the causes in the order in which they act, each with the lines on which it acts beside the others.
     fn causes(&self, start: &Machine, drives: &[Candidate], fitted: &Machine, runs: &[Run]) -> Vec<Cause> {
         let all: Vec<&AcceptedCause> = self.read_off.iter().chain(&self.named).collect();
         let cause = |at: usize| {
@@ -343,8 +347,8 @@ impl InTime {
     }
 }
 
-/// The accounts of the runs. The causes, given as they act, get their seconds and are put in order, the one that
-/// explains most first.
+/// Returns the accounts of the runs. The causes, given in the order in which they act, receive their seconds and are
+/// sorted, the one that explains most first.
 fn accounted(
     (believed, calibrated): (&Machine, Option<&Machine>),
     causes: &mut Vec<Cause>,
@@ -366,13 +370,13 @@ fn compared(machine: &Machine, runs: &[Run]) -> Vec<Comparison> {
     runs.iter().map(|run| compare(run.toolpath, &run.plan(machine), &run.by_clock(machine))).collect()
 }
 
-/// Where the comparisons of the runs with a machine lost time, run by run.
+/// Returns the regions in which the runs lost time in their comparisons with a machine, run by run.
 fn located(comparisons: &[Comparison], runs: &[Run], machine: &Machine) -> Vec<Region> {
     let each = comparisons.iter().zip(runs).enumerate();
     each.flat_map(|(at, (comparison, run))| regions(comparison, &run.by_clock(machine), at)).collect()
 }
 
-/// Ids of the effects that a program can bring out and these runs do not.
+/// Returns the ids of the effects that a program can excite and these runs do not.
 fn not_excited(library: &[Hypothesis]) -> Vec<String> {
     let is_missing = |effect: &&Effect| {
         effect.unprovoked.is_none() && !library.iter().any(|hypothesis| hypothesis.effect == **effect)

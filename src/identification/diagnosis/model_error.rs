@@ -1,31 +1,36 @@
-//! What the model of a machine leaves unexplained by itself, and what follows for the causes that are named.
+//! The error of the model of a machine: the time and form that it leaves unexplained by itself, and the consequences
+//! for the named causes.
 //!
-//! How far a machine file is believed is in `standing`; what a file that describes its machine leaves is no cause.
+//! `standing` decides how far a machine file is believed. The lost time that remains with a file that describes its
+//! machine is no cause.
 
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates};
 use crate::identification::diagnosis::evidence::{Candidate, with_all};
 use crate::identification::diagnosis::standing::Standing;
 use crate::identification::diagnosis::verdict::Left;
-use crate::identification::diagnosis::{LEAST, compared, form, located, regions, search};
+use crate::identification::diagnosis::{MIN_LOST_TIME_S, compared, form, located, regions, search};
 use crate::identification::effects::Nature;
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
-/// Settings and limits of machine and control that may have changed at once.
+/// Maximum number of settings and limits of machine and control that may have changed at once.
 pub const AT_ONCE: usize = 2;
 
-/// What a machine leaves unexplained of runs that it was calibrated on: the error of the model itself, which is no cause.
+/// The unexplained rest of runs on the machine that was calibrated on them: the error of the model itself, which is no
+/// cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelError {
-    /// Lost time by region, nothing set off, as a part of the recorded time.
+    /// Sum of the sizes of the lost times of the regions, as a part of the recorded time; lost and gained times do not
+    /// cancel.
     pub unexplained_time: f64,
-    /// Root mean square distance of recorded from simulated positions at equal times, mm; `None` without positions.
+    /// Root mean square distance between recorded and simulated positions at equal times, mm; `None` without recorded
+    /// positions.
     pub form: Option<f64>,
 }
 
 impl ModelError {
-    /// Of a machine on the runs that it was calibrated on.
+    /// Returns the error of a machine on the runs that it was calibrated on.
     pub fn of(machine: &Machine, runs: &[Run]) -> ModelError {
         let left = Remainder::of(machine, runs);
         ModelError {
@@ -34,29 +39,31 @@ impl ModelError {
         }
     }
 
-    /// Writes it into the machine that leaves it.
+    /// Writes the error into the machine that has it.
     pub fn keep_in(self, machine: &mut Machine) {
         machine.unexplained_time = Some(self.unexplained_time);
         machine.form_error = self.form;
     }
 }
 
-/// Whether what a machine leaves of the runs is worth a search for a cause.
+/// Returns `true` if the lost time that `machine` leaves of the runs is worth a search for a cause, or, if `is_beside`,
+/// for a further one beside others. `believed` is the machine without causes.
 pub fn is_worth_a_search(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
     let left = Remainder::of(machine, runs);
     match Standing::of(believed) {
-        Standing::Unchecked => LEAST.max(search::SIZE * left.recorded()) < left.seconds,
+        Standing::Unchecked => MIN_LOST_TIME_S.max(search::SIZE * left.recorded()) < left.seconds,
         Standing::Describes(_) => left.asks(believed, runs, is_beside),
         Standing::Misses => false,
     }
 }
 
-/// Whether a machine leaves so much of the runs that it asks for a cause, or beside others for a further one.
+/// Returns `true` if `machine` leaves so much lost time of the runs that it requires a cause, or, if `is_beside`, a
+/// further one beside others. `believed` is the machine without causes.
 pub fn leaves_much(believed: &Machine, machine: &Machine, runs: &[Run], is_beside: bool) -> bool {
     Remainder::of(machine, runs).asks(believed, runs, is_beside)
 }
 
-/// What a machine leaves of the runs.
+/// The lost time that a machine leaves of the runs.
 struct Remainder {
     /// Lost time, s.
     seconds: f64,
@@ -73,21 +80,21 @@ impl Remainder {
         self.compared.iter().map(|comparison| comparison.whole.recorded).sum()
     }
 
-    /// Whether it asks for a cause, or, beside others, for a further one.
+    /// Returns `true` if the lost time requires a cause, or, if `is_beside`, a further one beside others.
     fn asks(&self, believed: &Machine, runs: &[Run], is_beside: bool) -> bool {
         let before = if is_beside { Remainder::of(believed, runs).seconds } else { self.seconds };
         Left::of(believed, (before, self.seconds), None, &self.compared).asks(is_beside)
     }
 }
 
-/// Whether a cause is a limit or a setting of machine or control.
+/// Returns `true` if a cause is a limit or a setting of machine or control.
 pub fn is_of_machine(candidate: &Candidate) -> bool {
     matches!(candidate.hypothesis.effect.nature, Nature::Limit | Nature::Setting)
 }
 
-/// The causes without those that lie in machine and control, where these make a story: more of them than change at once,
-/// or much left beside them. A part of something unknown has no name. A machine file that was never checked is taken at
-/// its word.
+/// Returns the causes without the limits and settings of machine and control, if these are not believable: if there are
+/// more of them than change at once ([`AT_ONCE`]), or if much lost time remains beside them, as a part of something
+/// unknown has no name. All causes remain if the machine file was never checked.
 pub fn without_story(
     start: &Machine,
     base: &Machine,

@@ -1,12 +1,13 @@
-//! Hypotheses of causes that act in one part of the program only, placed where the residual says.
+//! Hypotheses of causes that act in one part of the program only, placed by the residual.
 //!
-//! The override of feed moves from one place of the path to another, wherever the switch was turned: with g the change of the residual between marks by
-//! an override on all lines, and δ that which is observed, β = Σ δ g / Σ g² over a range explains
-//! (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix sums over at most
-//! [`BINS`] parts; the same sums over whitened residuals say whether it is worth a range.
+//! An override acts on the feed moves from one place of the path to another, wherever the operator turned the switch.
+//! Let g be the change of the residual between marks by an override on all lines, and δ the observed change. Then
+//! β = Σ δ g / Σ g² over a range explains (Σ δ g)² / Σ g² of Σ δ². The range that explains most is found from prefix
+//! sums over at most [`BINS`] parts. The same sums over whitened residuals decide whether that range explains enough
+//! more than the whole program.
 //!
-//! Waits before lines: where the recorded machine rests between two long blocks, the longest ones. A feed hold:
-//! where it dips.
+//! Waits before lines are placed at the longest rests of the recorded machine between two long blocks, and a feed
+//! hold at the dip of its feedrate.
 
 use crate::identification::diagnosis::dips::dip;
 use crate::identification::diagnosis::evidence::Evidence;
@@ -20,32 +21,37 @@ use crate::machine::{Handle, Machine};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::Motion;
 
-/// Parts of a run between which a range may begin and end.
+/// Most parts of a run, between which a range may begin and end.
 const BINS: usize = 300;
-/// The override that is tried to see what one does.
+/// Override ratio that is simulated to obtain the effect of an override.
 const TRIED: f64 = 0.97;
 /// Golden sections in the search of the ratio of an override.
 const RATIO_SECTIONS: usize = 14;
-/// Lost time at a mark counts up to this many standard deviations, and up to what an override of 1/(1 + this) would lose: more
+/// Most standard deviations of noise that count in the lost time at a mark, beside [`MAX_SLOWING`]: a larger lost time
 /// is a wait.
 const MAX_NOISE: f64 = 20.0;
+/// Largest lost time at a mark that counts as slowing, as a multiple of the simulated time: that of an override of
+/// 1/(1 + `MAX_SLOWING`).
 const MAX_SLOWING: f64 = 4.0;
-/// The fewest parts that an override lasts.
+/// Fewest parts of a run that an override lasts.
 const MIN_PARTS: usize = 3;
-/// Parts of a run on either side of an edge within which it is looked for.
+/// Parts of a run on either side of an edge within which the edge is searched.
 const PARTS_AROUND: usize = 2;
-/// Golden sections in the search of an edge, each of which is searched so often.
+/// Golden sections in the search of an edge.
 const EDGE_SECTIONS: usize = 12;
+/// Rounds in which each edge and the ratio are searched in turn.
 const EDGE_ROUNDS: usize = 3;
-/// Waits before lines that are tried.
+/// Most waits before lines that are tried.
 const WAITS: usize = 3;
-/// A range that explains less than this part more than the whole program is the whole program.
+/// Least ratio of the lost time that a range explains to that which the whole program explains; below it, the range
+/// counts as the whole program.
 const WORTH_A_RANGE: f64 = 1.1;
 
-/// The shortest override, s: nobody turns a switch to another rate and back in less.
+/// Shortest override, s: no operator turns a switch to another rate and back in less.
 const SHORTEST_OVERRIDE: f64 = 0.5;
 
-/// Hypotheses placed by the residuals of the first run; those of an override only if that is open.
+/// Returns the hypotheses that the residuals of the first run place. An override is among them only if `is_open`, that
+/// is, if no cause has settled the feed override yet.
 pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open: bool) -> Vec<Hypothesis> {
     let Some(run) = runs.first() else { return Vec::new() };
     let range = if is_open { override_range(machine, run, evidence) } else { None };
@@ -59,7 +65,8 @@ pub fn hypotheses(machine: &Machine, runs: &[Run], evidence: &Evidence, is_open:
     all
 }
 
-/// The override of feed moves along a part of the path.
+/// Returns the hypothesis of a feed override along a part of the path. `None` if no range explains enough more than the
+/// whole program, or if the best one is shorter than [`SHORTEST_OVERRIDE`].
 fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<Hypothesis> {
     let mut other = machine.clone();
     other.overrides.feed *= TRIED;
@@ -115,13 +122,14 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     Some(Hypothesis::single(FEED_OVERRIDE, freed, trials, report).variant("on some lines"))
 }
 
-/// What a change of the lost time by an override explains of the lost time that is observed, from prefix sums Σ δ g and Σ g².
+/// Observed lost time that an override explains: prefix sums Σ δ g and Σ g² of observed changes δ and of changes g by
+/// an override.
 struct Explained {
     sums: Vec<(f64, f64)>,
 }
 
 impl Explained {
-    /// Of pairs (δ, g); a δ counts up to this `noise` and [`MAX_SLOWING`] times g, since more is a wait.
+    /// Sums pairs (δ, g). The size of each δ counts up to `noise` + [`MAX_SLOWING`] |g|, since a larger one is a wait.
     fn of(pairs: impl Iterator<Item = (f64, f64)>, noise: f64) -> Explained {
         let mut sums = vec![(0.0, 0.0)];
         for (observed, change) in pairs {
@@ -136,19 +144,19 @@ impl Explained {
         (self.sums[to].0 - self.sums[from].0, self.sums[to].1 - self.sums[from].1)
     }
 
-    /// (Σ δ g)²/Σ g² of the pairs from one up to another.
+    /// Returns (Σ δ g)²/Σ g² of the pairs `from..to`; 0 if Σ g² is 0.
     fn part(&self, from: usize, to: usize) -> f64 {
         let (both, own) = self.between(from, to);
         if 0.0 < own { both * both / own } else { 0.0 }
     }
 
-    /// β of the pairs from one up to another.
+    /// Returns β = Σ δ g/Σ g² of the pairs `from..to`; 0 if Σ g² is 0.
     fn slope(&self, from: usize, to: usize) -> f64 {
         let (both, own) = self.between(from, to);
         if 0.0 < own { both / own } else { 0.0 }
     }
 
-    /// The range of at least [`MIN_PARTS`] pairs that explains most.
+    /// Returns the range of at least [`MIN_PARTS`] pairs that explains most.
     fn best_range(&self) -> (usize, usize) {
         let count = self.sums.len() - 1;
         let mut best = (0, count);
@@ -165,7 +173,7 @@ impl Explained {
     }
 }
 
-/// Where an override begins and ends along the path, mm; `None` at the ends of the program.
+/// Distances along the path between which an override is in force, mm; an edge at an end of the program is `None`.
 #[derive(Clone, Copy)]
 struct OverrideSpan {
     from: Option<f64>,
@@ -173,8 +181,8 @@ struct OverrideSpan {
 }
 
 impl OverrideSpan {
-    /// Returns the span without an edge where no feed move is beyond it: nothing shows there whether the override is in
-    /// force. `distances` are those of the toolpath, mm.
+    /// Returns the span without each edge beyond which the program has no feed move: nothing shows there whether the
+    /// override is in force. `distances` are those of the toolpath, mm.
     fn as_shown(self, run: &Run, distances: &[f64]) -> OverrideSpan {
         let segments = &run.toolpath.segments;
         let is_feed = |segment: &usize| segments.motion(*segment) != Motion::Rapid;
@@ -189,8 +197,8 @@ impl OverrideSpan {
         (self.from.unwrap_or(0.0), self.to.unwrap_or(f64::INFINITY))
     }
 
-    /// Returns the edges at which the cost is least at a ratio, one after the other; `ends` are those of the
-    /// parts of the run, mm.
+    /// Returns the span with the edges of least cost at a given ratio, searched one after the other. `ends` are the
+    /// distances at which the parts of the run begin and end, mm.
     fn fitted(mut self, machine: &Machine, evidence: &Evidence, ratio: f64, ends: &[f64]) -> OverrideSpan {
         let least = |at: f64, with: &dyn Fn(f64) -> OverrideSpan| {
             let cost = |at: f64| evidence.cost(&overridden(machine, ratio, with(at).of_path()));
@@ -207,7 +215,7 @@ impl OverrideSpan {
     }
 }
 
-/// The stretch of the path of [`PARTS_AROUND`] parts on either side of a distance, mm.
+/// Returns the stretch of the path from [`PARTS_AROUND`] parts before a distance to as many after it, mm.
 fn around(at: f64, ends: &[f64]) -> (f64, f64) {
     let next = ends.partition_point(|end| *end < at);
     (ends[next.saturating_sub(PARTS_AROUND)], ends[(next + PARTS_AROUND).min(ends.len() - 1)])
@@ -219,14 +227,14 @@ fn overridden(machine: &Machine, ratio: f64, span: (f64, f64)) -> Machine {
     machine
 }
 
-/// The override at which the cost is least, near where it was guessed.
+/// Returns the override ratio of least cost near a guess.
 fn best_ratio(machine: &Machine, evidence: &Evidence, guess: f64, span: (f64, f64)) -> f64 {
     let cost = |ratio: f64| evidence.cost(&overridden(machine, ratio, span));
     let (low, high) = golden_section((0.85 * guess, 1.18 * guess), RATIO_SECTIONS, cost);
     0.5 * (low + high)
 }
 
-/// The line at a distance along the path.
+/// Returns the line at a distance along the path, mm; 0 if the program has no moves.
 fn line_at(run: &Run, distance: f64, distances: &[f64]) -> u32 {
     let segments = &run.toolpath.segments;
     let begun = distances.partition_point(|begin| *begin <= distance);

@@ -1,18 +1,18 @@
 //! Plateaus: readings of the feedrate while nothing but the programmed feed bounds it.
 //!
-//! On long blocks a machine runs at the programmed feed times the override, and says so. The ratio of a
-//! reading to the programmed feed is read off without a model of the motion:
+//! On long blocks a machine runs at the programmed feed times the override, and the control shows that feedrate. The
+//! ratio of a reading to the programmed feed is read off without a model of the motion:
 //!
 //! ```text
 //! ρ = v / F,    readings while F was the same for two polls before and until the reading ends
 //! ```
 //!
-//! Ramps and corners scatter below; the readings of plateaus pile up within the resolution of the log. The
-//! ratio is the upper part of the densest window of ρ, [`WIDTH`] wide, weighted with time and F, as a
-//! reading of a fast move has more digits. It counts where the pile holds a good part of the readings and
-//! comes from all of the run. What a model of the whole program is off by does not matter to it.
+//! Readings on ramps and at corners scatter below the override; those on plateaus pile up within the resolution of the
+//! log. The ratio is the [`UPPER`] quantile of the densest window of ρ, [`WIDTH`] wide. Each reading is weighted with
+//! its time and with F², because a reading of a fast move has more digits. The ratio counts if the pile holds a good
+//! part of the readings and comes from the whole run. Errors of a model of the whole program do not affect it.
 //!
-//! Limits: logs with line numbers and feed; an override that is changed again and again has no pile.
+//! Limits: only logs with line numbers and feed; an override that changes again and again leaves no pile.
 
 use crate::identification::alignment::{ProgramPlace, visits};
 use crate::identification::diagnosis::evidence::Candidate;
@@ -22,34 +22,36 @@ use crate::machine::Machine;
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::Motion;
 
-/// The quantile of a pile that is its ratio: what cuts off digits, or is not yet there, is below.
+/// Quantile of a pile that is taken as its ratio: readings with digits cut off, and readings before the machine reaches
+/// the feedrate, are below it.
 const UPPER: f64 = 0.7;
-/// Width of the window, as a ratio.
+/// Width of the window, as a difference of ratios.
 const WIDTH: f64 = 0.006;
-/// The part of the readings that a pile holds.
-const PART: f64 = 0.12;
-/// And how much more than any other pile.
-const ALONE: f64 = 1.5;
-/// In so many of [`STRETCHES`] equal parts of the time there are readings of it.
+/// Least time of a pile, as a part of the time of all readings.
+const MIN_PILE_PART: f64 = 0.12;
+/// Least ratio of the time of a pile to that of any other pile.
+const MIN_RATIO_TO_OTHER_PILES: f64 = 1.5;
+/// Fewest of the [`STRETCHES`] equal parts of the time of a run in which a pile has readings.
 const SPREAD: usize = 5;
+/// Equal parts of the time of a run.
 const STRETCHES: f64 = 8.0;
-/// The fewest readings.
+/// Fewest readings of a pile.
 const FEWEST: usize = 12;
-/// A reading counts for so long at most, s.
-const LONGEST: f64 = 2.0;
-/// An override closer to the believed one than this is that one.
-const SAME: f64 = 4e-3;
+/// Longest time for which a reading counts, s.
+const MAX_READING_S: f64 = 2.0;
+/// Largest difference between ratios at which they count as one override.
+const MAX_SAME_RATIO_DIFFERENCE: f64 = 4e-3;
 
-/// A ratio of recorded to programmed feedrates.
+/// Ratio of the recorded to the programmed feedrate on the plateaus of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plateau {
-    /// It.
+    /// Recorded feedrate, as a part of the programmed one.
     pub ratio: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the ratio.
     pub deviation: f64,
 }
 
-/// A reading.
+/// Reading of the feedrate on a block with a programmed feed.
 struct Reading {
     time: f64,
     seconds: f64,
@@ -57,7 +59,8 @@ struct Reading {
     feedrate: f64,
 }
 
-/// The ratio at which a run goes where nothing else bounds it; none where no such is to be seen.
+/// Returns the ratio at which a run moves where only the programmed feed bounds it. `None` if the readings show no
+/// plateau.
 pub fn plateau(run: &Run) -> Option<Plateau> {
     let mut readings = readings(run);
     sort_by_number(&mut readings, |reading| reading.ratio);
@@ -83,7 +86,11 @@ pub fn plateau(run: &Run) -> Option<Plateau> {
     let stretch = |time: f64| ((time - first) / (last - first).max(1e-9) * STRETCHES) as usize;
     let stretches: std::collections::BTreeSet<usize> =
         readings[range.clone()].iter().map(|reading| stretch(reading.time)).collect();
-    if range.len() < FEWEST || most < PART * whole || most < ALONE * other || stretches.len() < SPREAD {
+    if range.len() < FEWEST
+        || most < MIN_PILE_PART * whole
+        || most < MIN_RATIO_TO_OTHER_PILES * other
+        || stretches.len() < SPREAD
+    {
         return None;
     }
     let weight = |reading: &Reading| reading.seconds * reading.feedrate * reading.feedrate;
@@ -105,7 +112,7 @@ pub fn plateau(run: &Run) -> Option<Plateau> {
     Some(Plateau { ratio, deviation: (1.5 * scatter).max(5e-4) })
 }
 
-/// The readings of a run, on blocks of a known feed.
+/// Returns the readings of a run on blocks with a known feed; none without a polled feedrate.
 fn readings(run: &Run) -> Vec<Reading> {
     let alignment = run.alignment;
     let Some((poll, feed)) = alignment.poll.zip(alignment.feed.as_ref()) else { return Vec::new() };
@@ -119,7 +126,7 @@ fn readings(run: &Run) -> Vec<Reading> {
             }
             let end = feed.time.get(at + 1).copied().unwrap_or(to).min(to);
             let time = feed.time[at].max(begin);
-            let seconds = (end - time).min(LONGEST);
+            let seconds = (end - time).min(MAX_READING_S);
             if 0.0 < seconds && 0.0 < feed.values[at] {
                 readings.push(Reading { time, seconds, ratio: feed.values[at] / feedrate, feedrate });
             }
@@ -128,7 +135,8 @@ fn readings(run: &Run) -> Vec<Reading> {
     readings
 }
 
-/// From when to when (s) which feedrate (mm/s) is programmed, where it is one.
+/// Returns the spans of recorded time, from and to (s), in which a single feedrate (mm/s) is programmed, with that
+/// feedrate.
 fn programmed(run: &Run) -> Vec<(f64, f64, f64)> {
     let visits = visits(run.toolpath);
     let feed_of = |visit: usize| {
@@ -162,17 +170,17 @@ fn programmed(run: &Run) -> Vec<(f64, f64, f64)> {
     spans
 }
 
-/// What the plateaus of the runs say of the feed override.
+/// Result of the plateaus of the runs for the feed override.
 pub enum Said {
-    /// Nothing.
+    /// The plateaus determine no override.
     Nothing,
-    /// It is as believed.
+    /// The override is the one of the machine believed in.
     Believed,
-    /// It is another.
+    /// The override is another one.
     Other(Candidate),
 }
 
-/// What the plateaus say; the override is one of the machine only if it is that of every run.
+/// Reads the feed override off the plateaus. It counts as that of the machine only if every run shows it.
 pub fn feed_override(machine: &Machine, runs: &[Run], library: &[Hypothesis]) -> Said {
     let all: Option<Vec<Plateau>> = runs.iter().map(plateau).collect();
     let Some(all) = all.filter(|all| !all.is_empty()) else { return Said::Nothing };
@@ -180,10 +188,10 @@ pub fn feed_override(machine: &Machine, runs: &[Run], library: &[Hypothesis]) ->
     let ratio = all.iter().map(|plateau| plateau.ratio).sum::<f64>() / count;
     let deviation = all.iter().map(|plateau| plateau.deviation).fold(0.0, f64::max);
     let apart = all.iter().map(|plateau| (plateau.ratio - ratio).abs()).fold(0.0, f64::max);
-    if SAME.max(3.0 * deviation) < apart {
+    if MAX_SAME_RATIO_DIFFERENCE.max(3.0 * deviation) < apart {
         return Said::Nothing;
     }
-    if (ratio / machine.overrides.feed - 1.0).abs() < SAME.max(3.0 * deviation) {
+    if (ratio / machine.overrides.feed - 1.0).abs() < MAX_SAME_RATIO_DIFFERENCE.max(3.0 * deviation) {
         return Said::Believed;
     }
     let found = library.iter().find(|own| own.effect == FEED_OVERRIDE && own.variant.is_empty());

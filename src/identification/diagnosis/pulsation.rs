@@ -1,4 +1,4 @@
-//! A feedrate that rises and falls with time: adaptive control, a load that swings, a hand on the dial.
+//! A feedrate that rises and falls with time: adaptive control, a load that swings, an operator at the override dial.
 //!
 //! ```text
 //!  lost time r                                rate spectrum of r
@@ -7,14 +7,15 @@
 //!    |________________________ t                 |______|_.___.__ f  depth = 2π f A, A amplitude of r
 //! ```
 //!
-//! A pace 1 + d sin 2πft leaves one line: the residual is laid on even times, cut into windows with Hann's
-//! weights, and of the amplitudes A of each frequency the median over all windows is taken, so that a wait in one
-//! of them does not count. The rate 2π f A of a wandering residual is the same at all frequencies; a pulsation stands
-//! [`OUT`] times above the median of them, in power. What lies in the program is none: its lost time goes up in steps,
-//! of which the second harmonic is more than [`PURE`] of the first, or an axis moves at the same frequency.
-//! Source of the method: Welch 1967.
+//! A pace 1 + d sin 2πft leaves one line in the spectrum. The residual is interpolated at even times and cut into
+//! windows with Hann's weights. The amplitude A of each frequency is the median over all windows, so that a wait in one
+//! of them does not count. The rate 2π f A of a wandering residual is the same at all frequencies; that of a pulsation
+//! exceeds their median [`MIN_POWER_RATIO`] times, in power. An effect of the program is no pulsation: its lost time
+//! rises in steps, whose second harmonic has more than [`PURE`] of the power of the first, or an axis moves at the same
+//! frequency. Source of the method: Welch 1967.
 //!
-//! Limits: from [`LOWEST`] to [`HIGHEST`] Hz, [`LEAST`] deep, in runs of a window at least whose positions are known.
+//! Limits: frequencies from [`LOWEST`] to [`HIGHEST`] Hz; depths from [`MIN_DEPTH`]; runs with known positions that
+//! last at least one window.
 
 use std::f64::consts::TAU;
 
@@ -24,36 +25,39 @@ use crate::identification::fit::Run;
 use crate::simulation::sampled::rows_around;
 use crate::simulation::toolpath::Point;
 
-/// Time between the samples of the residual, s; marks must be this close.
-const STEP: f64 = 0.05;
+/// Time between the samples of the residual, s; marks must be about this close.
+const SAMPLE_INTERVAL_S: f64 = 0.05;
 /// Samples of a window.
 const WINDOW: usize = 256;
-/// Lowest and highest frequency looked at, Hz, and their distance.
+/// Lowest frequency searched, Hz.
 const LOWEST: f64 = 0.3;
+/// Highest frequency searched, Hz.
 const HIGHEST: f64 = 3.0;
+/// Distance between searched frequencies, Hz.
 const APART: f64 = 0.04;
-/// How far its power stands out of that of all frequencies.
-const OUT: f64 = 30.0;
-/// An axis that stands out so far moves at that frequency by itself.
+/// Least ratio of the power of a pulsation to the median power of all frequencies.
+const MIN_POWER_RATIO: f64 = 30.0;
+/// Least ratio of the power of an axis at a frequency to its median power, from which on the axis moves at that
+/// frequency by itself.
 const MOVES: f64 = 8.0;
-/// What power its second harmonic has, at most.
+/// Largest power of the second harmonic of a pulsation, as a part of the power of the first.
 const PURE: f64 = 0.1;
-/// The least depth, as a part of the feedrate.
-const LEAST: f64 = 0.01;
-/// Two are the same whose frequencies are this close, as a ratio.
-const SAME: f64 = 0.05;
+/// Least depth of a pulsation, as a part of the feedrate.
+const MIN_DEPTH: f64 = 0.01;
+/// Largest difference between frequencies that count as one, as a part of the frequency.
+const MAX_FREQUENCY_DIFFERENCE: f64 = 0.05;
 
-/// A pace of 1 + `depth` sin 2π `frequency` t.
+/// Pace of 1 + `depth` sin 2π `frequency` t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulsation {
-    /// How often, Hz.
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// By what part of the feedrate.
+    /// Amplitude, as a part of the feedrate.
     pub depth: f64,
 }
 
 impl Pulsation {
-    /// The deepest that the runs show against a simulation.
+    /// Returns the deepest pulsation that the runs show against a simulation; `None` if they show none.
     pub fn seen(compared: &[Comparison], runs: &[Run]) -> Option<Pulsation> {
         let of_run = |(comparison, run): (&Comparison, &Run)| {
             let times: Vec<f64> = run.alignment.marks.iter().map(|mark| mark.time).collect();
@@ -71,36 +75,38 @@ impl Pulsation {
         compared.iter().zip(runs).filter_map(of_run).max_by(|a, b| a.depth.total_cmp(&b.depth))
     }
 
-    /// Whether it is as fast as another.
+    /// Returns `true` if the frequency is that of another pulsation, within `MAX_FREQUENCY_DIFFERENCE`.
     pub fn is_as_fast(&self, other: &Pulsation) -> bool {
-        (self.frequency / other.frequency).ln().abs() < SAME
+        (self.frequency / other.frequency).ln().abs() < MAX_FREQUENCY_DIFFERENCE
     }
 }
 
-/// The pulsation of residuals (s) at ascending times (s).
+/// Returns the pulsation of residuals (s) at ascending times (s); `None` if they show none.
 fn pulsation(times: &[f64], residuals: &[f64]) -> Option<Pulsation> {
     let spectrum = Spectrum::of(times, residuals)?;
     let (frequency, depth) =
         frequencies().zip(spectrum.rates.iter().copied()).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let is_pure = spectrum.rate(2.0 * frequency).powi(2) < PURE * depth * depth;
-    (spectrum.is_above(OUT, depth) && is_pure && LEAST <= depth).then_some(Pulsation { frequency, depth })
+    (spectrum.is_above(MIN_POWER_RATIO, depth) && is_pure && MIN_DEPTH <= depth)
+        .then_some(Pulsation { frequency, depth })
 }
 
 fn frequencies() -> impl Iterator<Item = f64> {
     (0..).map(|at| LOWEST + APART * f64::from(at)).take_while(|frequency| *frequency <= HIGHEST)
 }
 
-/// How fast values change at each frequency.
+/// Rates 2π f A at which values change, for each frequency.
 struct Spectrum {
     windows: Vec<Vec<f64>>,
     rates: Vec<f64>,
 }
 
 impl Spectrum {
-    /// Of values at ascending times (s); none where these are too few for the frequencies or too short for a window.
+    /// Returns the spectrum of values at ascending times (s). `None` if the times are too few for the frequencies, or
+    /// too short for a window.
     fn of(times: &[f64], values: &[f64]) -> Option<Spectrum> {
         let (first, last) = (times.first()?, times.last()?);
-        if STEP * (times.len() as f64) < 0.5 * (last - first) {
+        if SAMPLE_INTERVAL_S * (times.len() as f64) < 0.5 * (last - first) {
             return None;
         }
         let even = evenly(times, values);
@@ -110,37 +116,37 @@ impl Spectrum {
         (!spectrum.windows.is_empty()).then_some(spectrum)
     }
 
-    /// 2π f A of a frequency (Hz), the median over all windows.
+    /// Returns 2π f A of a frequency (Hz), the median over all windows.
     fn rate(&self, frequency: f64) -> f64 {
         let each = self.windows.iter().map(|window| TAU * frequency * amplitude(window, frequency));
         median(&mut each.collect::<Vec<f64>>())
     }
 
-    /// Whether a rate is so many times the median of all, in power.
+    /// Returns `true` if the power of a rate is more than `times` that of the median over all frequencies.
     fn is_above(&self, times: f64, rate: f64) -> bool {
         times * median(&mut self.rates.clone()).powi(2) < rate * rate
     }
 
-    /// Whether there is motion at about a frequency (Hz).
+    /// Returns `true` if the values move at about a frequency (Hz).
     fn has(&self, frequency: f64) -> bool {
-        let near = |other: &f64| (other / frequency).ln().abs() < SAME;
+        let near = |other: &f64| (other / frequency).ln().abs() < MAX_FREQUENCY_DIFFERENCE;
         let beside = frequencies().zip(&self.rates).filter(|(other, _)| near(other)).map(|(_, rate)| *rate);
         self.is_above(MOVES, beside.fold(self.rate(frequency), f64::max))
     }
 }
 
-/// Values between their times, at even ones.
+/// Interpolates values at even times, [`SAMPLE_INTERVAL_S`] apart.
 fn evenly(times: &[f64], values: &[f64]) -> Vec<f64> {
-    let count = ((times[times.len() - 1] - times[0]) / STEP) as usize;
+    let count = ((times[times.len() - 1] - times[0]) / SAMPLE_INTERVAL_S) as usize;
     let mut row = 0;
     let value = |at: usize| {
-        let rows = rows_around(times, times[0] + STEP * at as f64, &mut row);
+        let rows = rows_around(times, times[0] + SAMPLE_INTERVAL_S * at as f64, &mut row);
         rows.map_or(0.0, |rows| rows.between(values))
     };
     (0..=count).map(value).collect()
 }
 
-/// A window without its straight line, by Hann's weights.
+/// Returns a window without its straight line, multiplied by Hann's weights.
 fn weighted(window: &[f64]) -> Vec<f64> {
     let count = window.len() as f64;
     let centre = 0.5 * (count - 1.0);
@@ -153,9 +159,9 @@ fn weighted(window: &[f64]) -> Vec<f64> {
     window.iter().enumerate().map(of).collect()
 }
 
-/// The amplitude of a frequency (Hz) in a weighted window; Hann's weights have the mean ½.
+/// Returns the amplitude of a frequency (Hz) in a weighted window; the mean of Hann's weights is ½.
 fn amplitude(window: &[f64], frequency: f64) -> f64 {
-    let turn = |at: usize| TAU * frequency * STEP * at as f64;
+    let turn = |at: usize| TAU * frequency * SAMPLE_INTERVAL_S * at as f64;
     let sum =
         |of: fn(f64) -> f64| window.iter().enumerate().map(|(at, value)| value * of(turn(at))).sum::<f64>();
     4.0 * sum(f64::cos).hypot(sum(f64::sin)) / window.len() as f64
@@ -181,7 +187,7 @@ mod tests {
         }
     }
 
-    /// Corners that come again every so often lose time in steps.
+    /// Corners at regular intervals lose time in steps.
     #[test]
     fn steps_and_jumps_are_no_pulsation() {
         let times = times(60.0);

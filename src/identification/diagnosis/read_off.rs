@@ -1,8 +1,8 @@
-//! What stands for itself, and is taken in before anything is searched: an override that [`plateaus`] reads off, waits at
-//! functions as [`waits`] does, and feed holds, as [`rests`] finds them.
+//! Causes that the recordings show directly, accepted before any search: an override from [`plateaus`], waits at
+//! functions from [`waits`], and feed holds from [`rests`].
 //!
-//! What is read off stays as it is; holds are fitted again with everything that comes after, unless excerpts are
-//! looked at, which may not hold them.
+//! Values that are read off do not change later. Feed holds are the exception: they are fitted again with every later
+//! cause, unless the search runs on excerpts, which may not contain them.
 
 use crate::identification::diagnosis::cause::{AcceptedCause, candidates, odds};
 use crate::identification::diagnosis::evidence::with_all;
@@ -12,7 +12,8 @@ use crate::identification::diagnosis::{Candidate, gates, rests, waits};
 use crate::identification::effects::{FEED_OVERRIDE, Hypothesis};
 use crate::machine::Machine;
 
-/// What stays as it is, and what is fitted again. What is known now is taken out of the library.
+/// Returns the causes whose values do not change any more, and those that are fitted again later. Removes the
+/// hypotheses that are settled from `library`.
 pub fn read_off(
     start: &Machine,
     looked: &Looked,

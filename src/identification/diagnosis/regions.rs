@@ -1,4 +1,4 @@
-//! Where: visits that lost time, taken together as ranges of lines.
+//! Regions in which simulation and recording differ: visits that lost time, joined to ranges of lines.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -10,48 +10,50 @@ use crate::machine::{Machine, Overrides};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Motion, Segment};
 
-/// What a visit lost counts from so many standard deviations of its ends.
-const SEEN: f64 = 5.0;
-/// And from so many seconds.
-const LEAST: f64 = 2e-3;
-/// Regions this many visits apart are one.
+/// Least lost time of a visit that counts, in standard deviations of the times at its ends.
+const MIN_LOST_DEVIATIONS: f64 = 5.0;
+/// Least lost time of a visit that counts, s.
+const MIN_LOST_S: f64 = 2e-3;
+/// Largest distance, in visits, between visits that lost time and belong to one region.
 const APART: usize = 2;
-/// Regions listed at most.
-const MOST: usize = 100;
-/// A cause acts on a line whose time it changes by so much, s.
+/// Most regions in a list.
+const MAX_REGIONS: usize = 100;
+/// Least change of the time of a line on which a cause acts in any case, s.
 const ACTS: f64 = 5e-4;
-/// And on the lines that hold this part of what it changes.
+/// Least part of the whole change of time by a cause that the lines on which it acts hold together.
 const ACTS_ON_PART: f64 = 0.95;
 
-/// A stretch in which simulation and recording differ.
+/// Stretch of a program in which simulation and recording differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// Which of the runs.
+    /// Index of the run.
     pub run: usize,
     /// First and last line.
     pub lines: (u32, u32),
-    /// Where along the path, mm.
+    /// Stretch of the path, mm.
     pub distance: Range<f64>,
-    /// When in the recording, s.
+    /// Span of time in the recording, s.
     pub time: Range<f64>,
-    /// How much longer the recorded machine took, s.
+    /// Lost time, s: by how much longer than the simulated machine the recorded one took.
     pub seconds: f64,
 }
 
-/// What the times of most marks are off by, s.
+/// Returns the median of the standard deviations of the times of the marks, s; at least 1e-4 s.
 fn noise(alignment: &Alignment) -> f64 {
     median(&mut alignment.marks.iter().map(|mark| mark.deviation).collect::<Vec<f64>>()).max(1e-4)
 }
 
-/// The regions of the comparison of one of the runs, by what they lost, the most first.
+/// Returns the regions of the comparison of one of the runs, sorted by the size of their lost time, the largest first;
+/// at most `MAX_REGIONS`.
 pub fn regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
     let mut regions = all_regions(comparison, alignment, run);
     sort_by_number(&mut regions, |region| -region.seconds.abs());
-    regions.truncate(MOST);
+    regions.truncate(MAX_REGIONS);
     regions
 }
 
-/// The sizes of what all regions of a comparison lost, with the size of what was lost outside of them, s.
+/// Returns the sum of the sizes of the lost times of all regions of a comparison, and of the size of the time lost
+/// outside of them, s.
 pub fn sizes(comparison: &Comparison, alignment: &Alignment) -> f64 {
     let regions = all_regions(comparison, alignment, 0);
     let (net, sizes) = regions
@@ -61,7 +63,7 @@ pub fn sizes(comparison: &Comparison, alignment: &Alignment) -> f64 {
     sizes + (whole - net).abs()
 }
 
-/// All regions of the comparison of one of the runs, in the order of the program.
+/// Returns all regions of the comparison of one of the runs, in the order of the program.
 fn all_regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Vec<Region> {
     let noise = noise(alignment);
     // Close to a stop, where hardly anything moves, times are known less well.
@@ -80,7 +82,7 @@ fn all_regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Ve
     let mut found: Vec<(usize, usize)> = Vec::new();
     for (at, visit) in lost.iter().enumerate() {
         let noise = deviation(visit.recorded.start).max(deviation(visit.recorded.end)).max(backward(at));
-        if visit.seconds().abs() < (SEEN * noise).max(LEAST) {
+        if visit.seconds().abs() < (MIN_LOST_DEVIATIONS * noise).max(MIN_LOST_S) {
             continue;
         }
         match found.last_mut() {
@@ -102,7 +104,8 @@ fn all_regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Ve
     found.into_iter().map(region).collect()
 }
 
-/// By how much a machine is slower than another on each visit of the runs, s, with its line.
+/// Returns the line of each visit of a run, and by how much longer the visit takes on the machine `with` than on
+/// `without`, s.
 fn differences(without: &Machine, with: &Machine, run: &Run) -> Vec<(u32, f64)> {
     let visits = visits(run.toolpath);
     let places: Vec<ProgramPlace> = visits.iter().map(|visit| visit.begin).collect();
@@ -118,8 +121,9 @@ fn differences(without: &Machine, with: &Machine, run: &Run) -> Vec<(u32, f64)> 
     visits.iter().enumerate().map(|(at, visit)| (visit.line.0, lost(at))).collect()
 }
 
-/// The lines on which one machine takes longer than another, or less: those on which it is much, and where it is little
-/// everywhere those that hold nearly all of it. An override is in force on all its lines.
+/// Returns the ranges of lines on which one machine takes longer or shorter than another: the lines on which the
+/// difference is large, or, if it is small everywhere, those that hold nearly all of it. An override acts on all lines
+/// on which it is in force.
 pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> Vec<(u32, u32)> {
     let each: Vec<(u32, f64)> = runs.iter().flat_map(|run| differences(without, with, run)).collect();
     let mut sizes: Vec<f64> = each.iter().map(|(_, lost)| lost.abs()).collect();
@@ -137,7 +141,7 @@ pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> Vec<(u32, u32
     ranges(lines.into_iter())
 }
 
-/// The lines that move with another override.
+/// Returns the lines whose moves have different overrides on the two machines.
 fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
     let [before, after] = [without, with].map(|machine| run.machine(machine).overrides);
     if before == after {
@@ -159,13 +163,14 @@ fn switched(without: &Machine, with: &Machine, run: &Run) -> Vec<u32> {
     segments.map(|(_, segment)| segment.line.0).collect()
 }
 
-/// The time (s) that one machine takes longer than another, and all that it is slower or faster, nothing set off.
+/// Returns by how much longer the machine `with` takes than `without`, and the sum of the sizes of the differences over
+/// all visits, s.
 pub fn moved(without: &Machine, with: &Machine, runs: &[Run]) -> (f64, f64) {
     let each = runs.iter().flat_map(|run| differences(without, with, run));
     each.fold((0.0, 0.0), |(net, all), (_, lost)| (net + lost, all + lost.abs()))
 }
 
-/// All lines that move or wait.
+/// Returns the range from the first to the last line that moves or waits; empty if no line does.
 pub fn all_lines(runs: &[Run]) -> Vec<(u32, u32)> {
     let lines: BTreeSet<u32> =
         runs.iter().flat_map(|run| visits(run.toolpath)).map(|visit| visit.line.0).collect();
@@ -175,7 +180,7 @@ pub fn all_lines(runs: &[Run]) -> Vec<(u32, u32)> {
     }
 }
 
-/// Ascending lines as ranges of neighbours.
+/// Joins ascending lines to ranges of consecutive lines.
 fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
     let mut ranges: Vec<(u32, u32)> = Vec::new();
     for line in lines {
@@ -187,9 +192,10 @@ fn ranges(lines: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
     ranges
 }
 
-/// Lost time, s: by its regions, or what the residual wanders between the first and the last mark whose times are
-/// known well, as they are not close to a stop, or between the first and the last of all, less what these may be
-/// off by.
+/// Returns the lost time of all runs, s. For each run the largest of three values counts: the sum of the sizes of its
+/// regions; the size of the change of the residual between the first and the last mark whose times are known well,
+/// because they are not close to a stop; and that between the first and the last mark of all, less the uncertainty of
+/// their times.
 pub fn left(comparisons: &[Comparison], regions: &[Region], runs: &[Run]) -> f64 {
     let of_run = |(at, (comparison, run)): (usize, (&Comparison, &Run))| {
         let own = regions.iter().filter(|region| region.run == at);
@@ -200,7 +206,7 @@ pub fn left(comparisons: &[Comparison], regions: &[Region], runs: &[Run]) -> f64
         let first = known.next().unwrap_or(0.0);
         let wandered = (known.next_back().unwrap_or(first) - first).abs();
         let ends = [run.alignment.marks.first(), run.alignment.marks.last()];
-        let unsure: f64 = ends.into_iter().flatten().map(|mark| SEEN * mark.deviation).sum();
+        let unsure: f64 = ends.into_iter().flatten().map(|mark| MIN_LOST_DEVIATIONS * mark.deviation).sum();
         let whole =
             comparison.residuals.last().unwrap_or(&0.0) - comparison.residuals.first().unwrap_or(&0.0);
         located.max(wandered).max(whole.abs() - unsure)
@@ -215,8 +221,8 @@ mod tests {
     use crate::identification::comparison::{Durations, VisitTimes};
     use crate::simulation::gcode::LineNumber;
 
-    /// The lines of the regions of visits that follow each other, by when they begin and end in the recording and how
-    /// long they take in the simulation, s.
+    /// Returns the lines of the regions of consecutive visits, each given by its begin and its end in the recording and
+    /// its duration in the simulation, s.
     fn lines(visits: &[(f64, f64, f64)]) -> Vec<(u32, u32)> {
         let mark = |time: f64| Mark { place: ProgramPlace::Along(time), time, deviation: 1e-3 };
         let marks = (0..=100).map(|at| mark(0.1 * f64::from(at))).collect();

@@ -1,33 +1,33 @@
-//! Rests: the recorded machine stands though the program goes on.
+//! Rests: the recorded machine does not move although its program continues.
 //!
-//! Along the fixes of a recording a rest is a stretch of path of next to no length that took the recorded
-//! machine at least [`LEAST`] s longer than the simulated one. What the rest cost is the lost time over
-//! it and the ramps on both sides; where the tool stood is where the command was taken away, because
-//! the filters had run empty.
+//! Along the fixes of a recording, a rest is a stretch of path of next to no length that took the recorded machine at
+//! least [`MIN_REST_S`] s longer than the simulated one. A rest costs the lost time over it and over the ramps on both
+//! sides. The place of the rest is the place at which the command was taken away, because the filters had run empty.
 //!
-//! | the tool stood | hypothesis |
+//! | the tool rested | hypothesis |
 //! |---|---|
 //! | at a dwell, longer than it asks for | a wait before its line |
 //! | at a function or a tool change | none of this module: a wait of that |
 //! | where a long block meets a long block | a wait before the line of the later one |
 //! | anywhere else | a feed hold on the line |
 //!
-//! Rests of one visit of a line are one, where the longer one was. Before the first mark and behind the last nothing
-//! is known of times: a recorder that runs before the machine does shows no rest.
+//! Rests on one visit of a line count as one, at the place of the longer one. Times before the first mark and after the
+//! last one are unknown: a recorder that starts before the machine does shows no rest.
 //!
-//! A hold that is hardly longer than the filter delay leaves a shorter rest, as its ramps take up the rest of what it
-//! cost. Inside a block, where no control stops by itself, that counts instead; at the ends of blocks a machine may be
-//! met standing for a moment by an exact stop.
+//! A hold that is hardly longer than the filter delay leaves a shorter rest, because its ramps take up the remainder of
+//! its cost. Inside a block, where no control stops by itself, such a rest counts all the same; at the ends of blocks
+//! an exact stop may bring a machine to rest for a moment.
 //!
-//! A machine that is polled may be met standing for a moment at a corner, at the bottom of a plunge or before a
-//! block that is not read yet; and what is seen once was so for less than two polls. There a rest is a hold
-//! only where feedrates were recorded that say nothing else for [`SAID`] polls, and it cost as much: one in
-//! which it may have begun, one in which it may have ended, and one that is certain.
+//! A poll may find a machine at rest for a moment at a corner, at the bottom of a plunge or before a block that the
+//! control has not read yet; and a state that a single poll shows lasted less than two polls. If feedrates were
+//! recorded, a rest in a polled log is therefore a hold only if they show nothing but standstill for
+//! [`MIN_STANDSTILL_POLLS`] polls, and if it cost as much: one poll in which it may have begun, one in which it may
+//! have ended, and one that is certain.
 //!
-//! Limits: a hold shorter than the filter delay leaves no rest, and is looked for as a dip; a line that is run
-//! several times is taken to be held each time; more rests than [`MOST`], or than [`FEW`] of which most are
-//! [`ALIKE`], are a property of the machine and not halts, but for those that are [`OUT`] times as long as usual.
-//! Those at dwells are counted by themselves.
+//! Limits: a hold shorter than the filter delay leaves no rest, and is searched as a dip; a line that runs several
+//! times is assumed to be held each time. More rests than [`MAX_HALTS`], or more than [`MAX_CHANCE_RESTS`] of which
+//! most differ from the usual one by less than [`MAX_ALIKE_PART`] of it, are a property of the machine and not halts,
+//! except for those more than [`MIN_RATIO_TO_USUAL`] times as long as usual. Rests at dwells are counted separately.
 
 use std::ops::RangeInclusive;
 
@@ -39,49 +39,52 @@ use crate::machine::{Handle, Machine};
 use crate::simulation::profile::Profile;
 use crate::simulation::toolpath::{Segments, Stop, Toolpath};
 
-/// The shortest rest, s.
-pub const LEAST: f64 = 0.1;
-/// A rest is this short along the path, mm, or so many standard deviations of a position.
-const SHORT: (f64, f64) = (0.02, 6.0);
-/// From one sample to the next the machine stood if it lost this part of the time.
-const STANDS: f64 = 0.8;
-/// A rest inside a block that is shorter than the shortest lasts for so many samples.
-const SEEN: usize = 3;
-/// A block is long that is so many times as long as a rest.
-const LONG: f64 = 10.0;
-/// Rests of one run at most.
-const MOST: usize = 20;
-/// Rests that may be as long as each other by chance; more of them are the machine's.
-const FEW: usize = 3;
-/// Rests are alike whose times differ by this part.
-const ALIKE: f64 = 0.25;
-/// A rest that is so many times as long as usual is none of the machine's.
-const OUT: f64 = 4.0;
-/// What a machine that stands says its feedrate is, at most, mm/s.
-const STILL: f64 = 0.2;
-/// For how many polls it must say so.
-const SAID: f64 = 3.0;
-/// The first place on a line, as a part of its path, that lies behind the mark of the line whatever rounding does.
+/// Shortest rest, s.
+pub const MIN_REST_S: f64 = 0.1;
+/// Longest stretch of path of a rest, mm, unless [`MAX_REST_DEVIATIONS`] are longer.
+const MAX_REST_LENGTH_MM: f64 = 0.02;
+/// Longest stretch of path of a rest, in standard deviations of a position.
+const MAX_REST_DEVIATIONS: f64 = 6.0;
+/// Least part of the time from one sample to the next, without programmed dwells, that a machine at rest loses.
+const MIN_LOST_PART: f64 = 0.8;
+/// Fewest samples for which a rest inside a block lasts that costs less than [`MIN_REST_S`].
+const MIN_BRIEF_SAMPLES: usize = 3;
+/// Least ratio of the length of a long block to that of a rest.
+const MIN_BLOCK_TO_REST_RATIO: f64 = 10.0;
+/// Most rests of one run that count as halts.
+const MAX_HALTS: usize = 20;
+/// Most rests that may be equally long by chance; more of them are a property of the machine.
+const MAX_CHANCE_RESTS: usize = 3;
+/// Largest difference of a rest from the usual one at which the two are equally long, as a part of the usual one.
+const MAX_ALIKE_PART: f64 = 0.25;
+/// Least ratio of a rest to the usual one from which on it is no property of the machine.
+const MIN_RATIO_TO_USUAL: f64 = 4.0;
+/// Largest feedrate that a control shows of a machine at rest, mm/s.
+const MAX_STANDSTILL_MM_S: f64 = 0.2;
+/// Fewest polls for which the recorded feedrate must show standstill.
+const MIN_STANDSTILL_POLLS: f64 = 3.0;
+/// First place on a line, as a part of its path, that lies behind the mark of the line in spite of rounding.
 const BEHIND_MARK: f64 = 1e-6;
 /// Longest halt, s.
-const LONGEST: f64 = 3600.0;
+const MAX_HALT_S: f64 = 3600.0;
 
-/// A rest of the recorded machine.
+/// Rest of the recorded machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
     /// Line of the program.
     pub line: u32,
-    /// The part of the line's path before it; none where it is before the line.
+    /// Part of the path of the line that precedes the rest; `None` if the rest precedes the line.
     pub place: Option<f64>,
-    /// Where the line's path begins, mm.
+    /// Distance at which the path of the line begins, mm.
     pub begin: f64,
-    /// What it cost, s.
+    /// Time that the rest cost, s.
     pub seconds: f64,
-    /// It is at a dwell of the program.
+    /// `true` if the rest is at a dwell of the program.
     pub at_dwell: bool,
 }
 
-/// The rests of a run that a machine does not have, by place, without those at functions.
+/// Returns the rests of a run that the simulation of a machine does not show, in the order of the path; those at dwells
+/// follow the others. Rests at functions are left out.
 pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let fixes = &run.alignment.fixes;
     let segments = &run.toolpath.segments;
@@ -93,12 +96,12 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     let profile = Profile::new(run.toolpath, &plan);
     let lost = lost_between(run, &machine, &profile);
     let noise = run.alignment.track.as_ref().map_or(0.0, |track| track.noise);
-    let short = SHORT.0.max(SHORT.1 * noise);
+    let short = MAX_REST_LENGTH_MM.max(MAX_REST_DEVIATIONS * noise);
     let poll = match run.alignment.method {
         Method::Positions => 0.0,
         Method::Lines | Method::Feed => run.alignment.poll.unwrap_or(0.0),
     };
-    let least = LEAST.max(2.0 * poll);
+    let least = MIN_REST_S.max(2.0 * poll);
     let ramp = plan.longest_delay();
     let visits = visits(run.toolpath);
     let marks = &run.alignment.marks;
@@ -116,7 +119,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
         }
         let stops = stops_within(run, &profile, fixes[from].distance..=fixes[to].distance);
         let dwelt: f64 = stops.iter().filter_map(|stop| stop.cause.dwell()).sum();
-        let stands = STANDS * (fixes[to].time - fixes[from].time - dwelt) <= lost(from, to);
+        let stands = MIN_LOST_PART * (fixes[to].time - fixes[from].time - dwelt) <= lost(from, to);
         // At a low rate the first sample after a rest may be far from it.
         if !(stands && to == from + 1 || fixes[to].distance - fixes[from].distance <= short) {
             from += 1;
@@ -131,7 +134,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             let samples = fixes[to].sample.zip(fixes[from].sample).map_or(0, |(to, from)| to - from);
             // Only positions tell where inside a block a machine stands.
             let is_placed = matches!(run.alignment.method, Method::Positions);
-            let is_one = stands && SEEN <= samples && least <= lost(first, last);
+            let is_one = stands && MIN_BRIEF_SAMPLES <= samples && least <= lost(first, last);
             is_one && is_placed && is_inside(segments, &profile, at, 2.0 * short)
         };
         if lost(from, to) < least && !is_brief() {
@@ -143,7 +146,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
             // Where the recorder slept the machine went on: one that stands says so.
             Method::Lines | Method::Feed
                 if stood(run, fixes[from].time, fixes[to].time + poll)
-                    .is_some_and(|seconds| seconds.min(lost(first, last)) < SAID * poll) =>
+                    .is_some_and(|seconds| seconds.min(lost(first, last)) < MIN_STANDSTILL_POLLS * poll) =>
             {
                 None
             }
@@ -159,7 +162,7 @@ pub fn rests(machine: &Machine, run: &Run) -> Vec<Rest> {
     [halts(elsewhere), halts(at_dwells)].concat()
 }
 
-/// Adds a rest to those before it; rests that follow one another at one place are one.
+/// Adds a rest to those found before it; consecutive rests at one place are joined.
 fn add(found: &mut Vec<Rest>, rest: Rest) {
     match found.last_mut() {
         Some(before) if (before.line, before.begin) == (rest.line, rest.begin) => {
@@ -170,7 +173,8 @@ fn add(found: &mut Vec<Rest>, rest: Rest) {
     }
 }
 
-/// What the recorded machine lost from one fix of a run to another, by their indices, s.
+/// Returns a function of the indices of two fixes of a run: the time that the recorded machine lost from one to the
+/// other, s.
 pub fn lost_between(run: &Run, machine: &Machine, profile: &Profile) -> impl Fn(usize, usize) -> f64 {
     let fixes = &run.alignment.fixes;
     let distances: Vec<f64> = fixes.iter().map(|fix| fix.distance).collect();
@@ -179,18 +183,18 @@ pub fn lost_between(run: &Run, machine: &Machine, profile: &Profile) -> impl Fn(
     move |from, to| (fixes[to].time - fixes[from].time) - clock * (simulated[to] - simulated[from])
 }
 
-/// The rests that are no property of the machine.
+/// Returns the rests that are no property of the machine.
 fn halts(mut found: Vec<Rest>) -> Vec<Rest> {
     let mut seconds: Vec<f64> = found.iter().map(|rest| rest.seconds).collect();
     let usual = median(&mut seconds);
-    let alike = seconds.iter().filter(|seconds| (*seconds - usual).abs() < ALIKE * usual).count();
-    if MOST < found.len() || FEW < found.len() && found.len() < 2 * alike {
-        found.retain(|rest| OUT * usual < rest.seconds);
+    let alike = seconds.iter().filter(|seconds| (*seconds - usual).abs() < MAX_ALIKE_PART * usual).count();
+    if MAX_HALTS < found.len() || MAX_CHANCE_RESTS < found.len() && found.len() < 2 * alike {
+        found.retain(|rest| MIN_RATIO_TO_USUAL * usual < rest.seconds);
     }
-    if MOST < found.len() { Vec::new() } else { found }
+    if MAX_HALTS < found.len() { Vec::new() } else { found }
 }
 
-/// The stops of the program within a part of the path, mm.
+/// Returns the stops of the program within a part of the path, mm.
 pub fn stops_within<'a>(run: &Run<'a>, profile: &Profile, part: RangeInclusive<f64>) -> &'a [Stop] {
     let Toolpath { segments, stops, .. } = run.toolpath;
     let at = |stop: &Stop| profile.distance_before(stop.after.min(segments.len()));
@@ -199,7 +203,7 @@ pub fn stops_within<'a>(run: &Run<'a>, profile: &Profile, part: RangeInclusive<f
     &behind[..behind.partition_point(|stop| at(stop) <= *part.end())]
 }
 
-/// The segment at a distance along the path, mm; the first or the last one beyond its ends.
+/// Returns the segment at a distance along the path, mm; beyond the ends of the path, the first or the last one.
 fn segment_at(segments: &Segments, profile: &Profile, at: f64) -> usize {
     let mut low = 0;
     let mut high = segments.len();
@@ -210,7 +214,7 @@ fn segment_at(segments: &Segments, profile: &Profile, at: f64) -> usize {
     low
 }
 
-/// Whether a distance along the path is farther from both ends of its segment than so much, mm.
+/// Returns `true` if a distance along the path is farther than `away` from both ends of its segment, mm.
 fn is_inside(segments: &Segments, profile: &Profile, at: f64, away: f64) -> bool {
     let segment = segment_at(segments, profile, at);
     segment < segments.len()
@@ -218,7 +222,8 @@ fn is_inside(segments: &Segments, profile: &Profile, at: f64, away: f64) -> bool
         && away < profile.distance_before(segment + 1) - at
 }
 
-/// The rest at a distance along the path, known but for `near` (mm); none where a function is near that is no dwell.
+/// Returns the rest at a distance along the path, known to within `near`, mm. `None` near a function other than a
+/// dwell, near the ends of the path, and where the control waits for a new spindle speed.
 pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -> Option<Rest> {
     let segments = &run.toolpath.segments;
     let end = |segment: usize| profile.distance_before(segment);
@@ -237,7 +242,7 @@ pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -
         return None;
     }
     let low = segment_at(segments, profile, at);
-    let is_long = |segment: usize| LONG * near < segments.length(segment);
+    let is_long = |segment: usize| MIN_BLOCK_TO_REST_RATIO * near < segments.length(segment);
     let boundary = [low, low + 1].into_iter().find(|segment| {
         (end(*segment) - at).abs() <= near
             && 0 < *segment
@@ -268,8 +273,8 @@ pub fn rest_at(run: &Run, profile: &Profile, at: f64, near: f64, seconds: f64) -
     })
 }
 
-/// For how long at most, s, the readings of the feed that begin between two times (s) say without a break that
-/// the machine stands; none where no feed was recorded. A reading holds until the next one.
+/// Returns the longest time, s, for which the readings of the feed that begin between two times (s) show standstill
+/// without a break; `None` if no feed was recorded. A reading holds until the next one.
 fn stood(run: &Run, from: f64, to: f64) -> Option<f64> {
     let feed = run.alignment.feed.as_ref()?;
     let first = feed.time.partition_point(|time| *time < from);
@@ -277,7 +282,7 @@ fn stood(run: &Run, from: f64, to: f64) -> Option<f64> {
     let (mut longest, mut since): (f64, Option<f64>) = (0.0, None);
     for at in first..last {
         let end = feed.time.get(at + 1).copied().unwrap_or(to);
-        if feed.values[at] <= STILL {
+        if feed.values[at] <= MAX_STANDSTILL_MM_S {
             longest = longest.max(end - *since.get_or_insert(feed.time[at]));
         } else {
             since = None;
@@ -286,8 +291,8 @@ fn stood(run: &Run, from: f64, to: f64) -> Option<f64> {
     Some(longest)
 }
 
-/// The rest at a time of a recording that names lines but no positions: on the line that was named last, as a
-/// rest is longer than the time between two looks. None where that line has a function.
+/// Returns the rest at a time of a recording that has lines but no positions. The rest is on the line that was recorded
+/// last, as a rest is longer than the time between two polls. `None` if that line has a function or no path.
 fn rest_during(
     run: &Run,
     visits: &[Visit],
@@ -309,16 +314,16 @@ fn rest_during(
 }
 
 impl Rest {
-    /// The halt that would leave it.
+    /// Returns the hypothesis of the halt that leaves this rest.
     pub fn hypothesis(self) -> Hypothesis {
         let Rest { line, place, seconds, .. } = self;
         let report = move |seconds| {
             vec![(LINE, Reported::Number(f64::from(line))), (SECONDS, Reported::Number(seconds))]
         };
-        let start = seconds.clamp(0.0, LONGEST);
+        let start = seconds.clamp(0.0, MAX_HALT_S);
         let freed = |table: &str| {
             let handle = Handle::entry(table, line);
-            FreeParameter::new(handle, start, (0.0, LONGEST), VariationScale::Difference)
+            FreeParameter::new(handle, start, (0.0, MAX_HALT_S), VariationScale::Difference)
                 .counted_in_cycles()
                 .linear()
         };
@@ -336,8 +341,9 @@ impl Rest {
     }
 }
 
-/// The feed holds that the runs show, all at once, each with what the cost falls by because of it: nothing else
-/// leaves such a trace, and until they are known everything else is hard to see.
+/// Returns the feed holds that the runs show and whose gain exceeds `price`, each with its gain: by how much the cost
+/// falls because of it. All are found at once, because no other cause leaves such a trace, and every other cause is
+/// hard to see until they are known.
 pub fn feed_holds(base: &Machine, runs: &[Run], price: f64) -> Vec<(Candidate, f64)> {
     let mut candidates: Vec<Candidate> = Vec::new();
     for run in runs {
@@ -363,5 +369,5 @@ pub fn feed_holds(base: &Machine, runs: &[Run], price: f64) -> Vec<(Candidate, f
     candidates.extend(rest);
     let gains = evidence.gains(base, &candidates);
     let each = candidates.into_iter().zip(gains);
-    each.filter(|(candidate, gain)| price < *gain && LEAST < candidate.values[0]).collect()
+    each.filter(|(candidate, gain)| price < *gain && MIN_REST_S < candidate.values[0]).collect()
 }

@@ -1,23 +1,24 @@
-//! The next cause, and whether it stands.
+//! The next cause, and the acceptance tests that it must pass.
 //!
-//! Of each hypothesis the values are searched over its trials, then by least squares with all that was named
-//! before; the best are compared at the noise that the best of them leaves. Where nothing is named yet, pairs of
-//! them are fitted as well: two causes may hide each other behind a third, which alone is better than either; and stops at the
-//! ends of blocks are tried with the wait for position that only they bring about. The
-//! first of the best, by cost and price, that passes every gate is the next cause:
+//! The values of each hypothesis are searched over its trials, then by least squares together with all causes named
+//! before; the best hypotheses are compared at the noise that the best of them leaves. As long as no cause is named,
+//! pairs of them are fitted as well, since two causes may hide each other behind a third that alone is better than
+//! either; and stops at the ends of blocks are tried together with the wait for position that only such stops bring
+//! about. Of the best hypotheses, by cost and price, the first that passes every acceptance test is the next cause:
 //!
-//! | gate | what must hold |
+//! | acceptance test | what must hold |
 //! |---|---|
 //! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
 //! | held out | with the values that the others give a section is better, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts |
 //! | chance | a wait at a word is longer or shorter than the cycles of a PLC make it from run to run |
-//! | size | it explains more than `SIZE` of the cycle time, than `LEAST` s, and than `BESIDE` of what is explained |
+//! | size | it explains more than `SIZE` of the cycle time, `MIN_LOST_TIME_S` s, and `BESIDE` of the time explained |
 //!
-//! A clock is the only cause or none: what the law of another leaves grows with the time as well.
+//! A clock error is the only cause or no cause: the error that the law of another cause leaves grows with time as well.
 //!
-//! Others that cannot be told from it on these runs are alike: those that fit as well, be it but for one place.
+//! Causes that these runs cannot separate from the next cause are alike to it: they fit as well, except perhaps at one
+//! place.
 
 use std::collections::BTreeSet;
 
@@ -26,7 +27,7 @@ use crate::identification::diagnosis::evidence::{assumed, with_all};
 use crate::identification::diagnosis::gates::{GAIN, HeldOut};
 use crate::identification::diagnosis::speeds::Speeds;
 use crate::identification::diagnosis::verdict::BESIDE;
-use crate::identification::diagnosis::{Candidate, Evidence, LEAST, gates, places, regions, rests};
+use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, gates, places, regions, rests};
 use crate::identification::effects::{
     FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, SPINDLE_WAIT, Trace, UNEQUAL_FILTERS,
     UNMODELLED_WAIT, awaited_stops,
@@ -35,39 +36,40 @@ use crate::identification::fit::{Run, VariationScale};
 use crate::machine::Machine;
 use crate::simulation::ordered::sort_by_number;
 
-/// What a cause must explain, as a part of the cycle time.
+/// Least time that a cause must explain, as a part of the cycle time.
 pub const SIZE: f64 = 3e-4;
-/// A further cause may take back at most this part of what the causes before it explain.
+/// Largest part of the time that the earlier causes explain which a further cause may cancel.
 const MAX_CANCELLED_PART: f64 = 0.5;
-/// What a cause moves back and forth counts by this part.
+/// Weight of the time that a cause adds in some places and saves in others, against its net time.
 const NETTED: f64 = 0.2;
-/// A gain of this part of what is left needs no test of its place.
-const LARGE: f64 = 0.5;
-/// Candidates whose cost is no farther above the best's cannot be told from it, over how much more than independent
-/// ones the residuals vary.
-const SAME: f64 = 6.0;
-/// A single place does not tell two apart where this part of what the better one gains is elsewhere, and no more than
-/// this part of what sets them apart.
+/// Least gain, as a part of the remaining cost, from which on a cause needs no shift test.
+const MIN_GAIN_WITHOUT_SHIFT_TEST: f64 = 0.5;
+/// Largest cost above that of the best candidate at which another is alike to it, in multiples of the dispersion: the
+/// ratio by which the residuals vary more than independent ones.
+const MAX_ALIKE_COST: f64 = 6.0;
+/// Least part of the gain of the better of two candidates that is outside a single place, if that place alone is not to
+/// separate them.
 const ELSEWHERE: f64 = 0.5;
+/// Largest part of the difference of their costs that then remains outside that place.
 const IN_PLACE: f64 = 0.1;
-/// A setting this close to the believed one, as a ratio, is that one; what an operator or a clock does is
-/// known to be exactly 1.
+/// Largest difference, as a ratio, between a setting and the believed one at which the setting counts as unchanged.
+/// Overrides and the clock ratio need no such range: their believed value is exactly 1.
 const BELIEVED: f64 = 6e-3;
-/// Half of the smallest step of an override switch.
+/// Half of the smallest step of an override switch, as a ratio.
 const HALF_A_STEP: f64 = 5e-3;
-/// A cause gives way to another where that leaves less than this part of the cost: what is nearly as good may be
-/// either.
+/// Largest ratio of the cost with another cause to that with the named one at which the other replaces it: of two that
+/// are nearly as good, either may be right.
 const GIVES_WAY: f64 = 0.5;
-/// Candidates that are refined by least squares.
+/// Most candidates that are refined by least squares.
 const REFINED: usize = 5;
 
-/// Where causes are looked for.
+/// Runs in which causes are searched.
 pub struct Looked<'a> {
-    /// The runs, or excerpts of them.
+    /// Whole runs, or excerpts of them.
     pub runs: &'a [Run<'a>],
-    /// The runs.
+    /// Whole runs.
     pub whole: &'a [Run<'a>],
-    /// Whether they are excerpts.
+    /// `true` if `runs` are excerpts.
     pub in_parts: bool,
 }
 
@@ -80,7 +82,8 @@ impl<'a> Looked<'a> {
     }
 }
 
-/// What was named with the next cause after it, all fitted again; none where nothing passes the gates.
+/// Returns the named causes followed by the next one, all fitted again. `None` if no candidate passes the acceptance
+/// tests.
 pub fn with_next(
     base: &Machine,
     looked: &Looked,
@@ -117,7 +120,7 @@ pub fn with_next(
     Some(all)
 }
 
-/// What of the library is not named yet, with what the residual says where to place.
+/// Returns the hypotheses of time in the library that are not named yet, and those that the residual places.
 fn open(
     current: &Machine,
     looked: &Looked,
@@ -139,7 +142,8 @@ fn open(
     all
 }
 
-/// The best of the hypotheses at the best of their trials, by cost at the noise that the best of them leaves.
+/// Returns the best of the hypotheses, each with the values that screening finds best, sorted by cost at the noise of
+/// the current machine.
 fn screened(
     current: &Machine,
     coarse: &Evidence,
@@ -156,8 +160,8 @@ fn screened(
     candidates
 }
 
-/// The good ones by least squares together with what was named, by what they are worth; of two that are as good
-/// the one with fewer parameters comes first.
+/// Refines the good candidates by least squares together with the named causes. Returns the possible ones, each with
+/// the named causes, sorted by cost and price; of two that fit as well the one with fewer parameters comes first.
 fn refined(
     base: &Machine,
     current: &Machine,
@@ -185,22 +189,22 @@ fn refined(
     refined
 }
 
-/// The cost of causes that were fitted together, with their price.
+/// Returns the cost of causes that were fitted together, plus their price.
 fn priced(runs: &[Run], together: &[&Candidate]) -> f64 {
     together.first().map_or(0.0, |first| first.cost) + prices(runs, together.iter().copied())
 }
 
-/// The price of all parameters of these causes.
+/// Returns the sum of the prices of causes.
 fn prices<'a>(runs: &[Run], causes: impl Iterator<Item = &'a Candidate>) -> f64 {
     causes.map(|candidate| price(runs, candidate)).sum()
 }
 
-/// The price of a cause: of its parameters, and of how rare it is.
+/// Returns the price of a cause: that of its parameters and that of its rarity.
 fn price(runs: &[Run], candidate: &Candidate) -> f64 {
     gates::price(runs, candidate.values.len()) + candidate.hypothesis.effect.rarity
 }
 
-/// Of the pair that is best, and better than the best alone, the better one comes first.
+/// Moves the better cause of the best pair to the front, if that pair is better than the best cause alone.
 fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(Candidate, Vec<Candidate>)>) {
     let Some((alone, _)) = refined.first() else { return };
     let mut best = (0, priced(fine.runs, &[alone]));
@@ -226,8 +230,8 @@ fn put_best_of_pairs_first(base: &Machine, fine: &Evidence, refined: &mut Vec<(C
     refined.insert(0, first);
 }
 
-/// Stops at the ends of blocks with the wait for position at them, where the two are worth more than the best alone and pass the
-/// gates together.
+/// Returns stops at the ends of blocks and the wait for position at them. `None` unless the two together are worth more
+/// than the best candidate alone and pass the acceptance tests.
 fn awaited_stops_first(
     base: &Machine,
     looked: &Looked,
@@ -256,7 +260,8 @@ fn awaited_stops_first(
     Some(vec![stop, found])
 }
 
-/// A candidate with those named before, if it passes every gate. `rest` are those that are not as good.
+/// Returns a candidate as an accepted cause, with the causes named before it. `None` if it fails an acceptance test.
+/// `rest` holds the candidates that are not as good.
 fn passed(
     base: &Machine,
     before: &[Candidate],
@@ -281,7 +286,7 @@ fn passed(
     let with = with_all(base, &together(&candidate, &others));
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
     let explained = regions::moved(base, current, runs).0;
-    if weight(current, &with, runs) < LEAST.max(SIZE * whole).max(BESIDE * explained.abs()) {
+    if weight(current, &with, runs) < MIN_LOST_TIME_S.max(SIZE * whole).max(BESIDE * explained.abs()) {
         return None;
     }
     let further = regions::moved(current, &with, runs).0;
@@ -295,7 +300,7 @@ fn passed(
     if further * explained < 0.0 && MAX_CANCELLED_PART * explained.abs() < further.abs() {
         return None;
     }
-    if gain < LARGE * candidate.cost && !gates::stays_in_place(&last, current, &with) {
+    if gain < MIN_GAIN_WITHOUT_SHIFT_TEST * candidate.cost && !gates::stays_in_place(&last, current, &with) {
         return None;
     }
     let newest_first: Vec<Candidate> = [&candidate].into_iter().chain(&others).cloned().collect();
@@ -308,7 +313,7 @@ fn passed(
     let is_alike = |(other, others): &&(Candidate, Vec<Candidate>)| {
         let (other, others) = last.refined(base, other, others);
         let apart = other.cost - candidate.cost;
-        if apart < SAME * dispersion {
+        if apart < MAX_ALIKE_COST * dispersion {
             return true;
         }
         // What tells two apart in a single place is how their laws begin or end there, which no model knows so well.
@@ -316,7 +321,7 @@ fn passed(
         let cost = rest.cost(&with);
         let acts_elsewhere = || ELSEWHERE * gain < rest.cost(current) - cost;
         let still_apart = || rest.refined(base, &other, &others).0.cost - cost;
-        acts_elsewhere() && still_apart() < (SAME * dispersion).min(IN_PLACE * apart)
+        acts_elsewhere() && still_apart() < (MAX_ALIKE_COST * dispersion).min(IN_PLACE * apart)
     };
     let alike: BTreeSet<String> = rest
         .iter()
@@ -329,7 +334,8 @@ fn passed(
     (UNSURE <= confidence * odds(gain / dispersion, price)).then_some((found, others))
 }
 
-/// What a cause explains, s.
+/// Returns the time that a cause explains, s: its net time, or [`NETTED`] of the sizes of all its changes if that is
+/// more.
 fn weight(without: &Machine, with: &Machine, runs: &[Run]) -> f64 {
     let (seconds, moved) = regions::moved(without, with, runs);
     seconds.abs().max(NETTED * moved)
@@ -339,7 +345,7 @@ fn together(candidate: &Candidate, others: &[Candidate]) -> Vec<Candidate> {
     others.iter().chain([candidate]).cloned().collect()
 }
 
-/// Whether a setting is found at the value that the machine file has, within what a calibration is sure of.
+/// Returns `true` if a setting has the value of the machine file, within the uncertainty of a calibration.
 fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
     let hypothesis = &candidate.hypothesis;
     let [freed] = &hypothesis.freed[..] else { return false };
@@ -358,7 +364,8 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
         && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
 }
 
-/// Whether a limit that the calibration had to assume is found to be looser: the machine file was off, and nothing changed.
+/// Returns `true` if a limit that the calibration had to assume is looser than assumed: then the machine file was off,
+/// and the machine did not change.
 fn is_looser_than_assumed(candidate: &Candidate, machine: &Machine) -> bool {
     let freed = candidate.hypothesis.freed.iter().zip(&candidate.values);
     let assumed = assumed(machine);
@@ -367,7 +374,7 @@ fn is_looser_than_assumed(candidate: &Candidate, machine: &Machine) -> bool {
     })
 }
 
-/// Whether a value went as far as it may go: what it is to explain is something else.
+/// Returns `true` if a value reached a bound: then another effect causes the lost time.
 fn is_at_bound(candidate: &Candidate) -> bool {
     let of = candidate.hypothesis.freed.iter().zip(&candidate.values);
     candidate.hypothesis.is_continuous
@@ -377,8 +384,8 @@ fn is_at_bound(candidate: &Candidate) -> bool {
         })
 }
 
-/// The causes with one of them replaced where another, found beside the rest, is worth more: which came first was
-/// settled when the others were not known. None where all stand.
+/// Returns the causes with one of them replaced by another that was found beside the rest and is worth more: the order
+/// of the causes was decided when the later ones were unknown. `None` if no cause is replaced.
 pub fn reconsidered(
     base: &Machine,
     looked: &Looked,
@@ -406,7 +413,7 @@ pub fn reconsidered(
     })
 }
 
-/// Those of the causes found in excerpts that also hold on the whole, each with those before it.
+/// Returns the causes found in excerpts that also hold on the whole runs, each tested together with those before it.
 pub fn held(base: &Machine, runs: &[Run], named: Vec<AcceptedCause>) -> Vec<AcceptedCause> {
     let whole = Evidence::of(runs, &with_all(base, &candidates(&named)));
     let mut kept: Vec<AcceptedCause> = Vec::new();
@@ -422,7 +429,7 @@ pub fn held(base: &Machine, runs: &[Run], named: Vec<AcceptedCause>) -> Vec<Acce
     kept
 }
 
-/// Takes back every cause that the others make unnecessary, or leave too little to.
+/// Removes every cause that the others make unnecessary, or to which they leave too little lost time.
 pub fn without_unnecessary(
     base: &Machine,
     looked: &Looked,
@@ -433,12 +440,12 @@ pub fn without_unnecessary(
         let with = with_all(base, &all);
         let is_small = |at: usize| {
             let Candidate { hypothesis, values, .. } = &all[at];
-            if hypothesis.effect == FEED_HOLD && values[0] < rests::LEAST {
+            if hypothesis.effect == FEED_HOLD && values[0] < rests::MIN_REST_S {
                 return true;
             }
             let mut others = all.clone();
             others.remove(at);
-            weight(&with_all(base, &others), &with, looked.runs) < LEAST
+            weight(&with_all(base, &others), &with, looked.runs) < MIN_LOST_TIME_S
         };
         if let Some(small) = (0..all.len()).find(|at| is_small(*at)) {
             named.remove(small);

@@ -1,10 +1,10 @@
-//! What a calibration had to assume, as another program shows it.
+//! Values that a calibration had to assume, as another program shows them.
 //!
 //! No calibrating run determined these accelerations and rapid rates, so a program that reaches them shows their
 //! value for the first time. That is no cause: a diagnosis takes them from the recording before it looks for
 //! causes, if they lower the cost by more than a cause with as many parameters must.
 //!
-//! Limits: if one of them was changed after the calibration, nobody can see it.
+//! Limits: a change of one of them after the calibration cannot be seen.
 
 use crate::identification::calibration::RapidPlateaus;
 use crate::identification::diagnosis::evidence::{Evidence, assumed};
@@ -12,7 +12,8 @@ use crate::identification::diagnosis::gates::price;
 use crate::identification::fit::{FTOL, Run, fit};
 use crate::machine::Machine;
 
-/// The machine with what its calibration had assumed as the runs show it; `None` where they do not.
+/// Returns the machine with the values that its calibration had assumed replaced by those that the runs show. `None` if
+/// the calibration assumed none, or if the runs do not show them.
 pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     let count = assumed(machine).len();
     if count == 0 {
@@ -28,8 +29,8 @@ pub fn shown(machine: &Machine, runs: &[Run]) -> Option<Machine> {
     (price(runs, count) < fine.cost(machine) - fine.cost(&found)).then_some(found)
 }
 
-/// The machine with the assumed rapid rates that the runs hold for a while: a rate that nothing reaches has no
-/// slope to fit it by.
+/// Returns the machine with each assumed rapid rate replaced by the rate that the runs hold for a while: a rate that no
+/// move reaches has no slope by which to fit it.
 fn with_plateaus(machine: &Machine, runs: &[Run]) -> Machine {
     let mut machine = machine.clone();
     let Some(seen) = RapidPlateaus::of(runs) else { return machine };

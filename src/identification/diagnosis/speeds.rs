@@ -1,10 +1,11 @@
-//! How far feedrates differ: times between marks can be had by speeds that nobody saw.
+//! Test of the feedrates: a wrong cause can fit the times between marks with speeds that the machine never had.
 //!
-//! A cause is held against the recorded feedrates of all of a run, and of the visits of lines whose time it
-//! changes by more than [`ACTS`] of what they take. They may differ [`WORSE`], all in all as a model that is a little
-//! off elsewhere does, and where it acts as recorded speeds do by themselves: there the motion turns, and the foot on
-//! the path of what cuts a corner has another speed than the tool. A filter that is longer by a hundredth changes
-//! speeds by less than that. Below [`READ_MM_S`] a control shows none.
+//! A cause is compared with the recorded feedrates of a whole run, and with those of the visits whose time it changes
+//! by more than [`ACTS`] of their duration. Its feedrates may differ by up to [`WORSE`] times the difference without
+//! it: over the whole run as much as a model that is a little off elsewhere makes them differ, and where the cause acts
+//! as much as recorded speeds do by themselves. There the motion turns, and where the tool cuts a corner, its
+//! projection on the path has another speed than the tool. A filter that is longer by a hundredth changes speeds by
+//! less than that. A control shows no difference below [`READ_MM_S`].
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -16,31 +17,32 @@ use crate::machine::Machine;
 use crate::simulation::feed::FeedPlan;
 use crate::simulation::toolpath::Toolpath;
 
-/// By what ratio feedrates may differ more with a cause than without it, all in all and where it acts.
+/// Largest ratios of the difference of feedrates with a cause to that without it: over whole runs, and where the cause
+/// acts.
 const WORSE: [f64; 2] = [1.03, 1.05];
-/// The last digit of a feedrate that controls show, 1 mm/min, mm/s.
+/// Last digit of the feedrate that controls show, mm/s: 1 mm/min.
 const READ_MM_S: f64 = 1.0 / 60.0;
-/// A cause acts where it changes the time of a visit by this part.
+/// Least change of the time of a visit on which a cause acts, as a part of that time.
 const ACTS: f64 = 2e-3;
 
-/// How far feedrates differ at the times, of the recorder's clock, for which `is_meant` holds.
+/// Returns the difference of feedrates at the times, by the recorder's clock, that satisfy `is_meant`.
 pub fn error(machine: &Machine, run: &Run, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
     Simulated::of(machine, run).error(is_meant)
 }
 
-/// How far feedrates differ without a cause.
+/// Simulated feedrates without a cause.
 pub struct Speeds<'a> {
     runs: &'a [Run<'a>],
     without: Vec<Simulated<'a>>,
 }
 
 impl<'a> Speeds<'a> {
-    /// On a machine.
+    /// Simulates the runs on a machine without the cause.
     pub fn of(machine: &Machine, runs: &'a [Run<'a>]) -> Speeds<'a> {
         Speeds { runs, without: runs.iter().map(|run| Simulated::of(machine, run)).collect() }
     }
 
-    /// Whether they differ hardly more with a cause, all in all and where it acts.
+    /// Returns `true` if feedrates differ hardly more with a cause than without it, over whole runs and where it acts.
     pub fn are_kept(&self, with: &Machine) -> bool {
         let mut sums = [[PooledFeedError::default(); 2]; 2];
         for (run, without) in self.runs.iter().zip(&self.without) {
@@ -62,7 +64,7 @@ impl<'a> Speeds<'a> {
     }
 }
 
-/// A run on a machine.
+/// Run simulated on a machine.
 struct Simulated<'a> {
     toolpath: &'a Toolpath,
     plan: FeedPlan,
@@ -84,7 +86,7 @@ impl<'a> Simulated<'a> {
     }
 }
 
-/// When visits took place whose time differs between two machines, s of the recorder's clock.
+/// Returns the spans of time of the visits whose duration differs between two machines, s of the recorder's clock.
 fn acts(without: &Simulated, with: &Simulated) -> Vec<Range<f64>> {
     let takes = |during: &Range<f64>| during.end - during.start;
     let differs = |(before, after): &(&VisitTimes, &VisitTimes)| {

@@ -1,15 +1,16 @@
-//! How far a machine file may be believed.
+//! Standing of a machine file: how far a diagnosis may believe it.
 //!
-//! No simulation is exact. What a calibration left of its own runs is the error of the model, and no cause of any run:
+//! No simulation is exact. The time that a calibration left unexplained on its own runs is the error of the model, and
+//! no cause of any run:
 //!
 //! | machine file | a search for causes begins with | machine causes are named |
 //! |---|---|---|
 //! | never checked on a recording of its machine | any lost time that noise does not leave | as they are found |
 //! | describes its machine | more than `ELSEWHERE` times what calibration left | if they are few and leave little |
-//! | misses it: off by more than `WORST` on its own runs | none | none: what is left is unknown |
+//! | misses it: off by more than `WORST` on its own runs | none | none: the remainder is unknown |
 //!
-//! On programs that it was not calibrated on a machine file may be off by the range that it states for them
-//! ([`elsewhere`]), in form by nobody knows how much: there a difference within that is no cause, and drives are
+//! On programs other than those of its calibration, a machine file may be off by the range that it states for them
+//! ([`on_these`]), and in form by an unknown amount. There a difference within that range is no cause, and drives are
 //! not named.
 //!
 //! The origin of a preset is a measurement of another machine, so a preset counts as never checked.
@@ -18,25 +19,25 @@ use crate::identification::fit::Run;
 use crate::machine::Machine;
 use crate::quote::error_beyond_calibration;
 
-/// How many times what calibration left on its own runs a model may leave on others.
+/// Largest ratio of the unexplained time of a model on other runs to that which calibration left on its own runs.
 pub const ELSEWHERE: f64 = 1.5;
-/// Relative error of the cycle time on its own runs from which on a calibrated machine file does not describe its
-/// machine: what a prediction may be off by at worst.
+/// Largest relative error of the cycle time, on the runs of the calibration, of a machine file that describes its
+/// machine: the worst error of a prediction.
 const WORST: f64 = 0.03;
 
-/// How far a machine file may be believed.
+/// Standing of a machine file: how far a diagnosis may believe it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing {
-    /// It was never checked on a recording of its machine.
+    /// The file was never checked on a recording of its machine.
     Unchecked,
-    /// Calibration left no more than this of the recorded time unexplained, as a part of it.
+    /// The file describes its machine, and leaves at most this part of the recorded time unexplained.
     Describes(f64),
-    /// It is off on the very runs that it was calibrated on.
+    /// The file is off on the very runs that it was calibrated on.
     Misses,
 }
 
-/// The machine with what its file may be off by on these runs, and that, as a part of the time, where it was not
-/// calibrated on them.
+/// Returns the machine with the error that its file may have on these runs, and that error as a part of the time;
+/// `None` for the error if the file was calibrated on the runs, or was never calibrated.
 pub fn on_these(machine: &Machine, runs: &[Run]) -> (Machine, Option<f64>) {
     let mut machine = machine.clone();
     let off = runs.iter().filter_map(|run| error_beyond_calibration(run.toolpath, &machine)).reduce(f64::max);
@@ -51,7 +52,7 @@ pub fn on_these(machine: &Machine, runs: &[Run]) -> (Machine, Option<f64>) {
 }
 
 impl Standing {
-    /// Of a machine as it comes from its file.
+    /// Returns the standing of a machine that was read from its file.
     pub fn of(machine: &Machine) -> Standing {
         let net = machine.cycle_time_error.map_or(0.0, f64::abs);
         match machine.unexplained_time {
@@ -62,7 +63,8 @@ impl Standing {
         }
     }
 
-    /// What the machine file is known to be off by, as a part of the time.
+    /// Returns the known error of the machine file, as a part of the time; 0 if it describes no machine or is
+    /// unchecked.
     pub fn known_error(self) -> f64 {
         match self {
             Standing::Describes(error) => error,

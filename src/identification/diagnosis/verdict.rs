@@ -1,56 +1,59 @@
-//! What a diagnosis comes to, by its causes and by the lost time that they leave.
+//! The verdict of a diagnosis, by its causes and by the lost time that they leave.
 //!
-//! | what is left asks for a cause if it is more than | |
+//! | the remaining lost time asks for a cause if it is more than | |
 //! |---|---|
-//! | `LEAST` s, and what the machine file was off by where it was calibrated | always |
-//! | `LEFT` of the cycle time | always |
-//! | [`BESIDE`] of what there was | beside causes |
+//! | `MIN_LOST_TIME_S` s, and the known error of a calibrated machine file | always |
+//! | `MAX_SILENT_PART` of the cycle time | always |
+//! | [`BESIDE`] of the lost time without causes | beside causes |
 //!
-//! More than `MUCH` of what there was is much, beside causes, however little of the cycle time it is.
+//! Beside causes, more than `MIN_UNEXPLAINED_PART` of the lost time without them is large, however small a part of the
+//! cycle time it is.
 //!
-//! Where a machine file was calibrated, it is also known to be a little off in form. Of another one a form error
-//! that noise does not leave asks for a cause where none is named: an axis that sticks loses no time.
+//! A calibrated machine file is also known to be a little off in form. With any other machine file, a form error beyond
+//! noise asks for a cause if none is named: an axis that sticks loses no time.
 //!
-//! So does a pace that pulsates, however little time it loses. What the operator did is explained all the same where
-//! it is certain and more than what is left. That does not hold for an override on lines that were chosen by what was
-//! lost there: it has one ratio, and what it leaves speaks against it, as for a place that is slow on parts of them.
+//! A pace that pulsates asks for a cause too, however little time it loses. Actions of the operator explain runs in
+//! spite of the remaining lost time if they are certain and explain more than that. This does not hold for an override
+//! on lines that were chosen by the time lost there: it has a single ratio, so the lost time that it leaves speaks
+//! against it, and for a place that is slow on parts of these lines.
 
 use crate::identification::comparison::Comparison;
 use crate::identification::diagnosis::standing::Standing;
-use crate::identification::diagnosis::{Cause, LEAST, Pulsation, Verdict};
+use crate::identification::diagnosis::{Cause, MIN_LOST_TIME_S, Pulsation, Verdict};
 use crate::identification::effects::FEED_OVERRIDE;
 use crate::machine::Machine;
 
-/// What is left unexplained without a word, as a part of the cycle time.
-const LEFT: f64 = 2e-3;
-/// What may be left beside causes, as a part of what there was: no law is that of a control to the last per cent, and
-/// what it leaves of its own is no other cause.
+/// Most lost time that may remain unexplained without a message, as a part of the cycle time.
+const MAX_SILENT_PART: f64 = 2e-3;
+/// Most lost time that may remain beside causes, as a part of the lost time without them: no law matches that of a
+/// control to the last per cent, and the error that it leaves is no other cause.
 pub const BESIDE: f64 = 0.05;
-/// What is left of what there was, from which on it is not explained.
-const MUCH: f64 = 0.25;
-/// A confidence from which on a cause is certain.
+/// Least remaining part of the lost time without causes from which on the runs are not explained.
+const MIN_UNEXPLAINED_PART: f64 = 0.25;
+/// Least confidence of a certain cause.
 const CERTAIN: f64 = 0.9;
 
 /// Lost time that causes leave.
 pub struct Left {
-    /// What there was, s.
+    /// Lost time without the causes, s.
     pub before: f64,
-    /// What is left, s.
+    /// Lost time that remains with the causes, s.
     pub after: f64,
-    /// How long all runs together took, s.
+    /// Recorded time of all runs together, s.
     whole: f64,
-    /// What the machine file is known to be off by, as a part of the cycle time.
+    /// Known error of the machine file, as a part of the cycle time.
     known: f64,
-    /// Whether the machine file was calibrated and is off all the same.
+    /// `true` if the machine file was calibrated and is off all the same.
     misses: bool,
-    /// How its pace pulsates.
+    /// Pulsation of the pace; `None` if the pace does not pulsate.
     pulsation: Option<Pulsation>,
-    /// Whether the form that is left is off by more than noise and what the machine file is known to be off by.
+    /// `true` if the remaining form error exceeds noise and the known error of the machine file.
     is_off_in_form: bool,
 }
 
 impl Left {
-    /// Of the time that there was and is (s), by the comparison with the causes.
+    /// Returns the lost time that causes leave, given the lost time without and with them (s), and the comparisons of
+    /// the runs with them.
     pub fn of(
         machine: &Machine,
         (before, after): (f64, f64),
@@ -63,7 +66,8 @@ impl Left {
         Left { before, after, whole, known, misses, pulsation, is_off_in_form: false }
     }
 
-    /// The same where the form `is_off` by more than noise, unless the machine file is known to be off.
+    /// Returns the lost time with a form that `is_off` by more than noise; a machine file that is known to be off
+    /// excuses the form.
     pub fn with_form(self, is_off: bool) -> Left {
         Left { is_off_in_form: is_off && self.known == 0.0, ..self }
     }
@@ -73,23 +77,23 @@ impl Left {
     }
 
     fn is_much_beside(&self, is_beside: bool) -> bool {
-        is_beside && MUCH * self.before < self.after
+        is_beside && MIN_UNEXPLAINED_PART * self.before < self.after
     }
 
-    /// Whether it asks for a cause, or, beside others, for a further one.
+    /// Returns `true` if the lost time asks for a cause, or, if it `is_beside` others, for a further one.
     pub fn asks(&self, is_beside: bool) -> bool {
-        let is_seen = LEAST < self.after && !self.is_known();
+        let is_seen = MIN_LOST_TIME_S < self.after && !self.is_known();
         let beside = if is_beside { BESIDE * self.before } else { 0.0 };
-        let is_much = self.is_much_beside(is_beside) || beside.max(LEFT * self.whole) < self.after;
+        let is_much = self.is_much_beside(is_beside) || beside.max(MAX_SILENT_PART * self.whole) < self.after;
         self.pulsation.is_some() || is_seen && is_much
     }
 
-    /// Whether nothing but the form of the path asks for a cause.
+    /// Returns `true` if nothing but the form of the path asks for a cause.
     pub fn is_of_form(&self, causes: &[Cause]) -> bool {
         causes.is_empty() && self.is_off_in_form && !self.asks(false)
     }
 
-    /// The verdict, of time that is looked for a cause of.
+    /// Returns the verdict on lost time for which causes were searched.
     pub fn verdict(&self, causes: &[Cause]) -> Verdict {
         let is_done = |cause: &&Cause| {
             let hypothesis = &cause.candidate.hypothesis;
@@ -109,7 +113,7 @@ impl Left {
         }
     }
 
-    /// What to know of it, for people.
+    /// Returns the message on the lost time for the user; `None` if there is nothing to report.
     pub fn message(&self, causes: &[Cause]) -> Option<String> {
         let Left { after, known, .. } = self;
         if self.misses && self.asks(false) {
@@ -120,7 +124,7 @@ impl Left {
             )
         } else if !causes.is_empty() && self.asks(true) {
             Some(format!("no known cause explains the remaining {after:.2} s of lost time"))
-        } else if LEFT * self.whole < *after && self.is_known() {
+        } else if MAX_SILENT_PART * self.whole < *after && self.is_known() {
             Some(format!(
                 "{after:.2} s of lost time remain, within the {:.1} % by which the machine file may be off on this program",
                 100.0 * known

@@ -1,27 +1,27 @@
 //! Waits at functions, read off a polled log.
 //!
-//! A control that is asked for its line a few times a second says of each tool change, spindle start or coolant
-//! word how long it stood there, and nothing else stands as long. What a visit took longer than the simulation is
-//! the wait that was left out; of a kind of word it is the median over its visits. All kinds are taken in at
-//! once: one after another they would use up the rounds in which the motion is looked at.
+//! A control whose line is polled a few times a second shows for each tool change, spindle start or coolant word how
+//! long it waited there, and no other block waits as long. The time by which a visit took longer than in the simulation
+//! is the wait that was left out; the wait of a kind of word is the median over its visits. All kinds are accepted at
+//! once: one after another they would use up the rounds in which the motion is examined.
 //!
-//! Limits: an operator who waits at the same word every time is not told from a machine that does.
+//! Limits: an operator who waits at the same word every time cannot be distinguished from a machine that does.
 
 use crate::identification::alignment::Method;
 use crate::identification::calibration::guesses;
 use crate::identification::comparison::compare;
 use crate::identification::diagnosis::evidence::{Candidate, Evidence, with_all};
-use crate::identification::effects::{Hypothesis, Kind};
+use crate::identification::effects::{Hypothesis, StopKind};
 use crate::identification::fit::Run;
 use crate::machine::Machine;
 
-/// A wait that is off by less, s, is within what a poll shows.
-const LEAST: f64 = 0.1;
-/// By how much more than its price each must be worth it: a median of few visits is not one of the machine.
+/// Least difference of a wait from that of the machine file, s; a smaller one is within the resolution of a poll.
+const MIN_WAIT_DIFFERENCE_S: f64 = 0.1;
+/// Least gain of each wait beyond its price: a median of few visits is not a property of the machine.
 const SURE: f64 = 20.0;
 
-/// The waits of polled runs that a machine has otherwise, all at once, each with what the cost falls by because
-/// of it, where that is well more than the price.
+/// Returns the waits of polled runs that differ from those of a machine, all at once, each with its gain: by how much
+/// the cost falls because of it. Only waits whose gain is well above the price count.
 pub fn at_functions(
     base: &Machine,
     runs: &[Run],
@@ -36,11 +36,11 @@ pub fn at_functions(
         .map(|run| (run.toolpath, compare(run.toolpath, &run.plan(base), run.alignment)))
         .collect();
     let pairs: Vec<_> = compared.iter().map(|(toolpath, comparison)| (*toolpath, comparison)).collect();
-    let candidate = |(kind, seconds, _): (Kind, f64, usize)| {
+    let candidate = |(kind, seconds, _): (StopKind, f64, usize)| {
         let of_kind =
             |own: &&Hypothesis| own.freed.first().is_some_and(|freed| freed.handle == kind.handle());
         let hypothesis = library.iter().find(of_kind)?.clone();
-        let is_off = LEAST < (seconds - kind.value(base)).abs();
+        let is_off = MIN_WAIT_DIFFERENCE_S < (seconds - kind.value(base)).abs();
         let (values, deviations) = (vec![seconds], vec![f64::NAN]);
         is_off.then_some(Candidate { hypothesis, values, deviations, cost: f64::NAN, beside: Vec::new() })
     };

@@ -1,4 +1,4 @@
-//! How corners and arcs are passed: tolerances, laws of junctions, and lines or corners that are smoothed.
+//! Effects at corners and arcs: tolerances, junction laws, and the smoothing of lines and corners.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::report::{
@@ -35,8 +35,9 @@ pub fn tolerances(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     all
 }
 
-/// Arcs that the tolerance does not slow, as on controls that know it at corners alone; a tolerance of arcs that is
-/// but a little wider is not offered, as it would take up what other causes leave.
+/// Returns the hypothesis that the contour tolerance does not slow arcs, as on controls that apply it only at
+/// corners; `None` if corners follow another law or the machine has an arc tolerance already. A slightly wider
+/// tolerance of arcs is not offered, as it would absorb time that other causes lose.
 fn arcs(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     let own = machine.interpolator.contour_tolerance;
     let held = machine.interpolator.arc_tolerance;
@@ -75,8 +76,9 @@ pub fn junctions(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     all
 }
 
-/// Parabolas in place of the circles of LinuxCNC. They have no value of their own: the override that circles are
-/// made for, which they do not ask for, takes its place.
+/// Returns the hypothesis that LinuxCNC blends corners by parabolas instead of circles; `None` if the machine does
+/// not blend by circles. Parabolas have no parameter. The hypothesis therefore frees the largest override, for
+/// which circles are planned and which parabolas ignore.
 fn parabolas(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     if machine.interpolator.junction != Junction::AccelerationBlend {
         return None;
@@ -93,8 +95,10 @@ pub fn smoothings(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     smoothing(effect, machine, runs).into_iter().chain(corner_smoothing(effect, machine, runs)).collect()
 }
 
-/// Lines that the control runs as one. It acts by whole lines, so that between two distances may lie nothing; the
-/// controls that are known to have the junctions of LinuxCNC do it by themselves, and may be kept from it.
+/// Returns the hypothesis that the control merges lines within a distance. Merging acts on whole lines, so values
+/// between two trials may change nothing. Controls that are known to have LinuxCNC's junctions merge lines by
+/// default; for them the hypothesis also tries 0, no merging. For the others it is `None` if no joint of lines is
+/// within `WIDEST_JOINT`.
 fn smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
     let handle = Handle::number("interpolator.path_smoothing_mm");
     let freed = FreeParameter::new(handle, 0.02, (0.0, 10.0), VariationScale::Difference);
@@ -114,10 +118,12 @@ fn smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothes
     Some(Hypothesis::single(effect, freed, trials, report).at_trials_only())
 }
 
-/// Joints of lines that are farther from the line past them than this are corners that no control smooths, mm.
+/// Largest distance of the joint of two lines from their chord at which a control smooths it, mm; a joint farther
+/// away is a corner.
 const WIDEST_JOINT: f64 = 0.3;
 
-/// How far the joint of two feed moves along lines is from the line past it, mm, where it is least but not nothing.
+/// Returns the least non-zero distance (mm) of the joint of two feed moves along lines from their chord, the line
+/// from the start of the first to the end of the second; infinity if there is none.
 fn least_joint(runs: &[Run]) -> f64 {
     let pairs = runs.iter().flat_map(|run| run.toolpath.segments.pairs());
     let joints = pairs.filter_map(|(before, after)| {
@@ -132,12 +138,13 @@ fn least_joint(runs: &[Run]) -> f64 {
     joints.fold(f64::INFINITY, f64::min)
 }
 
-/// Distances of curves that are tried, each passing so many more corners, and how much farther they are than the
-/// last of these.
+/// Number of equal groups of corners, in order of distance; each distance tried rounds one group more.
 const ROUNDED: usize = 16;
+/// Ratio of a distance tried to the largest distance of the corners that it rounds.
 const FARTHER: f64 = 1.08;
 
-/// Corners that the control passes on a curve, more and more of them.
+/// Returns the hypothesis that the control rounds corners within a distance, with trials that round more and more
+/// corners; `None` if the control blends corners in time or no corner can be rounded.
 fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<Hypothesis> {
     if machine.interpolator.junction.blends_in_time() {
         return None;

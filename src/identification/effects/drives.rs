@@ -1,4 +1,4 @@
-//! Effects of the drives on the form of the path: they cost no time.
+//! Effects of the drives on the form of the path; they take no time.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::limits::axis_handle;
@@ -6,14 +6,15 @@ use crate::identification::effects::report::{AXIS, DAMPING, FREQUENCY, Reported,
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{AXES, StructuralMode};
 
-/// Damping tried first.
+/// Damping ratio tried first.
 const FIRST_DAMPING: f64 = 0.04;
-/// The highest frequency of which a recorder shows anything, as a part of its sampling rate: a little less than half.
+/// Ratio of the highest frequency that a recording shows to its sampling rate: a little less than half.
 const HIGHEST_FREQUENCY: f64 = 0.45;
-/// Highest frequency of a mode in a machine file: what samples closer together show above it is none of the structure.
+/// Highest frequency of a structural mode in a machine file, Hz; a faster vibration in a recording with a higher
+/// sampling rate does not come from the structure.
 const MAX_VIBRATION_HZ: f64 = 1000.0;
 
-/// The axes whose positions were recorded.
+/// Returns the axes whose positions were recorded in at least one run.
 fn recorded(runs: &[Run]) -> impl Iterator<Item = usize> {
     let is_recorded = |axis: usize| {
         runs.iter().any(|run| run.alignment.track.as_ref().is_some_and(|track| track.recorded[axis]))
@@ -21,7 +22,7 @@ fn recorded(runs: &[Run]) -> impl Iterator<Item = usize> {
     (0..3).filter(move |axis| is_recorded(*axis))
 }
 
-/// One lag of all axes, as controls are tuned to, and that of an axis alone.
+/// Returns the hypotheses of one lag for all axes, as controls are tuned, and of a lag of each recorded axis alone.
 pub fn servo_lag(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let freed = |axis: usize| {
         FreeParameter::new(axis_handle(axis, "servo_lag_s"), 0.01, (1e-5, 0.5), VariationScale::Ratio)

@@ -1,4 +1,4 @@
-//! An effect, and the hypotheses that offer it: parameters of a machine to be freed.
+//! An effect and its hypotheses, which free parameters of a machine.
 
 use std::ops::Deref;
 
@@ -8,64 +8,66 @@ use crate::machine::Machine;
 use crate::simulation::feed::limits::rapid_feedrate;
 use crate::simulation::toolpath::{Curve, Motion, Vector};
 
-/// What trace an effect leaves.
+/// The trace that an effect leaves in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trace {
-    /// Time along the path, or of the recorder.
+    /// A change of the time along the path, or of the recorder's time.
     Time,
-    /// The form of the path, and no time.
+    /// A change of the form of the path, and not of its time.
     Form,
 }
 
-/// What kind of parameter an effect is.
+/// The kind of parameter that an effect changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Nature {
-    /// A limit: the machine is the slower the lower it is.
+    /// A limit: the lower it is, the slower the machine.
     Limit,
     /// A law or setting of the control.
     Setting,
-    /// A switch or a clock, which is known to be exactly 1 where nothing was done.
+    /// A switch or a clock, whose value is exactly 1 unless it was changed.
     Switch,
-    /// A time in which the machine stands.
+    /// A time during which the machine does not move.
     Halt,
-    /// The drives, which trail the command.
+    /// A property of the drives, which lag behind the command.
     Drive,
     /// No parameter of a machine.
     Other,
 }
 
-/// Who brings an effect about.
+/// The person or device that brings an effect about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// Machine and control: a key of the machine file.
+    /// Machine and control, by a key of the machine file.
     Machine,
-    /// Whoever runs the machine.
+    /// The person who runs the machine.
     Operator,
-    /// What records it.
+    /// The device that records the run.
     Recorder,
 }
 
-/// All there is to know of an effect but its physics.
+/// All facts about an effect except its physics.
 pub struct Row {
-    /// Its id in the contract of `diagnose`.
+    /// Identifier in the contract of `diagnose`.
     pub id: &'static str,
-    /// What kind of parameter it is.
+    /// Kind of parameter.
     pub nature: Nature,
-    /// Who brings it about.
+    /// Origin: machine, operator or recorder.
     pub origin: Origin,
-    /// How much rarer it is than what is met most, as a price in cost: twice the logarithm of the odds.
+    /// Price of the rarity, as a cost: twice the logarithm of the odds of the most frequent effects against this
+    /// one.
     pub rarity: f64,
-    /// What vendors call the setting; may be empty.
+    /// Vendors' names of the setting; may be empty.
     pub vendors: &'static str,
-    /// Why no program brings it out, and what to do instead; `None` where a program does.
+    /// Reason why no program provokes the effect, with the measure to take instead; `None` if a program does.
     pub unprovoked: Option<&'static str>,
-    /// The hypotheses that the programs excite on a machine: parameters, trial values and reports.
+    /// Function that returns the hypotheses that the programs excite on a machine: parameters, trial values and
+    /// reports.
     pub offered: fn(Effect, &Context) -> Vec<Hypothesis>,
-    /// The sentence for people.
+    /// Function that returns the sentence for people.
     pub sentence: fn(&Finding) -> String,
 }
 
-/// An effect that the identification knows, by its row of the table.
+/// An effect that the identification knows, as a reference to its row of the table.
 #[derive(Clone, Copy)]
 pub struct Effect(pub(super) &'static Row);
 
@@ -95,37 +97,37 @@ impl Row {
         self.id.replace('_', " ")
     }
 
-    /// What trace it leaves.
+    /// Returns the trace that the effect leaves.
     pub fn trace(&self) -> Trace {
         if self.nature == Nature::Drive { Trace::Form } else { Trace::Time }
     }
 
-    /// Returns `true` if whoever runs the machine brings it about.
+    /// Returns `true` if the operator brings the effect about.
     pub fn is_by_operator(&self) -> bool {
         self.origin == Origin::Operator
     }
 }
 
-/// What the library is made for: a machine, runs on it, and what their programs ask for.
+/// The input of the library: a machine, runs on it, and the demands of their programs.
 pub struct Context<'a> {
-    /// The machine believed in.
+    /// Assumed machine.
     pub machine: &'a Machine,
-    /// The runs.
+    /// Runs on it.
     pub runs: &'a [Run<'a>],
-    /// Fastest programmed motion of each axis, mm/s.
+    /// Highest programmed velocity of each axis, rapid moves included, mm/s.
     pub axis_feedrate: Vector,
-    /// Fastest programmed feedrate, mm/s.
+    /// Highest programmed feedrate, rapid moves included, mm/s.
     pub feedrate: f64,
-    /// Whether there are rapid moves.
+    /// `true` if the programs have rapid moves.
     pub has_rapid: bool,
-    /// Whether there are arcs.
+    /// `true` if the programs have arcs.
     pub has_arc: bool,
-    /// Whether a program sets tolerances.
+    /// `true` if a program sets tolerances.
     pub has_tolerance: bool,
 }
 
 impl<'a> Context<'a> {
-    /// What the programs of the runs ask of a machine.
+    /// Returns the context of runs on a machine, with the demands of their programs.
     pub fn new(machine: &'a Machine, runs: &'a [Run<'a>]) -> Context<'a> {
         let mut context = Context {
             machine,
@@ -162,20 +164,20 @@ impl<'a> Context<'a> {
     }
 }
 
-/// An effect that may have been left out.
+/// An effect that the machine may have and its file may lack, as free parameters with values tried first.
 #[derive(Clone)]
 pub struct Hypothesis {
-    /// Which effect.
+    /// Effect.
     pub effect: Effect,
-    /// Which of several of that effect, for people: the axis, the rule; may be empty.
+    /// Variant among several hypotheses of the effect, as people read it: the axis, the rule; may be empty.
     pub variant: String,
-    /// The parameters it frees.
+    /// Parameters that the hypothesis frees.
     pub freed: Vec<FreeParameter>,
-    /// The values tried first, one entry a parameter.
+    /// Values tried first, each trial with one entry per parameter.
     pub trials: Vec<Vec<f64>>,
-    /// Whether values between the trials mean anything.
+    /// `true` if values between the trials have a meaning.
     pub is_continuous: bool,
-    /// How the values are reported.
+    /// Function that returns the reported quantities of values.
     pub report: Report,
 }
 
@@ -186,7 +188,7 @@ impl std::fmt::Debug for Hypothesis {
 }
 
 impl Hypothesis {
-    /// An effect with parameters, the values tried first, and how values are reported.
+    /// Returns a hypothesis of an effect with its parameters, the values tried first, and the report of values.
     pub fn new(
         effect: Effect,
         freed: Vec<FreeParameter>,
@@ -197,7 +199,7 @@ impl Hypothesis {
         Hypothesis { effect, variant: String::new(), freed, trials, is_continuous: true, report }
     }
 
-    /// An effect with one parameter.
+    /// Returns a hypothesis of an effect with one parameter.
     pub fn single(
         effect: Effect,
         freed: FreeParameter,
@@ -208,50 +210,51 @@ impl Hypothesis {
         Hypothesis::new(effect, vec![freed], trials, move |values| report(values[0]))
     }
 
-    /// Names which of several of the effect it is.
+    /// Returns the hypothesis with the name of its variant among several of the effect.
     pub fn variant(self, variant: impl Into<String>) -> Hypothesis {
         Hypothesis { variant: variant.into(), ..self }
     }
 
-    /// Marks values between the trials as meaningless.
+    /// Returns the hypothesis with values between the trials marked as meaningless.
     pub fn at_trials_only(self) -> Hypothesis {
         Hypothesis { is_continuous: false, ..self }
     }
 
-    /// Returns the name of the effect as people read it: its id with blanks.
+    /// Returns the name as people read it: the id of the effect with blanks, and the variant in parentheses.
     pub fn name(&self) -> String {
         let words = self.effect.name();
         if self.variant.is_empty() { words } else { format!("{words} ({})", self.variant) }
     }
 
-    /// What trace it leaves.
+    /// Returns the trace that the effect leaves.
     pub fn trace(&self) -> Trace {
         self.effect.trace()
     }
 
-    /// Whether it is the same variant of the same effect as another.
+    /// Returns `true` if `other` is the same variant of the same effect.
     pub fn is_same_as(&self, other: &Hypothesis) -> bool {
         self.effect == other.effect && self.variant == other.variant
     }
 
-    /// Whether it is a limit and nothing else, by which the machine is the slower the lower it is.
+    /// Returns `true` if the hypothesis frees a limit and nothing else: the lower the limit, the slower the
+    /// machine.
     pub fn is_limit(&self) -> bool {
         self.effect.nature == Nature::Limit && self.freed.len() == 1
     }
 
-    /// Whether it varies what another one fits beside its own parameter.
+    /// Returns `true` if the hypothesis frees a parameter that `other` fits beside its first one.
     pub fn is_fitted_beside(&self, other: &Hypothesis) -> bool {
         let beside = other.freed.iter().skip(1);
         beside.into_iter().any(|beside| self.freed.iter().any(|own| own.handle == beside.handle))
     }
 
-    /// The machine with these values.
+    /// Returns the machine with these values of the parameters.
     pub fn machine(&self, machine: &Machine, values: &[f64]) -> Machine {
         with(machine, &self.freed, values)
     }
 
-    /// The values, core units, as they are reported; the uncertainty of each by how far it moves with the `deviations`
-    /// of what is freed.
+    /// Returns the reported quantities of the values (core units). The standard deviation of each is the root of
+    /// the sum of squares of its changes when each parameter in turn moves by its entry of `deviations`.
     pub fn reported(&self, values: &[f64], deviations: &[f64]) -> Vec<ReportedValue> {
         let mut all: Vec<ReportedValue> = (self.report)(values)
             .into_iter()
@@ -273,7 +276,7 @@ impl Hypothesis {
     }
 }
 
-/// Numbers from `from` to `to` in even ratios.
+/// Returns `count` numbers from `from` to `to`, with the same ratio between all neighbours.
 pub fn ratios(from: f64, to: f64, count: usize) -> Vec<f64> {
     let part = |at: usize| at as f64 / (count - 1).max(1) as f64;
     (0..count).map(|at| from * (to / from).powf(part(at))).collect()

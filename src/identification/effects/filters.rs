@@ -1,11 +1,12 @@
-//! The chain of filters: its constants and how many there are.
+//! Effects of the filter chain: its time constants and the number of its filters.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis};
 use crate::identification::effects::report::{FILTERS, Reported, TIME_CONSTANT, TIME_CONSTANTS};
 use crate::identification::fit::{FreeParameter, VariationScale};
 use crate::machine::{Handle, TimeConstants};
 
-/// Number and time constant (s) of filters that are all equal.
+/// Returns the number and the time constant (s) of the filters; `None` unless the machine gives them one time
+/// constant.
 fn equal(context: &Context) -> Option<(usize, f64)> {
     let interpolator = &context.machine.interpolator;
     match interpolator.time_constants {
@@ -25,7 +26,7 @@ pub fn time_constants(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     equal(context).map(of).into_iter().collect()
 }
 
-/// As many more or fewer filters of the same length, or of another one with the same delay in all.
+/// Returns the hypotheses of more or fewer filters: each as long as before, or with the same total delay.
 pub fn orders(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let Some((order, constant)) = equal(context) else { return Vec::new() };
     let of = |keeps_delay: bool| {
@@ -48,7 +49,7 @@ pub fn orders(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     vec![of(false), of(true)]
 }
 
-/// The same delay in all, one filter longer and the others shorter.
+/// Returns the hypothesis of one longer filter and shorter others, with the same total delay.
 pub fn unequal(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let Some((order, constant)) = equal(context).filter(|(order, _)| 1 < *order) else { return Vec::new() };
     let split = move |spread: f64| {

@@ -1,7 +1,8 @@
-//! Limits of velocity, acceleration and jerk, tried below what the programs ask for.
+//! Effects of limits on velocity, acceleration and jerk, tried below the values that the programs demand.
 //!
-//! A machine file that was fitted without a jerk has it in its other values: its filters are as long as the mean
-//! ramp, its rapids as slow. These hypotheses therefore free, beside the jerk, what makes up for its absence.
+//! In a machine file that was fitted without a jerk limit, other values compensate for its absence: the filters are
+//! as long as the mean ramp, and the rapids correspondingly slow. The hypotheses of a jerk limit therefore free
+//! these values as well.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::report::{
@@ -11,26 +12,28 @@ use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{AXES, Handle, Junction, Machine, Planner, TimeConstants};
 use crate::units::mm_per_min;
 
-/// Jerks along the path tried first, mm/s³.
+/// Jerk limits along the path tried first, mm/s³.
 const JERKS_MM_S3: [f64; 5] = [5e3, 1e4, 2e4, 4e4, 1e5];
-/// Time constants tried with them, as parts of what it is; the corners stay as fast.
+/// Time constants tried with each of these jerks, as ratios to that of the machine. The contour tolerance has the
+/// same ratio, so that corners stay as fast.
 const SHORTER_FILTERS: [f64; 2] = [1.0, 0.6];
-/// Jerks of positioning tried first, mm/s³.
+/// Jerk limits of rapids from standstill to standstill tried first, mm/s³.
 pub const POSITIONING_JERKS_MM_S3: [f64; 4] = [2e4, 5e4, 1e5, 3e5];
-/// Rapid feedrates tried with them, as parts of what it is.
+/// Rapid feedrates tried with each of these jerks, as ratios to that of the machine.
 const FASTER_RAPIDS: [f64; 2] = [1.0, 2.0];
 
-/// The key of a number of an axis in the table of parameters.
+/// Returns the handle of a number of an axis in the table of parameters.
 pub fn axis_handle(axis: usize, number: &str) -> Handle {
     Handle::number(&format!("axis.{}.{number}", AXES[axis].to_ascii_lowercase()))
 }
 
-/// The axes that the programs move.
+/// Returns the axes that the programs move.
 fn moved(context: &Context) -> impl Iterator<Item = usize> {
     (0..3).filter(|axis| 0.0 < context.axis_feedrate[*axis])
 }
 
-/// Of each axis that moves, and of a control of another family, which plans its ramps by that of all axes.
+/// Returns the hypotheses of an acceleration limit of each axis that moves and, if the tolerance limits the
+/// feedrate at corners, of a planner, a control of another family that ramps by one acceleration of all axes.
 pub fn axis_accelerations(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let of_axis = |axis: usize| {
         accelerations(effect, axis_handle(axis, "acceleration_mm_s2"), Some(AXES[axis].to_string()))
@@ -42,7 +45,8 @@ pub fn axis_accelerations(effect: Effect, context: &Context) -> Vec<Hypothesis> 
     all
 }
 
-/// Another family of controls: no filters, trapezoids within the acceleration of the axes.
+/// Returns the hypothesis of a control of another family, without filters, which ramps in trapezoids within the
+/// acceleration of the axes. Rapids are limited by each axis with `by_axis`, else along the path.
 fn planner(effect: Effect, by_axis: bool) -> Hypothesis {
     let handle = Handle::row("interpolator.junction_rule");
     let freed =
@@ -69,7 +73,8 @@ pub fn path_acceleration(effect: Effect, _: &Context) -> Vec<Hypothesis> {
     accelerations(effect, Handle::number("path.acceleration_mm_s2"), None)
 }
 
-/// A limit of acceleration: on what leaves the filters, and on the command before them.
+/// Returns two hypotheses of an acceleration limit: on the motion that leaves the filters, and on the command
+/// before them.
 fn accelerations(effect: Effect, handle: Handle, axis: Option<String>) -> Vec<Hypothesis> {
     let of = |is_before: bool| {
         let freed = FreeParameter::new(handle, 1e3, (10.0, 2e5), VariationScale::Ratio)
@@ -115,7 +120,8 @@ pub fn centripetal_acceleration(effect: Effect, context: &Context) -> Vec<Hypoth
     vec![Hypothesis::single(effect, freed, trials, |value| vec![(ACCELERATION, Reported::Number(value))])]
 }
 
-/// Behind the filters' constants, along the path, and of rapids from stand to stand.
+/// Returns the hypotheses of a jerk limit from which the filters' time constants follow, of one along the path, and
+/// of one on rapids from standstill to standstill.
 pub fn jerks(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let machine = context.machine;
     let mut all: Vec<Hypothesis> = of_constants(effect, context).into_iter().collect();
@@ -126,7 +132,8 @@ pub fn jerks(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     all
 }
 
-/// The jerk that the time constants follow from.
+/// Returns the hypothesis of a jerk limit from which the time constants follow; `None` unless the machine gives all
+/// filters one time constant.
 fn of_constants(effect: Effect, context: &Context) -> Option<Hypothesis> {
     let TimeConstants::Equal(constant) = context.machine.interpolator.time_constants else { return None };
     let jerk = context.feedrate / (constant * constant);
@@ -136,7 +143,8 @@ fn of_constants(effect: Effect, context: &Context) -> Option<Hypothesis> {
     Some(Hypothesis::single(effect, freed, ratios(0.1 * jerk, 10.0 * jerk, 9), report))
 }
 
-/// The jerk along the path, with the filters and the tolerance fitted again; `None` where the filters are unequal.
+/// Returns the hypothesis of a jerk limit along the path, which fits the filters and the tolerance again; `None` if
+/// the filters are unequal.
 pub fn ramps(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     let TimeConstants::Equal(constant) = machine.interpolator.time_constants else { return None };
     let tolerance = machine.interpolator.contour_tolerance;
@@ -162,7 +170,8 @@ pub fn ramps(effect: Effect, machine: &Machine) -> Option<Hypothesis> {
     Some(Hypothesis::new(effect, freed, trials, report).variant("along the path"))
 }
 
-/// The jerk of rapids from stand to stand, with the rapid feedrate fitted again.
+/// Returns the hypothesis of a jerk limit on rapids from standstill to standstill, which fits the rapid feedrate
+/// again.
 fn positioning(effect: Effect, machine: &Machine) -> Hypothesis {
     let rate = machine.fastest_rapid();
     let jerk = Handle::number("rapid.positioning_jerk_mm_s3");

@@ -1,9 +1,9 @@
-//! The library of effects: what may have been left out, as parameters of the machine to be freed.
+//! The library of effects: causes that a machine file may lack, as parameters of the machine to be freed.
 //!
-//! A row of the table says what there is to know of an effect: id, nature, vendors' names, when a probe is of no use,
-//! the sentence for people, and the hypotheses that offer it. A hypothesis says which parameters leave their neutral
-//! values, within which bounds, and which values are tried first. It has no physics of its own: what a value does is
-//! said by the simulation alone. Calibration, diagnosis, probe, page and command read this table; there is no other
+//! A row of the table holds the facts about an effect: id, nature, vendors' names, when a probe is of no use, the
+//! sentence for people, and the hypotheses that offer it. A hypothesis names the parameters that leave their
+//! neutral values, their bounds, and the values tried first. It contains no physics: the simulation alone defines
+//! the consequences of a value. Calibration, diagnosis, probe, page and command read this table; there is no other
 //! list of effects.
 //!
 //! | trace | effects |
@@ -12,7 +12,8 @@
 //! | form of the path, no time | servo lag, backlash, vibration |
 //! | time of the recorder | its clock |
 //!
-//! Only what the program can excite is offered: a limit is tried below what the program asks for.
+//! The library offers only effects that the program can excite: it tries a limit below the value that the program
+//! demands.
 
 mod corners;
 mod drives;
@@ -33,24 +34,26 @@ pub use report::{
     TO_DISTANCE, TO_LINE, is_whole,
 };
 pub use table::*;
-pub use waits::{Kind, LONGEST_WAIT_S};
+pub use waits::{LONGEST_WAIT_S, StopKind};
 
 use crate::identification::fit::Run;
 use crate::machine::{InPosition, Machine};
 
-/// The hypotheses that the runs can excite on a machine, in the order of the table.
+/// Returns the hypotheses that the runs can excite on a machine, in the order of the table.
 pub fn library(machine: &Machine, runs: &[Run]) -> Vec<Hypothesis> {
     let context = Context::new(machine, runs);
     ALL.iter().flat_map(|effect| (effect.offered)(*effect, &context)).collect()
 }
 
-/// The jerk along the path, with the filters and the tolerance fitted again; `None` where the filters are unequal.
+/// Returns the hypothesis of a jerk limit along the path, which fits the filters and the tolerance again; `None` if
+/// the filters are unequal.
 pub fn ramps(machine: &Machine) -> Option<Hypothesis> {
     limits::ramps(JERK_LIMIT, machine)
 }
 
-/// A stop at the end of every block, and the wait for position at each: on a machine that does neither, the stop alone leaves
-/// so much that it fits badly, and there is no wait without it. None where the machine stops or waits already.
+/// Returns the hypotheses of a stop at the end of every block, and of a wait for position at each of these stops;
+/// `None` if the machine already stops at corners or waits for position. On a machine that does neither, the stop
+/// alone fits badly because it leaves much of the lost time unexplained, and the wait alone has no stop to act at.
 pub fn awaited_stops(machine: &Machine, runs: &[Run]) -> Option<[Hypothesis; 2]> {
     let stops = machine.interpolator.stopping_angle() < std::f64::consts::PI;
     if stops || 0.0 < machine.halts.in_position {

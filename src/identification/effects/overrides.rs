@@ -1,19 +1,19 @@
-//! What is exactly 1 unless someone changed it: override switches and the recorder's clock.
+//! Effects of values that are exactly 1 unless they were changed: override switches and the recorder's clock.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis};
 use crate::identification::effects::report::{Quantity, RATIO, Reported};
 use crate::identification::fit::{FreeParameter, VariationScale};
 use crate::machine::Handle;
 
-/// How far a recorder's clock may be off: quartz is to 2e-4, and a row that counts ticks of a timer is off by its
-/// rounding, 16 ms for the 15.625 ms of Windows being the worst in use.
+/// Bounds of the rate of a recorder's clock, as a ratio to true time. Quartz is accurate to 2e-4. A row that counts
+/// ticks of a timer is off by the rounding of the tick, at worst 16 ms for the 15.625 ms of Windows.
 const CLOCK_BOUNDS: (f64, f64) = (0.97, 1.03);
 
 fn ratio(value: f64) -> Vec<(Quantity, Reported)> {
     vec![(RATIO, Reported::Number(value))]
 }
 
-/// A switch that a machine has at `own`, tried at parts of that.
+/// Returns the hypothesis of a switch that the machine has at `own`, tried at `parts` of that value.
 fn switch(effect: Effect, key: &str, own: f64, parts: &[f64]) -> Hypothesis {
     let freed = FreeParameter::new(Handle::number(key), own, (0.01, 2.0), VariationScale::Ratio).exact();
     Hypothesis::single(effect, freed, parts.iter().map(|part| part * own).collect(), ratio)

@@ -1,13 +1,13 @@
-//! What is reported of a cause: quantities with their values, and how a sentence reads them.
+//! The report of a cause: quantities with their values, and their text in a sentence.
 
-/// A quantity that is reported: its key in the contract of `diagnose`, which ends with the unit, and what people read.
+/// A reported quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// Its key.
+    /// Key in the contract of `diagnose`, which ends with the unit.
     pub key: &'static str,
-    /// Its name.
+    /// Name that people read.
     pub name: &'static str,
-    /// Its unit; empty for words, counts and ratios.
+    /// Unit; empty for words, counts and ratios.
     pub unit: &'static str,
 }
 
@@ -17,21 +17,21 @@ const fn quantity(key: &'static str, name: &'static str, unit: &'static str) -> 
 
 /// A limit of acceleration, mm/s².
 pub const ACCELERATION: Quantity = quantity("a_mm_s2", "acceleration", "mm/s²");
-/// The angle of corners from which on something happens, °.
+/// The least angle of the corners on which an effect acts, °.
 pub const ANGLE: Quantity = quantity("angle_deg", "angle", "°");
 /// The contour tolerance along arcs, mm.
 pub const ARC_TOLERANCE: Quantity = quantity("arc_tolerance_mm", "arc tolerance", "mm");
-/// Where it acts, where that is not everywhere.
+/// The place at which an effect acts, if it does not act everywhere.
 pub const AT: Quantity = quantity("at", "at", "");
 /// The axis, or axes.
 pub const AXIS: Quantity = quantity("axis", "axis", "");
-/// Angles of corners between which the recording does not tell, °.
-pub const BETWEEN: Quantity = quantity("between_deg", "between", "°");
+/// The bounds within which the recording leaves the least angle of corners open, °.
+pub const ANGLE_BOUNDS: Quantity = quantity("between_deg", "between", "°");
 /// A number of blocks.
 pub const BLOCKS: Quantity = quantity("blocks", "blocks", "");
-/// The word that waits.
+/// The word at which the machine waits.
 pub const CODE: Quantity = quantity("code", "code", "");
-/// The feedrate that corners are planned by.
+/// The feedrate by which the control plans corners.
 pub const CORNERS_PLANNED_BY: Quantity = quantity("corners_planned_by", "corners planned by", "");
 /// A damping ratio.
 pub const DAMPING: Quantity = quantity("damping", "damping", "");
@@ -39,43 +39,43 @@ pub const DAMPING: Quantity = quantity("damping", "damping", "");
 pub const FILTERS: Quantity = quantity("filters", "filters", "");
 /// A frequency, Hz.
 pub const FREQUENCY: Quantity = quantity("frequency_hz", "frequency", "Hz");
-/// The distance along the path from which it acts, mm.
+/// The distance along the path from which an effect acts, mm.
 pub const FROM_DISTANCE: Quantity = quantity("from_mm", "from", "mm");
-/// The first line on which it acts.
+/// The first line on which an effect acts.
 pub const FROM_LINE: Quantity = quantity("from_line", "from line", "");
 /// A limit of jerk, mm/s³.
 pub const JERK: Quantity = quantity("j_mm_s3", "jerk", "mm/s³");
 /// The line of the program.
 pub const LINE: Quantity = quantity("line", "line", "");
-/// Words that may wait instead.
+/// Words at which the machine may wait instead.
 pub const OR_CODE: Quantity = quantity("or_code", "or code", "");
 /// The planner that takes the place of filters.
 pub const PLANNER: Quantity = quantity("planner", "planner", "");
 /// A rapid feedrate, mm/min.
 pub const RAPID: Quantity = quantity("rapid_mm_min", "rapid", "mm/min");
-/// A ratio to what is believed.
+/// A ratio to the assumed value.
 pub const RATIO: Quantity = quantity("ratio", "ratio", "");
-/// A law of junctions.
+/// The junction law, which limits the feedrate at corners.
 pub const RULE: Quantity = quantity("rule", "rule", "");
 /// A time, s.
 pub const SECONDS: Quantity = quantity("seconds", "time", "s");
 /// A time constant, s.
 pub const TIME_CONSTANT: Quantity = quantity("time_constant_s", "time constant", "s");
-/// A time constant for each filter, s.
+/// The time constant of each filter, s.
 pub const TIME_CONSTANTS: Quantity = quantity("time_constants_s", "time constants", "s");
-/// A distance within which something is smoothed, mm.
+/// The distance within which the control smooths the path, mm.
 pub const TOLERANCE: Quantity = quantity("tolerance_mm", "tolerance", "mm");
 /// The contour tolerance, mm.
 pub const CONTOUR_TOLERANCE: Quantity = quantity("contour_tolerance_mm", "contour tolerance", "mm");
-/// The distance along the path up to which it acts, mm.
+/// The distance along the path up to which an effect acts, mm.
 pub const TO_DISTANCE: Quantity = quantity("to_mm", "to", "mm");
-/// The last line on which it acts.
+/// The last line on which an effect acts.
 pub const TO_LINE: Quantity = quantity("to_line", "to line", "");
-/// The value of a law of junctions.
+/// The value of the parameter of the junction law.
 pub const VALUE: Quantity = quantity("value", "value", "");
 /// A limit of velocity, mm/min.
 pub const VELOCITY: Quantity = quantity("v_mm_min", "velocity", "mm/min");
-/// The width of a play, mm.
+/// The width of the backlash, mm.
 pub const WIDTH: Quantity = quantity("width_mm", "width", "mm");
 
 /// A value in the unit of its quantity.
@@ -83,50 +83,50 @@ pub const WIDTH: Quantity = quantity("width_mm", "width", "mm");
 pub enum Reported {
     /// A number.
     Number(f64),
-    /// Several.
+    /// Several numbers.
     List(Vec<f64>),
     /// A word.
     Word(String),
 }
 
 impl Reported {
-    /// A word.
+    /// Returns a word as a reported value.
     pub fn word(word: &str) -> Reported {
         Reported::Word(word.to_string())
     }
 }
 
-/// How the values of what a hypothesis frees, in core units, are reported.
+/// A function from the values of the parameters that a hypothesis frees, in core units, to the reported quantities.
 pub type Report = std::sync::Arc<dyn Fn(&[f64]) -> Vec<(Quantity, Reported)> + Send + Sync>;
 
-/// A value with its uncertainty.
+/// A reported value with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReportedValue {
-    /// Of what.
+    /// Quantity.
     pub quantity: Quantity,
-    /// The value.
+    /// Value.
     pub value: Reported,
-    /// Its standard deviation; `None` where it is not known.
+    /// Standard deviation; `None` if it is unknown.
     pub deviation: Option<f64>,
 }
 
-/// A named cause as a sentence reads it.
+/// A named cause as its sentence reads it.
 pub struct Finding<'a> {
-    /// Its values.
+    /// Values of the cause.
     pub values: &'a [ReportedValue],
-    /// Lines on which it acts, as ranges.
+    /// Lines on which the cause acts, as ranges.
     pub lines: &'a [(u32, u32)],
-    /// Time it explains, s.
+    /// Time that the cause explains, s.
     pub seconds: f64,
 }
 
 impl Finding<'_> {
-    /// The value of a quantity.
+    /// Returns the value of a quantity; `None` if it is not reported.
     pub fn get(&self, quantity: Quantity) -> Option<&Reported> {
         self.values.iter().find(|value| value.quantity == quantity).map(|value| &value.value)
     }
 
-    /// The number of a quantity as it is; `None` where it is not reported.
+    /// Returns the number of a quantity without rounding; `None` if no number is reported for it.
     pub fn value(&self, quantity: Quantity) -> Option<f64> {
         match self.get(quantity) {
             Some(Reported::Number(number)) => Some(*number),
@@ -134,7 +134,8 @@ impl Finding<'_> {
         }
     }
 
-    /// A number for people: whole, or with three digits.
+    /// Returns the number of a quantity as text for people: whole, or with three significant digits; `?` if no
+    /// number is reported for it.
     pub fn number(&self, quantity: Quantity) -> String {
         match self.value(quantity) {
             Some(whole) if is_whole(whole) => (whole as i64).to_string(),
@@ -143,7 +144,7 @@ impl Finding<'_> {
         }
     }
 
-    /// The numbers of a list for people.
+    /// Returns the numbers of a list as text for people; empty if no list is reported for the quantity.
     pub fn list(&self, quantity: Quantity) -> String {
         match self.get(quantity) {
             Some(Reported::List(numbers)) => {
@@ -153,7 +154,7 @@ impl Finding<'_> {
         }
     }
 
-    /// The word of a quantity; empty where it is not reported.
+    /// Returns the word of a quantity; empty if no word is reported for it.
     pub fn word(&self, quantity: Quantity) -> &str {
         match self.get(quantity) {
             Some(Reported::Word(word)) => word,
@@ -161,7 +162,7 @@ impl Finding<'_> {
         }
     }
 
-    /// What it costs or saves, as the end of a sentence.
+    /// Returns the end of a sentence with the time that the cause costs or saves; empty if that is less than 5 ms.
     pub fn costs(&self) -> String {
         match self.seconds {
             s if s.abs() < 5e-3 => String::new(),
@@ -170,7 +171,7 @@ impl Finding<'_> {
         }
     }
 
-    /// Its lines, as a place.
+    /// Returns the lines of the cause as a place in a sentence.
     pub fn at_lines(&self) -> String {
         match self.lines {
             [] => "somewhere".to_string(),
@@ -181,12 +182,12 @@ impl Finding<'_> {
     }
 }
 
-/// Whether a reported number is written without decimals.
+/// Returns `true` if a reported number is written without decimals.
 pub fn is_whole(number: f64) -> bool {
     number.fract() == 0.0 && number.abs() < 1e9
 }
 
-/// A number with three significant digits.
+/// Returns a number as text with three significant digits.
 pub fn three_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     rounded.to_string()

@@ -1,31 +1,35 @@
-//! Effects at places: full stops and waits.
+//! Effects at single places of the path: full stops and waits.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::identification::alignment::ProgramPlace;
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
-use crate::identification::effects::report::{ANGLE, AT, BETWEEN, CODE, LINE, OR_CODE, Reported, SECONDS};
-use crate::identification::effects::waits::Kind;
+use crate::identification::effects::report::{
+    ANGLE, ANGLE_BOUNDS, AT, CODE, LINE, OR_CODE, Reported, SECONDS,
+};
+use crate::identification::effects::waits::StopKind;
 use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{Handle, InPosition, Junction};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Motion, Stop};
 
-/// Angles between which no corner turns are one, where they are closer than this, rad.
+/// Least difference between the successive turn angles of corners for a stopping angle between them to be tried,
+/// rad.
 const SAME_ANGLE_RAD: f64 = 0.01;
-/// Least angles that stop, at most so many; the widest gaps between corners first.
+/// Largest number of stopping angles tried besides 0; those in the widest gaps between the turn angles of corners
+/// are kept.
 const MOST_ANGLES: usize = 16;
-/// Kinds of stops that are looked at beside one another, at most.
+/// Largest number of kinds of stops at one place that are compared with one another.
 const MOST_BESIDE: usize = 8;
-/// No corner turns by more, rad.
+/// Largest turn angle of a corner, rad.
 const MAX_TURN_RAD: f64 = std::f64::consts::PI;
-/// The longest wait for position, s: controls stop with an alarm where an axis is not in position by then (Siemens
-/// MD36020 POSITIONING_TIME, 1 s).
+/// Longest wait for position, s: controls stop with an alarm if an axis is not in position by then (Siemens MD36020
+/// POSITIONING_TIME, 1 s).
 const LONGEST_IN_POSITION_S: f64 = 1.0;
-/// A machine waits for position at every rapid. Where a program has no more rapids than this, a wait is that of
-/// its line.
+/// Largest number of rapids in the programs for which a wait at a rapid counts as one of its line. A machine that
+/// waits for position waits at every rapid, and so few rapids do not show that.
 const MAX_SINGLE_RAPIDS: usize = 4;
-/// Longer waits tried first, s.
+/// Times added to the assumed wait in the values tried first, s.
 const LONGER_S: [f64; 6] = [0.0, 0.3, 1.0, 3.0, 8.0, 20.0];
 
 pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
@@ -34,7 +38,7 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let report = move |angle: f64| {
         let mut all = vec![(ANGLE, Reported::Number(angle.to_degrees()))];
         if let Some((low, high)) = gaps.iter().find(|(low, high)| *low <= angle && angle <= *high) {
-            all.push((BETWEEN, Reported::List(vec![low.to_degrees(), high.to_degrees()])));
+            all.push((ANGLE_BOUNDS, Reported::List(vec![low.to_degrees(), high.to_degrees()])));
         }
         all
     };
@@ -57,7 +61,8 @@ pub fn exact_stops(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     all
 }
 
-/// Waits for position at the full stops that there are, and at the ends of rapid moves, which it makes some.
+/// Returns the hypotheses of a wait for position at the ends of rapid moves, some of which become full stops by it,
+/// and at the existing full stops.
 pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let Context { machine, runs, .. } = context;
     let rapids = runs
@@ -83,7 +88,8 @@ pub fn in_position_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     kinds.into_iter().filter(|(_, is_offered)| *is_offered).map(|(at, _)| of(at)).collect()
 }
 
-/// Waits for the spindle: of the feed at S words in blocks of motion, and of the first feed move at a new speed.
+/// Returns the hypotheses of a wait for the spindle: of the feed at S words in blocks of motion, and of the first
+/// feed move at a new speed.
 pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let runs = &context.runs;
     let of = |key: &str, at: &'static str| {
@@ -101,20 +107,20 @@ pub fn spindle_waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     all.into_iter().filter(|(is_offered, ..)| *is_offered).map(|(_, key, at)| of(key, at)).collect()
 }
 
-/// Longer or shorter waits at each kind of stop.
+/// Returns the hypotheses of a longer or shorter wait at each kind of stop.
 pub fn waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     let Context { machine, runs, .. } = context;
-    let mut lines: BTreeMap<Kind, Vec<u32>> = BTreeMap::new();
+    let mut lines: BTreeMap<StopKind, Vec<u32>> = BTreeMap::new();
     for stop in runs.iter().flat_map(|run| &run.toolpath.stops) {
-        if let Some(kind) = Kind::of(&stop.cause) {
+        if let Some(kind) = StopKind::of(&stop.cause) {
             lines.entry(kind).or_default().push(stop.line.0);
         }
     }
     // Of words that are not told apart all explain the same: those come first of which the machine file says nothing.
-    let mut waits: Vec<(Kind, Vec<u32>)> = lines.into_iter().collect();
+    let mut waits: Vec<(StopKind, Vec<u32>)> = lines.into_iter().collect();
     waits.sort_by_key(|(kind, _)| 0.0 < kind.value(machine));
     let companions = companions(runs);
-    let of = |(kind, lines): (Kind, Vec<u32>)| {
+    let of = |(kind, lines): (StopKind, Vec<u32>)| {
         let others =
             companions[&kind].iter().filter(|other| **other != kind && companions[other].contains(&kind));
         wait(effect, kind, kind.value(machine), lines[0], others.map(|other| other.word()).collect())
@@ -122,8 +128,8 @@ pub fn waits(effect: Effect, context: &Context) -> Vec<Hypothesis> {
     waits.into_iter().map(of).collect()
 }
 
-/// Angles (rad) between which no corner of the programs turns: any least angle in one of them stops at the
-/// same corners.
+/// Returns the intervals of angles (rad) in which no turn angle of a corner lies: all stopping angles within one
+/// interval stop at the same corners.
 fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
     let mut turns = vec![0.0];
     for run in runs {
@@ -146,9 +152,10 @@ fn gaps(runs: &[Run]) -> Vec<(f64, f64)> {
     gaps
 }
 
-/// For each kind of stop those that come with each of its stops, without motion or a mark between them.
-fn companions(runs: &[Run]) -> BTreeMap<Kind, BTreeSet<Kind>> {
-    let mut all: BTreeMap<Kind, BTreeSet<Kind>> = BTreeMap::new();
+/// Returns, for each kind of stop, the kinds that occur together with each of its stops, without motion or a mark
+/// between them.
+fn companions(runs: &[Run]) -> BTreeMap<StopKind, BTreeSet<StopKind>> {
+    let mut all: BTreeMap<StopKind, BTreeSet<StopKind>> = BTreeMap::new();
     for run in runs {
         // The stops after which a mark tells them from the next one.
         let told: BTreeSet<usize> = (run.alignment.marks.iter())
@@ -160,7 +167,8 @@ fn companions(runs: &[Run]) -> BTreeMap<Kind, BTreeSet<Kind>> {
             .collect();
         let stops: Vec<(usize, &Stop)> = run.toolpath.stops.iter().enumerate().collect();
         for group in stops.chunk_by(|a, b| a.1.after == b.1.after && !told.contains(&a.0)) {
-            let kinds: BTreeSet<Kind> = group.iter().filter_map(|(_, stop)| Kind::of(&stop.cause)).collect();
+            let kinds: BTreeSet<StopKind> =
+                group.iter().filter_map(|(_, stop)| StopKind::of(&stop.cause)).collect();
             for kind in &kinds {
                 let beside = if kinds.len() <= MOST_BESIDE { kinds.clone() } else { [*kind].into() };
                 all.entry(*kind).or_insert_with(|| beside.clone()).retain(|other| beside.contains(other));
@@ -170,8 +178,9 @@ fn companions(runs: &[Run]) -> BTreeMap<Kind, BTreeSet<Kind>> {
     all
 }
 
-/// Longer or shorter waits at one kind of stop, from which others are not told apart.
-fn wait(effect: Effect, kind: Kind, believed: f64, line: u32, others: Vec<String>) -> Hypothesis {
+/// Returns the hypothesis of a longer or shorter wait at one kind of stop. `believed` is the assumed wait, s;
+/// `others` are the words that the recording cannot distinguish from this kind.
+fn wait(effect: Effect, kind: StopKind, believed: f64, line: u32, others: Vec<String>) -> Hypothesis {
     let report = move |value: f64| {
         let mut all = vec![
             (LINE, Reported::Number(f64::from(line))),

@@ -1,4 +1,5 @@
-//! Blocks that come late, to a control that knows of it when it plans corners, and to one that does not.
+//! Effects of the block supply: late blocks, at controls that plan corners with regard to them and at controls that
+//! do not.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, ratios};
 use crate::identification::effects::report::{BLOCKS, CORNERS_PLANNED_BY, Quantity, Reported, SECONDS};
@@ -6,14 +7,16 @@ use crate::identification::fit::{FreeParameter, Run, VariationScale};
 use crate::machine::{CornerPlanning, Handle};
 use crate::simulation::toolpath::Motion;
 
-/// Parts of all blocks that are shorter than a block time that is tried, and how much longer it is than the
-/// programmed time of the longest of them.
+/// Parts of all blocks that are shorter than each of the block times tried.
 const SHORTER: [f64; 12] = [0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0];
+/// Ratio of a block time tried to the programmed time of the longest block that is shorter.
 const TRIAL_RATIO: f64 = 1.08;
-/// Where all blocks are about as long, block times between are tried as well, no farther apart than this ratio.
+/// Largest ratio of two successive block times tried. If all blocks are about equally long, further block times
+/// between two are tried to keep this ratio.
 const MAX_RATIO_OF_TRIALS: f64 = 1.5;
 
-/// Block times that act on more and more blocks, s; below the least of them none is shorter.
+/// Returns the block times tried, s, in ascending order: each acts on more blocks, and no block is shorter than a
+/// time below the least of them.
 fn trials(runs: &[Run]) -> Vec<f64> {
     let segments = runs.iter().flat_map(|run| &run.toolpath.segments);
     let mut durations: Vec<f64> = segments
@@ -69,7 +72,7 @@ pub fn look_aheads(effect: Effect, _: &Context) -> Vec<Hypothesis> {
     CornerPlanning::WORDS.into_iter().map(|(_, by)| of(by)).collect()
 }
 
-/// A value, and by what corners are planned where that is not usual.
+/// Returns a value and, unless it is the usual one, the feedrate by which corners are planned.
 fn reported(value: (Quantity, Reported), by: CornerPlanning) -> Vec<(Quantity, Reported)> {
     let by = (by != CornerPlanning::default()).then(|| (CORNERS_PLANNED_BY, Reported::word(by.word())));
     [Some(value), by].into_iter().flatten().collect()

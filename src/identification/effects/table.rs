@@ -1,21 +1,22 @@
-//! The table of effects: one row says all there is to know of one, but for its physics.
+//! The table of effects: each row holds all facts about one effect, except its physics.
 //!
-//! Names of settings are from the vendors' manuals: Siemens machine data (MD), Heidenhain machine parameters (MP) and
-//! configuration names, Fanuc parameter numbers, grbl and LinuxCNC settings.
+//! Names of settings are from the vendors' manuals: Siemens machine data (MD), Heidenhain machine parameters (MP)
+//! and configuration names, Fanuc parameter numbers, grbl and LinuxCNC settings.
 
 use crate::identification::effects::effect::{Context, Effect, Hypothesis, Nature, Origin, Row};
 use crate::identification::effects::report::{self as of, Finding, three_digits};
 use crate::identification::effects::{corners, drives, filters, limits, overrides, stops, supply};
 
-/// Rarity of what changes only with the software of the control: once where settings and switches change twenty times.
+/// Rarity of a change that needs new software of the control: one occurs for every twenty changes of settings and
+/// switches (2 ln 20).
 const OF_SOFTWARE: f64 = 6.0;
-/// Rarity of a clock that is off by more than quartz is, 2e-4: it is built in, and nobody sets it.
+/// Rarity of a clock that is off by more than quartz, 2e-4: the clock is built in and cannot be set.
 const OF_CLOCKS: f64 = 6.0;
 
 /// Declares the effects with their rows.
 macro_rules! effects {
     ($($(#[$doc:meta])* $name:ident { $($row:tt)* })*) => {
-        $($(#[$doc])* pub const $name: Effect = Effect(&Row { $($row)* ..USUAL });)*
+        $($(#[$doc])* pub const $name: Effect = Effect(&Row { $($row)* ..DEFAULT_ROW });)*
 
         /// All effects, in the order of the contract.
         pub const ALL: &[Effect] = &[$($name,)*];
@@ -37,8 +38,8 @@ pub fn with_id(id: &str) -> Option<Effect> {
     ALL.iter().copied().find(|effect| effect.id == id)
 }
 
-/// What most rows have: a setting of the machine that a program brings out.
-const USUAL: Row = Row {
+/// Row with the values that most effects share: a setting of the machine that a program provokes.
+const DEFAULT_ROW: Row = Row {
     id: "",
     nature: Nature::Setting,
     origin: Origin::Machine,
@@ -49,18 +50,18 @@ const USUAL: Row = Row {
     sentence: |f| format!("Something acts {}{}.", f.at_lines(), f.costs()),
 };
 
-/// An effect that no hypothesis frees.
+/// Returns no hypotheses, for an effect that none frees.
 fn none(_: Effect, _: &Context) -> Vec<Hypothesis> {
     Vec::new()
 }
 
-/// A ratio as a percentage.
+/// Returns the ratio of a finding as a percentage.
 fn percent(f: &Finding) -> String {
     three_digits(100.0 * f.value(of::RATIO).unwrap_or(f64::NAN))
 }
 
 effects! {
-    /// An axis accelerates no faster.
+    /// Acceleration limit of an axis.
     AXIS_ACCELERATION_LIMIT {
         id: "axis_acceleration_limit", nature: Nature::Limit, offered: limits::axis_accelerations,
         vendors: "MAX_AX_ACCEL (Siemens MD32300), maxAcceleration or MP1060 (Heidenhain), $120–$122 (grbl), MAX_ACCELERATION (LinuxCNC)",
@@ -71,7 +72,7 @@ effects! {
             (a, costs, None) => format!("Axis {} accelerates at {a} mm/s² at most{costs}.", f.word(of::AXIS)),
         },
     }
-    /// The tool accelerates no faster along the path.
+    /// Acceleration limit of the tool along the path.
     PATH_ACCELERATION_LIMIT {
         id: "path_acceleration_limit", nature: Nature::Limit, offered: limits::path_acceleration,
         vendors: "MAX_PATH_ACCEL (Siemens), MP1061 (Heidenhain), max_accel (Klipper)",
@@ -80,13 +81,13 @@ effects! {
             f.number(of::ACCELERATION), f.costs()
         ),
     }
-    /// An axis moves no faster.
+    /// Velocity limit of an axis.
     AXIS_VELOCITY_LIMIT {
         id: "axis_velocity_limit", nature: Nature::Limit, offered: limits::axis_velocities,
         vendors: "MAX_AX_VELO (Siemens), No. 1422 (Fanuc), MP1010 (Heidenhain), $110–$112 (grbl)",
         sentence: |f| format!("Axis {} moves at {} mm/min at most{}.", f.word(of::AXIS), f.number(of::VELOCITY), f.costs()),
     }
-    /// Jerk along the path, of rapids, or behind the filters' constants.
+    /// Jerk limit along the path, of rapids, or behind the filters' time constants.
     JERK_LIMIT {
         id: "jerk_limit", nature: Nature::Limit, offered: limits::jerks,
         vendors: "MAX_AX_JERK (Siemens MD32431), MAX_PATH_JERK, maxPathJerk (Heidenhain)",
@@ -99,7 +100,7 @@ effects! {
             }
         },
     }
-    /// Arcs are run at an acceleration towards their centre.
+    /// Limit of the acceleration towards the centre on arcs.
     CENTRIPETAL_ACCELERATION_LIMIT {
         id: "centripetal_acceleration_limit", nature: Nature::Limit, offered: limits::centripetal_acceleration,
         vendors: "Nos. 1730–1732 (Fanuc), MD20602 (Siemens)",
@@ -107,13 +108,13 @@ effects! {
             "The machine takes curves at a centripetal acceleration of {} mm/s² at most{}.", f.number(of::ACCELERATION), f.costs()
         ),
     }
-    /// The filters have another time constant.
+    /// Another time constant of the filters.
     FILTER_TIME_CONSTANT {
         id: "filter_time_constant", offered: filters::time_constants,
         vendors: "MD32410 (Siemens), filter frequency (Heidenhain)",
         sentence: |f| format!("The filters' time constant is {} s{}.", f.number(of::TIME_CONSTANT), f.costs()),
     }
-    /// There are more or fewer filters.
+    /// A larger or smaller number of filters.
     FILTER_ORDER {
         id: "filter_order", rarity: OF_SOFTWARE, offered: filters::orders,
         vendors: "AX_JERK_MODE (Siemens MD32402), triangle or HSC filter (Heidenhain)",
@@ -121,13 +122,13 @@ effects! {
             "The control has {} filters in series, another number than the machine file{}.", f.number(of::FILTERS), f.costs()
         ),
     }
-    /// One filter is longer than the others.
+    /// Unequal filters, one longer than the others.
     UNEQUAL_FILTERS {
         id: "unequal_filters", offered: filters::unequal,
         vendors: "MD32410 and MD32411 (Siemens)",
         sentence: |f| format!("The filters have unequal time constants, {} s{}.", f.list(of::TIME_CONSTANTS), f.costs()),
     }
-    /// Corners or arcs are held to another tolerance.
+    /// Another tolerance of corners or arcs.
     CORNER_TOLERANCE {
         id: "corner_tolerance", offered: corners::tolerances,
         vendors: "cycle 32 T (Heidenhain), CYCLE832 or CTOL (Siemens), G64 P (LinuxCNC), G187 E (Haas)",
@@ -136,7 +137,7 @@ effects! {
             _ => format!("The control blends corners within {} mm{}.", f.number(of::CONTOUR_TOLERANCE), f.costs()),
         },
     }
-    /// Another law limits the feedrate at corners.
+    /// Another law that limits the feedrate at corners.
     JUNCTION_RULE {
         id: "junction_rule", rarity: OF_SOFTWARE, offered: corners::junctions,
         vendors: "$11 (grbl), square_corner_velocity (Klipper), ARC_BLEND_ENABLE (LinuxCNC), No. 1783 (Fanuc)",
@@ -148,7 +149,7 @@ effects! {
             None => format!("The control blends corners by parabolas and not by circles{}.", f.costs()),
         },
     }
-    /// The machine stops at corners.
+    /// Full stops at corners.
     EXACT_STOP {
         id: "exact_stop", offered: stops::exact_stops,
         vendors: "G9, G61, G60",
@@ -158,7 +159,7 @@ effects! {
             None => format!("The machine stops exactly {}{}.", f.at_lines(), f.costs()),
         },
     }
-    /// Axes take a while at full stops to be in position.
+    /// Wait at full stops until the axes are in position.
     IN_POSITION_WAIT {
         id: "in_position_wait", offered: stops::in_position_waits,
         vendors: "in-position width (Fanuc No. 1826), STOP_LIMIT_FINE (Siemens MD36010), timePosOK (Heidenhain)",
@@ -166,19 +167,19 @@ effects! {
             "At full stops the machine waits {} s until its axes are in position{}.", f.number(of::SECONDS), f.costs()
         ),
     }
-    /// No block is run in less time.
+    /// Least time in which the control runs a block.
     BLOCK_PROCESSING_TIME {
         id: "block_processing_time", rarity: OF_SOFTWARE, offered: supply::block_times,
         vendors: "block cycle time",
         sentence: |f| format!("The control needs {} s for every block{}.", f.number(of::SECONDS), f.costs()),
     }
-    /// The control sees a number of blocks ahead.
+    /// Number of blocks that the control sees ahead.
     LOOK_AHEAD {
         id: "look_ahead", rarity: OF_SOFTWARE, offered: supply::look_aheads,
         vendors: "look-ahead buffer, G103 P (Haas), BLOCK_BUFFER_SIZE (grbl)",
         sentence: |f| format!("The control looks {} blocks ahead{}.", f.number(of::BLOCKS), f.costs()),
     }
-    /// The control merges short blocks or rounds corners.
+    /// Merging of short blocks or rounding of corners by the control.
     PATH_SMOOTHING {
         id: "path_smoothing", rarity: OF_SOFTWARE, offered: corners::smoothings,
         vendors: "COMPCAD (Siemens), G5.1 Q1 (Fanuc), G64 Q (LinuxCNC)",
@@ -187,7 +188,7 @@ effects! {
             format!("The control {does} within {} mm{}.", f.number(of::TOLERANCE), f.costs())
         },
     }
-    /// The operator runs feed moves at another rate.
+    /// Another rate of feed moves, set by the operator.
     FEED_OVERRIDE {
         id: "feed_override", nature: Nature::Switch, origin: Origin::Operator, offered: overrides::feed,
         vendors: "feed override switch",
@@ -202,20 +203,20 @@ effects! {
             format!("{place} machine ran at {} % of the programmed feed: feed override{}.", percent(f), f.costs())
         },
     }
-    /// The operator runs rapid moves at another rate.
+    /// Another rate of rapid moves, set by the operator.
     RAPID_OVERRIDE {
         id: "rapid_override", nature: Nature::Switch, origin: Origin::Operator, offered: overrides::rapid,
         vendors: "rapid override switch",
         sentence: |f| format!("Rapid moves ran at {} % of the rapid feed: rapid override{}.", percent(f), f.costs()),
     }
-    /// The feed follows the load.
+    /// Feed that follows the load.
     ADAPTIVE_FEED {
         id: "adaptive_feed", nature: Nature::Other,
         vendors: "adaptive feed control",
         unprovoked: Some("it follows the load, and a probe runs in air: repeat the cut in air instead"),
         sentence: |f| format!("The feed was adapted smoothly {}{}.", f.at_lines(), f.costs()),
     }
-    /// The operator held the feed.
+    /// Feed hold by the operator.
     FEED_HOLD {
         id: "feed_hold", nature: Nature::Halt, origin: Origin::Operator,
         vendors: "feed hold",
@@ -224,7 +225,7 @@ effects! {
             "The operator held the feed in line {} for {} s{}.", f.number(of::LINE), f.number(of::SECONDS), f.costs()
         ),
     }
-    /// A function takes longer, or the machine stands before a line.
+    /// Longer time of a function, or standstill before a line.
     UNMODELLED_WAIT {
         id: "unmodelled_wait", nature: Nature::Halt, offered: stops::waits,
         sentence: |f| {
@@ -238,7 +239,7 @@ effects! {
             format!("The machine waits {size} s {more} than the machine file says {what}.")
         },
     }
-    /// The feed waits at S words until the spindle has its speed.
+    /// Wait of the feed at S words until the spindle has its speed.
     SPINDLE_WAIT {
         id: "spindle_wait", offered: stops::spindle_waits,
         vendors: "SPIND_ON_SPEED_AT_IO_START (Siemens MD35500), No. 3708 bit 0 (Fanuc)",
@@ -248,7 +249,7 @@ effects! {
             f.number(of::SECONDS), f.word(of::AT), f.costs()
         ),
     }
-    /// The axes trail their command.
+    /// Lag of the axes behind their command.
     SERVO_LAG {
         id: "servo_lag", nature: Nature::Drive, offered: drives::servo_lag,
         vendors: "POSCTRL_GAIN (Siemens MD32200), No. 1825 (Fanuc), MP1810 (Heidenhain)",
@@ -257,13 +258,13 @@ effects! {
             axis => format!("Axis {axis} follows with a lag of {} s.", f.number(of::TIME_CONSTANT)),
         },
     }
-    /// An axis has play.
+    /// Backlash of an axis.
     BACKLASH {
         id: "backlash", nature: Nature::Drive, offered: drives::backlash,
         vendors: "BACKLASH (Siemens MD32450), No. 1851 (Fanuc), MP710 (Heidenhain)",
         sentence: |f| format!("Axis {} has {} mm of backlash.", f.word(of::AXIS), f.number(of::WIDTH)),
     }
-    /// The structure vibrates.
+    /// Vibration of the structure.
     STRUCTURAL_VIBRATION {
         id: "structural_vibration", nature: Nature::Drive, offered: drives::vibration,
         sentence: |f| format!(
@@ -271,12 +272,12 @@ effects! {
             f.word(of::AXIS), f.number(of::FREQUENCY), f.number(of::DAMPING)
         ),
     }
-    /// The recorder's clock is fast or slow.
+    /// Fast or slow clock of the recorder.
     RECORDER_CLOCK {
         id: "recorder_clock", rarity: OF_CLOCKS, nature: Nature::Switch, origin: Origin::Recorder, offered: overrides::recorder_clock,
         sentence: |f| format!("The recorder's clock runs at {} of the true rate.", f.number(of::RATIO)),
     }
-    /// The recording is of another program.
+    /// Recording of another program.
     WRONG_PROGRAM {
         id: "wrong_program", nature: Nature::Other, origin: Origin::Recorder,
         unprovoked: Some("no program shows it: check which program was recorded"),

@@ -1,37 +1,37 @@
-//! The kinds of stops whose time is one number of the machine.
+//! Kinds of stops whose time is one number of the machine.
 
 use crate::identification::fit::FreeParameter;
 use crate::machine::{Handle, Machine, SpindleDirection, SpindleState};
 use crate::simulation::toolpath::StopCause;
 
-/// No wait is longer, s: an operator's pause is not a property of the machine.
+/// Longest wait, s: a longer one is an operator's pause and not a property of the machine.
 pub const LONGEST_WAIT_S: f64 = 600.0;
 
 /// A kind of stop whose time is one number of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
-    /// M6.
+pub enum StopKind {
+    /// Tool change by M6.
     ToolChange,
-    /// The first M6 of a program that has others.
+    /// First M6 of a program that has others.
     FirstToolChange,
-    /// The spindle starts or changes its direction, or its speed by an M-word.
+    /// Start of the spindle, or a change of its direction or of its speed by an M-word.
     SpindleStart,
-    /// The spindle stops.
+    /// Stop of the spindle.
     SpindleStop,
     /// Any other M-word.
     MWord(u32),
 }
 
-impl Kind {
-    /// The kind of a stop; `None` if its time is programmed or follows from motion.
-    pub fn of(cause: &StopCause) -> Option<Kind> {
+impl StopKind {
+    /// Returns the kind of a stop; `None` if its time is programmed or follows from motion.
+    pub fn of(cause: &StopCause) -> Option<StopKind> {
         match cause {
-            StopCause::ToolChange { .. } => Some(Kind::ToolChange),
+            StopCause::ToolChange { .. } => Some(StopKind::ToolChange),
             StopCause::Spindle { to, code: Some(_), .. } if to.speed == 0.0 || is_standing(to) => {
-                Some(Kind::SpindleStop)
+                Some(StopKind::SpindleStop)
             }
-            StopCause::Spindle { code: Some(_), .. } => Some(Kind::SpindleStart),
-            StopCause::MCode { code } => Some(Kind::MWord(*code)),
+            StopCause::Spindle { code: Some(_), .. } => Some(StopKind::SpindleStart),
+            StopCause::MCode { code } => Some(StopKind::MWord(*code)),
             StopCause::Dwell { .. }
             | StopCause::Rotary { .. }
             | StopCause::SameTool { .. }
@@ -39,40 +39,40 @@ impl Kind {
         }
     }
 
-    /// Its number in the table of parameters.
+    /// Returns the handle of its number in the table of parameters.
     pub fn handle(self) -> Handle {
         match self {
-            Kind::ToolChange => Handle::number("times.tool_change_s"),
-            Kind::FirstToolChange => Handle::number("times.first_tool_change_s"),
-            Kind::SpindleStart => Handle::number("times.spindle_start_s"),
-            Kind::SpindleStop => Handle::number("times.spindle_stop_s"),
-            Kind::MWord(code) => Handle::entry("times.m_codes", code),
+            StopKind::ToolChange => Handle::number("times.tool_change_s"),
+            StopKind::FirstToolChange => Handle::number("times.first_tool_change_s"),
+            StopKind::SpindleStart => Handle::number("times.spindle_start_s"),
+            StopKind::SpindleStop => Handle::number("times.spindle_stop_s"),
+            StopKind::MWord(code) => Handle::entry("times.m_codes", code),
         }
     }
 
-    /// The word that asks for it.
+    /// Returns the word that asks for a stop of this kind.
     pub fn word(self) -> String {
         match self {
-            Kind::ToolChange | Kind::FirstToolChange => "M6".to_string(),
-            Kind::SpindleStart => "M3".to_string(),
-            Kind::SpindleStop => "M5".to_string(),
-            Kind::MWord(code) => format!("M{code}"),
+            StopKind::ToolChange | StopKind::FirstToolChange => "M6".to_string(),
+            StopKind::SpindleStart => "M3".to_string(),
+            StopKind::SpindleStop => "M5".to_string(),
+            StopKind::MWord(code) => format!("M{code}"),
         }
     }
 
-    /// What the machine has for it, s.
+    /// Returns the time that the machine has for it, s.
     pub fn value(self, machine: &Machine) -> f64 {
         let times = &machine.times;
         match self {
-            Kind::ToolChange => times.tool_change,
-            Kind::FirstToolChange => times.first_tool_change.unwrap_or(times.tool_change),
-            Kind::SpindleStart => times.spindle.start.unwrap_or(times.m_code),
-            Kind::SpindleStop => times.spindle.stop.unwrap_or(times.m_code),
-            Kind::MWord(code) => times.of_m_code(code),
+            StopKind::ToolChange => times.tool_change,
+            StopKind::FirstToolChange => times.first_tool_change.unwrap_or(times.tool_change),
+            StopKind::SpindleStart => times.spindle.start.unwrap_or(times.m_code),
+            StopKind::SpindleStop => times.spindle.stop.unwrap_or(times.m_code),
+            StopKind::MWord(code) => times.of_m_code(code),
         }
     }
 
-    /// The parameter, beginning with `start` (s).
+    /// Returns its time as a free parameter that begins with `start` (s).
     pub fn freed(self, start: f64) -> FreeParameter {
         FreeParameter::wait(self.handle(), start, (0.0, LONGEST_WAIT_S)).linear()
     }

@@ -62,6 +62,6 @@ fn word_of(cause: &StopCause) -> Option<(String, f64)> {
         StopCause::Spindle { code: None, .. } => Some(("S".to_string(), 0.0)),
         StopCause::SameTool { .. } => Some(("M6, same tool".to_string(), 0.0)),
         StopCause::Rotary { .. } => None,
-        other => effects::Kind::of(other).map(|kind| (kind.word(), 0.0)),
+        other => effects::StopKind::of(other).map(|kind| (kind.word(), 0.0)),
     }
 }

@@ -1,7 +1,7 @@
 //! A log of one move → its samples along its line, or its feedrate if no position was recorded.
 
 use crate::identification::recording;
-use crate::identification::step::{Outcome, Quantity, Recording, identify};
+use crate::identification::step::{Outcome, RecordedQuantity, Recording, identify};
 use crate::simulation::sampled::rows_around;
 use crate::simulation::toolpath::Vector;
 
@@ -9,7 +9,7 @@ use crate::simulation::toolpath::Vector;
 struct Along {
     times: Vec<f64>,
     values: Vec<f64>,
-    quantity: Quantity,
+    quantity: RecordedQuantity,
 }
 
 /// Identifies the filters from the move in a log; `None` if it has neither positions nor feedrates.
@@ -35,10 +35,14 @@ fn along_line(log: &recording::Recording) -> Option<Along> {
     let (first, last) = (position(0), position(times.len().checked_sub(1)?));
     let direction = (last - first).try_normalize(f64::MIN_POSITIVE)?;
     let values = (0..times.len()).map(|at| (position(at) - first).dot(&direction)).collect();
-    Some(Along { times, values, quantity: Quantity::Position })
+    Some(Along { times, values, quantity: RecordedQuantity::Position })
 }
 
 fn by_feedrate(log: &recording::Recording) -> Option<Along> {
     let feed = log.feed.as_ref().or(log.commanded_feed.as_ref())?;
-    Some(Along { times: feed.time.to_vec(), values: feed.values.clone(), quantity: Quantity::Feedrate })
+    Some(Along {
+        times: feed.time.to_vec(),
+        values: feed.values.clone(),
+        quantity: RecordedQuantity::Feedrate,
+    })
 }

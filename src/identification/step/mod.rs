@@ -39,7 +39,7 @@ mod response;
 mod tests;
 
 pub use along::identify_move;
-pub use response::Quantity;
+pub use response::RecordedQuantity;
 
 use crate::identification::step::misfit::{Minimum, minimise};
 use crate::identification::step::response::{Response, Shape};
@@ -65,7 +65,7 @@ pub struct Recording<'a> {
     /// Recorded values, mm or mm/s; as many as times.
     pub values: &'a [f64],
     /// Recorded quantity.
-    pub quantity: Quantity,
+    pub quantity: RecordedQuantity,
 }
 
 /// A value with its standard uncertainty, in one unit; infinite if the recording does not determine it.
@@ -216,7 +216,7 @@ pub enum Fault {
 /// # Examples
 ///
 /// ```
-/// use truefeed::identification::step::{Outcome, Quantity, Recording, identify};
+/// use truefeed::identification::step::{Outcome, RecordedQuantity, Recording, identify};
 /// use truefeed::simulation::filter::FilterChain;
 ///
 /// // A move of 9 mm at 100 mm/s, behind three filters of 20 ms.
@@ -226,7 +226,7 @@ pub enum Fault {
 ///     .iter()
 ///     .map(|time| 100.0 * (filters.step(time - 0.02) - filters.step(time - 0.11)))
 ///     .collect();
-/// match identify(&Recording { times: &times, values: &values, quantity: Quantity::Feedrate }) {
+/// match identify(&Recording { times: &times, values: &values, quantity: RecordedQuantity::Feedrate }) {
 ///     Outcome::Converged(found) => assert_eq!(found.best().filters.order(), 3),
 ///     other => panic!("{other:?}"),
 /// }
@@ -287,8 +287,8 @@ impl Move {
     fn of(recording: &Recording) -> Option<Move> {
         let Recording { times, values, .. } = recording;
         let travelled: Vec<f64> = match recording.quantity {
-            Quantity::Position => values.iter().map(|value| value - values[0]).collect(),
-            Quantity::Feedrate => {
+            RecordedQuantity::Position => values.iter().map(|value| value - values[0]).collect(),
+            RecordedQuantity::Feedrate => {
                 let gaps = times.windows(2).zip(values.windows(2));
                 let areas = gaps.map(|(t, v)| (t[1] - t[0]) * 0.5 * (v[0] + v[1]));
                 [0.0].into_iter().chain(running_sum(areas)).collect()
@@ -356,8 +356,8 @@ fn conclude(minima: &[(Response, Minimum)], values: &[f64]) -> Outcome {
         .collect();
     let best = &fits[chosen];
     let unexplained = match minima[chosen].0.quantity {
-        Quantity::Feedrate => best.residual_rms / best.feedrate.value.abs(),
-        Quantity::Position => 2.0 * best.residual_rms / best.length.value.abs(),
+        RecordedQuantity::Feedrate => best.residual_rms / best.feedrate.value.abs(),
+        RecordedQuantity::Position => 2.0 * best.residual_rms / best.length.value.abs(),
     };
     if unexplained.is_nan() || LARGEST_RESIDUAL < unexplained {
         return Outcome::NotASingleMove { unexplained };

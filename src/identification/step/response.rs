@@ -25,7 +25,7 @@ use crate::simulation::filter::FilterChain;
 
 /// The recorded quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum RecordedQuantity {
     /// Position along the move, mm.
     Position,
     /// Feedrate along the move, mm/s.
@@ -35,7 +35,7 @@ pub enum Quantity {
 /// The response of some filters at the times of a recording.
 pub struct Response<'a> {
     pub times: &'a [f64],
-    pub quantity: Quantity,
+    pub quantity: RecordedQuantity,
     pub filters: Filters,
 }
 
@@ -88,7 +88,7 @@ impl Response<'_> {
 
     /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
-        FILTER + self.filter_parameters() + usize::from(self.quantity == Quantity::Position)
+        FILTER + self.filter_parameters() + usize::from(self.quantity == RecordedQuantity::Position)
     }
 
     /// Returns the number of parameters that only samples on the ramps determine: rise, fall and the filters.
@@ -128,8 +128,8 @@ impl Response<'_> {
 
     fn origin(&self, parameters: &DVector<f64>) -> f64 {
         match self.quantity {
-            Quantity::Position => parameters[self.parameters() - 1],
-            Quantity::Feedrate => 0.0,
+            RecordedQuantity::Position => parameters[self.parameters() - 1],
+            RecordedQuantity::Feedrate => 0.0,
         }
     }
 
@@ -145,8 +145,8 @@ impl Response<'_> {
     fn unit(&self, chain: &FilterChain, since_rise: f64, since_fall: f64) -> f64 {
         let half = chain.half_delay();
         match self.quantity {
-            Quantity::Feedrate => chain.step(since_rise + half) - chain.step(since_fall + half),
-            Quantity::Position => {
+            RecordedQuantity::Feedrate => chain.step(since_rise + half) - chain.step(since_fall + half),
+            RecordedQuantity::Position => {
                 chain.displacement(since_rise + half) - chain.displacement(since_fall + half)
             }
         }
@@ -160,8 +160,8 @@ impl Response<'_> {
     pub fn jacobian(&self, parameters: &DVector<f64>) -> DMatrix<f64> {
         let Shape { feedrate, rise, fall, chain, .. } = self.shape(parameters);
         let slope = |age: f64| match self.quantity {
-            Quantity::Feedrate => chain.impulse(age + chain.half_delay()),
-            Quantity::Position => chain.step(age + chain.half_delay()),
+            RecordedQuantity::Feedrate => chain.impulse(age + chain.half_delay()),
+            RecordedQuantity::Position => chain.step(age + chain.half_delay()),
         };
         let mut jacobian = DMatrix::zeros(self.times.len(), self.parameters());
         jacobian.set_column(0, &self.at_times(|time| self.unit(&chain, time - rise, time - fall)));
@@ -182,7 +182,7 @@ impl Response<'_> {
                 jacobian.set_column(column, &((after - before) / (b - a)));
             }
         }
-        if self.quantity == Quantity::Position {
+        if self.quantity == RecordedQuantity::Position {
             jacobian.column_mut(self.parameters() - 1).fill(1.0);
         }
         jacobian
@@ -226,7 +226,7 @@ impl Response<'_> {
                 let squares = misfit.norm_squared();
                 if squares < best.0 {
                     parameters[0] = feedrate;
-                    if self.quantity == Quantity::Position {
+                    if self.quantity == RecordedQuantity::Position {
                         parameters[self.parameters() - 1] = origin;
                     }
                     best = (squares, Some(parameters));
@@ -239,8 +239,8 @@ impl Response<'_> {
     /// Returns the factor and the origin with which `unit` comes closest to `values`.
     fn straight_line(&self, unit: &DVector<f64>, values: &DVector<f64>) -> (f64, f64) {
         let (middle, level) = match self.quantity {
-            Quantity::Feedrate => (0.0, 0.0),
-            Quantity::Position => (unit.mean(), values.mean()),
+            RecordedQuantity::Feedrate => (0.0, 0.0),
+            RecordedQuantity::Position => (unit.mean(), values.mean()),
         };
         let (unit, values) = (unit.add_scalar(-middle), values.add_scalar(-level));
         let factor = unit.dot(&values) / unit.norm_squared();

@@ -32,12 +32,12 @@ struct Planted {
     sampling: f64,
     /// Noise by the feedrate, or by the length.
     noise: f64,
-    quantity: Quantity,
+    quantity: RecordedQuantity,
 }
 
 impl Planted {
     /// The case of the paper: 6 mm at 3000 mm/min, delay 0.0765 s, 3 ms.
-    fn like_the_paper(constants: &[f64], quantity: Quantity) -> Planted {
+    fn like_the_paper(constants: &[f64], quantity: RecordedQuantity) -> Planted {
         Planted {
             constants: constants.to_vec(),
             feedrate: 50.0,
@@ -58,11 +58,11 @@ impl Planted {
         let values = times.iter().map(|t| {
             let t = t - self.start;
             match self.quantity {
-                Quantity::Feedrate => {
+                RecordedQuantity::Feedrate => {
                     self.feedrate * (chain.step(t) - chain.step(t - pulse))
                         + self.noise * self.feedrate * dice.normal()
                 }
-                Quantity::Position => {
+                RecordedQuantity::Position => {
                     12.0 + self.feedrate * (chain.displacement(t) - chain.displacement(t - pulse))
                         + self.noise * self.length * dice.normal()
                 }
@@ -87,7 +87,7 @@ fn converged(outcome: Outcome) -> Identification {
 
 #[test]
 fn exact_recordings_give_the_filters_exactly() {
-    for quantity in [Quantity::Position, Quantity::Feedrate] {
+    for quantity in [RecordedQuantity::Position, RecordedQuantity::Feedrate] {
         for (index, constants) in
             [vec![0.05], vec![0.03; 2], vec![0.0255; 3], vec![0.019; 4], vec![0.05, 0.02]].iter().enumerate()
         {
@@ -128,7 +128,11 @@ fn uncertainties_cover_what_they_should() {
             start: dice.between(0.02, 0.3),
             sampling: dice.between(0.001, 0.020),
             noise: dice.between(1e-4, 1e-2),
-            quantity: if dice.uniform() < 0.5 { Quantity::Position } else { Quantity::Feedrate },
+            quantity: if dice.uniform() < 0.5 {
+                RecordedQuantity::Position
+            } else {
+                RecordedQuantity::Feedrate
+            },
         };
         let found = match planted.identify(&mut dice) {
             Outcome::Converged(found) => found,
@@ -162,11 +166,11 @@ fn uncertainties_cover_what_they_should() {
 
 #[test]
 fn fine_sampling_tells_the_order() {
-    for quantity in [Quantity::Position, Quantity::Feedrate] {
+    for quantity in [RecordedQuantity::Position, RecordedQuantity::Feedrate] {
         for order in 1..=4 {
             for seed in 0..25 {
                 let mut planted = Planted::like_the_paper(&vec![0.0765 / order as f64; order], quantity);
-                planted.noise = if quantity == Quantity::Feedrate { 5e-4 } else { 1e-5 };
+                planted.noise = if quantity == RecordedQuantity::Feedrate { 5e-4 } else { 1e-5 };
                 let found = converged(planted.identify(&mut Dice(seed)));
                 assert_eq!(found.best().filters.order(), order, "{found:?}");
                 let mut rivals = found.rivals.iter().map(|&rival| found.fits[rival].filters);
@@ -179,7 +183,7 @@ fn fine_sampling_tells_the_order() {
 #[test]
 fn unequal_filters_are_told_from_equal_ones() {
     for seed in 0..25 {
-        let mut planted = Planted::like_the_paper(&[0.055, 0.0215], Quantity::Feedrate);
+        let mut planted = Planted::like_the_paper(&[0.055, 0.0215], RecordedQuantity::Feedrate);
         planted.noise = 1e-3;
         let found = converged(planted.identify(&mut Dice(seed)));
         assert_eq!(found.best().filters, Filters::UnequalPair, "{found:?}");
@@ -196,7 +200,7 @@ fn coarse_sampling_does_not_tell_the_order() {
     for order in 1..=4 {
         for seed in 0..25 {
             let mut planted =
-                Planted::like_the_paper(&vec![0.0765 / order as f64; order], Quantity::Feedrate);
+                Planted::like_the_paper(&vec![0.0765 / order as f64; order], RecordedQuantity::Feedrate);
             (planted.sampling, planted.noise) = if seed % 2 == 0 { (0.05, 0.0) } else { (0.03, 0.01) };
             planted.start = 0.041 + 0.002 * seed as f64;
             match planted.identify(&mut Dice(seed)) {
@@ -223,16 +227,19 @@ fn what_is_no_single_move_is_said_to_be_none() {
     let chain = FilterChain::equal(3, 0.0255);
     let pulse = |t: f64, length: f64| chain.step(t) - chain.step(t - length);
     let way = |t: f64, length: f64| chain.displacement(t) - chain.displacement(t - length);
-    for quantity in [Quantity::Position, Quantity::Feedrate] {
-        assert_eq!(outcome(&|_| 3.0, Quantity::Position), Outcome::NotASingleMove { unexplained: 1.0 });
+    for quantity in [RecordedQuantity::Position, RecordedQuantity::Feedrate] {
+        assert_eq!(
+            outcome(&|_| 3.0, RecordedQuantity::Position),
+            Outcome::NotASingleMove { unexplained: 1.0 }
+        );
         assert_eq!(outcome(&|_| 0.0, quantity), Outcome::NotASingleMove { unexplained: 1.0 });
         let there_and_back = |t: f64| match quantity {
-            Quantity::Position => 50.0 * (way(t - 0.05, 0.12) - 0.6 * way(t - 0.3, 0.12)),
-            Quantity::Feedrate => 50.0 * (pulse(t - 0.05, 0.12) - 0.6 * pulse(t - 0.3, 0.12)),
+            RecordedQuantity::Position => 50.0 * (way(t - 0.05, 0.12) - 0.6 * way(t - 0.3, 0.12)),
+            RecordedQuantity::Feedrate => 50.0 * (pulse(t - 0.05, 0.12) - 0.6 * pulse(t - 0.3, 0.12)),
         };
         let two = |t: f64| match quantity {
-            Quantity::Position => 50.0 * (way(t - 0.05, 0.12) + way(t - 0.3, 0.12)),
-            Quantity::Feedrate => 50.0 * (pulse(t - 0.05, 0.12) + pulse(t - 0.3, 0.12)),
+            RecordedQuantity::Position => 50.0 * (way(t - 0.05, 0.12) + way(t - 0.3, 0.12)),
+            RecordedQuantity::Feedrate => 50.0 * (pulse(t - 0.05, 0.12) + pulse(t - 0.3, 0.12)),
         };
         for (name, other) in [("back", &there_and_back as &dyn Fn(f64) -> f64), ("two", &two)] {
             let found = outcome(other, quantity);
@@ -245,7 +252,7 @@ fn what_is_no_single_move_is_said_to_be_none() {
 fn garbage_has_an_outcome() {
     let identify = |times: &[f64], values: &[f64], quantity| identify(&Recording { times, values, quantity });
     let mut dice = Dice(3);
-    for quantity in [Quantity::Position, Quantity::Feedrate] {
+    for quantity in [RecordedQuantity::Position, RecordedQuantity::Feedrate] {
         assert_eq!(identify(&[], &[], quantity), Outcome::TooFewSamples { found: 0, needed: 8 });
         assert_eq!(
             identify(&[0.0, 1.0], &[0.0], quantity),

@@ -4,7 +4,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::identification::calibration::{Calibration, Estimate, RunResult, Verdict};
+use crate::identification::calibration::{Calibration, Estimate, ParameterVerdict, RunResult};
 use crate::identification::comparison::{Comparison, Durations};
 use crate::identification::diagnosis::ModelError;
 use crate::identification::measured::Measured;
@@ -102,7 +102,11 @@ impl CalibrationReport {
                     before: orders.0.to_string(),
                     after: orders.1.to_string(),
                     deviation: None,
-                    verdict: word(if orders.0 == orders.1 { Verdict::Agrees } else { Verdict::Fitted }),
+                    verdict: word(if orders.0 == orders.1 {
+                        ParameterVerdict::Agrees
+                    } else {
+                        ParameterVerdict::Fitted
+                    }),
                     numbers: [Some(orders.0 as f64), Some(orders.1 as f64), None],
                 },
             );
@@ -165,11 +169,11 @@ const CALIBRATED_SUFFIX: &str = ", calibrated";
 
 const FILTERS_KEY: &str = "interpolator.filters";
 
-fn word(verdict: Verdict) -> &'static str {
+fn word(verdict: ParameterVerdict) -> &'static str {
     match verdict {
-        Verdict::Fitted => "fitted",
-        Verdict::Agrees => "agrees, kept",
-        Verdict::Unknown => "these runs cannot determine it",
+        ParameterVerdict::Fitted => "fitted",
+        ParameterVerdict::Agrees => "agrees, kept",
+        ParameterVerdict::Unknown => "these runs cannot determine it",
     }
 }
 
@@ -192,7 +196,9 @@ fn estimate_row(estimate: &Estimate) -> EstimateRow {
         unit: unit.symbol(),
         before: as_limit(before),
         after: match deviation {
-            Some(deviation) if estimate.verdict == Verdict::Fitted => to_the_digits_of(after, deviation),
+            Some(deviation) if estimate.verdict == ParameterVerdict::Fitted => {
+                to_the_digits_of(after, deviation)
+            }
             _ => as_limit(after),
         },
         deviation: deviation.map(|deviation| to_the_digits_of(deviation, deviation)),
@@ -261,7 +267,8 @@ fn sentence(calibration: &Calibration) -> String {
         many => format!("{many} runs"),
     };
     let which = if calibration.runs.len() == 1 { "" } else { " at most" };
-    let fitted = calibration.estimates.iter().filter(|estimate| estimate.verdict == Verdict::Fitted).count();
+    let fitted =
+        calibration.estimates.iter().filter(|estimate| estimate.verdict == ParameterVerdict::Fitted).count();
     format!(
         "Calibrated from {count}: the cycle time is off by {:.1} %{which} now, {:.1} % before; {fitted} of {} parameters \
          changed.",
@@ -364,7 +371,7 @@ mod tests {
             before: value,
             value: 1.1 * value,
             deviation: Some(0.01 * value),
-            verdict: Verdict::Fitted,
+            verdict: ParameterVerdict::Fitted,
         };
         let rapid = estimate_row(&estimate("rapid.feed_mm_min", 200.0));
         assert_eq!((rapid.unit, &*rapid.before, &*rapid.after), ("mm/min", "12000", "13200"));

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::quote::{self, CauseInDoubt};
-use crate::simulation::gcode::Cause;
+use crate::simulation::gcode::DoubtCause;
 
 /// The doubts about a cycle time.
 #[derive(Clone, Debug, Serialize)]
@@ -81,59 +81,61 @@ fn counted_words(doubt: &CauseInDoubt) -> String {
 }
 
 /// Returns the id of a cause, and its description for one and for several.
-fn words(cause: Cause) -> [&'static str; 3] {
+fn words(cause: DoubtCause) -> [&'static str; 3] {
     match cause {
-        Cause::UnreadWords => ["unread_words", "word cannot be read", "words cannot be read"],
-        Cause::BlocksNotRun => ["blocks_not_run", "block is not run", "blocks are not run"],
-        Cause::UnknownWords => ["unknown_words", "word is not understood", "words are not understood"],
-        Cause::OpenArcs => ["open_arcs", "arc does not close", "arcs do not close"],
-        Cause::UnclearTurns => {
+        DoubtCause::UnreadWords => ["unread_words", "word cannot be read", "words cannot be read"],
+        DoubtCause::BlocksNotRun => ["blocks_not_run", "block is not run", "blocks are not run"],
+        DoubtCause::UnknownWords => ["unknown_words", "word is not understood", "words are not understood"],
+        DoubtCause::OpenArcs => ["open_arcs", "arc does not close", "arcs do not close"],
+        DoubtCause::UnclearTurns => {
             ["unclear_turns", "arc may have more or fewer turns", "arcs may have more or fewer turns"]
         }
-        Cause::MissingArcs => ["missing_arcs", "arc has no circle", "arcs have no circle"],
-        Cause::MissingFeeds => ["missing_feeds", "feedrate is missing", "feedrates are missing"],
-        Cause::FeedsBeyondRapid => {
+        DoubtCause::MissingArcs => ["missing_arcs", "arc has no circle", "arcs have no circle"],
+        DoubtCause::MissingFeeds => ["missing_feeds", "feedrate is missing", "feedrates are missing"],
+        DoubtCause::FeedsBeyondRapid => {
             ["feeds_beyond_rapid", "feedrate is beyond the rapids", "feedrates are beyond the rapids"]
         }
-        Cause::MissingPoints => {
+        DoubtCause::MissingPoints => {
             ["missing_points", "length has no decimal point", "lengths have no decimal point"]
         }
-        Cause::UnclearDwells => ["unclear_dwells", "waiting time is unclear", "waiting times are unclear"],
-        Cause::UnknownHome => [
+        DoubtCause::UnclearDwells => {
+            ["unclear_dwells", "waiting time is unclear", "waiting times are unclear"]
+        }
+        DoubtCause::UnknownHome => [
             "unknown_home",
             "move goes to an unknown reference position (travel up to 1 m)",
             "moves go to an unknown reference position (travel up to 1 m)",
         ],
-        Cause::UnknownOffsets => [
+        DoubtCause::UnknownOffsets => [
             "unknown_offsets",
             "work offset is unknown (travel up to 1 m)",
             "work offsets are unknown (travel up to 1 m)",
         ],
-        Cause::UnmadeHoles => {
+        DoubtCause::UnmadeHoles => {
             ["unmade_holes", "hole is not made as written", "holes are not made as written"]
         }
-        Cause::UnmodelledCycles => ["unmodelled_cycles", "cycle has no moves", "cycles have no moves"],
-        Cause::UnmodelledFunctions => {
+        DoubtCause::UnmodelledCycles => ["unmodelled_cycles", "cycle has no moves", "cycles have no moves"],
+        DoubtCause::UnmodelledFunctions => {
             ["unmodelled_functions", "function is not modelled", "functions are not modelled"]
         }
-        Cause::UnmodelledCurves => {
+        DoubtCause::UnmodelledCurves => {
             ["unmodelled_curves", "spline is run as straight lines", "splines are run as straight lines"]
         }
-        Cause::UnmodelledThreads => ["unmodelled_threads", "thread has no feed", "threads have no feed"],
-        Cause::PerhapsLathe => ["perhaps_lathe", "sign of a lathe program", "signs of a lathe program"],
-        Cause::Probing => ["probing", "probing move may end early", "probing moves may end early"],
-        Cause::MissingSubprograms => {
+        DoubtCause::UnmodelledThreads => ["unmodelled_threads", "thread has no feed", "threads have no feed"],
+        DoubtCause::PerhapsLathe => ["perhaps_lathe", "sign of a lathe program", "signs of a lathe program"],
+        DoubtCause::Probing => ["probing", "probing move may end early", "probing moves may end early"],
+        DoubtCause::MissingSubprograms => {
             ["missing_subprograms", "subprogram is missing", "subprograms are missing"]
         }
-        Cause::BrokenFlow => [
+        DoubtCause::BrokenFlow => [
             "broken_flow",
             "jump, loop or condition cannot be followed",
             "jumps, loops or conditions cannot be followed",
         ],
-        Cause::UnknownParameters => {
+        DoubtCause::UnknownParameters => {
             ["unknown_parameters", "parameter has no value", "parameters have no value"]
         }
-        Cause::Compensation => [
+        DoubtCause::Compensation => [
             "compensation",
             "place cannot be compensated for the tool",
             "places cannot be compensated for the tool",

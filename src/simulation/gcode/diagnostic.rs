@@ -3,7 +3,7 @@
 //! A stage stores its remarks as data, one enum a stage, in [`Remarks`], which bounds the list: a million bad
 //! lines make a few hundred messages and one count.
 
-use crate::simulation::gcode::{Cause, Doubt, Effect, LineNumber};
+use crate::simulation::gcode::{Doubt, DoubtCause, DoubtEffect, LineNumber};
 use std::fmt::Display;
 use std::mem::{Discriminant, discriminant};
 
@@ -58,7 +58,7 @@ pub trait Remark: Display + PartialEq {
     }
 
     /// Returns the times that it leaves in doubt, with the cause; `None` if it leaves none.
-    fn doubt(&self) -> Option<(Cause, Effect)> {
+    fn doubt(&self) -> Option<(DoubtCause, DoubtEffect)> {
         None
     }
 }
@@ -156,7 +156,7 @@ impl<R: Remark> Remarks<R> {
     }
 
     /// Adds a doubt about the time without a remark.
-    pub(crate) fn doubt(&mut self, line: LineNumber, cause: Cause, effect: Effect) {
+    pub(crate) fn doubt(&mut self, line: LineNumber, cause: DoubtCause, effect: DoubtEffect) {
         let (after, until) = (self.after, self.after);
         self.doubts.push(Doubt { line, cause, effect, after, until });
     }

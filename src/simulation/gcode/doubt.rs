@@ -4,7 +4,7 @@ use crate::simulation::gcode::LineNumber;
 
 /// The cause of a doubt about the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Cause {
+pub enum DoubtCause {
     /// Words without a readable number.
     UnreadWords,
     /// Blocks that are not run.
@@ -55,7 +55,7 @@ pub enum Cause {
 
 /// The part of a program whose time is in doubt.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Effect {
+pub enum DoubtEffect {
     /// Words of a block that are missing. In a toolpath these are axes and centres alone, up to where the program gives
     /// the axes again.
     Words(Letters),
@@ -204,9 +204,9 @@ pub struct Doubt {
     /// Line of the program.
     pub line: LineNumber,
     /// Its cause.
-    pub cause: Cause,
+    pub cause: DoubtCause,
     /// The part of the program in doubt.
-    pub effect: Effect,
+    pub effect: DoubtEffect,
     /// Number of blocks before it in a [`Program`](crate::simulation::gcode::Program), number of segments before
     /// it in a toolpath.
     pub after: usize,

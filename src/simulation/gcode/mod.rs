@@ -54,7 +54,7 @@ mod title;
 
 pub use diagnostic::{Diagnostic, Place, Remark, Remarks, Severity, counted, in_line_order};
 pub use dialect::{ArcCenters, Dialect};
-pub use doubt::{Cause, Doubt, Effect, Letters};
+pub use doubt::{Doubt, DoubtCause, DoubtEffect, Letters};
 pub use encoding::characters;
 pub use expression::{LOCAL_PARAMETERS, STORED_PARAMETERS};
 pub use flow::{Action, Destination, Direction, Flow, Label, LabelKind, SectionEnd, When};

@@ -13,8 +13,9 @@ use crate::simulation::gcode::number::{is_blank, skip_blanks};
 use crate::simulation::gcode::remark::Unread;
 use crate::simulation::gcode::structure::{Open, Structures};
 use crate::simulation::gcode::{
-    Action, Argument, Block, Cause, Comment, Dialect, Doubt, Effect, Formula, Keyword, Label, LabelKind,
-    Letters, LineNumber, Options, Place, Program, Reference, Remark, Remarks, Statement, Target, Word,
+    Action, Argument, Block, Comment, Dialect, Doubt, DoubtCause, DoubtEffect, Formula, Keyword, Label,
+    LabelKind, Letters, LineNumber, Options, Place, Program, Reference, Remark, Remarks, Statement, Target,
+    Word,
 };
 use std::borrow::Cow;
 
@@ -412,13 +413,17 @@ impl<'a> Reader<'a> {
         if let Err((remark, columns)) = outcome.and_then(|()| self.check_length()) {
             self.drop_block();
             if remark.doubt().is_none() {
-                self.remarks.doubt(self.line, Cause::BlocksNotRun, Effect::Words(letters_of_line(text)));
+                self.remarks.doubt(
+                    self.line,
+                    DoubtCause::BlocksNotRun,
+                    DoubtEffect::Words(letters_of_line(text)),
+                );
             }
             self.remarks.add(Place { line: self.line, columns }, remark);
             self.keep_diameter_word(text);
         }
         if known_doubts < self.remarks.doubts.len() && breaks_off(text) {
-            self.remarks.doubt(self.line, Cause::UnreadWords, Effect::Words(Letters::of(b"F")));
+            self.remarks.doubt(self.line, DoubtCause::UnreadWords, DoubtEffect::Words(Letters::of(b"F")));
         }
         self.keep_comment(text, &line);
         self.end_block();

@@ -3,7 +3,7 @@
 use crate::simulation::gcode::formula::MAX_NESTING;
 use crate::simulation::gcode::line::MAX_WORDS;
 use crate::simulation::gcode::structure::MAX_OPEN;
-use crate::simulation::gcode::{Cause, Effect, Letters, Remark, Severity, counted};
+use crate::simulation::gcode::{DoubtCause, DoubtEffect, Letters, Remark, Severity, counted};
 use thiserror::Error;
 
 /// A part of the text that is not read as a block of words.
@@ -168,28 +168,28 @@ impl Remark for Unread {
         }
     }
 
-    fn doubt(&self) -> Option<(Cause, Effect)> {
+    fn doubt(&self) -> Option<(DoubtCause, DoubtEffect)> {
         let unread = |letter: u8| {
-            Some((Cause::UnreadWords, Effect::Words(Letters::of(&[letter.to_ascii_uppercase()]))))
+            Some((DoubtCause::UnreadWords, DoubtEffect::Words(Letters::of(&[letter.to_ascii_uppercase()]))))
         };
         match self {
             // An O that is no name is probably a zero of the word before, which may be any.
             Unread::MissingNumber { letter: 'O' | 'o' } => {
-                Some((Cause::UnreadWords, Effect::Words(Letters::AXES.with(Letters::of(b"F")))))
+                Some((DoubtCause::UnreadWords, DoubtEffect::Words(Letters::AXES.with(Letters::of(b"F")))))
             }
             Unread::MissingNumber { letter } => unread(*letter as u8),
             Unread::MalformedNumber { text } | Unread::HugeNumber { text } => {
                 unread(text.bytes().next().unwrap_or_default())
             }
-            Unread::OpenComment => Some((Cause::UnreadWords, Effect::Words(Letters::AXES))),
+            Unread::OpenComment => Some((DoubtCause::UnreadWords, DoubtEffect::Words(Letters::AXES))),
             Unread::Unopened { .. } | Unread::Unclosed { .. } | Unread::DeepFlow => {
-                Some((Cause::BrokenFlow, Effect::Unbounded))
+                Some((DoubtCause::BrokenFlow, DoubtEffect::Unbounded))
             }
             Unread::Leader { .. } | Unread::LongBlock { .. } => {
-                Some((Cause::BlocksNotRun, Effect::Unbounded))
+                Some((DoubtCause::BlocksNotRun, DoubtEffect::Unbounded))
             }
-            Unread::ModalCall { .. } => Some((Cause::MissingSubprograms, Effect::Unbounded)),
-            Unread::Own { .. } => Some((Cause::UnmodelledFunctions, Effect::Unbounded)),
+            Unread::ModalCall { .. } => Some((DoubtCause::MissingSubprograms, DoubtEffect::Unbounded)),
+            Unread::Own { .. } => Some((DoubtCause::UnmodelledFunctions, DoubtEffect::Unbounded)),
             // The words of a dropped block are known where the reader drops it.
             Unread::Expected { .. }
             | Unread::Function { .. }

@@ -1,6 +1,6 @@
 //! First and last segment of each doubt.
 
-use crate::simulation::gcode::{Cause, Doubt, Effect, Letters, LineNumber, Word};
+use crate::simulation::gcode::{Doubt, DoubtCause, DoubtEffect, Letters, LineNumber, Word};
 use crate::simulation::interpreter::block::Block;
 use crate::simulation::interpreter::doubt::letters;
 use crate::simulation::interpreter::state::Interpreter;
@@ -29,7 +29,7 @@ impl Interpreter<'_> {
     /// Adds the doubt about a block that is not run, by its words.
     pub(crate) fn doubt_block(&mut self, line: LineNumber, words: &[Word]) {
         self.remarks.set_place(self.canonical.segment_count());
-        self.remarks.doubt(line, Cause::BlocksNotRun, Effect::Words(letters(words)));
+        self.remarks.doubt(line, DoubtCause::BlocksNotRun, DoubtEffect::Words(letters(words)));
     }
 
     /// Ends the doubts that `block`, which has just been run, resolves, and starts new ones.
@@ -48,19 +48,19 @@ impl Interpreter<'_> {
         self.doubts.open.retain_mut(|(index, letters)| {
             *letters = letters.without(given);
             // An axis moves from a doubtful position here; F and motion words are in force from here on.
-            let is_position = matches!(doubts[*index].effect, Effect::Words(_));
+            let is_position = matches!(doubts[*index].effect, DoubtEffect::Words(_));
             doubts[*index].until = if is_position || !letters.is_empty() { count } else { before };
             !letters.is_empty()
         });
         let fresh = doubts.split_off(self.doubts.read);
         for mut doubt in fresh {
             // A fault in the flow between blocks affects no move of the next block.
-            if doubt.effect != Effect::Unbounded {
+            if doubt.effect != DoubtEffect::Unbounded {
                 doubt.until = count;
             }
             let is_feed_open = self.doubts.open.iter().any(|(_, letters)| letters.meets(FEED));
-            let Effect::Words(missing) = doubt.effect else {
-                if doubt.effect != Effect::Feed {
+            let DoubtEffect::Words(missing) = doubt.effect else {
+                if doubt.effect != DoubtEffect::Feed {
                     doubts.push(doubt);
                 } else if !is_feed_open {
                     doubts.push(doubt);
@@ -74,17 +74,17 @@ impl Interpreter<'_> {
             let parts = [
                 (
                     POSITIONS,
-                    Effect::Words(missing.without(FEED.with(Letters::MOTION).with(Letters::CYCLE))),
+                    DoubtEffect::Words(missing.without(FEED.with(Letters::MOTION).with(Letters::CYCLE))),
                     true,
                 ),
-                (FEED, Effect::Feed, !is_feed_open && !given.meets(FEED)),
+                (FEED, DoubtEffect::Feed, !is_feed_open && !given.meets(FEED)),
                 (
                     Letters::MOTION,
-                    Effect::MotionWord,
+                    DoubtEffect::MotionWord,
                     is_motion_modal && !is_motion_open && !given.meets(Letters::MOTION),
                 ),
-                (Letters::CYCLE, Effect::CycleWord, !is_motion_open),
-                (POSITIONS.with(FEED), Effect::Hole, is_hole),
+                (Letters::CYCLE, DoubtEffect::CycleWord, !is_motion_open),
+                (POSITIONS.with(FEED), DoubtEffect::Hole, is_hole),
             ];
             for (letters, effect, is_open) in parts {
                 if !missing.meets(letters) || !is_open {
@@ -92,10 +92,10 @@ impl Interpreter<'_> {
                 }
                 doubts.push(Doubt { effect, ..doubt });
                 let ends = match effect {
-                    Effect::Words(missing) if self.modal.is_incremental => missing.without(POSITIONS),
-                    Effect::Words(missing) => missing.without(CENTRES).without(given),
-                    Effect::Hole => Letters::default(),
-                    Effect::CycleWord => Letters::MOTION,
+                    DoubtEffect::Words(missing) if self.modal.is_incremental => missing.without(POSITIONS),
+                    DoubtEffect::Words(missing) => missing.without(CENTRES).without(given),
+                    DoubtEffect::Hole => Letters::default(),
+                    DoubtEffect::CycleWord => Letters::MOTION,
                     _ => letters,
                 };
                 if !ends.is_empty() {

@@ -1,7 +1,7 @@
 //! Words without a decimal point as lengths, and remarks on such words.
 
 use crate::simulation::gcode::{
-    self, Cause, Dialect, Doubt, Effect, Letters, LineNumber, Place, Program, Word,
+    self, Dialect, Doubt, DoubtCause, DoubtEffect, Letters, LineNumber, Place, Program, Word,
 };
 use crate::simulation::interpreter::block::{Block, is_dwell};
 use crate::simulation::interpreter::input_increment::{has_lengths, is_length};
@@ -89,13 +89,13 @@ impl Interpreter<'_> {
     /// program, and reaches from the first move of that line to the next one along the same axis.
     fn doubt_of_missing_point(&self, line: LineNumber, letter: u8) -> Doubt {
         let segments = &self.canonical.toolpath().segments;
-        let cause = Cause::MissingPoints;
+        let cause = DoubtCause::MissingPoints;
         let Some(after) = segments.iter().position(|segment| segment.line == line) else {
             // It is a shift or a parameter, which may affect any move.
             let after = segments.len();
-            return Doubt { line, cause, effect: Effect::Unbounded, after, until: after };
+            return Doubt { line, cause, effect: DoubtEffect::Unbounded, after, until: after };
         };
-        let effect = Effect::Words(Letters::of(&[letter]));
+        let effect = DoubtEffect::Words(Letters::of(&[letter]));
         let own = segments.iter().skip(after).take_while(|segment| segment.line == line).count();
         let behind = after + own;
         let axis = b"XYZ".iter().position(|axis| *axis == letter);

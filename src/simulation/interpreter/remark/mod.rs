@@ -3,7 +3,7 @@
 mod doubt;
 
 use self::doubt::doubt_of;
-use crate::simulation::gcode::{Cause, Effect, LabelKind, Remark, Severity, counted};
+use crate::simulation::gcode::{DoubtCause, DoubtEffect, LabelKind, Remark, Severity, counted};
 use crate::simulation::interpreter::bounds::{MAX_CALL_DEPTH, MAX_COUNT, MAX_ITERATIONS_BY_MISSING};
 use crate::simulation::interpreter::code::Code;
 use crate::simulation::interpreter::cycle::NoHole;
@@ -398,7 +398,7 @@ impl Remark for TraceRemark {
         )
     }
 
-    fn doubt(&self) -> Option<(Cause, Effect)> {
+    fn doubt(&self) -> Option<(DoubtCause, DoubtEffect)> {
         doubt_of(self)
     }
 }

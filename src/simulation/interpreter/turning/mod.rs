@@ -89,7 +89,7 @@ impl Sign {
 }
 
 /// The result of the signs of a program, with the first line and the reasons.
-enum Verdict {
+enum LatheVerdict {
     Mill,
     PerhapsLathe { line: LineNumber, reasons: String },
     Lathe { line: LineNumber, reasons: String },
@@ -112,7 +112,7 @@ impl Turning {
     }
 
     /// Returns the result of the signs so far; `changes_tool` if the program has a tool change.
-    fn verdict(&self, changes_tool: bool) -> Verdict {
+    fn verdict(&self, changes_tool: bool) -> LatheVerdict {
         let counts = |sign: Sign| match sign {
             Sign::ToolWithOffset => !self.names_y && !changes_tool,
             sign => !self.names_y || sign.is_of_lathes_alone(),
@@ -120,14 +120,18 @@ impl Turning {
         let counted: Vec<_> = self.signs.iter().filter(|(sign, ..)| counts(*sign)).collect();
         let is_lathe = MIN_WEIGHT <= counted.iter().map(|(sign, ..)| sign.weight()).sum();
         if !is_lathe && counted.iter().all(|(sign, ..)| !sign.is_suspicious_alone()) {
-            return Verdict::Mill;
+            return LatheVerdict::Mill;
         }
         let reasons = counted
             .iter()
             .map(|(sign, line, word)| format!("{word} in line {} ({})", line.0, sign.meaning()));
         let reasons = reasons.collect::<Vec<_>>().join(", ");
         let line = counted[0].1;
-        if is_lathe { Verdict::Lathe { line, reasons } } else { Verdict::PerhapsLathe { line, reasons } }
+        if is_lathe {
+            LatheVerdict::Lathe { line, reasons }
+        } else {
+            LatheVerdict::PerhapsLathe { line, reasons }
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::simulation::interpreter::block::{AXIS_WORDS, Block, POLAR_WORDS, bits
 use crate::simulation::interpreter::feed_mode::FeedMode;
 use crate::simulation::interpreter::remark::TraceRemark;
 use crate::simulation::interpreter::state::Interpreter;
-use crate::simulation::interpreter::turning::{Sign, Verdict};
+use crate::simulation::interpreter::turning::{LatheVerdict, Sign};
 use crate::simulation::toolpath::{StopCause, Toolpath};
 use crate::units::MM_PER_INCH;
 
@@ -104,12 +104,12 @@ impl Interpreter<'_> {
             |cause: &StopCause| matches!(cause, StopCause::ToolChange { .. } | StopCause::SameTool { .. });
         let changes_tool = self.canonical.toolpath().stops.iter().any(|stop| is_change(&stop.cause));
         let (line, reasons) = match self.turning.verdict(changes_tool) {
-            Verdict::Mill => return None,
-            Verdict::PerhapsLathe { line, reasons } => {
+            LatheVerdict::Mill => return None,
+            LatheVerdict::PerhapsLathe { line, reasons } => {
                 self.remarks.add(Place::line(line), TraceRemark::PerhapsLathe { reasons });
                 return None;
             }
-            Verdict::Lathe { line, reasons } => (line, reasons),
+            LatheVerdict::Lathe { line, reasons } => (line, reasons),
         };
         let message = format!(
             "this is a lathe program, by {reasons}: Truefeed does not model turning and quotes nothing; give a program for a mill"

@@ -1,7 +1,7 @@
 //! Lathe programs are declined by their words, mills never are.
 
 use crate::machine::Machine;
-use crate::simulation::gcode::{Cause, Dialect, Options, read_with};
+use crate::simulation::gcode::{Dialect, DoubtCause, Options, read_with};
 use crate::simulation::interpreter::{trace, trace_text};
 use crate::simulation::toolpath::Toolpath;
 
@@ -175,7 +175,7 @@ fn a_sign_that_mills_hardly_have_leaves_the_time_in_doubt() {
         ("G90 X60. Z2.\nG1 Z-20. F100.\nM30", false),
     ] {
         let toolpath = run(text, Some(Dialect::Iso));
-        let doubts = toolpath.doubts.iter().filter(|doubt| doubt.cause == Cause::PerhapsLathe).count();
+        let doubts = toolpath.doubts.iter().filter(|doubt| doubt.cause == DoubtCause::PerhapsLathe).count();
         assert_eq!((toolpath.declined, doubts), (None, usize::from(is_in_doubt)), "{text}");
         let said =
             toolpath.diagnostics.iter().filter(|remark| remark.message.contains("may be a lathe program"));
