@@ -16,12 +16,12 @@ impl Extent {
         Extent(Some((least.min(value), largest.max(value))))
     }
 
-    /// Returns `true` if there are values and all are smaller than `value`.
+    /// Returns `true` if no value is as large as `value`.
     pub fn is_below(self, value: f64) -> bool {
         self.0.is_none_or(|(_, largest)| largest < value)
     }
 
-    /// Returns `true` if there are values and all are larger than `value`.
+    /// Returns `true` if no value is as small as `value`.
     pub fn is_above(self, value: f64) -> bool {
         self.0.is_none_or(|(least, _)| value < least)
     }

@@ -9,6 +9,13 @@
 //! size, faster feeds, and faster rapids of an axis. The times are lengths over feedrates, around a corner no
 //! more than [`CORNER_REACH_S`] of them.
 //!
+//! If the runs show no corner at all, nothing is known of the corner law, from no loss to a full stop. Each end of a segment
+//! of length L at a corner may then lose half of what the segment takes longer from rest to rest,
+//!
+//! ```text
+//! v/A + D,  or  2 √(L/A) − L/v + D  if it does not reach v            v feedrate, A acceleration, D filter delay
+//! ```
+//!
 //! A feed is faster if it moves an axis faster than the runs did in feed and rapid: an axis can cut as fast as it
 //! moved in rapid, if the runs recorded positions. A rapid is faster if an axis, whose rapid rate no run showed, travels a way w that is long enough to
 //! exceed V, its highest velocity in the runs or half of that of the fastest axis. Its rate may be as low as V, and at
@@ -18,8 +25,8 @@
 //! U = t(V) / t(R) − 1,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
 //! ```
 
-use crate::machine::{CalibratedOn, Machine};
-use crate::simulation::feed::limits::{largest_share, requested_feedrate};
+use crate::machine::{CalibratedOn, Extent, Machine, TimeConstants};
+use crate::simulation::feed::limits::{acceleration, largest_share, requested_feedrate};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
 
@@ -220,6 +227,45 @@ fn has_faster_axis(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> boo
     velocities.iter().zip(shown).any(|(velocity, shown)| MIN_FASTER_RATIO * shown < *velocity)
 }
 
+/// Returns the time of a segment that `lasts` so long (s) beside corners that turn more than any corner of the runs.
+fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -> Unshown {
+    let turns = machine.calibrated_on.turns;
+    let is_sharper = |end: &usize| {
+        turn_after(toolpath, *end).is_some_and(|turn| turns.is_below(turn - MIN_TURN_EXCESS_RAD))
+    };
+    let ends =
+        [segment.checked_sub(1), Some(segment)].into_iter().flatten().filter(is_sharper).count() as f64;
+    let lasts_at_corners = lasts.min(CORNER_REACH_S * ends);
+    let error = match turns {
+        Extent(None) if 0.0 < lasts_at_corners => {
+            let loss = 0.5 * ends * stopping_loss(&toolpath.segments.at(segment), machine);
+            (loss / lasts_at_corners).min(MAX_CORNER_ERROR)
+        }
+        _ => UNSHOWN_ERROR,
+    };
+    Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error }
+}
+
+/// Largest error of the time beside a corner, as a part of it.
+const MAX_CORNER_ERROR: f64 = 1.0;
+
+/// Returns by how much longer a segment takes from rest to rest than at its feedrate, s.
+fn stopping_loss(segment: &Segment, machine: &Machine) -> f64 {
+    let (feedrate, acceleration) = (requested_feedrate(segment, machine), acceleration(segment, machine));
+    let interpolator = &machine.interpolator;
+    let filter_delay = match &interpolator.time_constants {
+        TimeConstants::Equal(constant) => interpolator.filters as f64 * constant,
+        TimeConstants::FromJerk(jerk) => interpolator.filters as f64 * (feedrate / jerk).sqrt(),
+        TimeConstants::Unequal(constants) => constants.iter().sum(),
+    };
+    let ramps = if feedrate * feedrate < acceleration * segment.length {
+        feedrate / acceleration
+    } else {
+        2.0 * (segment.length / acceleration).sqrt() - segment.length / feedrate
+    };
+    ramps + filter_delay
+}
+
 /// Returns what of a segment that `lasts` so long (s) was not shown; `None` if all was.
 fn unshown(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts: f64) -> Option<Unshown> {
     let on = &machine.calibrated_on;
@@ -271,21 +317,14 @@ pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
     let own = on.range?;
     let mut seconds = [0.0; UnshownFeature::ALL.len()];
     let (mut whole, mut off) = (0.0, 0.0);
-    let is_sharper = |segment: usize| {
-        turn_after(toolpath, segment).is_some_and(|turn| on.turns.is_below(turn - MIN_TURN_EXCESS_RAD))
-    };
     for segment in 0..toolpath.segments.len() {
         let length = toolpath.segments.length(segment);
         let lasts = match toolpath.segments.motion(segment) {
             Motion::Rapid => length / machine.fastest_rapid(),
             Motion::Feed { feedrate } => length / feedrate,
         };
-        let ends = [segment.checked_sub(1), Some(segment)].into_iter().flatten();
-        let corners = ends.filter(|end| is_sharper(*end)).count();
-        let lasts_at_corners = lasts.min(CORNER_REACH_S * corners as f64);
-        let corners =
-            Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error: UNSHOWN_ERROR };
-        let unshown = unshown(toolpath, machine, segment, lasts).unwrap_or(corners);
+        let unshown = unshown(toolpath, machine, segment, lasts)
+            .unwrap_or_else(|| unshown_corners(toolpath, machine, segment, lasts));
         whole += lasts.max(unshown.lasts);
         seconds[unshown.feature as usize] += unshown.lasts;
         off += unshown.error * unshown.lasts;
@@ -294,4 +333,38 @@ pub fn range(toolpath: &Toolpath, machine: &Machine) -> Option<TimeRange> {
     let mut unshown: Vec<(UnshownFeature, f64)> = shares.filter(|(_, share)| 0.0 < *share).collect();
     sort_by_number(&mut unshown, |one| -one.1);
     Some(TimeRange { ratio: own + off / whole.max(1e-9), unshown })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::gcode::read;
+    use crate::simulation::interpreter::trace;
+    use crate::simulation::simulate;
+
+    fn path(program: &str) -> Toolpath {
+        trace(&read(program.as_bytes()), &Machine::default())
+    }
+
+    #[test]
+    fn the_range_reaches_to_full_stops_if_the_runs_show_no_corner() {
+        let mut machine = Machine::default();
+        machine.axes.iter_mut().for_each(|axis| axis.acceleration = 500.0);
+        let corners = path("G21 G90\nG1 X20 F3000\nY20\nX40\nY40\nX60\n");
+        let of = |runs: &Toolpath, machine: &Machine| {
+            let on = CalibratedOn { range: Some(0.02), ..features_of([runs]) };
+            range(&corners, &Machine { calibrated_on: on, ..machine.clone() }).expect("calibrated").ratio
+        };
+        let straight = path("G21 G90\nG1 X20 F3000\nG0 Z5\nG1 X50\n");
+        let [unknown, known] = [&straight, &corners].map(|runs| of(runs, &machine));
+        assert_eq!(known, 0.02);
+
+        let feedrate = 50.0;
+        let uniform = 100.0 / feedrate;
+        machine.interpolator.exact_stop_angle = 0.0;
+        let of_ends = feedrate / 500.0 + 3.0 * 0.0255;
+        let of_stops = simulate(&corners, &machine).cycle_time() - uniform - of_ends;
+        assert!(0.1 * uniform < of_stops, "{of_stops} s");
+        assert!(of_stops <= unknown * uniform, "{of_stops} s beyond ±{} %", 100.0 * unknown);
+    }
 }

@@ -20,7 +20,7 @@ mod arcs;
 use crate::machine::Machine;
 use crate::quote::trust::arcs::{half_circle, lengths_that_close};
 use crate::simulation::feed::FeedPlan;
-use crate::simulation::gcode::{Cause, Doubt, Effect, Letters, LineNumber};
+use crate::simulation::gcode::{Doubt, DoubtCause, DoubtEffect, Letters, LineNumber};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Arc, Curve, Motion, Point, Segment, StopCause, Toolpath};
 use crate::units::mm_per_s;
@@ -52,7 +52,7 @@ pub struct Trust {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CauseInDoubt {
     /// Cause.
-    pub cause: Cause,
+    pub cause: DoubtCause,
     /// Number of occurrences.
     pub count: usize,
     /// First and last line of the program.
@@ -73,7 +73,7 @@ impl Trust {
     }
 
     /// Adds a doubt; one more of the same move is not counted.
-    fn add(&mut self, cause: Cause, line: LineNumber, seconds: Option<f64>, is_counted: bool) {
+    fn add(&mut self, cause: DoubtCause, line: LineNumber, seconds: Option<f64>, is_counted: bool) {
         let found = self.doubts.iter().position(|known| known.cause == cause);
         let index = found.unwrap_or_else(|| {
             self.doubts.push(CauseInDoubt { cause, count: 0, lines: (line, line), seconds: Some(0.0) });
@@ -98,9 +98,13 @@ pub fn trust(toolpath: &Toolpath, machine: &Machine, plan: &FeedPlan) -> Trust {
     let mut last_arc = None;
     for doubt in &toolpath.doubts {
         let mut seconds = bounds.seconds(doubt);
-        let is_of_arc = matches!(doubt.effect, Effect::Arc | Effect::Turns(_) | Effect::Pitch(_));
+        let is_of_arc =
+            matches!(doubt.effect, DoubtEffect::Arc | DoubtEffect::Turns(_) | DoubtEffect::Pitch(_));
         let is_of_move = is_of_arc
-            || matches!(doubt.effect, Effect::Words(_) | Effect::Block | Effect::Travel | Effect::Pecks(_));
+            || matches!(
+                doubt.effect,
+                DoubtEffect::Words(_) | DoubtEffect::Block | DoubtEffect::Travel | DoubtEffect::Pecks(_)
+            );
         if is_of_move {
             if place != Some((doubt.line, doubt.after)) {
                 (place, seconds_there) = (Some((doubt.line, doubt.after)), 0.0);
@@ -155,7 +159,7 @@ impl<'a> DoubtBounds<'a> {
     /// Returns the slowest and the fastest feedrate (mm/s) of moves whose feedrate is certain, with a margin.
     fn feedrates_of_program(&self) -> [f64; 2] {
         let is_unsure =
-            |doubt: &&Doubt| doubt.effect == Effect::Feed && doubt.cause != Cause::FeedsBeyondRapid;
+            |doubt: &&Doubt| doubt.effect == DoubtEffect::Feed && doubt.cause != DoubtCause::FeedsBeyondRapid;
         let doubts = self.toolpath.doubts.iter().filter(is_unsure);
         let mut unsure = doubts.map(|doubt| doubt.after..doubt.until).peekable();
         let mut feedrates: Option<[f64; 2]> = None;
@@ -202,30 +206,30 @@ impl<'a> DoubtBounds<'a> {
     /// Returns by how much the cycle time may be off through `doubt`, s; `None` if nothing bounds it.
     fn seconds(&self, doubt: &Doubt) -> Option<f64> {
         match doubt.effect {
-            Effect::Words(letters) => Some(self.words_bound(doubt, letters)),
-            Effect::Arc => Some(self.arc_bound(doubt)),
-            Effect::Turns(turns) => Some(self.turns_bound(doubt, |_| turns)),
-            Effect::Pitch(pitch) => Some(self.turns_bound(doubt, |arc| arc.rise.norm() / pitch)),
-            Effect::Pecks(per_made) => self.pecks_bound(doubt, per_made),
-            Effect::Feed if doubt.cause == Cause::FeedsBeyondRapid => {
+            DoubtEffect::Words(letters) => Some(self.words_bound(doubt, letters)),
+            DoubtEffect::Arc => Some(self.arc_bound(doubt)),
+            DoubtEffect::Turns(turns) => Some(self.turns_bound(doubt, |_| turns)),
+            DoubtEffect::Pitch(pitch) => Some(self.turns_bound(doubt, |arc| arc.rise.norm() / pitch)),
+            DoubtEffect::Pecks(per_made) => self.pecks_bound(doubt, per_made),
+            DoubtEffect::Feed if doubt.cause == DoubtCause::FeedsBeyondRapid => {
                 Some(self.fast_feed_bound(doubt.after..doubt.until))
             }
-            Effect::Feed => Some(self.feed_bound(doubt.after..doubt.until)),
-            Effect::MotionWord => Some(self.motion_word_bound(doubt.after..doubt.until)),
-            Effect::Travel => {
+            DoubtEffect::Feed => Some(self.feed_bound(doubt.after..doubt.until)),
+            DoubtEffect::MotionWord => Some(self.motion_word_bound(doubt.after..doubt.until)),
+            DoubtEffect::Travel => {
                 let has_way_back = doubt.until < self.toolpath.segments.len();
                 let ways = if has_way_back { 2.0 } else { 1.0 };
                 Some(ways * (ASSUMED_TRAVEL_MM / self.machine.rapid.feedrate + self.stop))
             }
-            Effect::CycleWord => self.cycle_word_bound(doubt.after..doubt.until),
-            Effect::Hole => self.hole,
-            Effect::Block => {
+            DoubtEffect::CycleWord => self.cycle_word_bound(doubt.after..doubt.until),
+            DoubtEffect::Hole => self.hole,
+            DoubtEffect::Block => {
                 let block_segments = self.own(doubt);
                 let seconds: f64 = block_segments.clone().map(|index| seconds_of(self.plan, index)).sum();
                 Some(seconds.max(self.feed_bound(block_segments)) + self.stop)
             }
-            Effect::Unbounded if doubt.cause == Cause::UnclearDwells => self.dwell_bound(doubt),
-            Effect::Unbounded => None,
+            DoubtEffect::Unbounded if doubt.cause == DoubtCause::UnclearDwells => self.dwell_bound(doubt),
+            DoubtEffect::Unbounded => None,
         }
     }
 

@@ -25,7 +25,7 @@ fn broken(from: &str, to: &str) -> Trust {
     trust
 }
 
-fn causes(trust: &Trust) -> Vec<Cause> {
+fn causes(trust: &Trust) -> Vec<DoubtCause> {
     trust.doubts.iter().map(|doubt| doubt.cause).collect()
 }
 
@@ -33,7 +33,7 @@ fn causes(trust: &Trust) -> Vec<Cause> {
 fn an_arc_that_does_not_close_is_bounded_by_those_that_do() {
     for (from, to) in [("I-10", "I-4"), ("I-10", "I-25"), ("J0", "J7"), ("X20", "X24"), ("Y10 I", "Y6 I")] {
         let trust = broken(from, to);
-        assert_eq!(causes(&trust), [Cause::OpenArcs], "{to}");
+        assert_eq!(causes(&trust), [DoubtCause::OpenArcs], "{to}");
         assert_eq!(trust.doubts[0].lines, (LineNumber(5), LineNumber(5)));
         // No more than two full turns of it.
         assert!(trust.seconds_in_doubt() < 25.0, "{to}: {trust:?}");
@@ -49,7 +49,7 @@ fn turns_that_may_be_run_have_a_cause_of_their_own() {
     assert_eq!(sure, Trust::default());
     for words in [" L3", " K2", " L3 K2", " P3.5"] {
         let (stated, trust) = timed(&helix(words));
-        assert_eq!(causes(&trust), [Cause::UnclearTurns], "{words}");
+        assert_eq!(causes(&trust), [DoubtCause::UnclearTurns], "{words}");
         assert_eq!((trust.doubts[0].count, trust.is_bounded()), (1, true), "{words}: {trust:?}");
         for meant in [one, three] {
             let (error, doubt) = ((stated - meant).abs(), trust.seconds_in_doubt());
@@ -74,24 +74,24 @@ fn pecks_that_are_left_out_are_bounded() {
         assert_eq!(none, Trust::default(), "{name}");
         let true_time = more + (more - few) / 400.0 * (5000.0 - 800.0);
         let (stated, trust) = pecked(5000.0);
-        assert_eq!((causes(&trust), trust.doubts[0].count), (vec![Cause::UnmadeHoles], 2), "{name}");
+        assert_eq!((causes(&trust), trust.doubts[0].count), (vec![DoubtCause::UnmadeHoles], 2), "{name}");
         let (error, doubt) = (true_time - stated, trust.seconds_in_doubt());
         assert!(error <= doubt && doubt < 1.3 * error, "{name}: {error} s off, {trust:?}");
     }
     // Pecks that shrink without a least one have no number.
     let text = "G0 X0 Y0 Z5 F100\nMCALL CYCLE83(5,0,1,-50,,-5,,-0.5,0,0,1,0)\nX10 Y0\nMCALL\nM30\n";
     let (_, trust) = timed(text);
-    assert_eq!((causes(&trust), trust.is_bounded()), (vec![Cause::UnmadeHoles], false), "{trust:?}");
+    assert_eq!((causes(&trust), trust.is_bounded()), (vec![DoubtCause::UnmadeHoles], false), "{trust:?}");
 }
 
 #[test]
 fn words_and_blocks_that_cannot_be_read_are_bounded_by_the_moves_around_them() {
     for (from, to, cause) in [
-        ("X30 ", "X ", Cause::UnreadWords),
-        ("X30 ", "X3..0 ", Cause::UnreadWords),
-        ("G1 X0 Y10", "G1 X0 ?10", Cause::BlocksNotRun),
-        ("F900", "F", Cause::UnreadWords),
-        ("G0 Z50", "G Z50", Cause::UnreadWords),
+        ("X30 ", "X ", DoubtCause::UnreadWords),
+        ("X30 ", "X3..0 ", DoubtCause::UnreadWords),
+        ("G1 X0 Y10", "G1 X0 ?10", DoubtCause::BlocksNotRun),
+        ("F900", "F", DoubtCause::UnreadWords),
+        ("G0 Z50", "G Z50", DoubtCause::UnreadWords),
     ] {
         let trust = broken(from, to);
         assert!(causes(&trust).contains(&cause) && trust.is_bounded(), "{to}: {trust:?}");
@@ -101,7 +101,7 @@ fn words_and_blocks_that_cannot_be_read_are_bounded_by_the_moves_around_them() {
 #[test]
 fn a_feed_that_is_missing_is_bounded_by_those_of_the_program() {
     let trust = broken(" F500", "");
-    assert_eq!(causes(&trust), [Cause::MissingFeeds]);
+    assert_eq!(causes(&trust), [DoubtCause::MissingFeeds]);
     let (stated, trust) = timed(&SOUND.replace(" F500", "").replace(" F900", ""));
     // It is unknown: more than the time itself is in doubt.
     assert!(stated < trust.seconds_in_doubt() && trust.is_bounded(), "{trust:?}");
@@ -110,7 +110,7 @@ fn a_feed_that_is_missing_is_bounded_by_those_of_the_program() {
 #[test]
 fn what_nothing_bounds_says_so() {
     let (_, trust) = timed(&SOUND.replace("G0 Z50", "M98 P77\nG0 Z50"));
-    assert_eq!(causes(&trust), [Cause::MissingSubprograms]);
+    assert_eq!(causes(&trust), [DoubtCause::MissingSubprograms]);
     assert_eq!((trust.is_bounded(), trust.seconds_in_doubt()), (false, 0.0));
 }
 
@@ -118,7 +118,7 @@ fn what_nothing_bounds_says_so() {
 fn a_reference_position_is_in_doubt_until_the_machine_gives_it() {
     let text = SOUND.replace("G0 Z50", "G28 Z50");
     let (_, trust) = timed(&text);
-    assert_eq!(causes(&trust), [Cause::UnknownHome]);
+    assert_eq!(causes(&trust), [DoubtCause::UnknownHome]);
     let mut machine = crate::machine::presets()[1].machine.clone();
     machine.axes[2].home = Some(100.0);
     let toolpath = trace(&read(text.as_bytes()), &machine);
@@ -139,11 +139,11 @@ fn a_length_without_its_point_is_in_doubt_where_it_stands() {
         "G21 G90\nG0 X0.5 Y0.5\nG1 Y5000 F1000\nY6.5\nX10.5\n".to_string() + &"X0.5\nX10.5\n".repeat(50);
     let (stated, trust) = timed(&text);
     let (right, _) = timed(&text.replace("Y5000", "Y5."));
-    assert_eq!(causes(&trust), [Cause::MissingPoints]);
+    assert_eq!(causes(&trust), [DoubtCause::MissingPoints]);
     assert_eq!(trust.doubts[0].lines, (LineNumber(3), LineNumber(3)));
     let (error, doubt) = ((stated - right).abs(), trust.seconds_in_doubt());
     assert!(error <= doubt && doubt < 1.1 * error, "{error} s off, {doubt} s in doubt");
     // A shift may be off for all that follows.
     let (_, trust) = timed("G21 G90\nG52 X5000\nG0 X0.5\nG1 X9.5 F1000\n");
-    assert_eq!((causes(&trust), trust.is_bounded()), (vec![Cause::MissingPoints], false));
+    assert_eq!((causes(&trust), trust.is_bounded()), (vec![DoubtCause::MissingPoints], false));
 }
