@@ -21,6 +21,13 @@ export function mount(root, actions) {
   const [range, cam, doubt] = ['.range', '.cam', '.doubt'].map((selector) => find(root, selector))
   /** What is in sight is of. @type {unknown[]} */
   let shown = []
+  /** The other tolerances, and what each would change. */
+  let compared = '[]'
+
+  /** Writes the time, which is read out, where it is another one. @param {string} text */
+  function announce(text) {
+    if (time.textContent !== text) time.textContent = text
+  }
 
   /** Puts words beside a figure, or takes it away. @param {HTMLElement} figure @param {(Node | string)[]} words */
   function put(figure, ...words) {
@@ -33,7 +40,7 @@ export function mount(root, actions) {
     const report = state.price?.report
     const cycle = isJob(state) ? report?.cycle_time_s : runs[0]?.cycle_time_s
     const programmed = isJob(state) ? report?.programmed_time_s : programInSight(state)?.outcome?.summary.programmed_time_s
-    time.textContent = cycle === undefined ? '…' : duration(cycle)
+    announce(cycle === undefined ? '…' : duration(cycle))
     const ends = cycle === undefined ? undefined : report?.cycle_time_range_s
     put(range, ...(ends ? [between(ends, duration)] : []))
     put(cam, ...(programmed === undefined ? [] : [duration(programmed), ' ', make('span', { className: 'short' }, short(programmed, cycle))]))
@@ -113,10 +120,13 @@ export function mount(root, actions) {
       if (isJob(state)) fillOne(state, program)
       const hasRun = Boolean(program.outcome?.runs.has(column))
       const isFelt = columns.some((other) => changeAt(state, program, other) !== 0 && other !== column)
-      others.replaceChildren(...(hasRun && !isEmpty && isFelt ? columns.filter((other) => other !== column).map((other) => against(state, program, other)) : []))
+      const offered = hasRun && !isEmpty && isFelt ? columns.filter((other) => other !== column) : []
+      const changes = JSON.stringify(offered.map((other) => [columnLabel(other), changeAt(state, program, other)]))
+      if (changes !== compared) others.replaceChildren(...offered.map((other) => against(state, program, other)))
+      compared = changes
       why.replaceChildren(...(isEmpty ? [whyStill(program)] : reasons(state, program, isStale)))
       if (!isEmpty) return
-      time.textContent = '–'
+      announce('–')
       put(cam)
     },
   }
