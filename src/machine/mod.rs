@@ -164,6 +164,15 @@ pub enum CornerMode {
 }
 
 impl Interpolator {
+    /// Returns the filter delay at a feedrate (mm/s), s: the sum of the time constants.
+    pub fn filter_delay(&self, feedrate: f64) -> f64 {
+        match &self.time_constants {
+            TimeConstants::Equal(constant) => self.filters as f64 * constant,
+            TimeConstants::FromJerk(jerk) => self.filters as f64 * (feedrate / jerk).sqrt(),
+            TimeConstants::Unequal(constants) => constants.iter().sum(),
+        }
+    }
+
     /// Returns the turn at which corners become full stops, rad; π if none do.
     pub fn stopping_angle(&self) -> f64 {
         self.exact_stop_angle.min(self.slowing_angle)

@@ -10,11 +10,8 @@
 //! more than [`CORNER_REACH_S`] of them.
 //!
 //! If the runs show no corner at all, nothing is known of the corner law, from no loss to a full stop. Each end of a segment
-//! of length L at a corner may then lose half of what the segment takes longer from rest to rest,
-//!
-//! ```text
-//! v/A + D,  or  2 √(L/A) − L/v + D  if it does not reach v            v feedrate, A acceleration, D filter delay
-//! ```
+//! of length L at a corner may then lose half of t(v) + D − L/F, with t below for its length and acceleration, F its feedrate,
+//! v the velocity that it reaches, and D the filter delay.
 //!
 //! A feed is faster if it moves an axis faster than the runs did in feed and rapid: an axis can cut as fast as it
 //! moved in rapid, if the runs recorded positions. A rapid is faster if an axis, whose rapid rate no run showed, travels a way w that is long enough to
@@ -25,7 +22,7 @@
 //! U = t(V) / t(R) − 1,  t(v) = w / v + v / A        R velocity reached in the simulation, at most √(A w)
 //! ```
 
-use crate::machine::{CalibratedOn, Extent, Machine, TimeConstants};
+use crate::machine::{CalibratedOn, Extent, Machine};
 use crate::simulation::feed::limits::{acceleration, largest_share, requested_feedrate};
 use crate::simulation::ordered::sort_by_number;
 use crate::simulation::toolpath::{Curve, Motion, Segment, Toolpath};
@@ -189,14 +186,24 @@ struct Unshown {
     error: f64,
 }
 
-/// Largest error of the time of a rapid, as a part of it.
-const MAX_RAPID_ERROR: f64 = 1.0;
+/// Largest error of the time of what was not shown, as a part of it.
+const MAX_UNSHOWN_ERROR: f64 = 1.0;
 /// Least velocity of an axis relative to the fastest one of the same machine.
 const MIN_AXIS_RATIO: f64 = 0.5;
 
 /// Returns the velocities of the axes that a segment asks for, mm/s, the largest along it.
 fn axis_velocities(segment: &Segment, machine: &Machine) -> [f64; 3] {
     (requested_feedrate(segment, machine) * largest_share(segment)).into()
+}
+
+/// Returns the highest velocity on a way (mm) from rest to rest, at most `velocity`, mm/s.
+fn reached_velocity(way: f64, velocity: f64, acceleration: f64) -> f64 {
+    velocity.min((way * acceleration).sqrt())
+}
+
+/// Returns the time of a way (mm) from rest to rest with the velocity (mm/s) that it reaches, s.
+fn rest_to_rest_time(way: f64, reached: f64, acceleration: f64) -> f64 {
+    way / reached + reached / acceleration
 }
 
 /// Returns what of a rapid is faster than any move of the runs; `None` if nothing is.
@@ -207,14 +214,14 @@ fn faster_rapid(segment: &Segment, machine: &Machine, shown: [f64; 3]) -> Option
         let shown = shown[axis].max(of_others);
         let acceleration = machine.axes[axis].acceleration;
         let way = (segment.end[axis] - segment.start[axis]).abs();
-        let reached = velocities[axis].min((way * acceleration).sqrt());
-        let lasts = |velocity: f64| way / velocity + velocity / acceleration;
-        let error = if 0.0 < shown { lasts(shown) / lasts(reached) - 1.0 } else { MAX_RAPID_ERROR };
+        let reached = reached_velocity(way, velocities[axis], acceleration);
+        let lasts = |velocity: f64| rest_to_rest_time(way, velocity, acceleration);
+        let error = if 0.0 < shown { lasts(shown) / lasts(reached) - 1.0 } else { MAX_UNSHOWN_ERROR };
         let is_faster = machine.calibrated_on.assumed_rapids[axis] && shown < reached;
         is_faster.then(|| Unshown {
             feature: UnshownFeature::Rapids,
             lasts: lasts(reached),
-            error: error.min(MAX_RAPID_ERROR),
+            error: error.min(MAX_UNSHOWN_ERROR),
         })
     };
     let all = [0, 1, 2].into_iter().filter_map(of_axis);
@@ -239,31 +246,19 @@ fn unshown_corners(toolpath: &Toolpath, machine: &Machine, segment: usize, lasts
     let error = match turns {
         Extent(None) if 0.0 < lasts_at_corners => {
             let loss = 0.5 * ends * stopping_loss(&toolpath.segments.at(segment), machine);
-            (loss / lasts_at_corners).min(MAX_CORNER_ERROR)
+            (loss / lasts_at_corners).min(MAX_UNSHOWN_ERROR)
         }
         _ => UNSHOWN_ERROR,
     };
     Unshown { feature: UnshownFeature::Corners, lasts: lasts_at_corners, error }
 }
 
-/// Largest error of the time beside a corner, as a part of it.
-const MAX_CORNER_ERROR: f64 = 1.0;
-
 /// Returns by how much longer a segment takes from rest to rest than at its feedrate, s.
 fn stopping_loss(segment: &Segment, machine: &Machine) -> f64 {
     let (feedrate, acceleration) = (requested_feedrate(segment, machine), acceleration(segment, machine));
-    let interpolator = &machine.interpolator;
-    let filter_delay = match &interpolator.time_constants {
-        TimeConstants::Equal(constant) => interpolator.filters as f64 * constant,
-        TimeConstants::FromJerk(jerk) => interpolator.filters as f64 * (feedrate / jerk).sqrt(),
-        TimeConstants::Unequal(constants) => constants.iter().sum(),
-    };
-    let ramps = if feedrate * feedrate < acceleration * segment.length {
-        feedrate / acceleration
-    } else {
-        2.0 * (segment.length / acceleration).sqrt() - segment.length / feedrate
-    };
-    ramps + filter_delay
+    let reached = reached_velocity(segment.length, feedrate, acceleration);
+    let from_rest_to_rest = rest_to_rest_time(segment.length, reached, acceleration);
+    from_rest_to_rest + machine.interpolator.filter_delay(feedrate) - segment.length / feedrate
 }
 
 /// Returns what of a segment that `lasts` so long (s) was not shown; `None` if all was.

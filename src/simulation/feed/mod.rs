@@ -323,11 +323,7 @@ fn add_wait(plan: &mut FeedPlan, stop: &Stop, machine: &Machine, left: &mut Stop
 /// Returns by how much a turn of rotary axes alone lasts longer than its command, s: the filters run empty. A
 /// jerk limit concerns X, Y and Z and does not lengthen it.
 fn turn_delay(machine: &Machine) -> f64 {
-    match &machine.interpolator.time_constants {
-        TimeConstants::Equal(constant) => machine.interpolator.filters as f64 * constant,
-        TimeConstants::Unequal(constants) => constants.iter().sum(),
-        TimeConstants::FromJerk(_) => 0.0,
-    }
+    machine.interpolator.filter_delay(0.0)
 }
 
 fn wait(stop: &Stop, machine: &Machine) -> Wait {
