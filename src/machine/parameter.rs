@@ -115,13 +115,23 @@ pub(in crate::machine) const fn whole(
     Access::Number { unit: Unit::Number, min, max, whole: true, get, set }
 }
 
+/// Returns the access to an extent as a list of its least and its largest value.
+pub(in crate::machine) const fn extent(
+    unit: Unit,
+    (min, max): (f64, f64),
+    get: fn(&Machine) -> Option<Vec<f64>>,
+    set: fn(&mut Machine, Vec<f64>),
+) -> Access {
+    Access::List { unit, min, max, whole: false, most: 2, get, set }
+}
+
 /// Bounds of jerks, and of contour tolerances.
 pub(in crate::machine) const JERK_BOUNDS_MM_S3: (f64, f64) = (1.0, 1e9);
 pub(in crate::machine) const TOLERANCE_BOUNDS_MM: (f64, f64) = (1e-6, 10.0);
 
 /// A row of the table whose parameter is one field of the machine: key, label, access, sentence on its effect.
 ///
-/// `optional` is a field that may be missing, `limit` one that is infinite when neutral, and `value` one with
+/// `extent` is the extent of some values, `optional` a field that may be missing, `limit` one that is infinite when neutral, and `value` one with
 /// the neutral value behind `or`. Unit and bounds are those of files and forms.
 macro_rules! row {
     ($key:expr, $label:expr, optional $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
@@ -133,6 +143,19 @@ macro_rules! row {
     };
     ($key:expr, $label:expr, value $unit:ident $bounds:tt [$($field:tt)+] or $neutral:expr, $doc:expr) => {
         row!($key, $label, $unit $bounds, |m| Some(m.$($field)+), |m, v| m.$($field)+ = v.unwrap_or($neutral), $doc)
+    };
+    ($key:expr, $label:expr, extent $unit:ident $bounds:tt [$($field:tt)+], $doc:expr) => {
+        $crate::machine::parameter::Parameter {
+            key: $key,
+            label: $label,
+            doc: $doc,
+            access: $crate::machine::parameter::extent(
+                $crate::units::Unit::$unit,
+                $bounds,
+                |m| m.$($field)+.0.map(|(least, largest)| vec![least, largest]),
+                |m, v| m.$($field)+ = $crate::machine::Extent::of(&v),
+            ),
+        }
     };
     ($key:expr, $label:expr, $unit:ident $bounds:tt, $get:expr, $set:expr, $doc:expr) => {
         $crate::machine::parameter::Parameter {

@@ -1,22 +1,8 @@
 //! Rows of a calibration: its programs and its errors.
 
+use crate::machine::Machine;
 use crate::machine::parameter::{Access, Parameter, TOLERANCE_BOUNDS_MM, row};
-use crate::machine::{Extent, Machine};
 use crate::units::Unit;
-
-/// Returns the access to an extent as a list of two, bounded in the unit of files.
-const fn extent(
-    unit: Unit,
-    (min, max): (f64, f64),
-    get: fn(&Machine) -> Option<Vec<f64>>,
-    set: fn(&mut Machine, Vec<f64>),
-) -> Access {
-    Access::List { unit, min, max, whole: false, most: 2, get, set }
-}
-
-fn list(extent: &Extent) -> Option<Vec<f64>> {
-    extent.0.map(|(least, largest)| vec![least, largest])
-}
 
 /// Returns the access to a set of axes as numbers, X as 1.
 const fn axes(get: fn(&Machine) -> Option<Vec<f64>>, set: fn(&mut Machine, Vec<f64>)) -> Access {
@@ -44,50 +30,14 @@ pub const CALIBRATED: [Parameter; 14] = [
         "Root mean square distance between recorded and simulated positions at equal times, at the calibration. Empty: unknown."),
     row!("calibration.range_percent", "Range on other programs", optional Percent (0.0, 100.0) [calibrated_on.range],
         "On nine in ten other programs, the time of the motion is off by at most this much, if they ask for nothing that the calibration did not see. Empty: unknown."),
-    Parameter {
-        key: "calibration.turns_deg",
-        label: "Corners calibrated on",
-        doc: "Smallest and largest turn of a corner in the calibrating runs. Other corners make a quote less certain.",
-        access: extent(
-            Unit::Degree,
-            (0.0, 180.0),
-            |m| list(&m.calibrated_on.turns),
-            |m, v| m.calibrated_on.turns = Extent::of(&v),
-        ),
-    },
-    Parameter {
-        key: "calibration.radii_mm",
-        label: "Arcs calibrated on",
-        doc: "Smallest and largest radius of an arc in the calibrating runs. Other arcs make a quote less certain.",
-        access: extent(
-            Unit::Millimetre,
-            (0.0, 1e6),
-            |m| list(&m.calibrated_on.radii),
-            |m, v| m.calibrated_on.radii = Extent::of(&v),
-        ),
-    },
-    Parameter {
-        key: "calibration.blocks_mm",
-        label: "Blocks calibrated on",
-        doc: "Lengths of the shortest and the longest straight feed block in the calibrating runs. Shorter blocks make a quote less certain.",
-        access: extent(
-            Unit::Millimetre,
-            (0.0, 1e6),
-            |m| list(&m.calibrated_on.blocks),
-            |m, v| m.calibrated_on.blocks = Extent::of(&v),
-        ),
-    },
-    Parameter {
-        key: "calibration.feeds_mm_min",
-        label: "Feedrates calibrated on",
-        doc: "Lowest and highest programmed feedrate in the calibrating runs. Higher feedrates make a quote less certain.",
-        access: extent(
-            Unit::MillimetrePerMinute,
-            (0.0, 1e6),
-            |m| list(&m.calibrated_on.feedrates),
-            |m, v| m.calibrated_on.feedrates = Extent::of(&v),
-        ),
-    },
+    row!("calibration.turns_deg", "Corners calibrated on", extent Degree (0.0, 180.0) [calibrated_on.turns],
+        "Smallest and largest turn of a corner in the calibrating runs. Other corners make a quote less certain."),
+    row!("calibration.radii_mm", "Arcs calibrated on", extent Millimetre (0.0, 1e6) [calibrated_on.radii],
+        "Smallest and largest radius of an arc in the calibrating runs. Other arcs make a quote less certain."),
+    row!("calibration.blocks_mm", "Blocks calibrated on", extent Millimetre (0.0, 1e6) [calibrated_on.blocks],
+        "Lengths of the shortest and the longest straight feed block in the calibrating runs. Shorter blocks make a quote less certain."),
+    row!("calibration.feeds_mm_min", "Feedrates calibrated on", extent MillimetrePerMinute (0.0, 1e6) [calibrated_on.feedrates],
+        "Lowest and highest programmed feedrate in the calibrating runs. Higher feedrates make a quote less certain."),
     Parameter {
         key: "calibration.rapids_mm",
         label: "Rapids calibrated on",
