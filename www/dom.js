@@ -42,6 +42,11 @@ export function offer(select, choices, chosen) {
   select.value = chosen
 }
 
+/** Writes a text where it is another one: what is read out is not said again. @param {Element} element @param {string} text */
+export function write(element, text) {
+  if (element.textContent !== text) element.textContent = text
+}
+
 /** A wide table that scrolls in itself, by keys as well. @param {HTMLTableElement} table */
 export function scroll(table) {
   const element = make('div', { className: 'scroll', tabIndex: 0 }, table)

@@ -2,7 +2,7 @@
 
 import { programTitle, sniffedBytes, termsForm, toolsOf } from '../pkg/truefeed_whole.js'
 import { columnLabel, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
-import { find, make, offer } from '../dom.js'
+import { find, make, offer, write } from '../dom.js'
 import { field } from '../field.js'
 import { clock } from '../format.js'
 import { keepHead, nameOf } from '../job/names.js'
@@ -167,7 +167,7 @@ export function mount(root, form, actions) {
       for (const item of list.children) /** @type {HTMLElement} */ (item).draggable = now.programs.length > 1
       total.hidden = !isJob(now)
       const text = now.price ? say.job.total(clock(now.price.report.cycle_time_s)) : say.job.waiting
-      if (total.textContent !== text) total.textContent = text
+      write(total, text)
       details.hidden = !current
       if (!current) return
       const at = now.programs.indexOf(current)

@@ -2,7 +2,7 @@
 
 import { fileKind, sniffedBytes } from '../pkg/truefeed.js'
 import { cycleOf, isStill, quotedColumn } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, write } from '../dom.js'
 import { clock, count, size } from '../format.js'
 import { sample } from '../samples.js'
 import { say } from '../texts.js'
@@ -139,7 +139,7 @@ export function mount(root, dialects, arcCenters, actions) {
         entries.set(program.id, { item, choose, label, about })
         if (list.children[index] !== item) list.insertBefore(item, list.children[index] ?? null)
         const called = program.title || program.found || program.name
-        if (label.textContent !== called) label.textContent = called
+        write(label, called)
         label.title = called === program.name ? called : `${called} (${program.name})`
         about.textContent = standing(program, state)
         const run = program.outcome?.runs.get(quotedColumn(state, program))?.summary

@@ -2,7 +2,7 @@
 
 import { Chart, Offered, termsForm, toleranceLabel } from '../pkg/truefeed_whole.js'
 import { addCurve, columnsOf, isJob, programInSight, quotedColumn } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, write } from '../dom.js'
 import { field, idOf, same } from '../field.js'
 import { amount, between, clock, count, duration, priced, seconds, worded, wordedHtml } from '../format.js'
 import { nameOf } from '../job/names.js'
@@ -143,7 +143,7 @@ export function mount(root, form, actions) {
     root.classList.toggle('stale', isStale)
     // A price of the former motion and the settings of now is of neither.
     const reason = isStale ? outOfDate(now) : isJob(now) && done < now.programs.length ? say.job.waits(count(done), count(now.programs.length)) : ''
-    if (waits.textContent !== reason) waits.textContent = reason
+    write(waits, reason)
     if (isStale && shown[0] === program()) return allow(false)
     const of = [program(), run, columns, now.price, isJob(now)]
     if (of.length === shown.length && of.every((value, index) => value === shown[index])) return allow(whole() !== null)

@@ -2,7 +2,7 @@
 // would change. Several programs make a part together; the operation in sight then has a line of its own.
 
 import { columnLabel, columnsOf, cycleOf, isJob, isStill, machineOf, programInSight, quotedColumn } from '../columns.js'
-import { find, make } from '../dom.js'
+import { find, make, write } from '../dom.js'
 import { between, count, duration, percent, signed, seconds, worded } from '../format.js'
 import { nameOf } from '../job/names.js'
 import { say } from '../texts.js'
@@ -21,13 +21,8 @@ export function mount(root, actions) {
   const [range, cam, doubt] = ['.range', '.cam', '.doubt'].map((selector) => find(root, selector))
   /** What is in sight is of. @type {unknown[]} */
   let shown = []
-  /** The other tolerances, and what each would change. */
+  /** The other tolerances in sight, and what each would change. */
   let compared = '[]'
-
-  /** Writes the time, which is read out, where it is another one. @param {string} text */
-  function announce(text) {
-    if (time.textContent !== text) time.textContent = text
-  }
 
   /** Puts words beside a figure, or takes it away. @param {HTMLElement} figure @param {(Node | string)[]} words */
   function put(figure, ...words) {
@@ -40,7 +35,7 @@ export function mount(root, actions) {
     const report = state.price?.report
     const cycle = isJob(state) ? report?.cycle_time_s : runs[0]?.cycle_time_s
     const programmed = isJob(state) ? report?.programmed_time_s : programInSight(state)?.outcome?.summary.programmed_time_s
-    announce(cycle === undefined ? '…' : duration(cycle))
+    write(time, cycle === undefined ? '…' : duration(cycle))
     const ends = cycle === undefined ? undefined : report?.cycle_time_range_s
     put(range, ...(ends ? [between(ends, duration)] : []))
     put(cam, ...(programmed === undefined ? [] : [duration(programmed), ' ', make('span', { className: 'short' }, short(programmed, cycle))]))
@@ -72,9 +67,8 @@ export function mount(root, actions) {
     one.replaceChildren(make('span', {}, nameOf(program)), ' ', ...words)
   }
 
-  /** What another tolerance would change, and the way to quote it. @param {State} state @param {Program} program @param {import("../types.js").Column} column */
-  function against(state, program, column) {
-    const by = changeAt(state, program, column)
+  /** What another tolerance would change, s, and the way to quote it. @param {import("../types.js").Column} column @param {number | undefined} by */
+  function against(column, by) {
     const button = make('button', { type: 'button', title: say.results.quoteIt }, say.results.at(columnLabel(column)), make('b', {}, by === undefined ? '…' : signed(by)))
     button.addEventListener('click', () => {
       actions.setQuoted(column)
@@ -108,7 +102,7 @@ export function mount(root, actions) {
       const column = quotedColumn(state, program)
       const each = state.programs.flatMap((other) => [other, nameOf(other), other.failure, other.outcome, quotedColumn(state, other), ...columns.map((one) => other.outcome?.runs.get(one))])
       // An entry of the price changes no time, and nothing is announced again.
-      const { cycle_time_s, programmed_time_s, cycle_time_range_s = [] } = state.price?.report ?? {}
+      const { cycle_time_s, programmed_time_s, cycle_time_range_s } = state.price?.report ?? {}
       const now = [program, column, ...columns, ...each, cycle_time_s, programmed_time_s, ...(cycle_time_range_s ?? []), state.fixture, Boolean(state.progress), isStale && outOfDate(state)]
       if (now.length === shown.length && now.every((value, index) => value === shown[index])) return
       shown = now
@@ -119,14 +113,14 @@ export function mount(root, actions) {
       one.hidden = !isJob(state)
       if (isJob(state)) fillOne(state, program)
       const hasRun = Boolean(program.outcome?.runs.has(column))
-      const isFelt = columns.some((other) => changeAt(state, program, other) !== 0 && other !== column)
-      const offered = hasRun && !isEmpty && isFelt ? columns.filter((other) => other !== column) : []
-      const changes = JSON.stringify(offered.map((other) => [columnLabel(other), changeAt(state, program, other)]))
-      if (changes !== compared) others.replaceChildren(...offered.map((other) => against(state, program, other)))
-      compared = changes
+      const changes = columns.filter((other) => other !== column).map((other) => ({ other, by: changeAt(state, program, other) }))
+      const offered = hasRun && !isEmpty && changes.some(({ by }) => by !== 0) ? changes : []
+      const differences = JSON.stringify(offered)
+      if (differences !== compared) others.replaceChildren(...offered.map(({ other, by }) => against(other, by)))
+      compared = differences
       why.replaceChildren(...(isEmpty ? [whyStill(program)] : reasons(state, program, isStale)))
       if (!isEmpty) return
-      announce('–')
+      write(time, '–')
       put(cam)
     },
   }
