@@ -2,12 +2,12 @@
 //!
 //! Two axes at once limit arcs and corners, so one acceleration that is too high beside one that is too low fits
 //! nearly as well as the true ones, which are often equal. The calibration therefore fits the accelerations of all
-//! axes as one value. If the cost of this value is higher by less than [`CONTRADICTED`] for each value that is
+//! axes as one value. If the cost of this value is higher by less than [`MIN_CONTRADICTING_COST`] for each value that is
 //! saved, the machine has it in all axes; otherwise the calibration tries X and Y alone.
 
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::{ACCELERATIONS, axis_of};
-use crate::identification::calibration::{CONTRADICTED, Estimate, ParameterVerdict};
+use crate::identification::calibration::{Estimate, MIN_CONTRADICTING_COST, ParameterVerdict};
 use crate::identification::fit::{Fit, FreeParameter};
 use crate::machine::{Handle, Machine};
 
@@ -26,7 +26,7 @@ pub fn alike(
         let parameters: Vec<(FreeParameter, f64)> = as_one.fitted().cloned().collect();
         let last = fitted(&as_one.last.machine, &parameters);
         let saved = (group.len() - 1) as f64;
-        if last.cost < judgement.last.cost + saved * CONTRADICTED {
+        if last.cost < judgement.last.cost + saved * MIN_CONTRADICTING_COST {
             return (Judgement { last, ..as_one }, group);
         }
     }

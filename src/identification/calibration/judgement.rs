@@ -2,7 +2,8 @@
 
 use crate::identification::calibration::choice::{Fitting, Model};
 use crate::identification::calibration::{
-    CONTRADICTED, DOUBTFUL, ParameterVerdict, SEPARATED, assumed, is_unknown, polled, put_back, settle_waits,
+    MAX_DOUBTFUL_DEVIATIONS, MAX_POLLED_WAIT_DEVIATION_S, MIN_CONTRADICTING_COST, ParameterVerdict, assumed,
+    is_unknown, polled, put_back, settle_waits,
 };
 use crate::identification::fit::{Exactness, Fit, FreeParameter};
 use crate::simulation::ordered::sort_by_number;
@@ -53,7 +54,7 @@ impl Fitting<'_> {
     /// Keeps the sums of successive waits. The runs may determine the sum of two waits and neither of them, so a
     /// wait goes back only if that does not contradict the sum.
     fn keep_sums_of_waits(&mut self, model: &Model, judgement: &mut Judgement) {
-        let is_contradicted = model.best.cost + CONTRADICTED < judgement.last.cost;
+        let is_contradicted = model.best.cost + MIN_CONTRADICTING_COST < judgement.last.cost;
         if !is_contradicted {
             return;
         }
@@ -74,7 +75,10 @@ impl Fitting<'_> {
         let doubt = |at: usize| (best.values[at] - judgement.all[at].1).abs() / best.deviations[at];
         let mut doubtful: Vec<usize> = (0..judgement.all.len())
             .filter(|at| judgement.verdicts[*at] == ParameterVerdict::Fitted)
-            .filter(|at| (best.values[*at] - judgement.all[*at].1).abs() < DOUBTFUL * best.deviations[*at])
+            .filter(|at| {
+                (best.values[*at] - judgement.all[*at].1).abs()
+                    < MAX_DOUBTFUL_DEVIATIONS * best.deviations[*at]
+            })
             .collect();
         sort_by_number(&mut doubtful, |one| doubt(*one));
         self.share.part = 0.1 / doubtful.len().max(1) as f64;
@@ -91,7 +95,7 @@ impl Fitting<'_> {
     ) {
         judgement.verdicts[at] = verdict;
         let without = self.put_back(model, judgement);
-        if without.cost < judgement.last.cost + CONTRADICTED {
+        if without.cost < judgement.last.cost + MIN_CONTRADICTING_COST {
             judgement.last = without;
         } else {
             judgement.verdicts[at] = ParameterVerdict::Fitted;
@@ -111,7 +115,7 @@ fn first_verdicts(all: &[(FreeParameter, f64)], best: &Fit, are_polled: bool) ->
         let deviation = best.deviations[at];
         let is_unknown = match are_polled && freed.exactness == Exactness::Wait {
             // Of a log of lines waits are read off, and the fit only says whether anything separates them.
-            true => !deviation.is_finite() || SEPARATED < deviation,
+            true => !deviation.is_finite() || MAX_POLLED_WAIT_DEVIATION_S < deviation,
             false => is_unknown(freed, best.values[at], deviation),
         };
         // What was not there before cannot be put back; but a limit that no run comes near is taken away again.

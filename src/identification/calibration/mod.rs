@@ -9,7 +9,7 @@
 //!   `MAX_KNOWN_RELATIVE_DEVIATION`, keeps its value, and its verdict gives the reason; an acceleration that an
 //!   axis did not have before is taken from the other axes (`assumed`);
 //! - a value that the data do not contradict is kept: with it, and all others fitted again, the cost is higher by
-//!   less than `CONTRADICTED`. The values are judged one after another, because parameters that depend on each
+//!   less than `MIN_CONTRADICTING_COST`. The values are judged one after another, because parameters that depend on each
 //!   other hide each other;
 //! - a log of lines and feedrates at polls does not show the shape of ramps: the order and the family do not
 //!   change, and each wait is the median of its visits, which no error of the motion shifts;
@@ -62,12 +62,12 @@ const BETTER_STEPS: f64 = 0.02;
 /// Standard deviation above which a wait counts as unknown if it also exceeds the wait itself, s.
 const MOST_UNCERTAIN: f64 = 0.5;
 /// Standard deviation of the fit above which a wait read off a log of lines counts as unknown, s.
-const SEPARATED: f64 = 5.0;
+const MAX_POLLED_WAIT_DEVIATION_S: f64 = 5.0;
 /// Increase of the cost from which the runs contradict going back to a value: two standard deviations.
-const CONTRADICTED: f64 = 4.0;
+const MIN_CONTRADICTING_COST: f64 = 4.0;
 /// Difference between a fitted value and the one before, in standard deviations, from which going back is not
 /// tried.
-const DOUBTFUL: f64 = 5.0;
+const MAX_DOUBTFUL_DEVIATIONS: f64 = 5.0;
 /// Cost tolerance of fits that are only compared with each other: the relative decrease of the cost below which
 /// they stop.
 const ROUGH_COST_TOLERANCE: f64 = 3e-3;
@@ -75,7 +75,7 @@ const ROUGH_COST_TOLERANCE: f64 = 3e-3;
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=4;
 
 /// Ratio of the noise that a fit leaves to the noise before it, below which the fit is repeated.
-const LESS_NOISE: f64 = 0.8;
+const MAX_NOISE_RATIO: f64 = 0.8;
 /// Largest number of these fits, the first one included.
 const MAX_NOISE_ROUNDS: usize = 6;
 
@@ -284,7 +284,7 @@ fn at_own_noise(
     let mut best = fitted(start, &whitenings);
     for _ in 1..MAX_NOISE_ROUNDS {
         let less = whitened(&best.machine, runs);
-        if LESS_NOISE * wander(&whitenings) < wander(&less) {
+        if MAX_NOISE_RATIO * wander(&whitenings) < wander(&less) {
             break;
         }
         whitenings = less;

@@ -20,11 +20,11 @@ const WINDOW_S: f64 = 0.02;
 /// Least number of samples in a window.
 const MIN_SAMPLES: usize = 4;
 /// Ratio to the programmed velocity below which an axis is held back.
-const HELD_BACK: f64 = 0.98;
+const MAX_HELD_BACK_RATIO: f64 = 0.98;
 /// Least number of moments at which a recorded velocity is met for it to be a limit.
 const MIN_VISITS: usize = 4;
 /// Least time between two such moments, s.
-const APART_S: f64 = 0.2;
+const MIN_VISIT_INTERVAL_S: f64 = 0.2;
 /// Largest relative change of the velocity on a plateau.
 const PLATEAU: f64 = 0.005;
 
@@ -128,7 +128,7 @@ impl RapidPlateaus {
         for (axis, (fastest, asked)) in
             limited.axes.iter_mut().zip(self.fastest_cut.iter().zip(self.fastest_asked))
         {
-            if 0.0 < *fastest && *fastest < HELD_BACK * asked && *fastest < axis.velocity {
+            if 0.0 < *fastest && *fastest < MAX_HELD_BACK_RATIO * asked && *fastest < axis.velocity {
                 (axis.velocity, axis.rapid) = (*fastest, axis.rapid.min(*fastest));
             }
         }
@@ -140,7 +140,7 @@ impl RapidPlateaus {
         let axis = velocities[1].iamax();
         let asked = limits::requested_feedrate(line, &Machine::default()) * line.tangent(0.0)[axis].abs();
         let found = plateau(velocities.map(|velocity| velocity[axis].abs()));
-        let is_held_back = found.is_some_and(|found| found < HELD_BACK * asked);
+        let is_held_back = found.is_some_and(|found| found < MAX_HELD_BACK_RATIO * asked);
         faster(&mut self.cut[usize::from(!is_held_back)][axis], found);
     }
 
@@ -249,7 +249,7 @@ fn ceiling(speeds: &[(f64, f64)]) -> f64 {
     let mut visits = 0;
     let mut left = f64::NEG_INFINITY;
     for (time, _) in speeds.iter().filter(|(_, speed)| (1.0 - PLATEAU) * fastest <= *speed) {
-        visits += usize::from(APART_S < time - left);
+        visits += usize::from(MIN_VISIT_INTERVAL_S < time - left);
         left = *time;
     }
     if MIN_VISITS <= visits { fastest } else { 0.0 }

@@ -25,7 +25,7 @@ use crate::simulation::toolpath::StopCause;
 /// Exponents of the ramp tried.
 const EXPONENTS: [Option<f64>; 3] = [None, Some(2.0), Some(3.0)];
 /// Least relative difference of two ramps from which a slope is taken.
-const APART: f64 = 0.1;
+const MIN_RAMP_DIFFERENCE_RATIO: f64 = 0.1;
 
 /// A visit of a word while the spindle ramps.
 struct Waited {
@@ -51,7 +51,7 @@ pub fn guesses(found: &Machine, runs: &[Run]) -> Vec<Machine> {
         for (at, one) in waited.iter().enumerate() {
             for other in waited[..at].iter().filter(|other| other.code == one.code) {
                 let step = size(one) - size(other);
-                if APART * size(one).max(size(other)) < step.abs() {
+                if MIN_RAMP_DIFFERENCE_RATIO * size(one).max(size(other)) < step.abs() {
                     slopes.push((one.seconds - other.seconds) / step);
                 }
             }

@@ -22,11 +22,11 @@ const JERKS: [f64; 4] = [1e4, 3e4, 1e5, 3e5];
 /// Time lost on ramps can be made up for at corners, so a fit may end at more than one place.
 const ACCELERATIONS: [f64; 2] = [500.0, 5000.0];
 /// Centripetal acceleration from which fits start, mm/s².
-const CENTRIPETAL: f64 = 600.0;
+const FIRST_CENTRIPETAL_MM_S2: f64 = 600.0;
 /// Turn from which on corners are stops, before it is fitted, rad.
-const ANGLE: f64 = 0.44;
+const FIRST_STOP_TURN_RAD: f64 = 0.44;
 /// Wait for position at these stops, before it is fitted, s.
-const IN_POSITION: f64 = 0.03;
+const FIRST_POSITION_WAIT_S: f64 = 0.03;
 
 /// Returns the planner of each acceleration that is nearest to the runs, before any fit; empty if the machine does
 /// not have filters of one time constant. `machine` is the machine before the calibration; `fitted` has the values
@@ -40,9 +40,9 @@ pub fn guesses(machine: &Machine, fitted: &Machine, runs: &[Run], whitenings: &[
     interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S / interpolator.filters as f64);
     interpolator.contour_tolerance = machine.interpolator.contour_tolerance;
     interpolator.arc_tolerance = None;
-    interpolator.slowing_angle = interpolator.slowing_angle.min(ANGLE);
-    plain.path.centripetal_acceleration = plain.path.centripetal_acceleration.min(CENTRIPETAL);
-    plain.halts.in_position = plain.halts.in_position.max(IN_POSITION);
+    interpolator.slowing_angle = interpolator.slowing_angle.min(FIRST_STOP_TURN_RAD);
+    plain.path.centripetal_acceleration = plain.path.centripetal_acceleration.min(FIRST_CENTRIPETAL_MM_S2);
+    plain.halts.in_position = plain.halts.in_position.max(FIRST_POSITION_WAIT_S);
     plain.halts.in_position_at = InPosition::ExactStops;
     let guess = |acceleration: f64| {
         let pairs = JERKS.iter().flat_map(|jerk| FIRST_VELOCITY_STEPS_MM_S.map(|step| (*jerk, step)));

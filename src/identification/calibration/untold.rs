@@ -8,7 +8,7 @@
 
 use crate::identification::calibration::judgement::Judgement;
 use crate::identification::calibration::motion::axis_of;
-use crate::identification::calibration::{CONTRADICTED, ParameterVerdict};
+use crate::identification::calibration::{MIN_CONTRADICTING_COST, ParameterVerdict};
 use crate::identification::fit::{Fit, FreeParameter, Run, Whitening, cost_of};
 use crate::machine::Machine;
 
@@ -39,7 +39,7 @@ pub fn untold(
     }
     let is_unseen = |machine: &Machine, cost: f64| {
         let moved = runs.iter().map(|run| farthest(&run.residuals(&last.machine), &run.residuals(machine)));
-        cost < last.cost + CONTRADICTED || moved.fold(0.0, f64::max) < MIN_MOVED_S
+        cost < last.cost + MIN_CONTRADICTING_COST || moved.fold(0.0, f64::max) < MIN_MOVED_S
     };
     for axis in as_one {
         let mut without = last.machine.clone();

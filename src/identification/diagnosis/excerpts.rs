@@ -2,7 +2,7 @@
 //!
 //! The time of a simulation grows with the length of the program, and a diagnosis needs hundreds of simulations. The
 //! search therefore looks at a run longer than [`LONG_RUN_S`] or [`LONG_RUN_SEGMENTS`] only in windows of [`WINDOW`] s,
-//! evenly spread and [`BUDGET`] s long in all, and in windows of a few marks around [`STOPS_PER_KIND`] stops of each
+//! evenly spread and [`ALL_WINDOWS_S`] s long in all, and in windows of a few marks around [`STOPS_PER_KIND`] stops of each
 //! kind. Each window becomes a separate program with the marks in it. Up to [`MARGIN_SEGMENTS`] moves before and after
 //! the window are simulated and not compared, as the motion depends on nothing farther away than a filter delay, a ramp
 //! or a full stop. The causes found are judged on the whole run.
@@ -23,7 +23,7 @@ const LONG_RUN_S: f64 = 300.0;
 /// Number of segments above which a run is long.
 const LONG_RUN_SEGMENTS: usize = 8_000;
 /// Duration of the evenly spread windows of all runs together, s.
-const BUDGET: f64 = 180.0;
+const ALL_WINDOWS_S: f64 = 180.0;
 /// Length of a window, s.
 const WINDOW: f64 = 7.5;
 /// Maximum number of segments of the margin before and after a window.
@@ -35,7 +35,7 @@ const STOPS_PER_KIND: usize = 4;
 /// Number of marks before and after a stop that belong to its window.
 const MARKS_AROUND_STOP: usize = 6;
 /// Least number of marks of a window.
-const FEWEST: usize = 4;
+const MIN_WINDOW_MARKS: usize = 4;
 
 /// A part of a run.
 pub struct Excerpt {
@@ -61,7 +61,9 @@ pub fn excerpts(runs: &[Run]) -> Option<Vec<Vec<Excerpt>>> {
     let is_long = |run: &Run| {
         LONG_RUN_S < duration(&run.alignment.marks) || LONG_RUN_SEGMENTS < run.toolpath.segments.len()
     };
-    runs.iter().any(is_long).then(|| runs.iter().map(|run| of_run(run, BUDGET / runs.len() as f64)).collect())
+    runs.iter()
+        .any(is_long)
+        .then(|| runs.iter().map(|run| of_run(run, ALL_WINDOWS_S / runs.len() as f64)).collect())
 }
 
 fn duration(marks: &[Mark]) -> f64 {
@@ -100,7 +102,11 @@ fn of_run(run: &Run, budget: f64) -> Vec<Excerpt> {
             _ => merged.push(window),
         }
     }
-    merged.into_iter().filter(|window| FEWEST <= window.len()).filter_map(|window| cut(run, window)).collect()
+    merged
+        .into_iter()
+        .filter(|window| MIN_WINDOW_MARKS <= window.len())
+        .filter_map(|window| cut(run, window))
+        .collect()
 }
 
 /// Returns the number of these segments, counted from a window outwards, that make a margin.

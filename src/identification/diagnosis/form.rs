@@ -6,7 +6,7 @@
 
 use crate::identification::comparison::ContourDeviation;
 use crate::identification::diagnosis::evidence::Candidate;
-use crate::identification::diagnosis::standing::{ELSEWHERE, Standing};
+use crate::identification::diagnosis::standing::{MAX_UNEXPLAINED_RATIO, Standing};
 use crate::identification::effects::{Hypothesis, Trace};
 use crate::identification::fit::{Run, golden_section};
 use crate::machine::Machine;
@@ -98,7 +98,7 @@ pub fn explained(machine: &Machine, runs: &[Run], library: &[Hypothesis], whole:
     };
     let floor = floor(runs, bound);
     let before = rms(&forms, machine);
-    if before < floor.max(machine.form_error.map_or(0.0, |left| ELSEWHERE * left)) {
+    if before < floor.max(machine.form_error.map_or(0.0, |left| MAX_UNEXPLAINED_RATIO * left)) {
         return Vec::new();
     }
     let mut current = machine.clone();

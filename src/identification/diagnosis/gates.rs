@@ -12,13 +12,13 @@ use crate::identification::fit::{Run, cost, held_out_blocks};
 use crate::machine::Machine;
 
 /// Least reduction of the cost by a cause; ln n is added for each parameter, where n is the number of sections.
-pub const GAIN: f64 = 12.0;
+pub const MIN_COST_REDUCTION: f64 = 12.0;
 /// Number of sections of a run.
 const SECTIONS: usize = 8;
 /// Least change of the cost of a section that counts for or against a cause.
 const MIN_COST_CHANGE: f64 = 1.0;
 /// Share of the information on a value above which a cause acts in a section.
-const ACTS: f64 = 1e-3;
+const MIN_INFORMATION_SHARE: f64 = 1e-3;
 /// Least share of the sections that count in which a cause must be better.
 const MOSTLY: f64 = 0.6;
 
@@ -57,7 +57,7 @@ fn sections(runs: &[Run]) -> usize {
 
 /// Returns the price of a cause with this number of parameters: the least reduction of the cost that it must bring.
 pub fn price(runs: &[Run], parameters: usize) -> f64 {
-    GAIN + parameters as f64 * (sections(runs) as f64).ln()
+    MIN_COST_REDUCTION + parameters as f64 * (sections(runs) as f64).ln()
 }
 
 /// Returns contiguous index ranges of `count` residuals, about as many as `sections`.
@@ -84,7 +84,7 @@ pub fn held_out(
         after.first().filter(|cause| cause.hypothesis.is_continuous).map_or(0, |cause| cause.values.len());
     let mut held = HeldOut { better: 0, worse: 0, gain: 0.0 };
     for (before, after) in left_out(before).iter().zip(&left_out(after)) {
-        let acts = own == 0 || after.shares[..own].iter().any(|share| ACTS < *share);
+        let acts = own == 0 || after.shares[..own].iter().any(|share| MIN_INFORMATION_SHARE < *share);
         if !acts || !(0..own).all(|value| after.is_known(value)) {
             continue;
         }
@@ -142,7 +142,7 @@ pub fn is_beyond_chance(each: f64, all: f64) -> bool {
 /// Number of shifts at which the trace of a cause is tried.
 const SHIFTS: usize = 300;
 /// Least ratio of the fit in place to the best shifted fit.
-const IN_PLACE: f64 = 1.25;
+const MIN_PLACE_FIT_RATIO: f64 = 1.25;
 
 /// Returns `true` if the trace of a cause fits the residuals in its place and less well at every shift: a residual that
 /// wanders by itself fits any trace a little, anywhere.
@@ -160,7 +160,7 @@ pub fn stays_in_place(evidence: &Evidence, without: &Machine, with: &Machine) ->
     let step = (count / (SHIFTS + 1)).max(1);
     // Neighbours of the place itself are the place.
     let shifted = (10..=SHIFTS.saturating_sub(10)).map(|at| (at * step) % count.max(1)).map(fits);
-    IN_PLACE * shifted.fold(0.0, f64::max) < fits(0)
+    MIN_PLACE_FIT_RATIO * shifted.fold(0.0, f64::max) < fits(0)
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ use crate::identification::diagnosis::evidence::with_all;
 use crate::identification::diagnosis::excerpts::{Excerpt, excerpts};
 use crate::identification::diagnosis::gates::HeldOut;
 use crate::identification::diagnosis::model_error::{
-    AT_ONCE, is_of_machine, is_worth_a_search, without_story,
+    MAX_CHANGED_SETTINGS, is_of_machine, is_worth_a_search, without_story,
 };
 use crate::identification::diagnosis::search::Looked;
 use crate::identification::diagnosis::standing::Standing;
@@ -68,11 +68,11 @@ const MIN_LOST_TIME_S: f64 = 0.015;
 const MAX_SEARCH_ROUNDS: usize = 4;
 /// Largest ratio of the lost time that remains after a calibration to that which remains without it; above it the
 /// calibration explains no more than the machine file.
-const CLEARLY_LESS: f64 = 0.5;
+const MAX_CALIBRATED_LOST_RATIO: f64 = 0.5;
 /// Maximum number of rounds in which a named cause may give way to another.
-const RECONSIDERED: usize = 2;
+const MAX_RECONSIDERING_ROUNDS: usize = 2;
 /// Part of the progress of the search that falls to finding the causes, before they are reconsidered.
-const FIRST: f64 = 0.7;
+const FINDING_PROGRESS_SHARE: f64 = 0.7;
 
 /// The result of a diagnosis in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,7 +169,8 @@ pub fn diagnose(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) 
 fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -> Diagnosis {
     let as_it_is = diagnose_as_it_is(machine, None, runs, &mut |part| progress(0.5 * part));
     let of_machine = as_it_is.causes.iter().filter(|cause| is_of_machine(&cause.candidate)).count();
-    let is_story = AT_ONCE < of_machine || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
+    let is_story =
+        MAX_CHANGED_SETTINGS < of_machine || as_it_is.verdict == Verdict::Unknown && !as_it_is.is_of_form;
     if Standing::of(machine) != Standing::Unchecked || !is_story || as_it_is.pulsation.is_some() {
         progress(1.0);
         return as_it_is;
@@ -180,7 +181,7 @@ fn diagnose_on(machine: &Machine, runs: &[Run], progress: &mut dyn FnMut(f64)) -
     ModelError::of(&calibrated, runs).keep_in(&mut calibrated);
     let own = diagnose_as_it_is(&calibrated, Some(machine), runs, &mut |part| progress(0.75 + 0.25 * part));
     progress(1.0);
-    if CLEARLY_LESS * as_it_is.left.0 < own.left.0 {
+    if MAX_CALIBRATED_LOST_RATIO * as_it_is.left.0 < own.left.0 {
         return as_it_is;
     }
     let message = "the machine file does not describe this machine, so Truefeed calibrated it from the recording first; changes by that calibration are not causes";
@@ -301,14 +302,16 @@ impl InTime {
             if !is_worth_a_search(start, &with_all(&base, &candidates(&named)), runs, !named.is_empty()) {
                 break;
             }
-            let mut progress = |part| progress(FIRST * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64);
+            let mut progress =
+                |part| progress(FINDING_PROGRESS_SHARE * (round as f64 + part) / MAX_SEARCH_ROUNDS as f64);
             let Some(all) = search::with_next(&base, &looked, library, &named, &mut progress) else { break };
             named = all;
         }
         named = search::without_unnecessary(&base, &looked, named);
-        for round in 0..RECONSIDERED {
-            let rounds = |part: f64| (round as f64 + part) / RECONSIDERED as f64;
-            let mut progress = |part| progress(FIRST + (1.0 - FIRST) * rounds(part));
+        for round in 0..MAX_RECONSIDERING_ROUNDS {
+            let rounds = |part: f64| (round as f64 + part) / MAX_RECONSIDERING_ROUNDS as f64;
+            let mut progress =
+                |part| progress(FINDING_PROGRESS_SHARE + (1.0 - FINDING_PROGRESS_SHARE) * rounds(part));
             let Some(all) = search::reconsidered(&base, &looked, library, &named, &mut progress) else {
                 break;
             };

@@ -15,7 +15,7 @@ use crate::identification::fit::Run;
 use crate::machine::Machine;
 
 /// Maximum number of settings and limits of machine and control that may have changed at once.
-pub const AT_ONCE: usize = 2;
+pub const MAX_CHANGED_SETTINGS: usize = 2;
 
 /// The unexplained rest of runs on the machine that was calibrated on them: the error of the model itself, which is no
 /// cause.
@@ -93,7 +93,7 @@ pub fn is_of_machine(candidate: &Candidate) -> bool {
 }
 
 /// Returns the causes without the limits and settings of machine and control, if these are not believable: if there are
-/// more of them than change at once ([`AT_ONCE`]), or if much lost time remains beside them, as a part of something
+/// more of them than change at once ([`MAX_CHANGED_SETTINGS`]), or if much lost time remains beside them, as a part of something
 /// unknown has no name. All causes remain if the machine file was never checked.
 pub fn without_story(
     start: &Machine,
@@ -107,7 +107,7 @@ pub fn without_story(
     let is_of_machine = |cause: &AcceptedCause| is_of_machine(&cause.candidate);
     let of_machine = named.iter().filter(|cause| is_of_machine(cause)).count();
     let with = || with_all(base, &candidates(&named));
-    if AT_ONCE < of_machine || 0 < of_machine && leaves_much(start, &with(), runs, true) {
+    if MAX_CHANGED_SETTINGS < of_machine || 0 < of_machine && leaves_much(start, &with(), runs, true) {
         named.retain(|cause| !is_of_machine(cause));
     }
     named

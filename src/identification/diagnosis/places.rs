@@ -11,7 +11,7 @@
 
 use crate::identification::diagnosis::dips::dip;
 use crate::identification::diagnosis::evidence::Evidence;
-use crate::identification::diagnosis::gates::GAIN;
+use crate::identification::diagnosis::gates::MIN_COST_REDUCTION;
 use crate::identification::diagnosis::rests::{Rest, rests};
 use crate::identification::effects::{
     FEED_OVERRIDE, FROM_DISTANCE, FROM_LINE, Hypothesis, RATIO, Reported, TO_DISTANCE, TO_LINE,
@@ -89,7 +89,7 @@ fn override_range(machine: &Machine, run: &Run, evidence: &Evidence) -> Option<H
     let (whole, found) = (by_mark.part(0, now.len()), by_mark.part(end(from), end(to) + 1));
     // The best of so many ranges explains 2 ln of their number by chance.
     let by_chance = 2.0 * (0.5 * (bins * bins) as f64).max(1.0).ln();
-    let is_worth_a_range = WORTH_A_RANGE * whole <= found && whole + GAIN + by_chance <= found;
+    let is_worth_a_range = WORTH_A_RANGE * whole <= found && whole + MIN_COST_REDUCTION + by_chance <= found;
     if !is_worth_a_range || marks[end(to)].time - marks[end(from)].time < SHORTEST_OVERRIDE {
         return None;
     }

@@ -36,7 +36,7 @@ const SPREAD: usize = 5;
 /// Equal parts of the time of a run.
 const STRETCHES: f64 = 8.0;
 /// Fewest readings of a pile.
-const FEWEST: usize = 12;
+const MIN_PILE_READINGS: usize = 12;
 /// Longest time for which a reading counts, s.
 const MAX_READING_S: f64 = 2.0;
 /// Largest difference between ratios at which they count as one override.
@@ -86,7 +86,7 @@ pub fn plateau(run: &Run) -> Option<Plateau> {
     let stretch = |time: f64| ((time - first) / (last - first).max(1e-9) * STRETCHES) as usize;
     let stretches: std::collections::BTreeSet<usize> =
         readings[range.clone()].iter().map(|reading| stretch(reading.time)).collect();
-    if range.len() < FEWEST
+    if range.len() < MIN_PILE_READINGS
         || most < MIN_PILE_PART * whole
         || most < MIN_RATIO_TO_OTHER_PILES * other
         || stretches.len() < SPREAD

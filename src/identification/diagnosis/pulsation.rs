@@ -14,7 +14,7 @@
 //! rises in steps, whose second harmonic has more than [`PURE`] of the power of the first, or an axis moves at the same
 //! frequency. Source of the method: Welch 1967.
 //!
-//! Limits: frequencies from [`LOWEST`] to [`HIGHEST`] Hz; depths from [`MIN_DEPTH`]; runs with known positions that
+//! Limits: frequencies from [`MIN_FREQUENCY_HZ`] to [`MAX_FREQUENCY_HZ`] Hz; depths from [`MIN_DEPTH`]; runs with known positions that
 //! last at least one window.
 
 use std::f64::consts::TAU;
@@ -28,13 +28,13 @@ use crate::simulation::toolpath::Point;
 /// Time between the samples of the residual, s; marks must be about this close.
 const SAMPLE_INTERVAL_S: f64 = 0.05;
 /// Samples of a window.
-const WINDOW: usize = 256;
+const WINDOW_SAMPLES: usize = 256;
 /// Lowest frequency searched, Hz.
-const LOWEST: f64 = 0.3;
+const MIN_FREQUENCY_HZ: f64 = 0.3;
 /// Highest frequency searched, Hz.
-const HIGHEST: f64 = 3.0;
+const MAX_FREQUENCY_HZ: f64 = 3.0;
 /// Distance between searched frequencies, Hz.
-const APART: f64 = 0.04;
+const FREQUENCY_STEP_HZ: f64 = 0.04;
 /// Least ratio of the power of a pulsation to the median power of all frequencies.
 const MIN_POWER_RATIO: f64 = 30.0;
 /// Least ratio of the power of an axis at a frequency to its median power, from which on the axis moves at that
@@ -92,7 +92,9 @@ fn pulsation(times: &[f64], residuals: &[f64]) -> Option<Pulsation> {
 }
 
 fn frequencies() -> impl Iterator<Item = f64> {
-    (0..).map(|at| LOWEST + APART * f64::from(at)).take_while(|frequency| *frequency <= HIGHEST)
+    (0..)
+        .map(|at| MIN_FREQUENCY_HZ + FREQUENCY_STEP_HZ * f64::from(at))
+        .take_while(|frequency| *frequency <= MAX_FREQUENCY_HZ)
 }
 
 /// Rates 2π f A at which values change, for each frequency.
@@ -110,7 +112,8 @@ impl Spectrum {
             return None;
         }
         let even = evenly(times, values);
-        let windows: Vec<Vec<f64>> = even.windows(WINDOW).step_by(WINDOW / 2).map(weighted).collect();
+        let windows: Vec<Vec<f64>> =
+            even.windows(WINDOW_SAMPLES).step_by(WINDOW_SAMPLES / 2).map(weighted).collect();
         let mut spectrum = Spectrum { windows, rates: Vec::new() };
         spectrum.rates = frequencies().map(|frequency| spectrum.rate(frequency)).collect();
         (!spectrum.windows.is_empty()).then_some(spectrum)

@@ -15,11 +15,11 @@ const MIN_LOST_DEVIATIONS: f64 = 5.0;
 /// Least lost time of a visit that counts, s.
 const MIN_LOST_S: f64 = 2e-3;
 /// Largest distance, in visits, between visits that lost time and belong to one region.
-const APART: usize = 2;
+const MAX_VISITS_APART: usize = 2;
 /// Most regions in a list.
 const MAX_REGIONS: usize = 100;
 /// Least change of the time of a line on which a cause acts in any case, s.
-const ACTS: f64 = 5e-4;
+const MIN_TIME_CHANGE_S: f64 = 5e-4;
 /// Least part of the whole change of time by a cause that the lines on which it acts hold together.
 const ACTS_ON_PART: f64 = 0.95;
 
@@ -86,7 +86,7 @@ fn all_regions(comparison: &Comparison, alignment: &Alignment, run: usize) -> Ve
             continue;
         }
         match found.last_mut() {
-            Some(last) if at - last.1 <= APART => last.1 = at,
+            Some(last) if at - last.1 <= MAX_VISITS_APART => last.1 = at,
             _ => found.push((at, at)),
         }
     }
@@ -134,7 +134,7 @@ pub fn acts_on(without: &Machine, with: &Machine, runs: &[Run]) -> Vec<(u32, u32
         sum += size;
         nearly_all <= sum
     });
-    let least = least.unwrap_or(0.0).min(ACTS);
+    let least = least.unwrap_or(0.0).min(MIN_TIME_CHANGE_S);
     let mut lines: BTreeSet<u32> =
         each.iter().filter(|(_, lost)| *lost != 0.0 && least <= lost.abs()).map(|(line, _)| *line).collect();
     lines.extend(runs.iter().flat_map(|run| switched(without, with, run)));

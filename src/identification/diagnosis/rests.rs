@@ -64,7 +64,7 @@ const MAX_STANDSTILL_MM_S: f64 = 0.2;
 /// Fewest polls for which the recorded feedrate must show standstill.
 const MIN_STANDSTILL_POLLS: f64 = 3.0;
 /// First place on a line, as a part of its path, that lies behind the mark of the line in spite of rounding.
-const BEHIND_MARK: f64 = 1e-6;
+const MIN_SHARE_BEHIND_MARK: f64 = 1e-6;
 /// Longest halt, s.
 const MAX_HALT_S: f64 = 3600.0;
 
@@ -309,7 +309,7 @@ fn rest_during(
     }
     let begin = profile.distance_before(visit.segments.start);
     let length = profile.distance_before(visit.segments.end) - begin;
-    let place = ((at - begin) / length).clamp(BEHIND_MARK, 1.0);
+    let place = ((at - begin) / length).clamp(MIN_SHARE_BEHIND_MARK, 1.0);
     Some(Rest { line: visit.line.0, place: Some(place), begin, seconds, at_dwell: false })
 }
 

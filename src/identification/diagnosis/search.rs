@@ -8,12 +8,12 @@
 //!
 //! | acceptance test | what must hold |
 //! |---|---|
-//! | likelihood | the cost falls by more than `GAIN` + k ln n, n sections of the path, not samples |
+//! | likelihood | the cost falls by more than `MIN_COST_REDUCTION` + k ln n, n sections of the path, not samples |
 //! | held out | with the values that the others give a section is better, in most sections where it acts |
 //! | place | where it explains little of all, it fits where it is better than anywhere else it is shifted to |
 //! | feedrate | feedrates differ hardly more with it than without it, all in all and where it acts |
 //! | chance | a wait at a word is longer or shorter than the cycles of a PLC make it from run to run |
-//! | size | it explains more than `SIZE` of the cycle time, `MIN_LOST_TIME_S` s, and `BESIDE` of the time explained |
+//! | size | it explains more than `SIZE` of the cycle time, `MIN_LOST_TIME_S` s, and `MAX_REMAINING_PART` of the time explained |
 //!
 //! A clock error is the only cause or no cause: the error that the law of another cause leaves grows with time as well.
 //!
@@ -24,9 +24,9 @@ use std::collections::BTreeSet;
 
 use crate::identification::diagnosis::cause::{AcceptedCause, UNSURE, candidates, odds};
 use crate::identification::diagnosis::evidence::{assumed, with_all};
-use crate::identification::diagnosis::gates::{GAIN, HeldOut};
+use crate::identification::diagnosis::gates::{HeldOut, MIN_COST_REDUCTION};
 use crate::identification::diagnosis::speeds::Speeds;
-use crate::identification::diagnosis::verdict::BESIDE;
+use crate::identification::diagnosis::verdict::MAX_REMAINING_PART;
 use crate::identification::diagnosis::{Candidate, Evidence, MIN_LOST_TIME_S, gates, places, regions, rests};
 use crate::identification::effects::{
     FEED_HOLD, FEED_OVERRIDE, Hypothesis, Nature, RECORDER_CLOCK, SPINDLE_WAIT, Trace, UNEQUAL_FILTERS,
@@ -49,17 +49,17 @@ const MIN_GAIN_WITHOUT_SHIFT_TEST: f64 = 0.5;
 const MAX_ALIKE_COST: f64 = 6.0;
 /// Least part of the gain of the better of two candidates that is outside a single place, if that place alone is not to
 /// separate them.
-const ELSEWHERE: f64 = 0.5;
+const MIN_GAIN_SHARE_ELSEWHERE: f64 = 0.5;
 /// Largest part of the difference of their costs that then remains outside that place.
-const IN_PLACE: f64 = 0.1;
+const MAX_DIFFERENCE_SHARE_ELSEWHERE: f64 = 0.1;
 /// Largest difference, as a ratio, between a setting and the believed one at which the setting counts as unchanged.
 /// Overrides and the clock ratio need no such range: their believed value is exactly 1.
-const BELIEVED: f64 = 6e-3;
+const MAX_UNCHANGED_RATIO: f64 = 6e-3;
 /// Half of the smallest step of an override switch, as a ratio.
 const HALF_A_STEP: f64 = 5e-3;
 /// Largest ratio of the cost with another cause to that with the named one at which the other replaces it: of two that
 /// are nearly as good, either may be right.
-const GIVES_WAY: f64 = 0.5;
+const MAX_REPLACING_COST_RATIO: f64 = 0.5;
 /// Most candidates that are refined by least squares.
 const REFINED: usize = 5;
 
@@ -286,7 +286,9 @@ fn passed(
     let with = with_all(base, &together(&candidate, &others));
     let whole: f64 = runs.iter().map(|run| run.plan(current).cycle_time()).sum();
     let explained = regions::moved(base, current, runs).0;
-    if weight(current, &with, runs) < MIN_LOST_TIME_S.max(SIZE * whole).max(BESIDE * explained.abs()) {
+    if weight(current, &with, runs)
+        < MIN_LOST_TIME_S.max(SIZE * whole).max(MAX_REMAINING_PART * explained.abs())
+    {
         return None;
     }
     let further = regions::moved(current, &with, runs).0;
@@ -319,9 +321,10 @@ fn passed(
         // What tells two apart in a single place is how their laws begin or end there, which no model knows so well.
         let rest = gates::without_worst(&last, &with, &with_all(base, &together(&other, &others)));
         let cost = rest.cost(&with);
-        let acts_elsewhere = || ELSEWHERE * gain < rest.cost(current) - cost;
+        let acts_elsewhere = || MIN_GAIN_SHARE_ELSEWHERE * gain < rest.cost(current) - cost;
         let still_apart = || rest.refined(base, &other, &others).0.cost - cost;
-        acts_elsewhere() && still_apart() < (MAX_ALIKE_COST * dispersion).min(IN_PLACE * apart)
+        acts_elsewhere()
+            && still_apart() < (MAX_ALIKE_COST * dispersion).min(MAX_DIFFERENCE_SHARE_ELSEWHERE * apart)
     };
     let alike: BTreeSet<String> = rest
         .iter()
@@ -351,7 +354,7 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
     let [freed] = &hypothesis.freed[..] else { return false };
     // Filters of other lengths but the same delay are seen by the sum of their squares, which is that of a constant
     // longer by the square of the spread, as a part of it.
-    if hypothesis.effect == UNEQUAL_FILTERS && candidate.values[0].powi(2) < BELIEVED {
+    if hypothesis.effect == UNEQUAL_FILTERS && candidate.values[0].powi(2) < MAX_UNCHANGED_RATIO {
         return true;
     }
     let believed = freed.handle.get(machine).filter(|value| 0.0 < *value);
@@ -361,7 +364,7 @@ fn is_as_believed(candidate: &Candidate, machine: &Machine) -> bool {
     }
     hypothesis.effect.nature != Nature::Switch
         && hypothesis.is_continuous
-        && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < BELIEVED)
+        && believed.is_some_and(|believed| (candidate.values[0] / believed).ln().abs() < MAX_UNCHANGED_RATIO)
 }
 
 /// Returns `true` if a limit that the calibration had to assume is looser than assumed: then the machine file was off,
@@ -380,7 +383,7 @@ fn is_at_bound(candidate: &Candidate) -> bool {
     candidate.hypothesis.is_continuous
         && of.filter(|(freed, _)| freed.scale == VariationScale::Ratio).any(|(freed, value)| {
             let (low, high) = freed.bounds;
-            *value <= low * (1.0 + BELIEVED) || high * (1.0 - BELIEVED) <= *value
+            *value <= low * (1.0 + MAX_UNCHANGED_RATIO) || high * (1.0 - MAX_UNCHANGED_RATIO) <= *value
         })
 }
 
@@ -409,7 +412,7 @@ pub fn reconsidered(
             let causes = candidates(found);
             evidence.cost(&with_all(base, &causes)) + prices(looked.runs, causes.iter())
         };
-        (worth(&other) < GIVES_WAY * worth(named)).then_some(other)
+        (worth(&other) < MAX_REPLACING_COST_RATIO * worth(named)).then_some(other)
     })
 }
 
@@ -421,7 +424,7 @@ pub fn held(base: &Machine, runs: &[Run], named: Vec<AcceptedCause>) -> Vec<Acce
     for found in named {
         let after = found.candidate.hypothesis.machine(&before, &found.candidate.values);
         let gain = whole.cost(&before) - whole.cost(&after);
-        if GAIN < gain && Speeds::of(&before, runs).are_kept(&after) {
+        if MIN_COST_REDUCTION < gain && Speeds::of(&before, runs).are_kept(&after) {
             kept.push(found);
             before = after;
         }
@@ -462,7 +465,7 @@ pub fn without_unnecessary(
             Some((at, evidence.cost(&with_all(base, &others)) - cost, others))
         };
         let cheapest = (0..all.len()).filter_map(without).min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((at, _, others)) = cheapest.filter(|(_, rise, _)| *rise < GAIN) else { break };
+        let Some((at, _, others)) = cheapest.filter(|(_, rise, _)| *rise < MIN_COST_REDUCTION) else { break };
         named.remove(at);
         named.iter_mut().zip(others).for_each(|(named, candidate)| named.candidate = candidate);
     }

@@ -1,7 +1,7 @@
 //! Test of the feedrates: a wrong cause can fit the times between marks with speeds that the machine never had.
 //!
 //! A cause is compared with the recorded feedrates of a whole run, and with those of the visits whose time it changes
-//! by more than [`ACTS`] of their duration. Its feedrates may differ by up to [`WORSE`] times the difference without
+//! by more than [`MIN_TIME_CHANGE_RATIO`] of their duration. Its feedrates may differ by up to [`WORSE`] times the difference without
 //! it: over the whole run as much as a model that is a little off elsewhere makes them differ, and where the cause acts
 //! as much as recorded speeds do by themselves. There the motion turns, and where the tool cuts a corner, its
 //! projection on the path has another speed than the tool. A filter that is longer by a hundredth changes speeds by
@@ -23,7 +23,7 @@ const WORSE: [f64; 2] = [1.03, 1.05];
 /// Last digit of the feedrate that controls show, mm/s: 1 mm/min.
 const READ_MM_S: f64 = 1.0 / 60.0;
 /// Least change of the time of a visit on which a cause acts, as a part of that time.
-const ACTS: f64 = 2e-3;
+const MIN_TIME_CHANGE_RATIO: f64 = 2e-3;
 
 /// Returns the difference of feedrates at the times, by the recorder's clock, that satisfy `is_meant`.
 pub fn error(machine: &Machine, run: &Run, is_meant: &dyn Fn(f64) -> bool) -> Option<FeedError> {
@@ -91,7 +91,7 @@ fn acts(without: &Simulated, with: &Simulated) -> Vec<Range<f64>> {
     let takes = |during: &Range<f64>| during.end - during.start;
     let differs = |(before, after): &(&VisitTimes, &VisitTimes)| {
         let (before, after) = (takes(&before.simulated), takes(&after.simulated));
-        ACTS * before.max(after) < (after - before).abs()
+        MIN_TIME_CHANGE_RATIO * before.max(after) < (after - before).abs()
     };
     let acted = without.lost.iter().zip(&with.lost).filter(differs);
     let by_recorder = |time: f64| without.clock * time;

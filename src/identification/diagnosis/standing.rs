@@ -6,7 +6,7 @@
 //! | machine file | a search for causes begins with | machine causes are named |
 //! |---|---|---|
 //! | never checked on a recording of its machine | any lost time that noise does not leave | as they are found |
-//! | describes its machine | more than `ELSEWHERE` times what calibration left | if they are few and leave little |
+//! | describes its machine | more than `MAX_UNEXPLAINED_RATIO` times what calibration left | if they are few and leave little |
 //! | misses it: off by more than `WORST` on its own runs | none | none: the remainder is unknown |
 //!
 //! On programs other than those of its calibration, a machine file may be off by the range that it states for them
@@ -20,7 +20,7 @@ use crate::machine::Machine;
 use crate::quote::error_beyond_calibration;
 
 /// Largest ratio of the unexplained time of a model on other runs to that which calibration left on its own runs.
-pub const ELSEWHERE: f64 = 1.5;
+pub const MAX_UNEXPLAINED_RATIO: f64 = 1.5;
 /// Largest relative error of the cycle time, on the runs of the calibration, of a machine file that describes its
 /// machine: the worst error of a prediction.
 const WORST: f64 = 0.03;
@@ -46,7 +46,7 @@ pub fn on_these(machine: &Machine, runs: &[Run]) -> (Machine, Option<f64>) {
         machine.calibrated_on.assumed_rapids = [false; 3];
         return (machine, None);
     };
-    machine.unexplained_time = Some(left.max(off / ELSEWHERE));
+    machine.unexplained_time = Some(left.max(off / MAX_UNEXPLAINED_RATIO));
     machine.form_error = Some(f64::INFINITY);
     (machine, Some(off))
 }
@@ -59,7 +59,7 @@ impl Standing {
             None if machine.cycle_time_error.is_none() || WORST < net => Standing::Unchecked,
             None => Standing::Describes(net),
             Some(_) if WORST < net => Standing::Misses,
-            Some(left) => Standing::Describes(net.max(ELSEWHERE * left)),
+            Some(left) => Standing::Describes(net.max(MAX_UNEXPLAINED_RATIO * left)),
         }
     }
 

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `MIN_LOST_TIME_S` s, and the known error of a calibrated machine file | always |
 //! | `MAX_SILENT_PART` of the cycle time | always |
-//! | [`BESIDE`] of the lost time without causes | beside causes |
+//! | [`MAX_REMAINING_PART`] of the lost time without causes | beside causes |
 //!
 //! Beside causes, more than `MIN_UNEXPLAINED_PART` of the lost time without them is large, however small a part of the
 //! cycle time it is.
@@ -27,11 +27,11 @@ use crate::machine::Machine;
 const MAX_SILENT_PART: f64 = 2e-3;
 /// Most lost time that may remain beside causes, as a part of the lost time without them: no law matches that of a
 /// control to the last per cent, and the error that it leaves is no other cause.
-pub const BESIDE: f64 = 0.05;
+pub const MAX_REMAINING_PART: f64 = 0.05;
 /// Least remaining part of the lost time without causes from which on the runs are not explained.
 const MIN_UNEXPLAINED_PART: f64 = 0.25;
 /// Least confidence of a certain cause.
-const CERTAIN: f64 = 0.9;
+const MIN_CERTAIN_CONFIDENCE: f64 = 0.9;
 
 /// Lost time that causes leave.
 pub struct Left {
@@ -83,7 +83,7 @@ impl Left {
     /// Returns `true` if the lost time asks for a cause, or, if it `is_beside` others, for a further one.
     pub fn asks(&self, is_beside: bool) -> bool {
         let is_seen = MIN_LOST_TIME_S < self.after && !self.is_known();
-        let beside = if is_beside { BESIDE * self.before } else { 0.0 };
+        let beside = if is_beside { MAX_REMAINING_PART * self.before } else { 0.0 };
         let is_much = self.is_much_beside(is_beside) || beside.max(MAX_SILENT_PART * self.whole) < self.after;
         self.pulsation.is_some() || is_seen && is_much
     }
@@ -100,7 +100,7 @@ impl Left {
             let is_placed = hypothesis.effect == FEED_OVERRIDE && !hypothesis.variant.is_empty();
             hypothesis.effect.is_by_operator() && !is_placed
         };
-        let sure = causes.iter().filter(is_done).filter(|cause| CERTAIN <= cause.confidence);
+        let sure = causes.iter().filter(is_done).filter(|cause| MIN_CERTAIN_CONFIDENCE <= cause.confidence);
         let by_operator: f64 = sure.map(|cause| cause.seconds.abs()).sum();
         match (causes.is_empty(), self.asks(!causes.is_empty())) {
             (true, true) => Verdict::Unknown,

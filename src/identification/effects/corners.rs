@@ -139,9 +139,9 @@ fn least_joint(runs: &[Run]) -> f64 {
 }
 
 /// Number of equal groups of corners, in order of distance; each distance tried rounds one group more.
-const ROUNDED: usize = 16;
+const CORNER_GROUPS: usize = 16;
 /// Ratio of a distance tried to the largest distance of the corners that it rounds.
-const FARTHER: f64 = 1.08;
+const TRIED_DISTANCE_RATIO: f64 = 1.08;
 
 /// Returns the hypothesis that the control rounds corners within a distance, with trials that round more and more
 /// corners; `None` if the control blends corners in time or no corner can be rounded.
@@ -156,7 +156,9 @@ fn corner_smoothing(effect: Effect, machine: &Machine, runs: &[Run]) -> Option<H
         .collect();
     distances.sort_by(f64::total_cmp);
     let last = distances.len().checked_sub(1)?;
-    let mut trials: Vec<f64> = (0..=ROUNDED).map(|part| FARTHER * distances[last * part / ROUNDED]).collect();
+    let mut trials: Vec<f64> = (0..=CORNER_GROUPS)
+        .map(|part| TRIED_DISTANCE_RATIO * distances[last * part / CORNER_GROUPS])
+        .collect();
     trials.dedup_by(|b, a| *b < 1.01 * *a);
     let handle = Handle::number("interpolator.corner_smoothing_mm");
     let freed = FreeParameter::new(handle, trials[0], (5e-5, 2.0 * WIDEST_JOINT), VariationScale::Ratio);

@@ -5,7 +5,7 @@
 //! Sources: SINUMERIK 840D sl programming manual; TNC 640 Klartext manual; LinuxCNC 2.9.
 
 /// The first code that is not a letter.
-pub const FIRST: u8 = 128;
+pub const FIRST_NAMED_CODE: u8 = 128;
 
 macro_rules! addresses {
     ($($(#[$doc:meta])* $name:ident = $code:literal $written:literal,)*) => {

@@ -84,7 +84,11 @@ pub(super) const fn bits(letters: &[u8]) -> u64 {
 
 /// Returns the bit of an address: letters first, then the longer addresses.
 const fn slot(address: u8) -> usize {
-    (if address < address::FIRST { address - b'A' } else { address - address::FIRST + 26 }) as usize
+    (if address < address::FIRST_NAMED_CODE {
+        address - b'A'
+    } else {
+        address - address::FIRST_NAMED_CODE + 26
+    }) as usize
 }
 
 impl BlockWords {
