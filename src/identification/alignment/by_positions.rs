@@ -24,7 +24,7 @@ use crate::identification::alignment::{Alignment, AlignmentError, Fix, Mark, Met
 use crate::identification::recording::{ChannelUnit, Measure, Recording, check_unit_by};
 use crate::machine::Machine;
 use crate::simulation::feed::Tolerances;
-use crate::simulation::toolpath::{Point, Toolpath, Vector};
+use crate::simulation::toolpath::{Point, Toolpath, Vector, distance_from_chord};
 
 /// Least part of the recording, or of the path, that a pass must make up.
 const MIN_PASS_SHARE: f64 = 0.5;
@@ -345,9 +345,7 @@ impl CuttableCorner {
         let beside = seen(next.checked_sub(1).map(|last| &fixes[last])).zip(seen(fixes.get(next)));
         let passed = beside.map_or(self.tolerance, |(from, to)| {
             let recorded = Vector::from_fn(|axis, _| f64::from(u8::from(track.recorded[axis])));
-            let (way, corner) = (to - from, (self.point - from).component_mul(&recorded));
-            let share = (corner.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            (corner - share * way).norm()
+            distance_from_chord((self.point - from).component_mul(&recorded), to - from)
         });
         let deviation = passed.min(self.tolerance);
         CutCorner { distance: self.distance, zone: 6.0 * deviation + 0.02, jump: self.turn * deviation }

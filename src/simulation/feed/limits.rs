@@ -38,7 +38,7 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
             rapid_feedrate(segment, machine).min(by_axes) * machine.overrides.of_rapid(segment.line.0)
         }
         Motion::Feed { feedrate } => {
-            overridable(feedrate, segment, machine) * machine.overrides.of_feed(segment.line.0)
+            clamped_before_override(feedrate, by_axes, machine) * machine.overrides.of_feed(segment.line.0)
         }
     };
     feedrate.min(rotary_feedrate(segment, machine)).min(by_axes)
@@ -46,8 +46,13 @@ pub fn requested_feedrate(segment: &Segment, machine: &Machine) -> f64 {
 
 /// Returns what an override of the feed multiplies where a segment is programmed at `feedrate`, mm/s.
 pub fn overridable(feedrate: f64, segment: &Segment, machine: &Machine) -> f64 {
+    clamped_before_override(feedrate, axis_feedrate(segment, machine), machine)
+}
+
+/// Returns the feedrate that an override multiplies, mm/s, of a programmed one and the limit of the axes.
+fn clamped_before_override(feedrate: f64, by_axes: f64, machine: &Machine) -> f64 {
     match machine.interpolator.junction.blends_in_time() {
-        true => feedrate.min(axis_feedrate(segment, machine)),
+        true => feedrate.min(by_axes),
         false => feedrate,
     }
 }

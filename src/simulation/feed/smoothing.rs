@@ -38,7 +38,9 @@ use crate::machine::{Junction, Machine};
 use crate::simulation::feed::Tolerances;
 use crate::simulation::feed::substitute::{Cover, Substitute};
 use crate::simulation::feed::tolerances::change;
-use crate::simulation::toolpath::{Blending, Curve, Motion, PathMode, Point, Segment, Toolpath};
+use crate::simulation::toolpath::{
+    Blending, Curve, Motion, PathMode, Point, Segment, Toolpath, distance_from_chord,
+};
 
 /// Points of a chain beside its beginning.
 const MAX_CHAIN_POINTS: usize = 101;
@@ -181,13 +183,8 @@ impl Merging<'_> {
     fn reaches(&self, end: Point, within: f64) -> bool {
         let begin = self.begin();
         let chord = end - begin;
-        let square = chord.norm_squared();
-        let is_near = |point: &Point| {
-            let passed = point - begin;
-            let along = (passed.dot(&chord) / square).clamp(0.0, 1.0);
-            (passed - along * chord).norm() <= within
-        };
-        self.points.len() < MAX_CHAIN_POINTS && 0.0 < square && self.points.iter().all(is_near)
+        let is_near = |point: &Point| distance_from_chord(point - begin, chord) <= within;
+        self.points.len() < MAX_CHAIN_POINTS && 0.0 < chord.norm_squared() && self.points.iter().all(is_near)
     }
 
     fn begin(&self) -> Point {

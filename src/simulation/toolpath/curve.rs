@@ -151,6 +151,13 @@ impl Arc {
     }
 }
 
+/// Returns the distance of a point from a chord, mm, both given from the start of the chord; beyond an end it is the
+/// distance from that end.
+pub fn distance_from_chord(point: Vector, chord: Vector) -> f64 {
+    let along = (point.dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (point - along * chord).norm()
+}
+
 impl Curve {
     /// Returns the position at the fraction σ of the way from `start` to `end`, mm.
     #[inline]
