@@ -222,7 +222,7 @@ fn what_cannot_be_done_is_said_in_one_line() {
         (&["in/job.json", "in/job.json"], "JOB.json is given twice"),
         (&["in/job.json", "--out", "quote.pdf"], "quote.pdf: name a file that ends in .csv or .html"),
         (&["in/job.json", "--offer", "offer.csv"], "offer.csv: name a file that ends in .html"),
-        (&["in/job.json", "--compare", "in/job.json", "--out", "a.csv"], "--out and --offer are of one job"),
+        (&["in/job.json", "--compare", "in/job.json", "--out", "a.csv"], "--out and --offer are for one job"),
         (&["in/job.json", "--compare", "in/unknown.json"], "in/unknown.json: quantity"),
     ] {
         let output = run(&bench, arguments);

@@ -37,7 +37,7 @@ pub fn job(parser: &mut lexopt::Parser) -> Result<(), CommandError> {
         has_ending(offer, &["html", "htm"])?;
     }
     if request.compare.is_some() && (request.out.is_some() || request.offer.is_some()) {
-        return Err("--out and --offer are of one job; leave them out, or --compare".to_string());
+        return Err("--out and --offer are for one job; leave them out, or leave out --compare".to_string());
     }
     let first = JobFiles::new(path)?;
     let inputs = first.paths();

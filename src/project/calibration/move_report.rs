@@ -36,7 +36,7 @@ impl MoveReport {
         match outcome {
             Some(Outcome::Converged(found)) => Ok(report(&found, name)),
             Some(Outcome::LostPatience(_)) => Err(refusal(
-                "the fit of the move came to no end; record it with more samples on its ramps".to_string(),
+                "the fit of the move did not converge; record it with more samples on its ramps".to_string(),
             )),
             Some(Outcome::NotASingleMove { unexplained }) => Err(refusal(format!(
                 "this is not one straight move from rest to rest ({:.0} % of it is something else); record a single one, \
@@ -47,7 +47,7 @@ impl MoveReport {
                 "{found} samples on the ramps of the move are too few, {needed} are needed; record it at a shorter interval"
             ))),
             Some(Outcome::Unreadable(fault)) => Err(refusal(format!("{fault}; record the move again"))),
-            None => Err(refusal("neither positions nor feedrates are in it; record one of them".to_string())),
+            None => Err(refusal("it has neither positions nor feedrates; record one of them".to_string())),
         }
     }
 
@@ -89,8 +89,8 @@ fn report(found: &Identification, name: &str) -> MoveReport {
     let constants: Vec<String> = fit.time_constants.iter().map(told).collect();
     let rivals: Vec<String> = found.rivals.iter().map(|at| word(found.fits[*at].filters)).collect();
     let doubt = match rivals.as_slice() {
-        [] => "the recording tells them from all others".to_string(),
-        _ => format!("the recording cannot tell them from {}", rivals.join(" or ")),
+        [] => "the recording distinguishes them from all others".to_string(),
+        _ => format!("the recording cannot distinguish them from {}", rivals.join(" or ")),
     };
     let (feedrate, length) = (mm_per_min(fit.feedrate.value.abs()), fit.length.value.abs());
     MoveReport {

@@ -127,7 +127,7 @@ fn remarks(first: &JobReport, second: &JobReport) -> Vec<String> {
     }
     if first.batch.quantity != second.batch.quantity {
         let (one, other) = (first.batch.quantity, second.batch.quantity);
-        remarks.push(format!("The batches are of {one} and {other} parts."));
+        remarks.push(format!("The batches have {one} and {other} parts."));
     }
     remarks
 }

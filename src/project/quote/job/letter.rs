@@ -65,7 +65,7 @@ const fn text(
 const OFFER_FIELDS: [LetterField; 9] = [
     text("customer", "Customer", "Name and address, as printed on the offer.", 1000, "lines"),
     text("number", "Offer number", "Your number of this offer.", 100, "text"),
-    text("date", "Date", "The day of the offer, as it shall stand there.", 100, "text"),
+    text("date", "Date", "The date of the offer, as printed on it.", 100, "text"),
     text("valid_until", "Valid until", "How long the prices hold.", 100, "text"),
     text("part_number", "Part number", "Number and revision of the drawing.", 200, "text"),
     text("lead_time", "Lead time", "When the parts are there.", 200, "text"),
@@ -99,7 +99,7 @@ pub fn letter_form() -> String {
         let neutral = Value::from("");
         FormField { kind: text.kind, ..FormField::empty(text.key, text.label, text.doc, "", neutral) }
     };
-    let doc = "Tax on the net price; empty: the offer says nothing of tax.";
+    let doc = "Tax on the net price; empty: the offer does not mention tax.";
     let tax = FormField {
         kind: "number",
         unit: Some(Unit::Percent.symbol()),

@@ -394,12 +394,12 @@ fn notes(job: &QuotedJob) -> Vec<String> {
     let mut notes = vec![rounding_note(&job.terms)];
     if job.operations.iter().any(|operation| operation.fixture.is_some()) {
         notes.push(
-            "Parts of one load share its tool changes; the way from part to part is not in the time."
+            "Parts of one load share its tool changes; the time does not include travel between parts."
                 .to_string(),
         );
     }
     if 1 < job.operations.len() && job.times(1).range.is_some() {
-        notes.push("The range takes all operations to be off to the same side.".to_string());
+        notes.push("The range assumes that all operations are off in the same direction.".to_string());
     }
     notes
 }

@@ -50,7 +50,7 @@ pub(super) enum TraceRemark {
     OutOfReach { letter: char },
     #[error("I, J and K have no meaning in a straight move: left out")]
     UnusedCenter,
-    #[error("{code} is a setting: the other words of its block are no move")]
+    #[error("{code} is a setting: the other words of its block do not move the machine")]
     Setting { code: Code },
     #[error("axis words beside {code} are not run")]
     UnusedAxisWords { code: Code },
@@ -109,7 +109,7 @@ pub(super) enum TraceRemark {
     AbsoluteCenters,
     #[error("R and I, J, K in one block: R is used")]
     RadiusAndCenter,
-    #[error("{letter}{value} is no number of turns: one turn is run")]
+    #[error("{letter}{value} is not a number of turns: one turn is run")]
     BadTurns { letter: char, value: f64 },
     #[error("L{turns} of an arc is taken as its number of turns; controls without such a word run one")]
     TurnsByL { turns: u32 },
@@ -153,7 +153,7 @@ pub(super) enum TraceRemark {
     #[error("G51 without a scale P, or I, J and K, other than 0: coordinates do not change")]
     BadScale,
     #[error(
-        "an arc under a scale that differs from axis to axis: end and I, J, K are scaled each on its own axis and R by the larger scale, as Fanuc controls do"
+        "an arc under different scales of the axes: each axis scales its own end and centre coordinate, and the larger scale applies to R, as on Fanuc controls"
     )]
     UnevenScale,
     #[error(
@@ -175,7 +175,7 @@ pub(super) enum TraceRemark {
     BadRepeats { value: f64 },
     #[error("{value} repetitions cannot be run, {MAX_COUNT} at most: they are missing from the time")]
     TooManyRepeats { value: f64 },
-    #[error("{value} is no whole number of repetitions: {:.0} are run", .value.round())]
+    #[error("{value} is not a whole number of repetitions: {:.0} are run", .value.round())]
     UnevenRepeats { value: f64 },
     #[error("S{value} is not a speed that a spindle can run: the previous one stays in force")]
     BadSpeed { value: f64 },
@@ -183,7 +183,7 @@ pub(super) enum TraceRemark {
     NoSpeed { code: u32 },
     #[error("tool {tool} is already in the spindle: the change takes no time")]
     SameTool { tool: u32 },
-    #[error("the rest of the program is taken as one operation: there would be {} more", counted(*.beyond, "operation"))]
+    #[error("the rest of the program is taken as one operation; otherwise there would be {} more", counted(*.beyond, "operation"))]
     ManyOperations { beyond: usize },
     #[error("{} is not in this file: its moves are missing from the time", label_text(*.kind, .name))]
     NoLabel { kind: LabelKind, name: String },
@@ -206,7 +206,7 @@ pub(super) enum TraceRemark {
     )]
     MissingArgument { parameter: String },
     #[error(
-        "this may be a lathe program, by {reasons}: Truefeed does not model turning, and runs it as a program for a mill"
+        "this may be a lathe program, judging by {reasons}: Truefeed does not model turning, and runs it as a program for a mill"
     )]
     PerhapsLathe { reasons: String },
     #[error("M99 at the end of the main program restarts it: one run is timed")]
@@ -254,9 +254,9 @@ fn inverse_time_text(assumed: Option<f64>) -> String {
 
 fn rotary_feed_text(is_combined: bool) -> &'static str {
     if is_combined {
-        "F holds along linear and rotary axes together, and a degree counts as a unit of length"
+        "F applies to linear and rotary axes together, and a degree counts as a unit of length"
     } else {
-        "F holds along X, Y and Z, while rotary axes turn with them (RS274/NGC); controls that count degrees as lengths are slower"
+        "F applies to X, Y and Z, while rotary axes turn with them (RS274/NGC); controls that count degrees as lengths are slower"
     }
 }
 
