@@ -60,7 +60,7 @@ export const say = {
   },
   against: {
     ...first.against,
-    help: 'Another revision of the programs, a job that is kept, the file of a job, or the same job on another machine.',
+    help: 'Another revision of the programs, a kept job, a job file, or the same job on another machine.',
     choose: 'choose',
     chooseFiles: 'Choose files',
     files: 'Files',
