@@ -5,8 +5,7 @@ use crate::machine::{ArcChords, Junction, Machine, TimeConstants};
 /// Time constant of the filter that a planner retains, s: half a servo period, which has no visible effect.
 pub const PLANNER_FILTER_S: f64 = 5e-4;
 
-/// Part of [`PLANNER_FILTER_S`] up to which a constant counts as equal, as a machine file may round it to few
-/// digits.
+/// Factor on a filter delay compared with [`PLANNER_FILTER_S`], as a machine file may round the constants up.
 const MIN_ROUNDING_RATIO: f64 = 0.999;
 
 /// A family of controls whose planner ramps in trapezoids, by its junction law.
