@@ -58,8 +58,8 @@ impl Machine {
     }
 
     /// Turns the machine into one of a family of planners with the default settings of the family.
-    /// `acceleration` (mm/s²) becomes the limit of its axes or of its path, whichever the family limits,
-    /// unless that limit is already lower.
+    /// `acceleration` (mm/s²) becomes the limit of all axes, or of the path and Z for
+    /// [`Planner::SquareCorner`], unless a limit is already lower.
     pub fn become_planner(&mut self, planner: Planner, acceleration: f64) {
         self.interpolator.filters = 1;
         self.interpolator.time_constants = TimeConstants::Equal(PLANNER_FILTER_S);

@@ -13,8 +13,8 @@ use crate::plot::Theme;
 /// An error of a backend.
 pub(crate) type DrawError<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
-/// The font, given as a family name: a check for generic families would compile tables of the letters of all
-/// languages into the module.
+/// The font, given as a family name. From a text, plotters would first search the names of generic families
+/// in lower case, which needs the letters of all languages.
 pub(crate) const FONT: FontFamily = FontFamily::Name("system-ui, sans-serif");
 pub(crate) const FONT_SIZE_PT: f64 = 12.0;
 /// Width of a wide character over the size of the font.

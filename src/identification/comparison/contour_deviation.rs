@@ -1,12 +1,12 @@
 //! Contour deviation: recorded positions against simulated ones, without differences of time.
 //!
 //! A recorded sample at t is compared with the simulated position at t − t0 − r̃(t) − δ, where t0 is the
-//! start of the run. r̃ is 0 if the simulation is assumed to lose no time, or else the median of the residual
-//! over [`MEDIAN_REACH_S`] on both sides, which keeps jumps. δ is a common delay, as drives and recorders
-//! have; Newton steps determine it, δ = −Σ e·v / Σ v·v, with the difference e and the simulated velocity v.
-//! The part of e along the motion is weighted by σ²/(σ² + (v τ)²), with the noise σ (mm) and the uncertainty
-//! τ (s) of stamps: at rapid speed a millisecond is a third of a millimetre. The remainder is the deviation
-//! of the path: lag at corners, backlash at reversals, vibration.
+//! recorded less the simulated time at the first mark. r̃ is 0 if the simulation is assumed to lose no time,
+//! or else the median of the residual over [`MEDIAN_REACH_S`] on both sides, which keeps jumps. δ is a common
+//! delay, as drives and recorders have; Newton steps determine it, δ = −Σ e·v / Σ v·v, with the difference e
+//! and the simulated velocity v. The part of e along the motion is weighted by σ²/(σ² + (v τ)²), with the
+//! noise σ (mm) and the uncertainty τ (s) of stamps: at rapid speed a millisecond is a third of a millimetre.
+//! The remainder is the deviation of the path: lag at corners, backlash at reversals, vibration.
 
 use crate::identification::alignment::{Alignment, median};
 use crate::machine::Machine;

@@ -250,8 +250,8 @@ impl CauseCurve {
         CauseCurve { points, trials, is_continuous: hypothesis.is_continuous }
     }
 
-    /// Returns the visible trial a third of the way from the weakest to the strongest; `None` if no trial is
-    /// visible.
+    /// Returns the trial at one third of the visible ones in the order of their strength; `None` if no trial
+    /// is visible.
     fn typical(&self, base: &[Vec<f64>]) -> Option<&Vec<Vec<f64>>> {
         let strength = |point: &Vec<Vec<f64>>| -> f64 {
             point.iter().zip(base).map(|(own, base)| product(own, base, own, base)).sum::<f64>().sqrt()

@@ -321,7 +321,8 @@ impl ChannelBuilder<'_> {
         Some(channel)
     }
 
-    /// Returns the unit of a channel, and converts its values if the file states their unit.
+    /// Returns the unit of a channel whose values are still as in the file, and adds a remark if the file
+    /// states none.
     fn scale(&mut self, field: ChannelField, label: &ChannelLabel, channel: &Channel<f64>) -> ChannelUnit {
         let assumed = |remarks: &mut RecordingRemarks, unit: LogUnit| {
             remarks.info(Some(&label.name), format!("no unit stated: taken to be in {}", unit.symbol));

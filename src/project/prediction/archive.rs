@@ -80,7 +80,7 @@ pub enum LineBeginning {
     Other,
     /// The bytes may begin a line of an archive, or another text with the same beginning.
     Perhaps,
-    /// The bytes begin a line of an archive: the path and the key after it are complete.
+    /// The bytes begin a line of an archive: they contain a whole path and the name of the next field.
     Line,
 }
 
