@@ -23,9 +23,9 @@ pub(crate) fn programmed_width(chart: &FeedChart) -> f64 {
     if chart.lost.is_some() { PROGRAMMED_WIDTH_BESIDE_RECORDING_PT } else { PROGRAMMED_WIDTH_PT }
 }
 
-/// Factor on the opacity of the bands of curves that are not on top; the constant below is that of the area
-/// below a band.
+/// Opacity of the bands of all other curves together, as a ratio to that of the curve on top.
 const OTHER_BANDS_OPACITY: f64 = 0.8;
+/// Factor on the opacity of the area below a band.
 const BELOW_BAND_OPACITY: f64 = 0.4;
 
 /// The layout common to all feedrate panels of a chart.

@@ -40,8 +40,9 @@ const OWN_BEGINNINGS: [(&str, FileKind); 4] = [
     ("\"causes\"", FileKind::Other("a diagnosis of this page")),
 ];
 
-/// Beginning of a ZIP archive; the constant below is the name of the first file of office documents.
+/// Beginning of a ZIP archive.
 const ARCHIVE_BEGINNING: &[u8] = b"PK\x03\x04";
+/// Names of the first file in the archive of an office document.
 const DOCUMENT_FILES: [&[u8]; 2] = [b"[Content_Types].xml", b"mimetype"];
 /// Offset of the name of the first file.
 const FIRST_NAME_OFFSET: usize = 30;

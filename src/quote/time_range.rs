@@ -40,10 +40,11 @@ const CORNER_REACH_S: f64 = 0.1;
 const MIN_TURN_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// Least difference of turns beyond the largest one shown, rad.
 const MIN_TURN_EXCESS_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Ratio of radii or lengths from which on they count as of other size; the ratios below are those of
-/// feedrates and rapids.
+/// Ratio of radii or lengths from which on they count as of other size.
 const MIN_SIZE_RATIO: f64 = 2.0;
+/// Ratio of feedrates from which on one counts as faster.
 const MIN_FASTER_RATIO: f64 = 1.25;
+/// Ratio of the lengths of rapids from which on one counts as longer.
 const MIN_LONGER_RATIO: f64 = 1.5;
 /// Least time of a block that is not short, s: length over feedrate.
 const MAX_SHORT_BLOCK_S: f64 = 0.1;

@@ -76,8 +76,9 @@ pub struct LoadColumns {
     pub predicted_per_tooth: Vec<f64>,
 }
 
-/// Completed fraction after the simulation; the constant below is that after the cut of the stock.
+/// Completed fraction after the simulation.
 const SIMULATED_FRACTION: f64 = 0.1;
+/// Completed fraction after the cut of the stock.
 const STOCK_CUT_FRACTION: f64 = 0.5;
 
 /// Returns the loads of a program that cuts the stock of a cutting job (text) on the machine of a filled

@@ -137,7 +137,7 @@ pub struct ProfileColumns {
     /// Ends of the steps of feedrate that colour the path, mm.
     #[wasm_bindgen(js_name = paceEnd)]
     pub pace_end: Vec<f64>,
-    /// Feedrate of each step, mm/s.
+    /// Feedrate of each step that colours the path, mm/s.
     #[wasm_bindgen(js_name = paceFeedrate)]
     pub pace_feedrate: Vec<f64>,
 }

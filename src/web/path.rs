@@ -10,8 +10,9 @@ use crate::plot::Programmed;
 use crate::plot::path::{self, Camera, Coloring, Drawing, Light, Raster, Scene, Sheet, SteppedCurve, Trail};
 use crate::units::mm_per_min;
 
-/// Width of lines, CSS pixels; the constant below is the length of dashes.
+/// Width of lines, CSS pixels.
 const LINE_WIDTH_PX: f64 = 2.0;
+/// Length of dashes, CSS pixels.
 const DASH_LENGTH_PX: f64 = 5.0;
 /// Largest distance of the pointer from a line that it selects, CSS pixels.
 const POINTER_REACH_PX: f64 = 8.0;

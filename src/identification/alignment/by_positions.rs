@@ -37,10 +37,11 @@ const MAX_LENGTH_RATIO: f64 = 1.25;
 /// Deviation of a control that blends as widely as its speed requires, mm: a corner of 90° between two legs
 /// at 3000 mm/min is rounded by this at about 500 mm/s².
 const WIDE_BLEND_MM: f64 = 1.0;
-/// Least distance of a sample from the ends of a line at which it counts, in deviations; the constants below
-/// are the least number of such samples, and the least part of them on the line.
+/// Least distance of a sample from the ends of a line at which it counts, in deviations.
 const MIN_END_DISTANCE_RATIO: f64 = 4.0;
+/// Least number of such samples.
 const MIN_ON_LINES: usize = 20;
+/// Least part of such samples that lie on their line.
 const MIN_ON_LINES_RATIO: f64 = 0.95;
 /// Most marks per run.
 const MAX_MARKS: usize = 4000;

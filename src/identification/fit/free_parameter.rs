@@ -27,11 +27,11 @@ pub enum VariationScale {
 /// The exactness with which a machine can have a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exactness {
-    /// As exactly as the law of the model is that of the control.
+    /// As exactly as the law of the model agrees with that of the control.
     Law,
     /// A time that the control counts in cycles.
     Cycles,
-    /// A time of a function, counted in cycles.
+    /// A time of a machine function, counted in cycles.
     Wait,
     /// Exactly, as a switch or a clock.
     Exact,

@@ -12,9 +12,9 @@ use flate2::read::{DeflateDecoder, MultiGzDecoder};
 
 use crate::identification::recording::RecordingError;
 
-/// Most bytes of an unpacked log; the constant below is the most bytes per packed byte, as rows of numbers
-/// shrink to a hundredth at best.
+/// Most bytes of an unpacked log.
 const MAX_UNPACKED_BYTES: u64 = 1 << 30;
+/// Most unpacked bytes per packed byte: rows of numbers shrink to a hundredth at best.
 const MAX_UNPACKED_RATIO: u64 = 300;
 
 const GZIP_BEGINNING: &[u8] = b"\x1f\x8b";

@@ -25,8 +25,9 @@ pub struct Sheet<'a> {
     pub length: (f64, String),
 }
 
-/// Width of lines, pixels; the constant below is the room below the path.
+/// Width of lines, pixels.
 const LINE_WIDTH_PX: f64 = 1.5;
+/// Height of the room below the path, pixels.
 const FOOT_HEIGHT_PX: f64 = 34.0;
 /// Distance within which an edge is joined with the next, pixels.
 const MAX_JOINED_PX: f64 = 0.5;

@@ -262,7 +262,7 @@ fn plan_of_segments(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy
     }
 }
 
-/// Returns the plan with each block run as written.
+/// Returns the plan without substitutes for arcs, overrides or lines: each segment is planned as one block.
 fn plan_as_written(toolpath: &Toolpath, machine: &Machine, policy: CornerPolicy) -> FeedPlan {
     let mut plan = FeedPlan { start: machine.times.start, ..FeedPlan::default() };
     plan.segment_feedrates.reserve_exact(toolpath.segments.len());

@@ -21,8 +21,9 @@ const JOB_VERSION: u64 = 1;
 /// Most operations of a job: each needs a simulation.
 const MAX_OPERATIONS: usize = 200;
 
-/// Largest number of characters of a name; the constant below is that of the path of a file.
+/// Largest number of characters of a name.
 const MAX_NAME_CHARACTERS: usize = 200;
+/// Largest number of characters of the path of a file.
 const MAX_PATH_CHARACTERS: usize = 4000;
 
 /// Bounds of the parts on a fixture.
